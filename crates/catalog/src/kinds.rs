@@ -1,0 +1,96 @@
+//! What the frame graph asks of passes, answered by the catalog.
+
+use crate::assets::{Assets, PipelineFiles, ShaderAssets};
+use frame_graph::port::{Kinds, OutputContext, OutputDesc};
+use frame_graph::{Interface, KindError, Ports, Setting, Settings, Use};
+use pass::{Library, Pass, UseContext};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// All kinds of passes with the shaders by which they know their ports.
+pub struct Catalog {
+    assets: Assets,
+    pipelines: PipelineFiles,
+    shaders: Arc<Library>,
+    /// Schemas of kinds that take no shader: asked for at every link, and never different.
+    settings: Mutex<HashMap<String, Arc<[Setting]>>>,
+}
+
+impl Catalog {
+    /// Of these files.
+    pub fn new(assets: Assets) -> Catalog {
+        let files = Arc::new(ShaderAssets(assets.clone()));
+        // Imports are looked for beside the importing file, then among the shared modules.
+        let shaders = Library::new(files).with_roots(["shaders", ""]);
+        Catalog {
+            pipelines: PipelineFiles(assets.clone()),
+            assets,
+            shaders: Arc::new(shaders),
+            settings: Mutex::default(),
+        }
+    }
+
+    /// The files.
+    pub fn assets(&self) -> &Assets {
+        &self.assets
+    }
+
+    /// Pipelines by name.
+    pub fn pipelines(&self) -> &PipelineFiles {
+        &self.pipelines
+    }
+
+    /// All WGSL.
+    pub fn shaders(&self) -> &Arc<Library> {
+        &self.shaders
+    }
+
+    fn find(&self, kind: &str) -> Result<&'static dyn Pass, KindError> {
+        crate::find(kind).ok_or_else(|| KindError::new(format!("there is no kind `{kind}`")))
+    }
+}
+
+impl std::fmt::Debug for Catalog {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Catalog").field("root", &self.assets.root()).finish_non_exhaustive()
+    }
+}
+
+impl Kinds for Catalog {
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = crate::PASSES.iter().map(|pass| pass.info().kind.to_owned()).collect();
+        names.sort();
+        names
+    }
+
+    fn interfaces(&self) -> &[Interface] {
+        pass::interfaces::INTERFACES
+    }
+
+    fn takes_shader(&self, kind: &str) -> Option<bool> {
+        crate::find(kind).map(Pass::takes_shader)
+    }
+
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+        let pass = self.find(use_.kind)?;
+        let context = UseContext { use_, shaders: &self.shaders };
+        if pass.takes_shader() {
+            return Ok(pass.settings(&context)?.into());
+        }
+        let mut known = self.settings.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(settings) = known.get(use_.kind) {
+            return Ok(Arc::clone(settings));
+        }
+        let settings: Arc<[Setting]> = pass.settings(&context)?.into();
+        known.insert(use_.kind.to_owned(), Arc::clone(&settings));
+        Ok(settings)
+    }
+
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, KindError> {
+        self.find(use_.kind)?.ports(&UseContext { use_, shaders: &self.shaders }, settings).map(Arc::new)
+    }
+
+    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        self.find(context.use_.kind)?.outputs(&UseContext { use_: context.use_, shaders: &self.shaders }, context)
+    }
+}

@@ -1,0 +1,15 @@
+//! The catalog: the one ordered list of passes, from which the command line, the documentation and the checks
+//! derive; and the files that the program carries with it.
+
+mod assets;
+mod kinds;
+
+pub use assets::{Assets, PipelineFiles, SceneAssets, ShaderAssets};
+pub use kinds::Catalog;
+
+include!(concat!(env!("OUT_DIR"), "/catalog.rs"));
+
+/// The kind of that name.
+pub fn find(kind: &str) -> Option<&'static dyn pass::Pass> {
+    PASSES.iter().copied().find(|pass| pass.info().kind == kind)
+}

@@ -1,0 +1,68 @@
+//! What can go wrong on the GPU, told with the pass and the bytes.
+
+use frame_graph::Diagnostics;
+
+/// An error of the executor.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ExecutorError {
+    /// No adapter was found.
+    #[error(
+        "no graphics adapter was found; on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` gives one that runs on the CPU"
+    )]
+    NoAdapter,
+    /// The adapter gave no device.
+    #[error("the adapter {adapter} gave no device: {message}")]
+    Device {
+        /// The adapter's name.
+        adapter: String,
+        /// What it said.
+        message: String,
+    },
+    /// A resource is larger than the adapter allows.
+    #[error("{resource} needs {wanted}, and the adapter allows {allowed} ({limit})")]
+    Limit {
+        /// `pass.port`
+        resource: String,
+        /// The size asked for.
+        wanted: String,
+        /// The size allowed.
+        allowed: String,
+        /// The limit's name in WebGPU.
+        limit: &'static str,
+    },
+    /// The device's memory is used up.
+    #[error("out of memory: {resource} needs {bytes} bytes, beside {held} bytes held already")]
+    OutOfMemory {
+        /// `pass.port`
+        resource: String,
+        /// Bytes asked for.
+        bytes: u64,
+        /// Bytes held by the executor.
+        held: u64,
+    },
+    /// The driver refused a pipeline or a command.
+    #[error("in pass {pass}: {message}")]
+    Pass {
+        /// Name of the pass.
+        pass: String,
+        /// What the driver said.
+        message: String,
+    },
+    /// The device is gone.
+    #[error("the graphics device is gone: {message}")]
+    Lost {
+        /// What it said.
+        message: String,
+    },
+    /// A shader or a binding is wrong.
+    #[error("{0}")]
+    Shader(Diagnostics),
+    /// A resource cannot be read back.
+    #[error("{resource} cannot be read back: {message}")]
+    ReadBack {
+        /// `pass.port`
+        resource: String,
+        /// Why.
+        message: String,
+    },
+}

@@ -1,0 +1,127 @@
+//! The device: opened here, or handed in by a host program.
+
+use crate::error::ExecutorError;
+use std::sync::{Arc, Mutex};
+use wgpu::{Adapter, AdapterInfo, Backends, Device, Features, Instance, Limits, Queue};
+
+/// A device with its queue, and the first error that it reported.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// The device.
+    pub device: Device,
+    /// Its queue.
+    pub queue: Queue,
+    /// The adapter's name, driver and type.
+    pub info: AdapterInfo,
+    faults: Arc<Mutex<Option<String>>>,
+}
+
+impl Gpu {
+    /// Features that are used where they are there; none is needed.
+    pub const WANTED: Features = Features::TIMESTAMP_QUERY
+        .union(Features::FLOAT32_FILTERABLE)
+        .union(Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+
+    /// Opens the best adapter, without a window. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` choose another.
+    ///
+    /// # Errors
+    /// [`ExecutorError::NoAdapter`] with what to install, or the driver's own refusal.
+    pub fn open() -> Result<Gpu, ExecutorError> {
+        pollster::block_on(Self::open_async())
+    }
+
+    /// What adapters there are, the one that [`Gpu::open`] takes first.
+    pub fn adapters() -> Vec<AdapterInfo> {
+        pollster::block_on(Self::sorted_adapters()).iter().map(Adapter::get_info).collect()
+    }
+
+    async fn sorted_adapters() -> Vec<Adapter> {
+        let instance = Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let backends = Backends::from_env().unwrap_or(Backends::PRIMARY);
+        let mut adapters: Vec<Adapter> = instance.enumerate_adapters(backends).await;
+        if let Ok(wanted) = std::env::var("WGPU_ADAPTER_NAME") {
+            let wanted = wanted.to_lowercase();
+            adapters.retain(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted));
+        }
+        adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
+            wgpu::DeviceType::DiscreteGpu => 0,
+            wgpu::DeviceType::IntegratedGpu => 1,
+            wgpu::DeviceType::VirtualGpu => 2,
+            wgpu::DeviceType::Cpu => 3,
+            wgpu::DeviceType::Other => 4,
+        });
+        adapters
+    }
+
+    async fn open_async() -> Result<Gpu, ExecutorError> {
+        let adapters = Self::sorted_adapters().await;
+        let adapter = adapters.first().ok_or(ExecutorError::NoAdapter)?;
+        let (device, queue) = adapter
+            .request_device(&Self::device_descriptor(adapter))
+            .await
+            .map_err(|error| ExecutorError::Device { adapter: adapter.get_info().name, message: error.to_string() })?;
+        Ok(Gpu::from_device(device, queue, adapter.get_info()))
+    }
+
+    /// How Lightloom asks for a device: all that the adapter's limits allow, and the wanted features that it has.
+    /// A host program that opens its own device does well to ask the same.
+    pub fn device_descriptor(adapter: &Adapter) -> wgpu::DeviceDescriptor<'static> {
+        wgpu::DeviceDescriptor {
+            label: Some("lightloom"),
+            required_features: adapter.features() & Self::WANTED,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        }
+    }
+
+    /// Takes a device that a host program has opened. Its uncaptured errors come to [`Gpu::take_fault`] from
+    /// now on.
+    pub fn from_device(device: Device, queue: Queue, info: AdapterInfo) -> Gpu {
+        let faults = Arc::new(Mutex::new(None));
+        let sink = Arc::clone(&faults);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            let mut first = sink.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            first.get_or_insert_with(|| error.to_string());
+        }));
+        let sink = Arc::clone(&faults);
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                let mut first = sink.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                first.get_or_insert_with(|| format!("the device was lost: {message}"));
+            }
+        });
+        Gpu { device, queue, info, faults }
+    }
+
+    /// The first error since the last call, if there was one.
+    pub fn take_fault(&self) -> Option<String> {
+        self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
+    }
+
+    /// The limits that the device was opened with.
+    pub fn limits(&self) -> Limits {
+        self.device.limits()
+    }
+
+    /// Whether passes can be timed on the GPU.
+    pub fn has_timestamps(&self) -> bool {
+        self.device.features().contains(Features::TIMESTAMP_QUERY)
+    }
+
+    /// Adapter and driver in one line, for provenance.
+    pub fn describe(&self) -> String {
+        let info = &self.info;
+        format!("{} ({:?}, {} {})", info.name, info.backend, info.driver, info.driver_info)
+    }
+
+    /// Waits until all that was submitted is done.
+    ///
+    /// # Errors
+    /// [`ExecutorError::Lost`] where the device is gone.
+    pub fn wait(&self) -> Result<(), ExecutorError> {
+        self.device
+            .poll(wgpu::PollType::Wait { submission_index: None, timeout: None })
+            .map(|_| ())
+            .map_err(|error| ExecutorError::Lost { message: error.to_string() })
+    }
+}

@@ -1,0 +1,23 @@
+//! Runs the plans of the frame graph on wgpu.
+//!
+//! An [`Executor`] takes a plan whose steps are linked, makes the objects and pipelines that it lacks, and
+//! encodes frames. It knows no pass and no scene: the data of the host program comes as [`External`]s by name.
+
+mod error;
+mod format;
+mod gpu;
+mod object;
+mod pipeline;
+mod readback;
+mod run;
+mod step;
+mod timing;
+
+pub use error::ExecutorError;
+pub use format::texture_format;
+pub use gpu::Gpu;
+pub use object::{Object, ObjectUsage};
+pub use run::{Executor, External, FrameOptions, FrameReport, LoadReport};
+
+/// wgpu, so that host programs name its types in the version of this crate.
+pub use wgpu;

@@ -1,0 +1,163 @@
+//! Objects on the GPU behind the allocations of a plan, kept for reuse when a plan is replaced.
+
+use crate::error::ExecutorError;
+use crate::format::texture_format;
+use crate::gpu::Gpu;
+use frame_graph::ResourceDesc;
+use wgpu::{BufferUsages, TextureUsages};
+
+/// A texture or a buffer.
+#[derive(Clone, Debug)]
+pub enum Object {
+    /// A texture with the view that shaders bind.
+    Texture {
+        /// The texture.
+        texture: wgpu::Texture,
+        /// All of it, as an array where it is declared so.
+        view: wgpu::TextureView,
+    },
+    /// A buffer.
+    Buffer(wgpu::Buffer),
+}
+
+/// What an object is used for, beside being bound and read back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ObjectUsage {
+    /// Drawn to, or cleared.
+    pub attachment: bool,
+    /// Bound as a storage texture.
+    pub storage: bool,
+    /// Copied to.
+    pub filled: bool,
+    /// Holds workgroup counts.
+    pub indirect: bool,
+}
+
+impl ObjectUsage {
+    /// Either.
+    pub(crate) fn or(self, other: ObjectUsage) -> ObjectUsage {
+        ObjectUsage {
+            attachment: self.attachment || other.attachment,
+            storage: self.storage || other.storage,
+            filled: self.filled || other.filled,
+            indirect: self.indirect || other.indirect,
+        }
+    }
+
+    fn covers(self, other: ObjectUsage) -> bool {
+        self.or(other) == self
+    }
+}
+
+/// Objects that no plan uses now.
+#[derive(Debug, Default)]
+pub(crate) struct Pool {
+    free: Vec<(ResourceDesc, ObjectUsage, Object)>,
+    /// Bytes of all objects made and not dropped.
+    pub(crate) held: u64,
+}
+
+impl Pool {
+    /// Takes a free object that fits, or makes one. Its contents have no meaning.
+    pub(crate) fn take(&mut self, gpu: &Gpu, name: &str, desc: &ResourceDesc, usage: ObjectUsage) -> Result<Object, ExecutorError> {
+        let found = self.free.iter().position(|(free, free_usage, _)| free == desc && free_usage.covers(usage));
+        if let Some(index) = found {
+            return Ok(self.free.swap_remove(index).2);
+        }
+        let object = create(gpu, name, desc, usage, self.held)?;
+        self.held += desc.bytes();
+        Ok(object)
+    }
+
+    /// Gives an object back.
+    pub(crate) fn give(&mut self, desc: ResourceDesc, usage: ObjectUsage, object: Object) {
+        self.free.push((desc, usage, object));
+    }
+
+    /// Drops what no plan took again.
+    pub(crate) fn trim(&mut self) {
+        let dropped: u64 = self.free.drain(..).map(|(desc, ..)| desc.bytes()).sum();
+        self.held = self.held.saturating_sub(dropped);
+    }
+}
+
+fn create(gpu: &Gpu, name: &str, desc: &ResourceDesc, usage: ObjectUsage, held: u64) -> Result<Object, ExecutorError> {
+    check_limits(gpu, name, desc)?;
+    let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+    let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let object = match desc {
+        ResourceDesc::Texture(texture) => {
+            let mut usages = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+            usages.set(TextureUsages::RENDER_ATTACHMENT, usage.attachment);
+            usages.set(TextureUsages::STORAGE_BINDING, usage.storage);
+            usages.set(TextureUsages::COPY_DST, usage.filled);
+            let made = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(name),
+                size: wgpu::Extent3d { width: texture.size.0, height: texture.size.1, depth_or_array_layers: texture.layers },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: texture_format(texture.format),
+                usage: usages,
+                view_formats: &[],
+            });
+            let dimension = if texture.array { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
+            let view = made.create_view(&wgpu::TextureViewDescriptor {
+                label: Some(name),
+                dimension: Some(dimension),
+                ..Default::default()
+            });
+            Object::Texture { texture: made, view }
+        }
+        ResourceDesc::Buffer(buffer) => {
+            let mut usages = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+            usages.set(BufferUsages::INDIRECT, usage.indirect);
+            Object::Buffer(gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(name),
+                size: buffer.bytes,
+                usage: usages,
+                mapped_at_creation: false,
+            }))
+        }
+    };
+    let refused = pollster::block_on(validation.pop());
+    if let Some(error) = pollster::block_on(memory.pop()) {
+        tracing::debug!(%error, name, "allocation refused");
+        return Err(ExecutorError::OutOfMemory { resource: name.to_owned(), bytes: desc.bytes(), held });
+    }
+    match refused {
+        Some(error) => Err(ExecutorError::Pass { pass: name.to_owned(), message: error.to_string() }),
+        None => Ok(object),
+    }
+}
+
+fn check_limits(gpu: &Gpu, name: &str, desc: &ResourceDesc) -> Result<(), ExecutorError> {
+    let limits = gpu.limits();
+    let error = |wanted: String, allowed: String, limit| {
+        Err(ExecutorError::Limit { resource: name.to_owned(), wanted, allowed, limit })
+    };
+    match desc {
+        ResourceDesc::Texture(texture) => {
+            let side = texture.size.0.max(texture.size.1);
+            if side > limits.max_texture_dimension_2d {
+                let allowed = format!("{} texels", limits.max_texture_dimension_2d);
+                return error(format!("a side of {side} texels"), allowed, "max_texture_dimension_2d");
+            }
+            if texture.layers > limits.max_texture_array_layers {
+                let allowed = limits.max_texture_array_layers.to_string();
+                return error(format!("{} layers", texture.layers), allowed, "max_texture_array_layers");
+            }
+        }
+        ResourceDesc::Buffer(buffer) => {
+            for (allowed, limit) in [
+                (limits.max_storage_buffer_binding_size, "max_storage_buffer_binding_size"),
+                (limits.max_buffer_size, "max_buffer_size"),
+            ] {
+                if buffer.bytes > allowed {
+                    return error(format!("{} bytes", buffer.bytes), format!("{allowed} bytes"), limit);
+                }
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,253 @@
+//! Pipelines of linked steps, kept while shader, layout and targets stay the same.
+
+use crate::error::ExecutorError;
+use crate::format::{sample_type, storage_format, texture_format};
+use crate::gpu::Gpu;
+use frame_graph::Format;
+use frame_graph::resource::SampleKind;
+use pass::{Blend, Draw, LinkedStep, Step};
+use shader_library::{Access, Dimension, GlobalKind, Sample, Stage};
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+use wgpu::ShaderStages;
+
+/// A pipeline with the layout of its one bind group.
+#[derive(Debug)]
+pub(crate) struct Pipeline {
+    pub(crate) kind: PipelineKind,
+    pub(crate) layout: wgpu::BindGroupLayout,
+}
+
+#[derive(Debug)]
+pub(crate) enum PipelineKind {
+    Compute(wgpu::ComputePipeline),
+    Render(wgpu::RenderPipeline),
+}
+
+/// All that tells one pipeline from another.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Key {
+    shader: u128,
+    entries: Vec<usize>,
+    constants: Vec<(String, u64)>,
+    targets: Vec<(Format, Blend)>,
+    depth: Option<(Format, bool)>,
+    vertices: bool,
+}
+
+/// Pipelines made so far, and shader modules by hash.
+#[derive(Debug, Default)]
+pub(crate) struct Pipelines {
+    made: HashMap<Key, Arc<Pipeline>>,
+    modules: HashMap<u128, wgpu::ShaderModule>,
+}
+
+/// Formats of a step's targets.
+pub(crate) struct TargetFormats {
+    pub(crate) colors: Vec<Format>,
+    pub(crate) depth: Option<Format>,
+}
+
+impl Pipelines {
+    /// The pipeline of a step, and whether it had to be made.
+    pub(crate) fn get(&mut self, gpu: &Gpu, pass: &str, step: &LinkedStep, formats: &TargetFormats) -> Result<(Arc<Pipeline>, bool), ExecutorError> {
+        let constants = match &step.step {
+            Step::Compute(compute) => &compute.constants,
+            Step::Raster(raster) => &raster.constants,
+        };
+        let (targets, depth, vertices) = match &step.step {
+            Step::Compute(_) => (Vec::new(), None, false),
+            Step::Raster(raster) => (
+                formats.colors.iter().zip(&raster.targets).map(|(format, target)| (*format, target.blend)).collect(),
+                formats.depth.zip(raster.depth.as_ref()).map(|(format, depth)| (format, depth.less)),
+                raster.draw == Draw::Scene,
+            ),
+        };
+        let key = Key {
+            shader: step.shader.hash,
+            entries: step.entries.clone(),
+            constants: constants.iter().map(|(name, value)| (name.clone(), value.to_bits())).collect(),
+            targets,
+            depth,
+            vertices,
+        };
+        if let Some(pipeline) = self.made.get(&key) {
+            return Ok((Arc::clone(pipeline), false));
+        }
+        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let pipeline = Arc::new(self.build(gpu, pass, step, &key, constants));
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            self.modules.remove(&step.shader.hash);
+            return Err(ExecutorError::Pass { pass: pass.to_owned(), message: error.to_string() });
+        }
+        self.made.insert(key, Arc::clone(&pipeline));
+        Ok((pipeline, true))
+    }
+
+    /// Drops pipelines and modules of shaders that are in use no more.
+    pub(crate) fn trim(&mut self, used: &HashSet<u128>) {
+        self.made.retain(|key, _| used.contains(&key.shader));
+        self.modules.retain(|hash, _| used.contains(hash));
+    }
+
+    fn build(&mut self, gpu: &Gpu, pass: &str, step: &LinkedStep, key: &Key, constants: &[(String, f64)]) -> Pipeline {
+        let module = self.modules.entry(step.shader.hash).or_insert_with(|| {
+            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: step.shader.files().first().map(String::as_str),
+                source: wgpu::ShaderSource::Naga(Cow::Owned(step.shader.module.clone())),
+            })
+        });
+        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(pass),
+            entries: &layout_entries(step),
+        });
+        let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(pass),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let constants: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+        let compilation_options = wgpu::PipelineCompilationOptions {
+            constants: &constants,
+            // Every shader of ours writes workgroup memory before it reads it.
+            zero_initialize_workgroup_memory: true,
+        };
+        let entry = |index: usize| Some(step.shader.interface.entries[step.entries[index]].name.as_str());
+        let kind = match &step.step {
+            Step::Compute(_) => PipelineKind::Compute(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(pass),
+                layout: Some(&pipeline_layout),
+                module,
+                entry_point: entry(0),
+                compilation_options,
+                cache: None,
+            })),
+            Step::Raster(raster) => {
+                let targets: Vec<Option<wgpu::ColorTargetState>> = key.targets.iter().map(|(format, blend)| Some(color_target(*format, *blend))).collect();
+                PipelineKind::Render(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                    label: Some(pass),
+                    layout: Some(&pipeline_layout),
+                    vertex: wgpu::VertexState {
+                        module,
+                        entry_point: entry(0),
+                        compilation_options: compilation_options.clone(),
+                        buffers: if key.vertices { SCENE_VERTICES } else { &[] },
+                    },
+                    primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
+                    depth_stencil: key.depth.map(|(format, less)| wgpu::DepthStencilState {
+                        format: texture_format(format),
+                        depth_write_enabled: Some(true),
+                        depth_compare: Some(if less { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::GreaterEqual }),
+                        stencil: wgpu::StencilState::default(),
+                        bias: wgpu::DepthBiasState::default(),
+                    }),
+                    multisample: wgpu::MultisampleState::default(),
+                    fragment: raster.fragment.as_ref().map(|_| wgpu::FragmentState {
+                        module,
+                        entry_point: entry(1),
+                        compilation_options,
+                        targets: &targets,
+                    }),
+                    multiview_mask: None,
+                    cache: None,
+                }))
+            }
+        };
+        Pipeline { kind, layout }
+    }
+}
+
+/// Attributes of `scene::Vertex`: position, normal, uv, material, instance.
+static SCENE_VERTICES: &[Option<wgpu::VertexBufferLayout<'static>>] = &[Some(wgpu::VertexBufferLayout {
+    array_stride: 48,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &[
+        wgpu::VertexAttribute { format: wgpu::VertexFormat::Float32x3, offset: 0, shader_location: 0 },
+        wgpu::VertexAttribute { format: wgpu::VertexFormat::Float32x3, offset: 16, shader_location: 1 },
+        wgpu::VertexAttribute { format: wgpu::VertexFormat::Float32x2, offset: 32, shader_location: 2 },
+        wgpu::VertexAttribute { format: wgpu::VertexFormat::Uint32, offset: 12, shader_location: 3 },
+        wgpu::VertexAttribute { format: wgpu::VertexFormat::Uint32, offset: 28, shader_location: 4 },
+    ],
+})];
+
+fn color_target(format: Format, blend: Blend) -> wgpu::ColorTargetState {
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::ColorTargetState {
+        format: texture_format(format),
+        blend: (blend == Blend::Add).then_some(wgpu::BlendState { color: add, alpha: add }),
+        write_mask: wgpu::ColorWrites::ALL,
+    }
+}
+
+fn layout_entries(step: &LinkedStep) -> Vec<wgpu::BindGroupLayoutEntry> {
+    step.bindings
+        .iter()
+        .map(|bound| {
+            let global = &step.shader.interface.globals[bound.global];
+            wgpu::BindGroupLayoutEntry {
+                binding: global.binding,
+                visibility: stages(step, bound.global),
+                ty: binding_type(&global.kind),
+                count: None,
+            }
+        })
+        .collect()
+}
+
+fn stages(step: &LinkedStep, global: usize) -> ShaderStages {
+    step.entries
+        .iter()
+        .map(|&entry| &step.shader.interface.entries[entry])
+        .filter(|entry| entry.globals.contains(&global))
+        .map(|entry| match entry.stage {
+            Stage::Compute => ShaderStages::COMPUTE,
+            Stage::Vertex => ShaderStages::VERTEX,
+            Stage::Fragment => ShaderStages::FRAGMENT,
+        })
+        .fold(ShaderStages::NONE, ShaderStages::union)
+}
+
+fn binding_type(kind: &GlobalKind) -> wgpu::BindingType {
+    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    match kind {
+        GlobalKind::Uniform { .. } => buffer(wgpu::BufferBindingType::Uniform),
+        GlobalKind::Storage { writable, .. } => buffer(wgpu::BufferBindingType::Storage { read_only: !writable }),
+        GlobalKind::Texture { dimension, sample, multisampled } => wgpu::BindingType::Texture {
+            sample_type: match sample {
+                Sample::Float { sampled } => sample_type(SampleKind::Float, *sampled),
+                Sample::Uint => sample_type(SampleKind::Uint, false),
+                Sample::Sint => wgpu::TextureSampleType::Sint,
+                Sample::Depth => sample_type(SampleKind::Depth, false),
+            },
+            view_dimension: match dimension {
+                Dimension::D1 => wgpu::TextureViewDimension::D1,
+                Dimension::D2 => wgpu::TextureViewDimension::D2,
+                Dimension::D2Array => wgpu::TextureViewDimension::D2Array,
+                Dimension::Cube => wgpu::TextureViewDimension::Cube,
+                Dimension::CubeArray => wgpu::TextureViewDimension::CubeArray,
+                Dimension::D3 => wgpu::TextureViewDimension::D3,
+            },
+            multisampled: *multisampled,
+        },
+        GlobalKind::StorageTexture { format, access, dimension } => wgpu::BindingType::StorageTexture {
+            access: match access {
+                Access::Read => wgpu::StorageTextureAccess::ReadOnly,
+                Access::Write => wgpu::StorageTextureAccess::WriteOnly,
+                Access::ReadWrite => wgpu::StorageTextureAccess::ReadWrite,
+                Access::Atomic => wgpu::StorageTextureAccess::Atomic,
+            },
+            format: storage_format(format).unwrap_or(wgpu::TextureFormat::Rgba32Float),
+            view_dimension: if *dimension == Dimension::D2Array { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 },
+        },
+        GlobalKind::Sampler { comparison } => wgpu::BindingType::Sampler(if *comparison {
+            wgpu::SamplerBindingType::Comparison
+        } else {
+            wgpu::SamplerBindingType::Filtering
+        }),
+    }
+}

@@ -1,0 +1,68 @@
+//! Copies of resources in the program's memory, after a frame.
+
+use crate::error::ExecutorError;
+use crate::gpu::Gpu;
+use crate::object::Object;
+use frame_graph::ResourceDesc;
+
+/// Maps a buffer, waits, and copies its bytes.
+pub(crate) fn map(gpu: &Gpu, buffer: &wgpu::Buffer, name: &str) -> Result<Vec<u8>, ExecutorError> {
+    let error = |message: String| ExecutorError::ReadBack { resource: name.to_owned(), message };
+    let (sender, receiver) = std::sync::mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        // The receiver waits below; it cannot be gone.
+        let _ = sender.send(result);
+    });
+    gpu.wait()?;
+    match receiver.try_recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(refused)) => return Err(error(refused.to_string())),
+        Err(_) => return Err(error("the device did not answer".to_owned())),
+    }
+    let bytes = buffer.get_mapped_range(..).map_err(|refused| error(refused.to_string()))?.to_vec();
+    buffer.unmap();
+    Ok(bytes)
+}
+
+/// The bytes of an object, row by row and layer by layer, without padding.
+pub(crate) fn read(gpu: &Gpu, name: &str, desc: &ResourceDesc, object: &Object) -> Result<Vec<u8>, ExecutorError> {
+    let staging = |size: u64| {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read back"),
+            size,
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        })
+    };
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read back") });
+    match (desc, object) {
+        (ResourceDesc::Buffer(buffer), Object::Buffer(source)) => {
+            let target = staging(buffer.bytes);
+            encoder.copy_buffer_to_buffer(source, 0, &target, 0, buffer.bytes);
+            gpu.queue.submit([encoder.finish()]);
+            map(gpu, &target, name)
+        }
+        (ResourceDesc::Texture(texture), Object::Texture { texture: source, .. }) => {
+            let row = u64::from(texture.size.0) * texture.format.bytes();
+            let padded = row.next_multiple_of(u64::from(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT));
+            let rows = u64::from(texture.size.1) * u64::from(texture.layers);
+            let target = staging(padded * rows);
+            encoder.copy_texture_to_buffer(
+                source.as_image_copy(),
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &target,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: u32::try_from(padded).ok(),
+                        rows_per_image: Some(texture.size.1),
+                    },
+                },
+                wgpu::Extent3d { width: texture.size.0, height: texture.size.1, depth_or_array_layers: texture.layers },
+            );
+            gpu.queue.submit([encoder.finish()]);
+            let bytes = map(gpu, &target, name)?;
+            Ok(bytes.chunks_exact(padded as usize).flat_map(|padded_row| &padded_row[..row as usize]).copied().collect())
+        }
+        _ => Err(ExecutorError::ReadBack { resource: name.to_owned(), message: "its object is of another sort".to_owned() }),
+    }
+}

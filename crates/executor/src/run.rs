@@ -1,0 +1,540 @@
+//! The executor: loads plans and encodes frames.
+
+use crate::error::ExecutorError;
+use crate::gpu::Gpu;
+use crate::object::{Object, ObjectUsage, Pool};
+use crate::pipeline::Pipelines;
+use crate::readback;
+use crate::step::{LoadedStep, StepContext};
+use crate::timing::Timers;
+use frame_graph::frame::{FrameSchedule, FrameState};
+use frame_graph::plan::{AllocationId, HistoryId, PassId, Plan, ResourceId};
+use frame_graph::{Change, Clear, ResetCause, ResourceDesc};
+use pass::{LinkedStep, PastFact, Source, pass_seed};
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// Data of the host program, bound by name.
+#[derive(Clone, Debug)]
+pub enum External {
+    /// A uniform or storage buffer.
+    Buffer(wgpu::Buffer),
+    /// A texture.
+    Texture(wgpu::TextureView),
+    /// A sampler.
+    Sampler(wgpu::Sampler),
+}
+
+/// How frames run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameOptions {
+    /// Time each pass on the GPU.
+    pub timed: bool,
+    /// Fill what a pass writes with NaN before it runs: pictures must not change.
+    pub poison: bool,
+}
+
+/// What loading a plan did.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadReport {
+    /// Passes whose steps are new or changed.
+    pub changed: Vec<PassId>,
+    /// Pipelines that had to be made.
+    pub pipelines: usize,
+    /// Whether objects and histories of the plan before were kept.
+    pub kept: bool,
+}
+
+/// What a frame did.
+#[derive(Clone, Debug, Default)]
+pub struct FrameReport {
+    /// One entry a pass: did it run?
+    pub ran: Vec<bool>,
+    /// Milliseconds on the GPU, one entry a pass; 0 for those that did not run. Empty where not timed.
+    pub times: Vec<f64>,
+}
+
+/// Runs plans on a device.
+#[derive(Debug)]
+pub struct Executor {
+    gpu: Gpu,
+    pool: Pool,
+    pipelines: Pipelines,
+    externals: HashMap<&'static str, External>,
+    scene_indices: u32,
+    seed: u32,
+    loaded: Option<Loaded>,
+    pending: Vec<PassId>,
+}
+
+#[derive(Debug)]
+struct Loaded {
+    plan: Arc<Plan>,
+    objects: Vec<(ObjectUsage, Object)>,
+    /// One entry a pass.
+    steps: Vec<Vec<LoadedStep>>,
+    uniforms: Option<wgpu::Buffer>,
+    state: FrameState,
+    /// What the last frame did.
+    schedule: FrameSchedule,
+    timers: Option<Timers>,
+    poison: Option<wgpu::Buffer>,
+}
+
+impl Executor {
+    /// Of a device, with nothing loaded.
+    pub fn new(gpu: Gpu) -> Executor {
+        Executor {
+            gpu,
+            pool: Pool::default(),
+            pipelines: Pipelines::default(),
+            externals: HashMap::new(),
+            scene_indices: 0,
+            seed: 0,
+            loaded: None,
+            pending: Vec::new(),
+        }
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// The plan that is loaded.
+    pub fn plan(&self) -> Option<&Arc<Plan>> {
+        self.loaded.as_ref().map(|loaded| &loaded.plan)
+    }
+
+    /// Bytes of all objects that the executor holds.
+    pub fn held_bytes(&self) -> u64 {
+        self.pool.held
+    }
+
+    /// Binds data of the host program. The name is one of [`pass::externals::GLOBALS`].
+    pub fn set_external(&mut self, name: &'static str, external: External) {
+        self.externals.insert(name, external);
+        for step in self.loaded.iter_mut().flat_map(|loaded| loaded.steps.iter_mut().flatten()) {
+            step.forget_bindings();
+        }
+    }
+
+    /// How many indices a draw of the scene has.
+    pub fn set_scene_indices(&mut self, count: u32) {
+        self.scene_indices = count;
+    }
+
+    /// The run's seed; passes run again where it is another.
+    pub fn set_seed(&mut self, seed: u32) {
+        if self.seed != seed {
+            self.seed = seed;
+            self.pending = self.all_passes();
+        }
+    }
+
+    fn all_passes(&self) -> Vec<PassId> {
+        let passes = self.loaded.as_ref().map_or(0, |loaded| loaded.plan.passes.len());
+        (0..passes as u32).map(PassId).collect()
+    }
+
+    /// Takes a plan with the linked steps of its passes, in place of the one before. If anything fails, the
+    /// one before stays.
+    ///
+    /// # Errors
+    /// A pipeline that the driver refuses, a limit, or memory used up: with the pass and the bytes.
+    pub fn load(&mut self, plan: Arc<Plan>, steps: Vec<Vec<LinkedStep>>) -> Result<LoadReport, ExecutorError> {
+        let mut pipelines = 0;
+        let mut built = Vec::with_capacity(steps.len());
+        for (pass, pass_steps) in plan.passes.iter().zip(steps) {
+            let mut row = Vec::with_capacity(pass_steps.len());
+            for step in pass_steps {
+                let (step, made) = LoadedStep::new(&self.gpu, &mut self.pipelines, &plan, pass, step)?;
+                pipelines += usize::from(made);
+                row.push(step);
+            }
+            built.push(row);
+        }
+        let changed = self.changed_passes(&plan, &built);
+        let usages = allocation_usages(&plan, &built);
+        let keep = self.loaded.as_ref().is_some_and(|old| {
+            old.plan.id == plan.id && old.objects.iter().zip(&usages).all(|((old, _), new)| old.or(*new) == *old)
+        });
+        let old = self.loaded.as_ref();
+        let (objects, state, schedule, kept) = match old.filter(|_| keep) {
+            Some(old) => (old.objects.clone(), old.state.clone(), old.schedule.clone(), true),
+            None => (self.allocate(&plan, &usages)?, FrameState::new(&plan), FrameSchedule::default(), false),
+        };
+        let uniforms = lay_out_uniforms(&self.gpu, &mut built);
+        let timers = Timers::new(&self.gpu, plan.passes.len() as u32);
+        let loaded = Loaded { plan, objects, steps: built, uniforms, state, schedule, timers, poison: None };
+        if let Some(old) = self.loaded.replace(loaded)
+            && !kept
+        {
+            for (allocation, (usage, object)) in old.plan.allocations.iter().zip(old.objects) {
+                self.pool.give(allocation.desc.clone(), usage, object);
+            }
+            self.pool.trim();
+        }
+        let used: HashSet<u128> =
+            self.loaded.iter().flat_map(|loaded| loaded.steps.iter().flatten()).map(LoadedStep::shader_hash).collect();
+        self.pipelines.trim(&used);
+        self.pending.extend(changed.iter().copied());
+        Ok(LoadReport { changed, pipelines, kept })
+    }
+
+    fn changed_passes(&self, plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<PassId> {
+        let old: HashMap<&str, &Vec<LoadedStep>> = self.loaded.as_ref().map_or_else(HashMap::new, |loaded| {
+            loaded.plan.passes.iter().map(|pass| pass.name.as_str()).zip(&loaded.steps).collect()
+        });
+        plan.passes
+            .iter()
+            .zip(steps)
+            .enumerate()
+            .filter(|(_, (pass, steps))| {
+                !old.get(pass.name.as_str()).is_some_and(|old| {
+                    old.len() == steps.len() && old.iter().zip(*steps).all(|(a, b)| a.same_work(b))
+                })
+            })
+            .map(|(index, _)| PassId(index as u32))
+            .collect()
+    }
+
+    fn allocate(&mut self, plan: &Plan, usages: &[ObjectUsage]) -> Result<Vec<(ObjectUsage, Object)>, ExecutorError> {
+        let mut objects: Vec<(ObjectUsage, Object)> = Vec::with_capacity(usages.len());
+        for (allocation, usage) in plan.allocations.iter().zip(usages) {
+            let first = allocation.resources.first();
+            let name = first.map_or("unused", |id| plan.resources[id.0 as usize].name.as_str());
+            // Textures may be asked to be poisoned later on; buffers always can be.
+            match self.pool.take(&self.gpu, name, &allocation.desc, *usage) {
+                Ok(object) => objects.push((*usage, object)),
+                Err(error) => {
+                    for (allocation, (usage, object)) in plan.allocations.iter().zip(objects) {
+                        self.pool.give(allocation.desc.clone(), usage, object);
+                    }
+                    self.pool.trim();
+                    return Err(error);
+                }
+            }
+        }
+        // Constants are written once: nothing else has a place in their objects.
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("constants") });
+        for resource in &plan.resources {
+            if let Some(clear) = resource.constant {
+                fill(&mut encoder, &objects[resource.allocation.0 as usize].1, &resource.desc, clear);
+            }
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        Ok(objects)
+    }
+
+    /// Runs a frame: what `change` and what followed from earlier ones ask for, and submits it.
+    ///
+    /// # Errors
+    /// What the driver said of the frame's commands; the device gone.
+    ///
+    /// # Panics
+    /// Where no plan is loaded, or an external that a shader reads is not set: defects of the host program.
+    pub fn frame(&mut self, mut change: Change, options: FrameOptions) -> Result<FrameReport, ExecutorError> {
+        let loaded = self.loaded.as_mut().expect("a plan is loaded before frames run");
+        change.passes.append(&mut self.pending);
+        let plan = Arc::clone(&loaded.plan);
+        let schedule = loaded.state.begin(&plan, &change);
+        loaded.write_uniforms(&self.gpu, &schedule, self.seed);
+        if options.poison && loaded.poison.is_none() {
+            loaded.poison = Some(poison_buffer(&self.gpu, &plan));
+        }
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
+            if slot.reset.is_some() {
+                let desc = &plan.resources[history.resource.0 as usize].desc;
+                fill(&mut encoder, &loaded.objects[history.copies[slot.previous].0 as usize].1, desc, history.init);
+            }
+        }
+        let timed = options.timed && loaded.timers.is_some();
+        let Loaded { objects, steps, uniforms, timers, poison, .. } = loaded;
+        let object_of = |source: &Source| -> Option<(AllocationId, &Object)> {
+            let allocation = match source {
+                Source::Resource(id) => current_allocation(&plan, &schedule, *id),
+                Source::Past(id) => past_allocation(&plan, &schedule, *id),
+                Source::External(_) | Source::Settings => return None,
+            };
+            Some((allocation, &objects[allocation.0 as usize].1))
+        };
+        let context = StepContext {
+            gpu: &self.gpu,
+            externals: &self.externals,
+            scene_indices: self.scene_indices,
+            uniforms: uniforms.as_ref(),
+            object_of: &object_of,
+        };
+        let mut open: Option<wgpu::ComputePass<'static>> = None;
+        for (index, pass) in plan.passes.iter().enumerate().filter(|(index, _)| schedule.runs[*index]) {
+            let poisoned = poison.as_ref().filter(|_| options.poison);
+            if !pass.clears.is_empty() || poisoned.is_some() {
+                open = None;
+            }
+            if let Some(poison) = poisoned {
+                for id in pass.outputs.iter().flat_map(|output| output.members.iter().map(|(_, id)| *id)) {
+                    let allocation = current_allocation(&plan, &schedule, id);
+                    poison_object(&mut encoder, poison, &plan.resources[id.0 as usize].desc, &objects[allocation.0 as usize]);
+                }
+            }
+            for (id, clear) in &pass.clears {
+                let allocation = current_allocation(&plan, &schedule, *id);
+                fill(&mut encoder, &objects[allocation.0 as usize].1, &plan.resources[id.0 as usize].desc, *clear);
+            }
+            let count = steps[index].len();
+            for (i, step) in steps[index].iter_mut().enumerate() {
+                let queries = timers.as_ref().filter(|_| timed).map(|timers| {
+                    let at = 2 * index as u32;
+                    (&timers.queries, (i == 0).then_some(at), (i + 1 == count).then_some(at + 1))
+                });
+                step.encode(&context, &mut encoder, &mut open, queries);
+            }
+        }
+        drop(open);
+        if timed && let Some(timers) = timers {
+            timers.resolve(&mut encoder);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        if let Some(message) = self.gpu.take_fault() {
+            return Err(ExecutorError::Pass { pass: "of this frame".to_owned(), message });
+        }
+        let times = match timers {
+            Some(timers) if timed => {
+                let mut times = timers.read(&self.gpu)?;
+                times.iter_mut().zip(&schedule.runs).filter(|(_, ran)| !**ran).for_each(|(time, _)| *time = 0.0);
+                times
+            }
+            _ => Vec::new(),
+        };
+        loaded.schedule = schedule;
+        Ok(FrameReport { ran: loaded.schedule.runs.clone(), times })
+    }
+
+    /// The bytes of a resource as the last frame left it: rows and layers without padding. Resources that share
+    /// their object may have been overwritten; outputs of the pipeline never are.
+    ///
+    /// # Errors
+    /// Where there is no such resource, or the device is gone.
+    pub fn read(&self, resource: ResourceId) -> Result<Vec<u8>, ExecutorError> {
+        let found = self.loaded.as_ref().and_then(|loaded| loaded.plan.resources.get(resource.0 as usize));
+        let (Some(planned), Some(object)) = (found, self.object(resource)) else {
+            return Err(ExecutorError::ReadBack {
+                resource: format!("resource {}", resource.0),
+                message: "the loaded plan has none of that number".to_owned(),
+            });
+        };
+        readback::read(&self.gpu, &planned.name, &planned.desc, object)
+    }
+
+    /// The object of a resource, for a host program that draws with it.
+    pub fn object(&self, resource: ResourceId) -> Option<&Object> {
+        let loaded = self.loaded.as_ref()?;
+        let planned = loaded.plan.resources.get(resource.0 as usize)?;
+        let allocation = match (planned.history, loaded.schedule.histories.is_empty()) {
+            (Some(_), false) => current_allocation(&loaded.plan, &loaded.schedule, resource),
+            _ => planned.allocation,
+        };
+        Some(&loaded.objects[allocation.0 as usize].1)
+    }
+
+    /// Writes a resource's bytes, as a test or a host program that feeds a pass does. The resource must not be
+    /// written by a pass that runs.
+    pub fn write(&self, resource: ResourceId, bytes: &[u8]) {
+        let Some(loaded) = &self.loaded else { return };
+        let planned = &loaded.plan.resources[resource.0 as usize];
+        match (&loaded.objects[planned.allocation.0 as usize].1, &planned.desc) {
+            (Object::Buffer(buffer), _) => self.gpu.queue.write_buffer(buffer, 0, bytes),
+            (Object::Texture { texture, .. }, ResourceDesc::Texture(desc)) => self.gpu.queue.write_texture(
+                texture.as_image_copy(),
+                bytes,
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(desc.size.0 * desc.format.bytes() as u32),
+                    rows_per_image: Some(desc.size.1),
+                },
+                texture.size(),
+            ),
+            _ => {}
+        }
+    }
+}
+
+impl Loaded {
+    fn write_uniforms(&mut self, gpu: &Gpu, schedule: &FrameSchedule, seed: u32) {
+        let Some(buffer) = &self.uniforms else { return };
+        for (pass, steps) in self.plan.passes.iter().zip(&mut self.steps) {
+            for step in steps {
+                let seed = pass_seed(seed, &pass.name);
+                step.write_uniform(gpu, buffer, seed, |history: HistoryId, fact| {
+                    let slot = &schedule.histories[history.0 as usize];
+                    match fact {
+                        PastFact::Age => slot.age,
+                        PastFact::Reset => slot.reset.map_or(0, reset_code),
+                    }
+                });
+            }
+        }
+    }
+}
+
+fn reset_code(cause: ResetCause) -> u32 {
+    match cause {
+        ResetCause::FirstFrame => 1,
+        ResetCause::Resize => 2,
+        ResetCause::Cut => 3,
+        ResetCause::Scene => 4,
+        ResetCause::Reload => 5,
+    }
+}
+
+fn current_allocation(plan: &Plan, schedule: &FrameSchedule, id: ResourceId) -> AllocationId {
+    let resource = &plan.resources[id.0 as usize];
+    match resource.history {
+        Some(history) => {
+            plan.histories[history.0 as usize].copies[schedule.histories[history.0 as usize].current]
+        }
+        None => resource.allocation,
+    }
+}
+
+fn past_allocation(plan: &Plan, schedule: &FrameSchedule, id: HistoryId) -> AllocationId {
+    plan.histories[id.0 as usize].copies[schedule.histories[id.0 as usize].previous]
+}
+
+/// What every object is used for, from the steps and clears of the plan.
+fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage> {
+    let mut usages = vec![ObjectUsage::default(); plan.allocations.len()];
+    let mut add = |id: ResourceId, usage: ObjectUsage| {
+        let resource = &plan.resources[id.0 as usize];
+        let histories = resource.history.map(|history| plan.histories[history.0 as usize].copies);
+        for allocation in histories.iter().flatten().chain([&resource.allocation]) {
+            let entry = &mut usages[allocation.0 as usize];
+            *entry = entry.or(usage);
+        }
+    };
+    for step in steps.iter().flatten() {
+        step.usages(&mut add);
+    }
+    let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
+    for pass in &plan.passes {
+        pass.clears.iter().for_each(|(id, _)| add(*id, attachment));
+    }
+    for (index, resource) in plan.resources.iter().enumerate() {
+        if resource.constant.is_some() || resource.history.is_some() {
+            add(ResourceId(index as u32), attachment);
+        }
+        // Filled by tests, by hosts, and with poison; depth formats cannot be copied to.
+        if resource.desc.texture().is_some_and(|texture| texture.format != frame_graph::Format::Depth32Float) {
+            add(ResourceId(index as u32), ObjectUsage { filled: true, ..ObjectUsage::default() });
+        }
+    }
+    usages
+}
+
+/// Gives every step that has a uniform its place in one buffer.
+fn lay_out_uniforms(gpu: &Gpu, steps: &mut [Vec<LoadedStep>]) -> Option<wgpu::Buffer> {
+    let alignment = u64::from(gpu.limits().min_uniform_buffer_offset_alignment);
+    let mut size = 0;
+    for step in steps.iter_mut().flatten() {
+        size += step.place_uniform(size).next_multiple_of(alignment);
+    }
+    (size > 0).then(|| {
+        gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("settings"),
+            size,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    })
+}
+
+/// Encodes the filling of a whole object with one value.
+fn fill(encoder: &mut wgpu::CommandEncoder, object: &Object, desc: &ResourceDesc, clear: Clear) {
+    match (object, desc) {
+        (Object::Buffer(buffer), _) => encoder.clear_buffer(buffer, 0, None),
+        (Object::Texture { texture, .. }, ResourceDesc::Texture(described)) => {
+            let color = match clear {
+                Clear::Zero => wgpu::Color::TRANSPARENT,
+                Clear::Color([r, g, b, a]) => wgpu::Color { r: r.into(), g: g.into(), b: b.into(), a: a.into() },
+            };
+            for layer in 0..described.layers {
+                let view = layer_view(texture, layer);
+                let is_depth = described.format == frame_graph::Format::Depth32Float;
+                let color_attachment = [Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Clear(color), store: wgpu::StoreOp::Store },
+                })];
+                encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    label: Some("clear"),
+                    color_attachments: if is_depth { &[] } else { &color_attachment },
+                    depth_stencil_attachment: is_depth.then(|| wgpu::RenderPassDepthStencilAttachment {
+                        view: &view,
+                        depth_ops: Some(wgpu::Operations {
+                            load: wgpu::LoadOp::Clear(color.r as f32),
+                            store: wgpu::StoreOp::Store,
+                        }),
+                        stencil_ops: None,
+                    }),
+                    ..Default::default()
+                });
+            }
+        }
+        (Object::Texture { .. }, ResourceDesc::Buffer(_)) => {}
+    }
+}
+
+/// One layer of a texture, as an attachment.
+pub(crate) fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        ..Default::default()
+    })
+}
+
+/// A buffer of set bits, as large as the largest resource with its rows padded: NaN in every float format.
+fn poison_buffer(gpu: &Gpu, plan: &Plan) -> wgpu::Buffer {
+    let largest = plan.resources.iter().map(|resource| match &resource.desc {
+        ResourceDesc::Buffer(buffer) => buffer.bytes,
+        ResourceDesc::Texture(texture) => padded_row(texture) * u64::from(texture.size.1) * u64::from(texture.layers),
+    });
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("poison"),
+        size: largest.max().unwrap_or(4).next_multiple_of(4),
+        usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: true,
+    });
+    if let Ok(mut bytes) = buffer.get_mapped_range_mut(..) {
+        bytes.slice(..).fill(0xff);
+    }
+    buffer.unmap();
+    buffer
+}
+
+fn padded_row(texture: &frame_graph::TextureDesc<(u32, u32)>) -> u64 {
+    (u64::from(texture.size.0) * texture.format.bytes()).next_multiple_of(u64::from(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT))
+}
+
+fn poison_object(encoder: &mut wgpu::CommandEncoder, poison: &wgpu::Buffer, desc: &ResourceDesc, object: &(ObjectUsage, Object)) {
+    match (&object.1, desc) {
+        (Object::Buffer(buffer), ResourceDesc::Buffer(desc)) => encoder.copy_buffer_to_buffer(poison, 0, buffer, 0, desc.bytes),
+        (Object::Texture { texture, .. }, ResourceDesc::Texture(desc)) if object.0.filled => encoder.copy_buffer_to_texture(
+            wgpu::TexelCopyBufferInfo {
+                buffer: poison,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: u32::try_from(padded_row(desc)).ok(),
+                    rows_per_image: Some(desc.size.1),
+                },
+            },
+            texture.as_image_copy(),
+            texture.size(),
+        ),
+        _ => {}
+    }
+}

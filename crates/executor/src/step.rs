@@ -1,0 +1,294 @@
+//! One step of a pass, ready to be encoded.
+
+use crate::error::ExecutorError;
+use crate::gpu::Gpu;
+use crate::object::{Object, ObjectUsage};
+use crate::pipeline::{Pipeline, PipelineKind, Pipelines, TargetFormats};
+use crate::run::{External, layer_view};
+use frame_graph::plan::{AllocationId, HistoryId, Plan, PlannedPass, ResourceId};
+use pass::{Draw, LinkedStep, Load, PastFact, Source, Step, Threads};
+use shader_library::GlobalKind;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// A linked step with its pipeline, bind groups and place in the uniform buffer.
+#[derive(Debug)]
+pub(crate) struct LoadedStep {
+    label: String,
+    linked: LinkedStep,
+    pipeline: Arc<Pipeline>,
+    /// Offset and bytes of the uniform, as last written.
+    uniform: Option<(u64, Vec<u8>)>,
+    /// Bind groups by the objects that they hold: histories make two of them change places.
+    groups: Vec<(Vec<AllocationId>, wgpu::BindGroup)>,
+    views: HashMap<(AllocationId, u32), wgpu::TextureView>,
+}
+
+/// What encoding a step needs to know.
+pub(crate) struct StepContext<'a> {
+    pub(crate) gpu: &'a Gpu,
+    pub(crate) externals: &'a HashMap<&'static str, External>,
+    pub(crate) scene_indices: u32,
+    pub(crate) uniforms: Option<&'a wgpu::Buffer>,
+    pub(crate) object_of: &'a dyn Fn(&Source) -> Option<(AllocationId, &'a Object)>,
+}
+
+/// Queries to write at the begin and the end of a step.
+pub(crate) type StepQueries<'a> = Option<(&'a wgpu::QuerySet, Option<u32>, Option<u32>)>;
+
+impl LoadedStep {
+    /// Makes the pipeline; the flag says whether it was not there before.
+    pub(crate) fn new(gpu: &Gpu, pipelines: &mut Pipelines, plan: &Plan, pass: &PlannedPass, linked: LinkedStep) -> Result<(LoadedStep, bool), ExecutorError> {
+        let format = |id: &ResourceId| plan.resources[id.0 as usize].desc.texture().map(|texture| texture.format);
+        let formats = TargetFormats {
+            colors: linked.targets.iter().filter_map(format).collect(),
+            depth: linked.depth.as_ref().and_then(format),
+        };
+        let (pipeline, made) = pipelines.get(gpu, &pass.name, &linked, &formats)?;
+        let entry = linked.entries.first().map_or("", |&entry| linked.shader.interface.entries[entry].name.as_str());
+        let label = format!("{}: {entry}", pass.name);
+        let step = LoadedStep { label, linked, pipeline, uniform: None, groups: Vec::new(), views: HashMap::new() };
+        Ok((step, made))
+    }
+
+    pub(crate) fn shader_hash(&self) -> u128 {
+        self.linked.shader.hash
+    }
+
+    /// Whether both do the same with the same resources' names; values of the uniform included.
+    pub(crate) fn same_work(&self, other: &LoadedStep) -> bool {
+        let values = |step: &LoadedStep| step.linked.settings.as_ref().map(|settings| settings.values.clone());
+        self.linked.shader.hash == other.linked.shader.hash
+            && self.linked.entries == other.linked.entries
+            && format!("{:?}", self.linked.step) == format!("{:?}", other.linked.step)
+            && values(self) == values(other)
+    }
+
+    pub(crate) fn forget_bindings(&mut self) {
+        self.groups.clear();
+    }
+
+    /// Reserves the uniform's place at `offset`; gives its size.
+    pub(crate) fn place_uniform(&mut self, offset: u64) -> u64 {
+        let Some(settings) = &self.linked.settings else { return 0 };
+        // WebGPU wants the whole struct bound, rounded up as uniform layouts are.
+        let size = u64::from(settings.layout.size).next_multiple_of(16);
+        self.uniform = Some((offset, Vec::new()));
+        self.groups.clear();
+        size
+    }
+
+    /// Writes the uniform where it is not what was written last.
+    pub(crate) fn write_uniform(&mut self, gpu: &Gpu, buffer: &wgpu::Buffer, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) {
+        if let (Some(settings), Some((offset, written))) = (&self.linked.settings, &mut self.uniform) {
+            let mut bytes = settings.bytes(seed, past);
+            bytes.resize(bytes.len().next_multiple_of(16), 0);
+            if bytes != *written {
+                gpu.queue.write_buffer(buffer, *offset, &bytes);
+                *written = bytes;
+            }
+        }
+    }
+
+    /// Tells what each resource is used for.
+    pub(crate) fn usages(&self, add: &mut impl FnMut(ResourceId, ObjectUsage)) {
+        let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
+        self.linked.targets.iter().chain(&self.linked.depth).for_each(|id| add(*id, attachment));
+        for bound in &self.linked.bindings {
+            if let Source::Resource(id) = &bound.source
+                && matches!(self.linked.shader.interface.globals[bound.global].kind, GlobalKind::StorageTexture { .. })
+            {
+                add(*id, ObjectUsage { storage: true, ..ObjectUsage::default() });
+            }
+        }
+        if let Some(id) = self.linked.indirect {
+            add(id, ObjectUsage { indirect: true, ..ObjectUsage::default() });
+        }
+    }
+
+    /// Encodes the step. Dispatches that follow each other share one compute pass unless they are timed.
+    pub(crate) fn encode(
+        &mut self,
+        context: &StepContext<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        open: &mut Option<wgpu::ComputePass<'static>>,
+        queries: StepQueries<'_>,
+    ) {
+        let group = self.bind_group(context);
+        match &self.pipeline.kind {
+            PipelineKind::Compute(pipeline) => {
+                if queries.is_some() {
+                    *open = None;
+                }
+                let mut pass = open.take().unwrap_or_else(|| {
+                    let descriptor = wgpu::ComputePassDescriptor {
+                        label: Some(&self.label),
+                        timestamp_writes: queries.map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
+                            query_set,
+                            beginning_of_pass_write_index: begin,
+                            end_of_pass_write_index: end,
+                        }),
+                    };
+                    encoder.begin_compute_pass(&descriptor).forget_lifetime()
+                });
+                pass.push_debug_group(&self.label);
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                self.dispatch(context, &mut pass);
+                pass.pop_debug_group();
+                if queries.is_none() {
+                    *open = Some(pass);
+                }
+            }
+            PipelineKind::Render(pipeline) => {
+                *open = None;
+                let pipeline = pipeline.clone();
+                self.draw(context, encoder, &pipeline, &group, queries);
+            }
+        }
+    }
+
+    fn dispatch(&self, context: &StepContext<'_>, pass: &mut wgpu::ComputePass<'static>) {
+        let Step::Compute(compute) = &self.linked.step else { return };
+        let size = self.linked.shader.interface.entries[self.linked.entries[0]].workgroup_size;
+        let groups = |threads: u32, axis: usize| threads.div_ceil(size[axis].max(1));
+        match &compute.threads {
+            Threads::Grid(threads) => {
+                pass.dispatch_workgroups(groups(threads[0], 0), groups(threads[1], 1), groups(threads[2], 2));
+            }
+            Threads::Row(threads) => {
+                let most = context.gpu.limits().max_compute_workgroups_per_dimension;
+                let all = groups(*threads, 0);
+                let rows = all.div_ceil(most).max(1);
+                pass.dispatch_workgroups(all.div_ceil(rows), rows, 1);
+            }
+            Threads::Indirect { offset, .. } => {
+                let buffer = self.linked.indirect.and_then(|id| (context.object_of)(&Source::Resource(id)));
+                if let Some((_, Object::Buffer(buffer))) = buffer {
+                    pass.dispatch_workgroups_indirect(buffer, *offset);
+                }
+            }
+        }
+    }
+
+    fn draw(
+        &mut self,
+        context: &StepContext<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        pipeline: &wgpu::RenderPipeline,
+        group: &wgpu::BindGroup,
+        queries: StepQueries<'_>,
+    ) {
+        let Step::Raster(raster) = &self.linked.step else { return };
+        let layers = raster.targets.iter().map(|target| target.layer).chain(raster.depth.iter().map(|depth| depth.layer));
+        let ids = self.linked.targets.iter().chain(&self.linked.depth);
+        let keys: Vec<(AllocationId, u32)> = ids
+            .zip(layers)
+            .filter_map(|(id, layer)| {
+                let (allocation, object) = (context.object_of)(&Source::Resource(*id))?;
+                let Object::Texture { texture, .. } = object else { return None };
+                self.views.entry((allocation, layer)).or_insert_with(|| layer_view(texture, layer));
+                Some((allocation, layer))
+            })
+            .collect();
+        let colors: Vec<Option<wgpu::RenderPassColorAttachment<'_>>> = raster
+            .targets
+            .iter()
+            .zip(&keys)
+            .map(|(target, key)| {
+                let load = match target.load {
+                    Load::Clear([r, g, b, a]) => wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
+                    Load::Keep => wgpu::LoadOp::Load,
+                };
+                Some(wgpu::RenderPassColorAttachment {
+                    view: &self.views[key],
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+                })
+            })
+            .collect();
+        let depth = raster.depth.as_ref().zip(keys.get(raster.targets.len())).map(|(target, key)| {
+            wgpu::RenderPassDepthStencilAttachment {
+                view: &self.views[key],
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(target.clear), store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(&self.label),
+            color_attachments: &colors,
+            depth_stencil_attachment: depth,
+            timestamp_writes: queries.map(|(query_set, begin, end)| wgpu::RenderPassTimestampWrites {
+                query_set,
+                beginning_of_pass_write_index: begin,
+                end_of_pass_write_index: end,
+            }),
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[]);
+        match &raster.draw {
+            Draw::Fullscreen => pass.draw(0..3, 0..1),
+            Draw::Vertices { vertices, instances } => pass.draw(0..*vertices, 0..*instances),
+            Draw::Scene => {
+                if let (Some(External::Buffer(vertices)), Some(External::Buffer(indices))) =
+                    (context.externals.get("scene_vertices"), context.externals.get("scene_indices"))
+                {
+                    pass.set_vertex_buffer(0, vertices.slice(..));
+                    pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+                    pass.draw_indexed(0..context.scene_indices, 0, 0..1);
+                }
+            }
+        }
+    }
+
+    fn bind_group(&mut self, context: &StepContext<'_>) -> wgpu::BindGroup {
+        let objects: Vec<Option<(AllocationId, &Object)>> =
+            self.linked.bindings.iter().map(|bound| (context.object_of)(&bound.source)).collect();
+        let key: Vec<AllocationId> = objects.iter().flatten().map(|(allocation, _)| *allocation).collect();
+        if let Some((_, group)) = self.groups.iter().find(|(held, _)| *held == key) {
+            return group.clone();
+        }
+        let entries: Vec<wgpu::BindGroupEntry<'_>> = self
+            .linked
+            .bindings
+            .iter()
+            .zip(&objects)
+            .map(|(bound, object)| {
+                let global = &self.linked.shader.interface.globals[bound.global];
+                wgpu::BindGroupEntry { binding: global.binding, resource: self.resource(context, &bound.source, object.map(|(_, object)| object), &global.name) }
+            })
+            .collect();
+        let group = context.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(&self.label),
+            layout: &self.pipeline.layout,
+            entries: &entries,
+        });
+        self.groups.push((key, group.clone()));
+        group
+    }
+
+    fn resource<'a>(&self, context: &StepContext<'a>, source: &Source, object: Option<&'a Object>, name: &str) -> wgpu::BindingResource<'a> {
+        match (source, object) {
+            (_, Some(Object::Texture { view, .. })) => wgpu::BindingResource::TextureView(view),
+            (_, Some(Object::Buffer(buffer))) => buffer.as_entire_binding(),
+            (Source::External(external), _) => match context.externals.get(external) {
+                Some(External::Buffer(buffer)) => buffer.as_entire_binding(),
+                Some(External::Texture(view)) => wgpu::BindingResource::TextureView(view),
+                Some(External::Sampler(sampler)) => wgpu::BindingResource::Sampler(sampler),
+                None => panic!("{}: the host program has not set the external `{name}`", self.label),
+            },
+            _ => {
+                let (Some(buffer), Some((offset, _)), Some(settings)) = (context.uniforms, &self.uniform, &self.linked.settings) else {
+                    unreachable!("linking gives every step that reads `settings` a uniform")
+                };
+                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer,
+                    offset: *offset,
+                    size: std::num::NonZeroU64::new(u64::from(settings.layout.size).next_multiple_of(16)),
+                })
+            }
+        }
+    }
+}

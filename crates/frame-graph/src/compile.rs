@@ -1,0 +1,503 @@
+//! From a graph to a plan: cull, order, lifetimes, sharing.
+
+mod identity;
+mod memory;
+mod order;
+
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Diagnostics, Source, Span};
+use crate::link::{Graph, GraphPass, Tap};
+use crate::name::Name;
+use crate::plan::{
+    AllocationId, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput, PlannedOutput, PlannedPass,
+    PlannedPort, PlannedResource, ResourceId,
+};
+use crate::port::{Externals, Usage};
+use crate::resource::Clear;
+use std::ops::Range;
+
+/// How to compile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CompileOptions {
+    /// Whether transients share objects.
+    pub sharing: bool,
+    /// The outputs wanted, by name; all where empty. Whatever none of them needs is culled.
+    pub outputs: Vec<String>,
+    /// Further resources to keep for reading back, as `pass.port` or `pass.port.member`.
+    pub keep: Vec<String>,
+}
+
+impl Default for CompileOptions {
+    fn default() -> CompileOptions {
+        CompileOptions { sharing: true, outputs: Vec::new(), keep: Vec::new() }
+    }
+}
+
+/// Compiles a graph.
+///
+/// # Errors
+/// If an output or a resource is asked for that the graph does not have.
+pub fn compile(graph: &Graph, options: &CompileOptions) -> Result<Plan, Diagnostics> {
+    let mut work = Work::new(graph);
+    work.want(options)?;
+    work.cull();
+    let by_file = order::by_file(&work);
+    work.trace(&by_file);
+    let order = order::order(&work, by_file);
+    Ok(work.plan(&order, options))
+}
+
+/// No index.
+const NONE: u32 = u32::MAX;
+
+/// The work of compiling. Resources are numbered by pass, port and member of the graph.
+struct Work<'a> {
+    graph: &'a Graph,
+    /// First entry in `ports` of each pass, and the end.
+    first_port: Vec<u32>,
+    /// First resource of each port, and the end.
+    ports: Vec<u32>,
+    resources: Vec<Resource>,
+    /// The passes that are needed, among them those that only a constant is needed of.
+    needed: Vec<bool>,
+    /// Outputs that are wanted, by index.
+    wanted: Vec<u32>,
+}
+
+/// What compiling needs to know of a resource.
+#[derive(Clone, Debug)]
+struct Resource {
+    bytes: u64,
+    /// Whether it outlives its last reader.
+    persistent: bool,
+    /// The value of the constant that stands for it, if that is needed.
+    constant: Option<Clear>,
+    /// Same-frame links that read it, from passes that are needed.
+    readers: u32,
+    /// Index of its history.
+    history: u32,
+    /// Whether anything reads it, now or later.
+    read: bool,
+}
+
+impl<'a> Work<'a> {
+    fn new(graph: &'a Graph) -> Work<'a> {
+        let count = graph.passes.len();
+        let mut first_port = Vec::with_capacity(count + 1);
+        let mut ports = Vec::with_capacity(count * 2 + 1);
+        let mut resources = Vec::with_capacity(count * 2);
+        for pass in &graph.passes {
+            first_port.push(ports.len() as u32);
+            for port in &pass.outputs {
+                ports.push(resources.len() as u32);
+                for (_, desc, _) in &port.members {
+                    resources.push(Resource {
+                        bytes: desc.bytes(),
+                        persistent: false,
+                        constant: None,
+                        readers: 0,
+                        history: NONE,
+                        read: false,
+                    });
+                }
+            }
+        }
+        first_port.push(ports.len() as u32);
+        ports.push(resources.len() as u32);
+        Work { graph, first_port, ports, resources, needed: vec![false; count], wanted: Vec::new() }
+    }
+
+    /// The resources of all ports of a pass.
+    fn of_pass(&self, pass: usize) -> Range<usize> {
+        let ports = |i: usize| self.ports[self.first_port[i] as usize] as usize;
+        ports(pass)..ports(pass + 1)
+    }
+
+    fn of_port(&self, pass: u32, port: u32) -> Range<usize> {
+        let at = (self.first_port[pass as usize] + port) as usize;
+        self.ports[at] as usize..self.ports[at + 1] as usize
+    }
+
+    /// The resources that a link takes.
+    fn of_tap(&self, tap: &Tap) -> Range<usize> {
+        let whole = self.of_port(tap.pass, tap.port);
+        match tap.member {
+            Some(member) => whole.start + member as usize..whole.start + member as usize + 1,
+            None => whole,
+        }
+    }
+
+    /// Takes the outputs and resources that are asked for.
+    fn want(&mut self, options: &CompileOptions) -> Result<(), Diagnostics> {
+        let mut errors = Vec::new();
+        if options.outputs.is_empty() {
+            self.wanted = (0..self.graph.outputs.len() as u32).collect();
+        }
+        for name in &options.outputs {
+            match self.graph.outputs.iter().position(|output| output.name == *name) {
+                Some(i) => self.wanted.push(i as u32),
+                None => {
+                    let names = self.graph.outputs.iter().map(|output| &*output.name);
+                    errors.push(asked("output", name, "the pipeline has no output").suggest("outputs", name, names));
+                }
+            }
+        }
+        self.wanted.sort_unstable();
+        self.wanted.dedup();
+        for i in self.wanted.clone() {
+            let output = &self.graph.outputs[i as usize];
+            self.take(output.from, output.constant);
+        }
+        for name in &options.keep {
+            match self.find(name) {
+                Ok(kept) => {
+                    self.needed[kept.0] = true;
+                    for r in kept.1 {
+                        self.resources[r].persistent = true;
+                        self.resources[r].read = true;
+                    }
+                }
+                Err(error) => errors.push(error),
+            }
+        }
+        if errors.is_empty() { Ok(()) } else { Err(Diagnostics(errors)) }
+    }
+
+    /// Keeps what an output of the pipeline shows.
+    fn take(&mut self, from: Tap, constant: Option<Clear>) {
+        self.needed[from.pass as usize] = true;
+        for r in self.of_tap(&from) {
+            self.resources[r].persistent = true;
+            self.resources[r].read = true;
+            self.resources[r].constant = constant;
+        }
+    }
+
+    /// The pass and resources of `pass.port` or `pass.port.member`.
+    fn find(&self, name: &str) -> Result<(usize, Range<usize>), Diagnostic> {
+        let mut parts = name.split('.');
+        let pass = parts.next().unwrap_or("");
+        let Some(i) = self.graph.passes.iter().position(|p| p.name == *pass) else {
+            let passes = self.graph.passes.iter().map(|p| &*p.name);
+            return Err(asked("keep", name, "there is no pass for").suggest("passes", pass, passes));
+        };
+        let found = &self.graph.passes[i];
+        if let Some(off) = &found.off {
+            return Err(asked("keep", name, "the pass is off:").note(format!("its switch: {}", off.why)));
+        }
+        let port = parts.next();
+        let member = parts.next();
+        let ports = || {
+            let members = |p: &'a crate::link::GraphPort| {
+                let port = p.port.as_str();
+                p.members.iter().map(move |(m, _, _)| if m.is_empty() { port.to_owned() } else { format!("{port}.{m}") })
+            };
+            found.outputs.iter().flat_map(members).collect::<Vec<_>>()
+        };
+        let unknown = || {
+            let known = ports();
+            let tail = &name[(pass.len() + 1).min(name.len())..];
+            asked("keep", name, "the pass has no resource for").suggest("resources", tail, known.iter().map(String::as_str))
+        };
+        let at = match port {
+            Some(port) => found.outputs.iter().position(|p| p.port == *port),
+            None => (found.outputs.len() == 1).then_some(0),
+        };
+        // `pass.member`, where the pass has one port.
+        let (at, member) = match (at, port, member) {
+            (None, Some(port), None) if found.outputs.len() == 1 => (0, Some(port)),
+            (Some(at), _, member) => (at, member),
+            _ => return Err(unknown()),
+        };
+        let whole = self.of_port(i as u32, at as u32);
+        let Some(member) = member else { return Ok((i, whole)) };
+        match found.outputs[at].members.iter().position(|(m, _, _)| m == member) {
+            Some(m) if parts.next().is_none() => Ok((i, whole.start + m..whole.start + m + 1)),
+            _ => Err(unknown()),
+        }
+    }
+
+    /// Marks what is needed, through links of this frame and of the last.
+    fn cull(&mut self) {
+        let mut open: Vec<u32> = (0..self.graph.passes.len() as u32).filter(|i| self.needed[*i as usize]).collect();
+        while let Some(i) = open.pop() {
+            let graph = self.graph;
+            let pass = &graph.passes[i as usize];
+            if pass.off.is_some() {
+                continue;
+            }
+            for input in &pass.inputs {
+                let producer = input.from.pass as usize;
+                if !self.needed[producer] {
+                    self.needed[producer] = true;
+                    open.push(producer as u32);
+                }
+                for r in self.of_tap(&input.from) {
+                    let resource = &mut self.resources[r];
+                    resource.read = true;
+                    if input.constant.is_some() {
+                        resource.constant = input.constant;
+                        resource.persistent = true;
+                    } else if input.past.is_some() {
+                        resource.persistent = true;
+                        resource.history = 0;
+                    } else {
+                        resource.readers += 1;
+                    }
+                }
+            }
+        }
+        let mut histories = 0;
+        for resource in &mut self.resources {
+            if resource.history != NONE {
+                resource.history = histories;
+                histories += 1;
+            }
+        }
+    }
+
+    fn runs(&self, pass: usize) -> bool {
+        self.needed[pass] && self.graph.passes[pass].off.is_none()
+    }
+
+    /// Finds what must outlive its last reader because its producer may be skipped where a reader is not.
+    fn trace(&mut self, order: &[u32]) {
+        // What makes a pass run again: bits for the data of the host program, then for histories. Two histories
+        // may share a bit; what is then not kept is made again, so it costs time and is never wrong.
+        let mut sources = vec![0u64; self.graph.passes.len()];
+        for i in order {
+            let graph = self.graph;
+            let pass = &graph.passes[*i as usize];
+            let mut bits = u64::from(pass.externals.0);
+            for input in pass.inputs.iter().filter(|input| input.constant.is_none()) {
+                if input.past.is_some() {
+                    for r in self.of_tap(&input.from) {
+                        bits |= 1 << (8 + self.resources[r].history % 56);
+                    }
+                } else {
+                    bits |= sources[input.from.pass as usize];
+                }
+            }
+            sources[*i as usize] = bits;
+            for input in pass.inputs.iter().filter(|input| input.constant.is_none() && input.past.is_none()) {
+                let made = sources[input.from.pass as usize];
+                // A producer that runs in every frame is never skipped.
+                if made != bits && made & u64::from(Externals::FRAME.0) == 0 {
+                    for r in self.of_tap(&input.from) {
+                        self.resources[r].persistent = true;
+                    }
+                }
+            }
+        }
+    }
+
+    fn plan(self, order: &[u32], options: &CompileOptions) -> Plan {
+        let graph = self.graph;
+        let mut position = vec![NONE; graph.passes.len()];
+        for (at, i) in order.iter().enumerate() {
+            position[*i as usize] = at as u32;
+        }
+        let mut plan = Plan {
+            id: PlanId(0),
+            frame: graph.frame,
+            passes: Vec::with_capacity(order.len()),
+            resources: Vec::with_capacity(self.resources.len()),
+            allocations: Vec::with_capacity(self.resources.len()),
+            histories: Vec::new(),
+            outputs: Vec::with_capacity(self.wanted.len()),
+            fates: Vec::with_capacity(graph.passes.len()),
+            memory: Memory::default(),
+        };
+        let ids = self.plan_resources(&mut plan, order);
+        self.plan_passes(&mut plan, order, &ids);
+        for i in &self.wanted {
+            let output = &graph.outputs[*i as usize];
+            let port = &graph.passes[output.from.pass as usize].outputs[output.from.port as usize];
+            let pass = &graph.passes[output.from.pass as usize].name;
+            plan.outputs.push(PlannedOutput {
+                name: output.name.clone(),
+                from: Name::from(format!("{pass}.{}", port.port)),
+                interface: self.interface(&output.from),
+                members: self.members(&output.from, &ids),
+            });
+        }
+        memory::share(&mut plan, options.sharing);
+        plan.fates = self.fates(&position);
+        plan.id = identity::of(&plan);
+        plan
+    }
+
+    /// Numbers the resources in the order in which they are made, constants first.
+    fn plan_resources(&self, plan: &mut Plan, order: &[u32]) -> Vec<u32> {
+        let mut ids = vec![NONE; self.resources.len()];
+        let mut name = String::new();
+        let constants = (0..self.graph.passes.len() as u32)
+            .filter(|i| self.needed[*i as usize] && self.graph.passes[*i as usize].off.is_some());
+        let constants: Vec<u32> = constants.collect();
+        let made = order.iter().enumerate().map(|(at, i)| (Some(at as u32), *i));
+        for (at, i) in constants.into_iter().map(|i| (None, i)).chain(made) {
+            let pass = &self.graph.passes[i as usize];
+            let mut r = self.of_pass(i as usize).start;
+            for port in &pass.outputs {
+                for (member, desc, _) in &port.members {
+                    let resource = &self.resources[r];
+                    r += 1;
+                    if at.is_none() && resource.constant.is_none() {
+                        continue;
+                    }
+                    ids[r - 1] = plan.resources.len() as u32;
+                    name.clear();
+                    for part in [&*pass.name, ".", &port.port, if member.is_empty() { "" } else { "." }, member] {
+                        name.push_str(part);
+                    }
+                    let begin = at.unwrap_or(0);
+                    let end = if at.is_none() { order.len().saturating_sub(1) as u32 } else { begin };
+                    plan.resources.push(PlannedResource {
+                        name: Name::from(name.as_str()),
+                        desc: desc.clone(),
+                        allocation: AllocationId(NONE),
+                        producer: at.map(PassId),
+                        readers: Vec::with_capacity(resource.readers as usize),
+                        lifetime: (begin, end),
+                        persistent: resource.persistent,
+                        history: (resource.history != NONE).then_some(HistoryId(resource.history)),
+                        constant: resource.constant.filter(|_| at.is_none()),
+                    });
+                }
+            }
+        }
+        ids
+    }
+
+    fn interface(&self, tap: &Tap) -> Name {
+        let port = &self.graph.passes[tap.pass as usize].outputs[tap.port as usize];
+        if tap.member.is_none() {
+            return port.interface.clone();
+        }
+        let first = self.of_tap(tap).start - self.of_port(tap.pass, tap.port).start;
+        let texture = port.members.get(first).is_some_and(|(_, desc, _)| desc.texture().is_some());
+        Name::new(if texture { "Texture" } else { "Buffer" })
+    }
+
+    fn members(&self, tap: &Tap, ids: &[u32]) -> Vec<(Name, ResourceId)> {
+        let port = &self.graph.passes[tap.pass as usize].outputs[tap.port as usize];
+        let first = self.of_port(tap.pass, tap.port).start;
+        let name = |r: usize| if tap.bare { Name::EMPTY } else { port.members[r - first].0.clone() };
+        self.of_tap(tap).map(|r| (name(r), ResourceId(ids[r]))).collect()
+    }
+
+    fn plan_passes(&self, plan: &mut Plan, order: &[u32], ids: &[u32]) {
+        let histories = self.resources.iter().filter(|r| r.history != NONE).count();
+        let unset = History {
+            resource: ResourceId(NONE),
+            copies: [AllocationId(NONE); 2],
+            init: Clear::Zero,
+            reset: Vec::new(),
+        };
+        plan.histories = vec![unset; histories];
+        for (at, i) in order.iter().enumerate() {
+            let pass: &GraphPass = &self.graph.passes[*i as usize];
+            let mut inputs = Vec::with_capacity(pass.inputs.len());
+            for input in &pass.inputs {
+                let mut past = None;
+                if let Some(of) = &input.past {
+                    let mut list = Vec::new();
+                    for r in self.of_tap(&input.from) {
+                        let id = self.resources[r].history;
+                        let history = &mut plan.histories[id as usize];
+                        history.resource = ResourceId(ids[r]);
+                        history.init = of.init;
+                        history.reset.clone_from(&of.reset);
+                        list.push(HistoryId(id));
+                    }
+                    past = Some(list);
+                } else {
+                    for r in self.of_tap(&input.from) {
+                        let resource = &mut plan.resources[ids[r] as usize];
+                        if resource.readers.last() != Some(&PassId(at as u32)) {
+                            resource.readers.push(PassId(at as u32));
+                        }
+                        resource.lifetime.1 = resource.lifetime.1.max(at as u32);
+                    }
+                }
+                let port = &self.graph.passes[input.from.pass as usize].outputs[input.from.port as usize];
+                inputs.push(PlannedInput {
+                    port: input.port.clone(),
+                    interface: self.interface(&input.from),
+                    members: self.members(&input.from, ids),
+                    history: past,
+                    facts: port.facts.clone(),
+                });
+            }
+            let mut outputs = Vec::with_capacity(pass.outputs.len());
+            let mut clears = Vec::new();
+            let mut r = self.of_pass(*i as usize).start;
+            for port in &pass.outputs {
+                let mut connected = false;
+                let mut members = Vec::with_capacity(port.members.len());
+                for (name, _, usage) in &port.members {
+                    let id = ResourceId(ids[r]);
+                    connected |= self.resources[r].read;
+                    r += 1;
+                    members.push((name.clone(), id));
+                    if let Usage::ClearFirst(clear) = usage {
+                        clears.push((id, *clear));
+                    }
+                }
+                outputs.push(PlannedPort {
+                    port: port.port.clone(),
+                    interface: port.interface.clone(),
+                    members,
+                    connected,
+                    facts: port.facts.clone(),
+                });
+            }
+            plan.passes.push(PlannedPass {
+                name: pass.name.clone(),
+                kind: pass.kind.clone(),
+                shader: pass.shader.clone(),
+                settings: pass.settings.clone(),
+                overrides: pass.overrides.clone(),
+                inputs,
+                outputs,
+                externals: pass.externals,
+                depends_on: pass.depends_on,
+                remembers: pass.remembers,
+                clears,
+            });
+        }
+    }
+
+    /// What became of every pass, and why.
+    fn fates(&self, position: &[u32]) -> Vec<(Name, Fate)> {
+        let passes = &self.graph.passes;
+        let mut readers: Vec<Vec<Name>> = vec![Vec::new(); passes.len()];
+        for (i, pass) in passes.iter().enumerate() {
+            for input in &pass.inputs {
+                let producer = input.from.pass as usize;
+                // Of a pass that is kept, those that are kept; of one that is not, all.
+                let counts = position[i] != NONE || position[producer] == NONE;
+                if counts && readers[producer].last() != Some(&pass.name) {
+                    readers[producer].push(pass.name.clone());
+                }
+            }
+        }
+        for i in &self.wanted {
+            let output = &self.graph.outputs[*i as usize];
+            readers[output.from.pass as usize].push(Name::from(format!("out.{}", output.name)));
+        }
+        let fate = |i: usize, readers: Vec<Name>| match &passes[i].off {
+            Some(off) => Fate::Off { why: off.why.clone(), instead: off.instead.clone() },
+            None if self.runs(i) => Fate::Kept { readers },
+            None => Fate::Culled { readers },
+        };
+        readers.into_iter().enumerate().map(|(i, readers)| (passes[i].name.clone(), fate(i, readers))).collect()
+    }
+}
+
+/// An error about what was asked for from outside.
+fn asked(option: &str, name: &str, what: &str) -> Diagnostic {
+    let source = Source::new(format!("--{option}"), name);
+    let span = Span { source, start: 0, end: name.len() as u32 };
+    Diagnostic::new(&codes::UNKNOWN_OUTPUT, format!("{what} `{name}`")).label(span, "")
+}

@@ -1,0 +1,180 @@
+//! The stable name of a plan.
+
+use crate::plan::{Plan, PlanId, ResourceId};
+use crate::port::Facts;
+use crate::resource::{Clear, ResourceDesc};
+use crate::value::Value;
+use xxhash_rust::xxh3::xxh3_128;
+
+/// Changes whenever the encoding does, so that names of old plans are never those of new ones.
+const VERSION: u32 = 1;
+
+/// All that matters, in one fixed form.
+struct Encoder(Vec<u8>);
+
+impl Encoder {
+    fn u8(&mut self, n: u8) {
+        self.0.push(n);
+    }
+
+    fn u32(&mut self, n: u32) {
+        self.0.extend_from_slice(&n.to_le_bytes());
+    }
+
+    fn len(&mut self, n: usize) {
+        self.u32(n as u32);
+    }
+
+    fn text(&mut self, text: &str) {
+        self.len(text.len());
+        self.0.extend_from_slice(text.as_bytes());
+    }
+
+    fn value(&mut self, value: &Value) {
+        match value {
+            Value::Bool(b) => self.0.extend_from_slice(&[0, u8::from(*b)]),
+            Value::U32(n) => {
+                self.u8(1);
+                self.u32(*n);
+            }
+            Value::I32(n) => {
+                self.u8(2);
+                self.u32(n.cast_unsigned());
+            }
+            Value::F32(x) => {
+                self.u8(3);
+                self.f32(*x);
+            }
+            Value::Text(text) => {
+                self.u8(4);
+                self.text(text);
+            }
+            Value::Vector(v) => {
+                self.u8(5);
+                self.len(v.len());
+                v.iter().for_each(|x| self.f32(*x));
+            }
+        }
+    }
+
+    /// By bits; zero has one sign.
+    fn f32(&mut self, x: f32) {
+        self.u32((x + 0.0).to_bits());
+    }
+
+    fn clear(&mut self, clear: &Clear) {
+        match clear {
+            Clear::Zero => self.u8(0),
+            Clear::Color(color) => {
+                self.u8(1);
+                color.iter().for_each(|x| self.f32(*x));
+            }
+        }
+    }
+
+    fn desc(&mut self, desc: &ResourceDesc) {
+        match desc {
+            ResourceDesc::Texture(t) => {
+                self.u8(0);
+                self.u8(t.format as u8);
+                self.u32(t.size.0);
+                self.u32(t.size.1);
+                self.u32(t.layers);
+                self.u8(u8::from(t.array));
+            }
+            ResourceDesc::Buffer(b) => {
+                self.u8(1);
+                self.0.extend_from_slice(&b.bytes.to_le_bytes());
+            }
+        }
+    }
+
+    fn facts(&mut self, facts: &Facts) {
+        self.len(facts.len());
+        for (name, value) in facts {
+            self.text(name);
+            self.value(value);
+        }
+    }
+
+    fn members<N: AsRef<str>>(&mut self, members: &[(N, ResourceId)]) {
+        self.len(members.len());
+        for (name, id) in members {
+            self.text(name.as_ref());
+            self.u32(id.0);
+        }
+    }
+}
+
+/// The name of all that a plan says, but what became of passes that it does not hold.
+pub(super) fn of(plan: &Plan) -> PlanId {
+    let mut e = Encoder(Vec::with_capacity(plan.passes.len() * 192 + plan.resources.len() * 64));
+    e.u32(VERSION);
+    e.u32(plan.frame.0);
+    e.u32(plan.frame.1);
+    e.len(plan.passes.len());
+    for pass in &plan.passes {
+        e.text(&pass.name);
+        e.text(&pass.kind);
+        e.text(pass.shader.as_deref().unwrap_or(""));
+        e.len(pass.settings.0.len());
+        for (name, value) in &pass.settings.0 {
+            e.text(name);
+            e.value(value);
+        }
+        e.len(pass.overrides.len());
+        for (port, said) in pass.overrides.iter() {
+            // Format and size are in the resources; a shader may ask for the rest.
+            e.text(port);
+            e.text(said.interface.as_deref().unwrap_or(""));
+            e.u32(said.count.unwrap_or(0));
+        }
+        e.u8(pass.externals.0);
+        e.len(pass.inputs.len());
+        for input in &pass.inputs {
+            e.text(&input.port);
+            e.text(&input.interface);
+            e.members(&input.members);
+            e.len(input.history.as_ref().map_or(0, Vec::len));
+            input.history.iter().flatten().for_each(|h| e.u32(h.0));
+        }
+        e.len(pass.outputs.len());
+        for port in &pass.outputs {
+            e.text(&port.port);
+            e.text(&port.interface);
+            e.members(&port.members);
+            e.u8(u8::from(port.connected));
+            e.facts(&port.facts);
+        }
+        e.len(pass.clears.len());
+        for (id, clear) in &pass.clears {
+            e.u32(id.0);
+            e.clear(clear);
+        }
+    }
+    e.len(plan.resources.len());
+    for resource in &plan.resources {
+        e.desc(&resource.desc);
+        e.u32(resource.allocation.0);
+        e.u8(u8::from(resource.persistent));
+        if let Some(clear) = &resource.constant {
+            e.clear(clear);
+        }
+    }
+    e.len(plan.allocations.len());
+    plan.allocations.iter().for_each(|allocation| e.desc(&allocation.desc));
+    e.len(plan.histories.len());
+    for history in &plan.histories {
+        e.u32(history.resource.0);
+        e.clear(&history.init);
+        e.len(history.reset.len());
+        history.reset.iter().for_each(|cause| e.u8(*cause as u8));
+    }
+    e.len(plan.outputs.len());
+    for output in &plan.outputs {
+        e.text(&output.name);
+        e.text(&output.interface);
+        e.members(&output.members);
+    }
+    PlanId(xxh3_128(&e.0))
+}

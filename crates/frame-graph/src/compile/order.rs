@@ -1,0 +1,195 @@
+//! The order in which passes run.
+//!
+//! Every order is by data. Among those, finding the one that needs the least memory is hard; three are made and
+//! the best is taken: the file's own, one that at each step frees the most, and one that follows each output to
+//! its sources.
+
+use super::Work;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// The order with the lowest peak of transient memory; of equal ones, the file's own.
+pub(super) fn order(work: &Work<'_>, file: Vec<u32>) -> Vec<u32> {
+    let mut best = (peak(work, &file), file);
+    for other in [by_bytes(work), by_depth(work)] {
+        let peak = peak(work, &other);
+        if peak < best.0 {
+            best = (peak, other);
+        }
+    }
+    best.1
+}
+
+/// For each pass, how many links of this frame it waits for; and for each pass, which passes wait for it, as
+/// ranges of a list.
+struct Waits {
+    count: Vec<u32>,
+    first: Vec<u32>,
+    readers: Vec<u32>,
+}
+
+impl Waits {
+    fn new(work: &Work<'_>) -> Waits {
+        let passes = &work.graph.passes;
+        let mut count = vec![0; passes.len()];
+        let mut first = vec![0; passes.len() + 1];
+        let each = |f: &mut dyn FnMut(usize, usize)| {
+            for (i, pass) in passes.iter().enumerate().filter(|(i, _)| work.runs(*i)) {
+                for input in pass.inputs.iter().filter(|i| i.past.is_none() && i.constant.is_none()) {
+                    f(i, input.from.pass as usize);
+                }
+            }
+        };
+        each(&mut |reader, producer| {
+            count[reader] += 1;
+            first[producer + 1] += 1;
+        });
+        for i in 0..passes.len() {
+            first[i + 1] += first[i];
+        }
+        let mut next = first.clone();
+        let mut readers = vec![0; first[passes.len()] as usize];
+        each(&mut |reader, producer| {
+            readers[next[producer] as usize] = reader as u32;
+            next[producer] += 1;
+        });
+        Waits { count, first, readers }
+    }
+
+    /// Takes a pass as done; calls `ready` with each pass that waited for it alone.
+    fn done(&mut self, pass: u32, mut ready: impl FnMut(u32)) {
+        for at in self.first[pass as usize]..self.first[pass as usize + 1] {
+            let reader = self.readers[at as usize];
+            self.count[reader as usize] -= 1;
+            if self.count[reader as usize] == 0 {
+                ready(reader);
+            }
+        }
+    }
+}
+
+fn roots(work: &Work<'_>, waits: &Waits) -> Vec<u32> {
+    (0..work.graph.passes.len()).filter(|i| work.runs(*i) && waits.count[*i] == 0).map(|i| i as u32).collect()
+}
+
+/// The order of the file, as far as data allows.
+pub(super) fn by_file(work: &Work<'_>) -> Vec<u32> {
+    let mut waits = Waits::new(work);
+    let mut ready: BinaryHeap<Reverse<u32>> = roots(work, &waits).into_iter().map(Reverse).collect();
+    let mut order = Vec::with_capacity(work.graph.passes.len());
+    while let Some(Reverse(pass)) = ready.pop() {
+        order.push(pass);
+        waits.done(pass, |next| ready.push(Reverse(next)));
+    }
+    order
+}
+
+/// At each step the pass after which the least is alive.
+fn by_bytes(work: &Work<'_>) -> Vec<u32> {
+    let mut waits = Waits::new(work);
+    let mut left: Vec<u32> = work.resources.iter().map(|r| r.readers).collect();
+    // Bytes that are alive after the pass and were not before, for transients.
+    let cost = |pass: u32, left: &[u32]| -> i64 {
+        let made = work.of_pass(pass as usize).map(|r| &work.resources[r]).filter(|r| !r.persistent && r.readers > 0);
+        let made: i64 = made.map(|r| r.bytes as i64).sum();
+        let mut freed = 0;
+        for input in &work.graph.passes[pass as usize].inputs {
+            if input.past.is_none() && input.constant.is_none() {
+                let last = work.of_tap(&input.from).filter(|r| left[*r] == 1 && !work.resources[*r].persistent);
+                freed += last.map(|r| work.resources[r].bytes as i64).sum::<i64>();
+            }
+        }
+        made - freed
+    };
+    // A pass may stand in the heap more than once: costs only fall, and the lowest comes first.
+    let mut heap: BinaryHeap<Reverse<(i64, u32)>> = BinaryHeap::new();
+    let mut done = vec![false; work.graph.passes.len()];
+    for root in roots(work, &waits) {
+        heap.push(Reverse((cost(root, &left), root)));
+    }
+    let mut order = Vec::with_capacity(work.graph.passes.len());
+    while let Some(Reverse((_, pass))) = heap.pop() {
+        if std::mem::replace(&mut done[pass as usize], true) {
+            continue;
+        }
+        order.push(pass);
+        for input in &work.graph.passes[pass as usize].inputs {
+            if input.past.is_some() || input.constant.is_some() {
+                continue;
+            }
+            let mut cheaper = false;
+            for r in work.of_tap(&input.from) {
+                left[r] -= 1;
+                cheaper |= left[r] == 1 && !work.resources[r].persistent;
+            }
+            if cheaper {
+                // The one reader that is left may be ready: it now frees the resource.
+                let range = waits.first[input.from.pass as usize]..waits.first[input.from.pass as usize + 1];
+                for at in range {
+                    let reader = waits.readers[at as usize];
+                    if !done[reader as usize] && waits.count[reader as usize] == 0 {
+                        heap.push(Reverse((cost(reader, &left), reader)));
+                    }
+                }
+            }
+        }
+        waits.done(pass, |next| heap.push(Reverse((cost(next, &left), next))));
+    }
+    order
+}
+
+/// Each output followed to its sources, which come right before what reads them.
+fn by_depth(work: &Work<'_>) -> Vec<u32> {
+    let passes = &work.graph.passes;
+    let mut order = Vec::with_capacity(passes.len());
+    let mut seen = vec![false; passes.len()];
+    let mut stack: Vec<(u32, u32)> = Vec::new();
+    let outputs = work.wanted.iter().map(|i| work.graph.outputs[*i as usize].from.pass);
+    let roots = outputs.chain(0..passes.len() as u32).filter(|i| work.runs(*i as usize));
+    for root in roots {
+        if !std::mem::replace(&mut seen[root as usize], true) {
+            stack.push((root, 0));
+        }
+        while let Some((pass, next)) = stack.last_mut() {
+            match passes[*pass as usize].inputs.get(*next as usize) {
+                Some(input) => {
+                    *next += 1;
+                    let producer = input.from.pass;
+                    let waits = input.past.is_none() && input.constant.is_none();
+                    if waits && !std::mem::replace(&mut seen[producer as usize], true) {
+                        stack.push((producer, 0));
+                    }
+                }
+                None => {
+                    order.push(*pass);
+                    stack.pop();
+                }
+            }
+        }
+    }
+    order
+}
+
+/// The largest sum of transient bytes alive at once.
+fn peak(work: &Work<'_>, order: &[u32]) -> u64 {
+    let mut left: Vec<u32> = work.resources.iter().map(|r| r.readers).collect();
+    let (mut alive, mut peak) = (0u64, 0u64);
+    for pass in order {
+        let transient = |r: &usize| !work.resources[*r].persistent;
+        let made = work.of_pass(*pass as usize);
+        alive += made.clone().filter(transient).map(|r| work.resources[r].bytes).sum::<u64>();
+        peak = peak.max(alive);
+        alive -= made.filter(transient).filter(|r| left[*r] == 0).map(|r| work.resources[r].bytes).sum::<u64>();
+        for input in &work.graph.passes[*pass as usize].inputs {
+            if input.past.is_none() && input.constant.is_none() {
+                for r in work.of_tap(&input.from) {
+                    left[r] -= 1;
+                    if left[r] == 0 && transient(&r) {
+                        alive -= work.resources[r].bytes;
+                    }
+                }
+            }
+        }
+    }
+    peak
+}

@@ -1,0 +1,73 @@
+//! A pipeline as its file says it, with the place of every value.
+
+mod form;
+mod read;
+
+pub(crate) use form::{
+    At, Body, Dim, Entry, Group, InputDecl, Link, Off, OutDecl, OutputDecl, ParameterDecl, PassDecl, Past, Patch,
+    Set, SetValue, Size, Target, When,
+};
+pub(crate) use read::{out_overrides, within};
+pub(crate) use read::parse_file;
+
+use crate::diagnostic::{Diagnostics, Source};
+use std::sync::Arc;
+
+/// A parsed pipeline file.
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// The file.
+    pub source: Arc<Source>,
+    pub(crate) about: Option<At<String>>,
+    pub(crate) paper: Option<At<String>>,
+    pub(crate) extends: Option<At<String>>,
+    pub(crate) parameters: Vec<ParameterDecl>,
+    pub(crate) inputs: Vec<InputDecl>,
+    pub(crate) passes: Vec<Entry>,
+    pub(crate) outputs: Vec<OutputDecl>,
+    pub(crate) patch: Vec<Patch>,
+}
+
+/// Reads a pipeline file. All errors of the file are told at once.
+///
+/// # Errors
+/// If the text is not RON, or not a pipeline.
+pub fn parse(source: Arc<Source>) -> Result<Description, Diagnostics> {
+    parse_file(source, 0)
+}
+
+impl Description {
+    /// What it renders, in one line.
+    pub fn about(&self) -> Option<&str> {
+        self.about.as_ref().map(|about| about.value.as_str())
+    }
+
+    /// The paper and section that it renders.
+    pub fn paper(&self) -> Option<&str> {
+        self.paper.as_ref().map(|paper| paper.value.as_str())
+    }
+
+    /// The file of which this one is a variant.
+    pub fn extends(&self) -> Option<&str> {
+        self.extends.as_ref().map(|file| file.value.as_str())
+    }
+
+    /// Whether it is a part, to be used with `Sub`: it has inputs.
+    pub fn is_part(&self) -> bool {
+        !self.inputs.is_empty()
+    }
+
+    /// The files that it names: what must be watched beside it.
+    pub fn files(&self) -> Vec<&str> {
+        let patched = self.patch.iter().filter_map(|patch| match patch {
+            Patch::Replace { decl, .. } | Patch::Insert { decl, .. } => Some(decl),
+            Patch::Set { .. } | Patch::Remove { .. } => None,
+        });
+        let decls = self.passes.iter().map(|entry| &entry.decl).chain(patched);
+        let parts = decls.filter_map(|decl| match &decl.body {
+            Body::Sub { file } => Some(file.value.as_str()),
+            Body::Pass { .. } | Body::Group(_) | Body::Removed => None,
+        });
+        self.extends().into_iter().chain(parts).collect()
+    }
+}

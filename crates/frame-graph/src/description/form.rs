@@ -1,0 +1,289 @@
+//! The parts of a description. The same types hold the flattened one.
+
+use crate::diagnostic::Place;
+use crate::expression::Expr;
+use crate::frame::ResetCause;
+use crate::name::Name;
+use crate::port::OutputOverride;
+use crate::resource::{Clear, Extent, Format};
+use crate::value::{Value, ValueType};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// A value and its place.
+#[derive(Clone, Debug)]
+pub(crate) struct At<T> {
+    pub(crate) value: T,
+    pub(crate) place: Place,
+}
+
+/// One entry of `parameters`. In a variant, what is left out is inherited.
+#[derive(Clone, Debug)]
+pub(crate) struct ParameterDecl {
+    pub(crate) name: At<Name>,
+    pub(crate) ty: ValueType,
+    pub(crate) default: Option<At<Value>>,
+    pub(crate) min: Option<f64>,
+    pub(crate) max: Option<f64>,
+    pub(crate) one_of: Option<Vec<Value>>,
+    pub(crate) unit: Option<String>,
+    pub(crate) doc: Option<String>,
+    pub(crate) place: Place,
+}
+
+/// One entry of `inputs`.
+#[derive(Clone, Debug)]
+pub(crate) struct InputDecl {
+    pub(crate) name: At<Name>,
+    pub(crate) interface: At<Name>,
+    pub(crate) optional: bool,
+}
+
+/// One entry of `outputs`.
+#[derive(Clone, Debug)]
+pub(crate) struct OutputDecl {
+    pub(crate) name: At<Name>,
+    pub(crate) link: Link,
+}
+
+/// One entry of `passes`.
+#[derive(Clone, Debug)]
+pub(crate) struct Entry {
+    pub(crate) name: At<Name>,
+    pub(crate) decl: Arc<PassDecl>,
+}
+
+/// `Pass(…)`, `Sub(…)` or `Group(…)`.
+#[derive(Clone, Debug)]
+pub(crate) struct PassDecl {
+    pub(crate) body: Body,
+    pub(crate) links: Vec<Link>,
+    /// The ports of `links`, as a kind is asked with them.
+    pub(crate) link_names: Vec<String>,
+    pub(crate) set: Vec<Set>,
+    pub(crate) outs: Vec<OutDecl>,
+    /// `outs`, as a kind is asked with them; complete once parameters are put in.
+    pub(crate) overrides: Arc<BTreeMap<String, OutputOverride>>,
+    pub(crate) when: Option<When>,
+    pub(crate) off: Option<At<Off>>,
+    /// The link that `Insert` broke, to be joined to the only required input that fits.
+    pub(crate) feed: Option<Link>,
+    /// Where `Remove` took it out.
+    pub(crate) removed: Option<Place>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Body {
+    Pass {
+        kind: At<Name>,
+        shader: Option<At<Name>>,
+    },
+    Sub {
+        file: At<String>,
+    },
+    /// The border of a part whose passes have been moved up into the pipeline.
+    Group(Group),
+    /// What `Remove` leaves where there is no `off:`: readers find nothing.
+    Removed,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub(crate) inputs: Vec<InputDecl>,
+    pub(crate) outputs: Vec<OutputDecl>,
+}
+
+/// One entry of `in`.
+#[derive(Clone, Debug)]
+pub(crate) struct Link {
+    pub(crate) port: At<Name>,
+    pub(crate) target: Target,
+    /// Place of the target's text.
+    pub(crate) place: Place,
+    /// Where the target's text ends within its quotes, if it can be pointed into.
+    pub(crate) content_end: Option<u32>,
+    pub(crate) past: Option<Arc<Past>>,
+    /// Kept by `Replace` from the pass before: dropped where the new kind has no such input.
+    pub(crate) inherited: bool,
+}
+
+/// The text of a link: `pass`, `pass.port` or `pass.port.member`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Target {
+    pub(crate) pass: Name,
+    pub(crate) port: Option<Name>,
+    pub(crate) member: Option<Name>,
+}
+
+/// What `Prev` says beside its port.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Past {
+    pub(crate) init: Clear,
+    pub(crate) reset: Vec<ResetCause>,
+}
+
+/// One entry of `set`.
+#[derive(Clone, Debug)]
+pub(crate) struct Set {
+    pub(crate) name: At<Name>,
+    pub(crate) value: SetValue,
+    pub(crate) place: Place,
+    /// Whether a patch or an override gave it.
+    pub(crate) patched: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum SetValue {
+    Value(Value),
+    /// `"$name"`, with its value and where that was given, once they are known.
+    Parameter(Name, Option<(Value, Place)>),
+}
+
+/// `Out(…)`: what a use says of an output of a kind that takes its ports from a shader.
+#[derive(Clone, Debug)]
+pub(crate) struct OutDecl {
+    pub(crate) port: At<Name>,
+    pub(crate) interface: Option<At<Name>>,
+    pub(crate) format: Option<Format>,
+    pub(crate) size: Option<At<Size>>,
+    pub(crate) count: Option<At<Dim>>,
+}
+
+/// A whole number or a parameter that is one.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Dim {
+    Number(u32),
+    Parameter(Name),
+}
+
+/// An [`Extent`] before parameters are put in.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Size {
+    Frame(Dim, Dim),
+    Like(Name, Dim, Dim),
+    Fixed(Dim, Dim),
+}
+
+/// `when:`, and where its text starts if it can be pointed into.
+#[derive(Clone, Debug)]
+pub(crate) struct When {
+    pub(crate) expr: Expr,
+    pub(crate) place: Place,
+    pub(crate) content: Option<u32>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Off {
+    Constant(Clear),
+    Input(Name),
+}
+
+/// One entry of `patch`.
+#[derive(Clone, Debug)]
+pub(crate) enum Patch {
+    Replace { name: At<Name>, decl: Arc<PassDecl> },
+    Insert { name: At<Name>, decl: Arc<PassDecl>, from: At<Target>, to: At<Target> },
+    Set { path: At<Name>, value: SetValue, place: Place },
+    Remove { name: At<Name> },
+}
+
+impl Target {
+    /// Reads the text of a link; `None` where it has too many parts or a part is no name.
+    pub(crate) fn parse(text: &str) -> Option<Target> {
+        let mut parts = text.split('.');
+        let pass = parts.next()?;
+        let mut part = || parts.next().map(|p| is_name(p).then(|| Name::from(p)));
+        let (port, member) = (part(), part());
+        let whole = parts.next().is_none();
+        // A part that is there must be a name.
+        let port = port.map_or(Some(None), |p| p.map(Some))?;
+        let member = member.map_or(Some(None), |p| p.map(Some))?;
+        (whole && pass.split('/').all(is_name)).then(|| Target { pass: Name::from(pass), port, member })
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.pass)?;
+        for part in [&self.port, &self.member].into_iter().flatten() {
+            write!(f, ".{part}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether it can name a pass, a port, a parameter or a setting.
+pub(crate) fn is_name(text: &str) -> bool {
+    !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-')
+}
+
+impl Link {
+    pub(crate) fn new(port: At<Name>, target: At<Target>, content_end: Option<u32>) -> Link {
+        Link { port, target: target.value, place: target.place, content_end, past: None, inherited: false }
+    }
+
+    /// Place of the port's name, and of the member's, within the link's text, where it has one.
+    pub(crate) fn port_place(&self) -> Place {
+        let (Some(port), Some(end)) = (&self.target.port, self.content_end) else { return self.place };
+        let member = self.target.member.as_ref().map_or(0, |m| m.len() + 1);
+        Place { file: self.place.file, start: end - (port.len() + member) as u32, end }
+    }
+}
+
+impl SetValue {
+    /// The value; parameters must have been put in.
+    pub(crate) fn get(&self) -> Option<&Value> {
+        match self {
+            SetValue::Value(value) | SetValue::Parameter(_, Some((value, _))) => Some(value),
+            SetValue::Parameter(_, None) => None,
+        }
+    }
+}
+
+impl PassDecl {
+    /// What is left of a pass that was removed.
+    pub(crate) fn tombstone(place: Option<Place>) -> PassDecl {
+        PassDecl {
+            body: Body::Removed,
+            links: Vec::new(),
+            link_names: Vec::new(),
+            set: Vec::new(),
+            outs: Vec::new(),
+            overrides: Arc::default(),
+            when: None,
+            off: None,
+            feed: None,
+            removed: place,
+        }
+    }
+
+    pub(crate) fn push_link(&mut self, link: Link) {
+        self.link_names.push(link.port.value.to_string());
+        self.links.push(link);
+    }
+
+    pub(crate) fn link(&self, port: &str) -> Option<&Link> {
+        self.links.iter().find(|link| link.port.value == port)
+    }
+}
+
+impl Size {
+    /// Calls `f` with every number of it.
+    pub(crate) fn dims(&mut self, f: &mut impl FnMut(&mut Dim)) {
+        let (Size::Frame(a, b) | Size::Like(_, a, b) | Size::Fixed(a, b)) = self;
+        f(a);
+        f(b);
+    }
+
+    /// The extent, with `value` giving parameters; `None` where it gives none.
+    pub(crate) fn extent(&self, value: &mut impl FnMut(&Dim) -> Option<u32>) -> Option<Extent> {
+        Some(match self {
+            Size::Frame(num, den) => Extent::Frame { num: value(num)?, den: value(den)? },
+            Size::Like(input, num, den) => {
+                Extent::Like { input: input.to_string(), num: value(num)?, den: value(den)? }
+            }
+            Size::Fixed(w, h) => Extent::Fixed(value(w)?, value(h)?),
+        })
+    }
+}

@@ -1,0 +1,230 @@
+//! Errors as part of the product: what was wrong, where, what was expected, the nearest name.
+
+use crate::codes::Code;
+use codespan_reporting::diagnostic as codespan;
+use codespan_reporting::files::SimpleFiles;
+use codespan_reporting::term;
+use std::fmt;
+use std::sync::Arc;
+
+/// A file's name and text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// As shown to the user: a path relative to the root, such as `pipelines/ism.ron`.
+    pub name: String,
+    /// The text.
+    pub text: String,
+}
+
+/// A range of bytes of a source.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// The file.
+    pub source: Arc<Source>,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+/// A place, and what is to be said of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// The place.
+    pub span: Span,
+    /// What is there.
+    pub message: String,
+}
+
+/// One error.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// A stable code, such as `E012`.
+    pub code: &'static str,
+    /// What is wrong, in one line.
+    pub message: String,
+    /// Where; the first is the main place, others the other ends of wires.
+    pub labels: Vec<Label>,
+    /// What to do: the nearest name, what was expected.
+    pub notes: Vec<String>,
+}
+
+/// All errors of a file, in the order of their places.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Diagnostics(pub Vec<Diagnostic>);
+
+impl Source {
+    /// A source of this name and text.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Source> {
+        Arc::new(Source { name: name.into(), text: text.into() })
+    }
+}
+
+impl Span {
+    /// Line and column of the first byte, both from 1; the column counts characters.
+    pub fn line_column(&self) -> (usize, usize) {
+        let mut start = (self.start as usize).min(self.source.text.len());
+        while !self.source.text.is_char_boundary(start) {
+            start -= 1;
+        }
+        let before = &self.source.text[..start];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    }
+}
+
+impl fmt::Display for Span {
+    /// Writes `file:line:column`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (line, column) = self.line_column();
+        write!(f, "{}:{line}:{column}", self.source.name)
+    }
+}
+
+impl Diagnostic {
+    pub(crate) fn new(code: &'static Code, message: impl Into<String>) -> Diagnostic {
+        Diagnostic { code: code.code, message: message.into(), labels: Vec::new(), notes: Vec::new() }
+    }
+
+    pub(crate) fn label(mut self, span: Span, message: impl Into<String>) -> Diagnostic {
+        self.labels.push(Label { span, message: message.into() });
+        self
+    }
+
+    pub(crate) fn note(mut self, note: impl Into<String>) -> Diagnostic {
+        self.notes.push(note.into());
+        self
+    }
+
+    /// Adds `did you mean …?`, where a known name is near, and the names there are.
+    pub(crate) fn suggest<'a>(
+        mut self,
+        what: &str,
+        wrong: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Diagnostic {
+        let mut known: Vec<&str> = known.into_iter().collect();
+        if let Some(near) = nearest(wrong, known.iter().copied()) {
+            self.notes.push(format!("did you mean `{near}`?"));
+        }
+        let shown = 12;
+        if known.is_empty() {
+            self.notes.push(format!("there are no {what}"));
+        } else {
+            let more = known.len().saturating_sub(shown);
+            if more > 0 {
+                let likeness = |name: &str| strsim::jaro_winkler(wrong, name);
+                known.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
+            }
+            known.truncate(shown);
+            let rest = if more > 0 { format!(", and {more} more") } else { String::new() };
+            self.notes.push(format!("{what}: {}{rest}", known.join(", ")));
+        }
+        self
+    }
+}
+
+/// The known name nearest to one that is wrong, where any is near enough to be meant.
+pub(crate) fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // One edit in three characters; a name that is a part of the other one is near as well.
+    let limit = (wrong.chars().count() / 3).max(1);
+    let lower = wrong.to_lowercase();
+    let distance = |name: &str| {
+        let edits = strsim::damerau_levenshtein(&lower, &name.to_lowercase());
+        let part = lower.len() >= 3 && (name.contains(wrong) || (name.len() >= 3 && wrong.contains(name)));
+        if edits <= limit { Some((0, edits)) } else { part.then_some((1, edits)) }
+    };
+    known.into_iter().filter_map(|name| Some((distance(name)?, name))).min_by_key(|(d, _)| *d).map(|(_, n)| n)
+}
+
+impl Diagnostics {
+    /// The text shown to the user: each error with its code, file, line, column, the text with a caret, the
+    /// other end where there is one, and advice.
+    pub fn render(&self, color: bool) -> String {
+        let mut out = if color { term::termcolor::Buffer::ansi() } else { term::termcolor::Buffer::no_color() };
+        let config = term::Config::default();
+        for diagnostic in &self.0 {
+            let mut files = SimpleFiles::new();
+            let mut known: Vec<(&Arc<Source>, usize)> = Vec::new();
+            let mut labels = Vec::with_capacity(diagnostic.labels.len());
+            for (i, label) in diagnostic.labels.iter().enumerate() {
+                let source = &label.span.source;
+                let id = known.iter().find(|(s, _)| *s == source).map(|(_, id)| *id).unwrap_or_else(|| {
+                    let id = files.add(source.name.as_str(), source.text.as_str());
+                    known.push((source, id));
+                    id
+                });
+                let style =
+                    if i == 0 { codespan::LabelStyle::Primary } else { codespan::LabelStyle::Secondary };
+                let range = label.span.start as usize..label.span.end as usize;
+                labels.push(codespan::Label::new(style, id, range).with_message(&label.message));
+            }
+            let shown = codespan::Diagnostic::error()
+                .with_code(diagnostic.code)
+                .with_message(&diagnostic.message)
+                .with_labels(labels)
+                .with_notes(diagnostic.notes.clone());
+            // Writing to memory does not fail, and every label is within its file.
+            if term::emit_to_write_style(&mut out, &config, &files, &shown).is_err() {
+                return self.0.iter().map(|d| format!("error[{}]: {}\n", d.code, d.message)).collect();
+            }
+        }
+        String::from_utf8_lossy(out.as_slice()).trim_end().to_owned()
+    }
+
+    /// Sorts by place, and drops what is said twice.
+    pub(crate) fn sorted(mut list: Vec<Diagnostic>) -> Diagnostics {
+        let key = |d: &Diagnostic| d.labels.first().map(|l| (l.span.source.name.clone(), l.span.start));
+        list.sort_by_cached_key(key);
+        list.dedup();
+        Diagnostics(list)
+    }
+}
+
+impl From<Diagnostic> for Diagnostics {
+    fn from(diagnostic: Diagnostic) -> Diagnostics {
+        Diagnostics(vec![diagnostic])
+    }
+}
+
+impl fmt::Display for Diagnostics {
+    /// Writes each error with file, line, column, the text, and a caret.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+/// A place in one of several files: what is kept of a span inside the crate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Index into [`Sources`].
+    pub(crate) file: u32,
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+}
+
+impl Place {
+    /// The part of this place from byte `from` on, `len` bytes long.
+    pub(crate) fn part(self, from: usize, len: usize) -> Place {
+        let start = self.start + from as u32;
+        Place { file: self.file, start, end: start + len as u32 }
+    }
+}
+
+/// The files that places point into.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sources(pub(crate) Vec<Arc<Source>>);
+
+impl Sources {
+    pub(crate) fn span(&self, place: Place) -> Span {
+        Span { source: Arc::clone(&self.0[place.file as usize]), start: place.start, end: place.end }
+    }
+
+    /// Adds a file and returns its index.
+    pub(crate) fn add(&mut self, source: Arc<Source>) -> u32 {
+        self.0.push(source);
+        self.0.len() as u32 - 1
+    }
+}

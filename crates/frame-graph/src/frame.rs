@@ -1,0 +1,268 @@
+//! Which passes a frame must run: what changed, what follows from it, and what is still held.
+
+use crate::plan::{HistoryId, PassId, Plan, ResourceId};
+use crate::port::Externals;
+use std::fmt;
+
+/// Why the past of a history ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ResetCause {
+    /// There was no frame before.
+    FirstFrame,
+    /// The size of the frame changed.
+    Resize,
+    /// The camera jumped.
+    Cut,
+    /// Another scene, or one that changed by more than movement.
+    Scene,
+    /// A shader, a setting or the pipeline changed.
+    Reload,
+}
+
+impl fmt::Display for ResetCause {
+    /// Writes the name, as in RON.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
+    }
+}
+
+/// What is different from the frame before.
+#[derive(Clone, Debug, Default)]
+pub struct Change {
+    /// The data of the host program that changed. [`Externals::FRAME`] is always taken as changed.
+    pub externals: Externals,
+    /// Passes whose settings or shaders changed.
+    pub passes: Vec<PassId>,
+    /// Events that may end the past of a history.
+    pub events: Vec<ResetCause>,
+    /// Run everything, whatever has changed: for measurements.
+    pub all: bool,
+}
+
+/// What a frame does: made by [`FrameState::begin`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameSchedule {
+    /// One entry a pass of the plan: does it run?
+    pub runs: Vec<bool>,
+    /// One entry a history: which of the two copies is written (or still holds the newest version), and the past.
+    pub histories: Vec<HistorySlot>,
+}
+
+/// The state of a history in a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HistorySlot {
+    /// Which copy holds this frame's version.
+    pub current: usize,
+    /// Which copy is read as the past: it holds the version of the frame before, or is to be filled with `init`
+    /// where `reset` is set. Equal to `current` where the producer does not run and the past is not reset.
+    pub previous: usize,
+    /// Frames that the past has lasted; 0 where it is not valid and `init` is read.
+    pub age: u32,
+    /// Why there is no past; `None` where there is.
+    pub reset: Option<ResetCause>,
+}
+
+/// What is held between frames for one plan: which versions the objects contain.
+///
+/// A version is a number that grows with every new content. A pass is a pure function of what it reads, so its
+/// outputs get new versions only where something that it reads has one; run again for other reasons, it writes
+/// what was there before.
+#[derive(Clone, Debug)]
+pub struct FrameState {
+    /// The newest version, shared by all outputs of a pass.
+    versions: Vec<u64>,
+    /// The versions of the inputs with which each pass ran last, one after the other.
+    seen: Vec<u64>,
+    /// First entry of each pass in `seen`.
+    first_seen: Vec<u32>,
+    /// The resource whose newest version each object holds.
+    holds: Vec<Option<ResourceId>>,
+    histories: Vec<Held>,
+    /// The last version given.
+    clock: u64,
+    /// Why there is no frame before.
+    begun: Option<ResetCause>,
+}
+
+/// What is held of a history.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    /// The copy that holds the newest version.
+    current: usize,
+    /// The version at the end of the last frame; 0 for `init`.
+    version: u64,
+    age: u32,
+}
+
+/// The version of `init`, and of what was never written.
+const INIT: u64 = 0;
+/// The version of constants.
+const CONSTANT: u64 = 1;
+
+impl FrameState {
+    /// Nothing has run.
+    pub fn new(plan: &Plan) -> FrameState {
+        FrameState::after(plan, ResetCause::FirstFrame)
+    }
+
+    /// Nothing has run with this plan, because of `cause`: what passes are told of why there is no past.
+    pub fn after(plan: &Plan, cause: ResetCause) -> FrameState {
+        let mut first_seen = Vec::with_capacity(plan.passes.len());
+        let mut seen = 0;
+        for pass in &plan.passes {
+            first_seen.push(seen);
+            seen += pass.inputs.iter().map(|input| input.members.len() as u32).sum::<u32>();
+        }
+        FrameState {
+            versions: vec![INIT; plan.passes.len()],
+            seen: vec![INIT; seen as usize],
+            first_seen,
+            holds: vec![None; plan.allocations.len()],
+            histories: vec![Held { current: 0, version: INIT, age: 0 }; plan.histories.len()],
+            clock: CONSTANT,
+            begun: Some(cause),
+        }
+    }
+
+    /// Decides what the next frame runs, and takes it as run.
+    ///
+    /// A pass runs if something that it reads has a new version, if it is told to, or if a pass that runs
+    /// needs a version of its outputs that no object holds any more. What the outputs of the pipeline need is
+    /// all that counts.
+    pub fn begin(&mut self, plan: &Plan, change: &Change) -> FrameSchedule {
+        let begun = self.begun.take();
+        let resets: Vec<Option<ResetCause>> = plan
+            .histories
+            .iter()
+            .map(|history| begun.or_else(|| change.events.iter().find(|e| history.reset.contains(e)).copied()))
+            .collect();
+        let mut runs = self.renew(plan, change, &resets, begun.is_some());
+        self.restore(plan, &mut runs);
+        for (i, pass) in plan.passes.iter().enumerate().filter(|(i, _)| runs[*i]) {
+            for (_, id) in pass.outputs.iter().flat_map(|port| &port.members) {
+                let resource = &plan.resources[id.0 as usize];
+                self.holds[resource.allocation.0 as usize] = Some(*id);
+            }
+            self.see(plan, i, &resets);
+        }
+        let histories = self.turn(plan, &runs, &resets);
+        FrameSchedule { runs, histories }
+    }
+
+    /// How long the past of a history had lasted in the frame begun last, in frames.
+    pub fn age(&self, history: HistoryId) -> u32 {
+        self.histories[history.0 as usize].age
+    }
+
+    /// The version of what an input reads in this frame.
+    fn version(&self, plan: &Plan, resource: ResourceId, history: Option<HistoryId>, resets: &[Option<ResetCause>]) -> u64 {
+        if let Some(history) = history {
+            let at = history.0 as usize;
+            return if resets[at].is_some() { INIT } else { self.histories[at].version };
+        }
+        plan.resources[resource.0 as usize].producer.map_or(CONSTANT, |pass| self.versions[pass.0 as usize])
+    }
+
+    /// The versions of all that a pass reads.
+    fn reads<'a>(
+        &'a self,
+        plan: &'a Plan,
+        pass: usize,
+        resets: &'a [Option<ResetCause>],
+    ) -> impl Iterator<Item = u64> + 'a {
+        plan.passes[pass].inputs.iter().flat_map(move |input| {
+            let past = input.history.as_deref();
+            let members = input.members.iter().enumerate();
+            members.map(move |(m, (_, id))| self.version(plan, *id, past.map(|past| past[m]), resets))
+        })
+    }
+
+    /// Forwards: what has something new to read, and so makes something new.
+    fn renew(&mut self, plan: &Plan, change: &Change, resets: &[Option<ResetCause>], first: bool) -> Vec<bool> {
+        let changed = change.externals.and(Externals::FRAME);
+        let mut runs = vec![first || change.all; plan.passes.len()];
+        for pass in &change.passes {
+            if let Some(run) = runs.get_mut(pass.0 as usize) {
+                *run = true;
+            }
+        }
+        for (i, pass) in plan.passes.iter().enumerate() {
+            let from = self.first_seen[i] as usize;
+            runs[i] |= pass.externals.0 & changed.0 != 0
+                || self.reads(plan, i, resets).enumerate().any(|(at, version)| self.seen[from + at] != version);
+            if runs[i] {
+                self.clock += 1;
+                self.versions[i] = self.clock;
+            }
+        }
+        runs
+    }
+
+    /// Backwards: what must run again because an object no longer holds what a pass reads.
+    fn restore(&self, plan: &Plan, runs: &mut [bool]) {
+        loop {
+            let mut more = false;
+            for i in (0..plan.passes.len()).rev() {
+                if !runs[i] {
+                    continue;
+                }
+                let inputs = plan.passes[i].inputs.iter().filter(|input| input.history.is_none());
+                for (_, id) in inputs.flat_map(|input| &input.members) {
+                    let resource = &plan.resources[id.0 as usize];
+                    let Some(producer) = resource.producer else { continue };
+                    if !runs[producer.0 as usize] && !self.is_held(plan, *id, runs) {
+                        runs[producer.0 as usize] = true;
+                        more = true;
+                    }
+                }
+            }
+            // What runs again may write over what was held: then look once more.
+            if !more {
+                return;
+            }
+        }
+    }
+
+    /// Whether an object still holds a resource when its readers come, if the producer does not run.
+    fn is_held(&self, plan: &Plan, id: ResourceId, runs: &[bool]) -> bool {
+        let allocation = plan.resources[id.0 as usize].allocation.0 as usize;
+        if self.holds[allocation] != Some(id) {
+            return false;
+        }
+        // Those before it in the list are written before it would be.
+        let before = plan.allocations[allocation].resources.iter().take_while(|other| **other != id);
+        let written = |other: &ResourceId| plan.resources[other.0 as usize].producer.is_some_and(|p| runs[p.0 as usize]);
+        !before.into_iter().any(written)
+    }
+
+    fn see(&mut self, plan: &Plan, pass: usize, resets: &[Option<ResetCause>]) {
+        let mut at = self.first_seen[pass] as usize;
+        for input in &plan.passes[pass].inputs {
+            for (m, (_, id)) in input.members.iter().enumerate() {
+                self.seen[at] = self.version(plan, *id, input.history.as_ref().map(|past| past[m]), resets);
+                at += 1;
+            }
+        }
+    }
+
+    /// Turns the copies of histories whose producers run.
+    fn turn(&mut self, plan: &Plan, runs: &[bool], resets: &[Option<ResetCause>]) -> Vec<HistorySlot> {
+        let mut slots = Vec::with_capacity(plan.histories.len());
+        for (i, history) in plan.histories.iter().enumerate() {
+            let held = &mut self.histories[i];
+            let producer = plan.resources[history.resource.0 as usize].producer;
+            let written = producer.is_some_and(|p| runs[p.0 as usize]);
+            let mut previous = held.current;
+            if written {
+                held.current = 1 - held.current;
+            } else if resets[i].is_some() {
+                // `init` goes where nothing is held.
+                previous = 1 - held.current;
+            }
+            held.age = if resets[i].is_some() { 0 } else { held.age.saturating_add(1) };
+            held.version = producer.map_or(CONSTANT, |p| self.versions[p.0 as usize]);
+            slots.push(HistorySlot { current: held.current, previous, age: held.age, reset: resets[i] });
+        }
+        slots
+    }
+}

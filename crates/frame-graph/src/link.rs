@@ -1,0 +1,316 @@
+//! From a flat description to a graph: switches, ports, interfaces, sizes.
+
+mod cycle;
+mod sizes;
+mod switches;
+mod uses;
+mod wires;
+
+use crate::codes;
+use crate::description::{Body, Link, OutputDecl, Past};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, Span};
+use crate::name::Name;
+use crate::port::{Externals, Facts, Interface, Kinds, OutputOverride, Usage};
+use crate::resolve::{Node, Resolved};
+use crate::resource::{Clear, ResourceDesc};
+use crate::value::{Settings, Traits};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use uses::UseOf;
+use wires::{End, Found, is_bare};
+
+/// What a graph depends on beside its description.
+#[derive(Clone, Debug, Default)]
+pub struct LinkContext {
+    /// Size of the frame in pixels.
+    pub frame: (u32, u32),
+    /// What the scene holds.
+    pub traits: Traits,
+}
+
+/// A linked graph.
+#[derive(Clone, Debug)]
+pub struct Graph {
+    pub(crate) frame: (u32, u32),
+    /// Every pass, in the order of the file.
+    pub(crate) passes: Vec<GraphPass>,
+    pub(crate) outputs: Vec<GraphOutput>,
+}
+
+/// A pass of a graph.
+#[derive(Clone, Debug)]
+pub(crate) struct GraphPass {
+    pub(crate) name: Name,
+    pub(crate) kind: Name,
+    pub(crate) shader: Option<Name>,
+    pub(crate) settings: Arc<Settings>,
+    pub(crate) overrides: Arc<BTreeMap<String, OutputOverride>>,
+    pub(crate) externals: Externals,
+    pub(crate) depends_on: Externals,
+    pub(crate) remembers: bool,
+    pub(crate) inputs: Vec<GraphInput>,
+    pub(crate) outputs: Vec<GraphPort>,
+    pub(crate) off: Option<GraphOff>,
+}
+
+/// What is told of a pass that is off.
+#[derive(Clone, Debug)]
+pub(crate) struct GraphOff {
+    pub(crate) why: String,
+    pub(crate) instead: String,
+}
+
+/// A connected input.
+#[derive(Clone, Debug)]
+pub(crate) struct GraphInput {
+    pub(crate) port: Name,
+    pub(crate) from: Tap,
+    pub(crate) past: Option<Arc<Past>>,
+    /// What is put in place of a producer that is off.
+    pub(crate) constant: Option<Clear>,
+}
+
+/// What a link takes from a pass: a port, or one of its resources.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Tap {
+    pub(crate) pass: u32,
+    pub(crate) port: u32,
+    /// Index into the members of the [`GraphPort`].
+    pub(crate) member: Option<u32>,
+    /// Whether the one resource goes without its member's name.
+    pub(crate) bare: bool,
+}
+
+/// An output port, or scratch.
+#[derive(Clone, Debug)]
+pub(crate) struct GraphPort {
+    pub(crate) port: Name,
+    /// Empty for scratch.
+    pub(crate) interface: Name,
+    pub(crate) members: Vec<(Name, ResourceDesc, Usage)>,
+    pub(crate) facts: Arc<Facts>,
+}
+
+/// An output of the pipeline.
+#[derive(Clone, Debug)]
+pub(crate) struct GraphOutput {
+    pub(crate) name: Name,
+    pub(crate) from: Tap,
+    pub(crate) constant: Option<Clear>,
+}
+
+/// Links a flat description.
+///
+/// # Errors
+/// Everything that is wrong with kinds, settings, links, switches and sizes; also in passes that are off.
+pub fn link(resolved: &Resolved, kinds: &dyn Kinds, context: &LinkContext) -> Result<Graph, Diagnostics> {
+    let mut linker = Linker::new(resolved, kinds, context);
+    linker.check_root();
+    linker.find_uses();
+    linker.check_switches();
+    linker.find_wires();
+    linker.find_switches();
+    linker.find_live_wires();
+    linker.find_outputs();
+    let order = linker.order();
+    if !linker.errors.is_empty() {
+        return Err(Diagnostics::sorted(linker.errors));
+    }
+    let ports = linker.find_sizes(&order);
+    if !linker.errors.is_empty() {
+        return Err(Diagnostics::sorted(linker.errors));
+    }
+    Ok(linker.graph(ports, &order))
+}
+
+/// The work of linking: one entry a node in each list.
+struct Linker<'a> {
+    resolved: &'a Resolved,
+    nodes: &'a [Node],
+    kinds: &'a dyn Kinds,
+    interfaces: &'a [Interface],
+    context: &'a LinkContext,
+    uses: Vec<Option<UseOf>>,
+    /// Wires as if everything were on.
+    wires: Vec<Vec<Wire<'a>>>,
+    /// Wires with what is off taken out; empty where nothing can be off.
+    live: Vec<Vec<Wire<'a>>>,
+    /// Whether a node is on; known from the beginning where it has no switch.
+    on: Vec<Option<bool>>,
+    /// Why nodes are off, where their own switches say so.
+    why: FxHashMap<usize, String>,
+    /// How many switches wait for each other.
+    depth: u32,
+    outputs: Vec<(&'a OutputDecl, End<'a>)>,
+    /// Links of parts that are wrong and have been told.
+    bad_borders: Vec<Place>,
+    errors: Vec<Diagnostic>,
+}
+
+/// A link that has been followed to its end.
+#[derive(Clone, Copy, Debug)]
+struct Wire<'a> {
+    /// Index into the inputs of the kind's ports.
+    input: u32,
+    end: End<'a>,
+    /// Index into the links of the description; the number of links for its `feed`.
+    link: u32,
+}
+
+impl<'a> Linker<'a> {
+    fn new(resolved: &'a Resolved, kinds: &'a dyn Kinds, context: &'a LinkContext) -> Linker<'a> {
+        Linker {
+            resolved,
+            nodes: &resolved.nodes,
+            kinds,
+            interfaces: kinds.interfaces(),
+            context,
+            uses: Vec::with_capacity(resolved.nodes.len()),
+            wires: Vec::with_capacity(resolved.nodes.len()),
+            live: Vec::new(),
+            on: Vec::with_capacity(resolved.nodes.len()),
+            why: FxHashMap::default(),
+            depth: 0,
+            outputs: Vec::new(),
+            bad_borders: Vec::new(),
+            errors: Vec::new(),
+        }
+    }
+
+    fn span(&self, place: Place) -> Span {
+        self.resolved.sources.span(place)
+    }
+
+    /// The link of a wire.
+    fn link_of(&self, node: usize, wire: &Wire<'_>) -> &'a Link {
+        let decl = &self.nodes[node].decl;
+        let feed = decl.feed.as_ref();
+        decl.links.get(wire.link as usize).or(feed).expect("a wire is made from a link or a feed")
+    }
+
+    fn check_root(&mut self) {
+        if let Some(input) = self.resolved.inputs.iter().find(|input| !input.optional) {
+            let message = format!("this file is a part: it needs an input `{}`", input.name.value);
+            let error = Diagnostic::new(&codes::PART, message)
+                .label(self.span(input.name.place), format!("`{}` is expected here", input.interface.value))
+                .note("use it in a pipeline with `Sub(file: …, in: { … })`");
+            self.errors.push(error);
+        }
+        if self.resolved.outputs.is_empty() {
+            let span = Span { source: Arc::clone(&self.resolved.sources.0[0]), start: 0, end: 0 };
+            let error = Diagnostic::new(&codes::NO_OUTPUTS, "the pipeline has no outputs")
+                .label(span, "")
+                .note("add outputs: { \"image\": \"pass\" }");
+            self.errors.push(error);
+        }
+    }
+
+    /// Follows the outputs of the pipeline to their ends.
+    fn find_outputs(&mut self) {
+        for output in &self.resolved.outputs {
+            let link = &output.link;
+            // It must be sound with everything on, and lead somewhere as things are.
+            if !matches!(self.follow(link, None, false), Found::End(_)) {
+                continue;
+            }
+            match self.follow(link, None, true) {
+                Found::End(end) => self.outputs.push((output, end)),
+                Found::Nothing(off) => {
+                    let error = self.off_read(format!("the output `{}`", output.name.value), link.place, off);
+                    self.errors.push(error);
+                }
+                Found::Unlinked | Found::Told => {}
+            }
+        }
+    }
+
+    fn wires_now(&self, node: usize) -> &[Wire<'a>] {
+        if self.live.is_empty() { &self.wires[node] } else { &self.live[node] }
+    }
+
+    fn graph(self, mut ports: Vec<Vec<GraphPort>>, order: &[u32]) -> Graph {
+        const NONE: u32 = u32::MAX;
+        // Parts are no passes: passes get indices of their own.
+        let mut index = vec![NONE; self.nodes.len()];
+        let mut count = 0;
+        for (i, used) in self.uses.iter().enumerate() {
+            if used.is_some() {
+                index[i] = count;
+                count += 1;
+            }
+        }
+        let tap = |end: &End<'_>, bare: bool| {
+            let port = &ports[end.node as usize].get(end.port as usize);
+            let member = port.zip(self.member(&self.interface_of(end), end.member));
+            let member = member.and_then(|(port, name)| port.members.iter().position(|(n, _, _)| *n == name));
+            Tap { pass: index[end.node as usize], port: end.port, member: member.map(|m| m as u32), bare }
+        };
+        let mut passes = Vec::with_capacity(count as usize);
+        for i in 0..self.nodes.len() {
+            let Some(used) = &self.uses[i] else { continue };
+            let Body::Pass { kind, shader } = &self.nodes[i].decl.body else { continue };
+            let is_on = self.on[i] != Some(false);
+            // Of a pass that is off, what it would read.
+            let wires = if is_on { self.wires_now(i) } else { &self.wires[i] };
+            let inputs = wires.iter().map(|wire| {
+                let (port, wanted) = &used.names.inputs[wire.input as usize];
+                GraphInput {
+                    port: port.clone(),
+                    from: tap(&wire.end, is_bare(wanted, &wire.end)),
+                    past: wire.end.past.filter(|_| wire.end.constant.is_none()).cloned(),
+                    constant: wire.end.constant,
+                }
+            });
+            passes.push(GraphPass {
+                name: self.nodes[i].name.clone(),
+                kind: kind.value.clone(),
+                shader: shader.as_ref().map(|s| s.value.clone()),
+                settings: Arc::clone(&used.settings),
+                overrides: Arc::clone(&self.nodes[i].decl.overrides),
+                externals: used.ports.externals,
+                depends_on: used.ports.externals,
+                remembers: false,
+                inputs: inputs.collect(),
+                outputs: Vec::new(),
+                off: if is_on { None } else { Some(self.off(i)) },
+            });
+        }
+        let output = |(output, end): &(&OutputDecl, End<'_>)| GraphOutput {
+            name: output.name.value.clone(),
+            from: tap(end, end.member.is_some()),
+            constant: end.constant,
+        };
+        let outputs = self.outputs.iter().map(output).collect();
+        for (i, ports) in ports.iter_mut().enumerate().filter(|(i, _)| index[*i] != NONE) {
+            passes[index[i] as usize].outputs = std::mem::take(ports);
+        }
+        let order: Vec<u32> = order.iter().map(|i| index[*i as usize]).filter(|i| *i != NONE).collect();
+        dependencies(&mut passes, &order);
+        Graph { frame: self.context.frame, passes, outputs }
+    }
+}
+
+/// Unites what each pass depends on over all that it reads.
+fn dependencies(passes: &mut [GraphPass], order: &[u32]) {
+    let loops = passes.iter().any(|pass| pass.inputs.iter().any(|input| input.past.is_some()));
+    loop {
+        let mut changed = false;
+        for i in order {
+            let pass = &passes[*i as usize];
+            let (mut depends_on, mut remembers) = (pass.depends_on, pass.remembers);
+            for input in pass.inputs.iter().filter(|input| input.constant.is_none()) {
+                let producer = &passes[input.from.pass as usize];
+                depends_on = depends_on.and(producer.depends_on);
+                remembers |= producer.remembers || input.past.is_some();
+            }
+            let pass = &mut passes[*i as usize];
+            changed |= (pass.depends_on, pass.remembers) != (depends_on, remembers);
+            (pass.depends_on, pass.remembers) = (depends_on, remembers);
+        }
+        // The order follows the data of one frame; what comes out of the past may need another round.
+        if !(loops && changed) {
+            return;
+        }
+    }
+}

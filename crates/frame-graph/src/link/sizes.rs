@@ -1,0 +1,464 @@
+//! Works out the resources of every output: formats, sizes, facts.
+
+use super::wires::{End, is_bare};
+use super::{GraphPort, Linker};
+use crate::codes;
+use crate::description::{Body, Off};
+use crate::diagnostic::{Diagnostic, Place};
+use crate::name::Name;
+use crate::port::{Facts, InputDesc, KindError, OutputContext, OutputDesc};
+use crate::resource::{Extent, Format, ResourceDesc, SampleKind, TextureDesc};
+use std::sync::{Arc, LazyLock};
+
+/// Longest side of a texture that any device allows, in texels.
+const MAX_SIDE: u32 = 32_768;
+/// Most layers of a texture array that any device allows.
+const MAX_LAYERS: u32 = 4_096;
+/// Largest buffer, in bytes.
+const MAX_BYTES: u64 = 1 << 40;
+/// Rounds in which sizes that depend on the past must settle.
+const MAX_ROUNDS: usize = 16;
+
+static NO_FACTS: LazyLock<Arc<Facts>> = LazyLock::new(Arc::default);
+
+/// Why the outputs of a pass are not known.
+enum Unknown {
+    /// An input that reads the past has no size yet.
+    Waits(KindError),
+    /// An error.
+    Wrong(Diagnostic),
+    /// The kind refuses.
+    Refused(KindError),
+}
+
+impl<'a> Linker<'a> {
+    /// The resources of every pass's outputs, in the order of data. What reads the past of a later pass takes
+    /// further rounds, until nothing changes.
+    pub(super) fn find_sizes(&mut self, order: &[u32]) -> Vec<Vec<GraphPort>> {
+        let count = self.nodes.len();
+        let mut ports: Vec<Option<Vec<GraphPort>>> = vec![None; count];
+        let mut descs: Vec<InputDesc> = Vec::new();
+        // Passes that read the past of what comes later, or of what waits: these are asked again.
+        let mut waiting = false;
+        for i in order {
+            let i = *i as usize;
+            if self.uses[i].is_none() {
+                continue;
+            }
+            let whole = self.describe_inputs(i, &ports, &mut descs);
+            waiting |= !whole;
+            match self.describe(i, whole, &mut descs) {
+                Ok(found) => ports[i] = Some(found),
+                Err(unknown) => self.note_unknown(i, unknown, false),
+            }
+        }
+        if waiting && self.errors.is_empty() {
+            self.settle(order, &mut ports, &mut descs);
+        }
+        if self.errors.is_empty() {
+            self.check_sorts(&ports);
+            self.check_constants(&ports);
+        }
+        ports.into_iter().map(Option::unwrap_or_default).collect()
+    }
+
+    /// Asks again until nothing changes.
+    fn settle(&mut self, order: &[u32], ports: &mut [Option<Vec<GraphPort>>], descs: &mut Vec<InputDesc>) {
+        for round in 0..MAX_ROUNDS {
+            let last = round + 1 == MAX_ROUNDS;
+            let mut changed = false;
+            let mut unknown = Vec::new();
+            for i in order {
+                let i = *i as usize;
+                if self.uses[i].is_none() {
+                    continue;
+                }
+                let whole = self.describe_inputs(i, ports, descs);
+                match self.describe(i, whole, descs) {
+                    Ok(found) => {
+                        let same = ports[i].as_ref().is_some_and(|old| same(old, &found));
+                        if !same {
+                            changed = true;
+                            if last {
+                                unknown.push((i, Unknown::Waits(KindError::new("its size never settles"))));
+                            }
+                            ports[i] = Some(found);
+                        }
+                    }
+                    Err(why) => unknown.push((i, why)),
+                }
+            }
+            if !changed || last {
+                for (i, why) in unknown {
+                    self.note_unknown(i, why, true);
+                }
+                return;
+            }
+        }
+    }
+
+    /// Tells why outputs are not known. A pass that is off is only told of where its outputs are needed.
+    fn note_unknown(&mut self, node: usize, unknown: Unknown, settled: bool) {
+        if !self.is_on(node) {
+            return;
+        }
+        match unknown {
+            Unknown::Wrong(error) => self.errors.push(error),
+            Unknown::Refused(error) => {
+                let node = &self.nodes[node];
+                self.refused(node, &error);
+            }
+            Unknown::Waits(error) if settled => {
+                let past = self.wires_now(node).iter().find(|wire| wire.end.past.is_some());
+                let message = format!("the size of `{}` depends on itself through the past", self.nodes[node].name);
+                let mut told = Diagnostic::new(&codes::SIZE_LOOP, message)
+                    .label(self.span(self.nodes[node].place), "of this pass");
+                if let Some(wire) = past {
+                    told = told.label(self.span(self.link_of(node, wire).place), "read from here");
+                }
+                told = told.note(error.message).note("let the size follow another input, the frame, or a number");
+                self.errors.push(told);
+            }
+            Unknown::Waits(_) => {}
+        }
+    }
+
+    /// Fills `descs` with the connected inputs of a pass; `false` where one has no size yet.
+    fn describe_inputs(&self, node: usize, ports: &[Option<Vec<GraphPort>>], descs: &mut Vec<InputDesc>) -> bool {
+        let Some(used) = &self.uses[node] else { return true };
+        // A pass that is off is described as if all were on: the shape of what stands in its place.
+        let wires = if self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] };
+        let mut count = 0;
+        let mut whole = true;
+        for wire in wires {
+            let Some(producer) = &ports[wire.end.node as usize] else {
+                whole = false;
+                continue;
+            };
+            let port = &producer[wire.end.port as usize];
+            if descs.len() == count {
+                descs.push(InputDesc {
+                    name: String::new(),
+                    interface: String::new(),
+                    members: Vec::new(),
+                    facts: Arc::clone(&NO_FACTS),
+                });
+            }
+            // The texts and lists of the pass before are used again: this is the innermost loop of linking.
+            let desc = &mut descs[count];
+            count += 1;
+            let (name, wanted) = &used.names.inputs[wire.input as usize];
+            desc.name.clear();
+            desc.name.push_str(name);
+            desc.interface.clear();
+            desc.interface.push_str(&port.interface);
+            desc.facts.clone_from(&port.facts);
+            desc.members.clear();
+            let bare = is_bare(wanted, &wire.end);
+            let chosen = self.member(&port.interface, wire.end.member);
+            for (member, resource, _) in &port.members {
+                if chosen.is_none_or(|chosen| *member == chosen) {
+                    let name = if bare { String::new() } else { member.to_string() };
+                    desc.members.push((name, resource.clone()));
+                    if wire.end.member.is_some() {
+                        desc.interface.clear();
+                        desc.interface.push_str(sort(resource));
+                    }
+                }
+            }
+        }
+        descs.truncate(count);
+        whole
+    }
+
+    /// The name of a member that a link takes.
+    pub(super) fn member(&self, interface: &str, member: Option<u32>) -> Option<&'static str> {
+        let found = self.interfaces.iter().find(|i| member.is_some() && i.name == interface)?;
+        found.members.get(member? as usize).map(|m| m.name)
+    }
+
+    /// Asks the kind for its outputs and works their sizes out.
+    fn describe(&self, node: usize, whole: bool, descs: &mut Vec<InputDesc>) -> Result<Vec<GraphPort>, Unknown> {
+        let waits = |error: KindError| if whole { Unknown::Refused(error) } else { Unknown::Waits(error) };
+        let (Some(used), decl) = (&self.uses[node], &self.nodes[node].decl) else { return Ok(Vec::new()) };
+        let Some(use_) = used.ask(decl) else { return Ok(Vec::new()) };
+        let context = OutputContext {
+            use_,
+            settings: &used.settings,
+            inputs: descs,
+            frame: self.context.frame,
+            traits: &self.context.traits,
+        };
+        let outputs = self.kinds.outputs(&context).map_err(waits)?;
+        let mut found: Vec<GraphPort> = Vec::with_capacity(outputs.len());
+        let mut scratch: Vec<GraphPort> = Vec::new();
+        for output in outputs {
+            let place = found.len();
+            let declared = &used.names.outputs;
+            // Kinds describe their ports in order; any other order is taken too.
+            let port = match declared.get(place) {
+                _ if output.scratch => None,
+                Some((port, _)) if *port == output.port => Some(place),
+                _ => declared.iter().position(|(port, _)| *port == output.port),
+            };
+            let (name, interface) = match port {
+                Some(port) => declared[port].clone(),
+                None if output.scratch => (Name::from(&output.port), Name::EMPTY),
+                None => return Err(self.defect(node, format!("describes an output `{}` that it does not have", output.port))),
+            };
+            let is_scratch = output.scratch;
+            let described = self.describe_port(node, name, interface, output, whole, descs)?;
+            if is_scratch { scratch.push(described) } else { found.push(described) }
+        }
+        if let Some((missing, _)) = used.names.outputs.iter().find(|(n, _)| found.iter().all(|p| p.port != *n)) {
+            return Err(self.defect(node, format!("does not describe its output `{missing}`")));
+        }
+        let in_order = found.iter().zip(&used.names.outputs).all(|(port, (name, _))| port.port == *name);
+        if !in_order {
+            found.sort_by_key(|port| used.names.outputs.iter().position(|(name, _)| port.port == *name));
+        }
+        found.extend(scratch);
+        Ok(found)
+    }
+
+    fn describe_port(
+        &self,
+        node: usize,
+        port: Name,
+        interface: Name,
+        output: OutputDesc,
+        whole: bool,
+        inputs: &[InputDesc],
+    ) -> Result<GraphPort, Unknown> {
+        let facts = if output.facts.is_empty() { Arc::clone(&NO_FACTS) } else { Arc::new(output.facts) };
+        let known = self.interfaces.iter().find(|i| i.name == interface.as_str());
+        let mut members = Vec::with_capacity(output.members.len());
+        for (member, desc, usage) in output.members {
+            let name = match known.and_then(|i| i.members.iter().find(|m| m.name == member)) {
+                Some(member) => Name::new(member.name),
+                None if member.is_empty() && known.is_none() => Name::EMPTY,
+                None if interface.is_empty() => Name::from(member),
+                None => {
+                    return Err(self.defect(node, format!("describes a member `{member}` that `{interface}` lacks")));
+                }
+            };
+            let desc = self.work_out(node, &port, desc, whole, inputs)?;
+            members.push((name, desc, usage));
+        }
+        let lacks = |name: &str| members.iter().all(|(n, _, _)| n != name);
+        let missing = match known {
+            Some(known) => known.members.iter().find(|m| !m.optional && lacks(m.name)).map(|m| m.name),
+            None => (members.len() != 1 && !interface.is_empty()).then_some(""),
+        };
+        if let Some(missing) = missing {
+            return Err(self.defect(node, format!("does not describe `{missing}` of its output `{port}`")));
+        }
+        if matches!(&*interface, "Texture" | "Buffer") && members.iter().any(|(_, desc, _)| sort(desc) != &*interface) {
+            return Err(self.defect(node, format!("describes its output `{port}` as another sort than {interface}")));
+        }
+        Ok(GraphPort { port, interface, members, facts })
+    }
+
+    fn defect(&self, node: usize, what: String) -> Unknown {
+        let node = &self.nodes[node];
+        let kind = if let Body::Pass { kind, .. } = &node.decl.body { &*kind.value } else { "" };
+        let error = Diagnostic::new(&codes::KIND_DEFECT, format!("the kind `{kind}` {what}"))
+            .label(self.span(node.place), "used here")
+            .note("this is a defect of the kind, not of the file");
+        Unknown::Wrong(error)
+    }
+
+    /// Size and limits of one resource.
+    fn work_out(
+        &self,
+        node: usize,
+        port: &str,
+        desc: ResourceDesc<Extent>,
+        whole: bool,
+        inputs: &[InputDesc],
+    ) -> Result<ResourceDesc, Unknown> {
+        let limit = |what: String| {
+            let node = &self.nodes[node];
+            let out = node.decl.outs.iter().find(|o| o.port.value == *port);
+            let size = out.and_then(|o| o.size.as_ref().map(|s| s.place));
+            let mut error = Diagnostic::new(&codes::SIZE_LIMIT, format!("`{}.{port}` {what}", node.name));
+            if let Some(size) = size {
+                error = error.label(self.span(size), "this size");
+            }
+            Unknown::Wrong(error.label(self.span(node.place), "of this pass"))
+        };
+        let texture = match desc {
+            ResourceDesc::Buffer(buffer) if buffer.bytes == 0 || buffer.bytes > MAX_BYTES => {
+                return Err(limit(format!("is a buffer of {} bytes", buffer.bytes)));
+            }
+            ResourceDesc::Buffer(buffer) => return Ok(ResourceDesc::Buffer(buffer)),
+            ResourceDesc::Texture(texture) => texture,
+        };
+        let scale = |side: u32, num: u32, den: u32| (u64::from(side) * u64::from(num)).div_ceil(u64::from(den.max(1))).max(1);
+        let (w, h) = match &texture.size {
+            Extent::Fixed(w, h) => (u64::from(*w), u64::from(*h)),
+            Extent::Frame { num, den } => {
+                let (w, h) = self.context.frame;
+                (scale(w, *num, *den), scale(h, *num, *den))
+            }
+            Extent::Like { input, num, den } => match inputs.iter().find(|i| i.name == *input).and_then(InputDesc::size) {
+                Some((w, h)) => (scale(w, *num, *den), scale(h, *num, *den)),
+                None if !whole => {
+                    return Err(Unknown::Waits(KindError::new(format!("`{port}` is sized like `{input}`"))));
+                }
+                None => return Err(Unknown::Wrong(self.no_size(node, port, input, inputs))),
+            },
+        };
+        let limits = 1..=u64::from(MAX_SIDE);
+        if !limits.contains(&w) || !limits.contains(&h) {
+            return Err(limit(format!("is {w}×{h} texels: a side is from 1 to {MAX_SIDE}")));
+        }
+        if texture.layers == 0 || texture.layers > MAX_LAYERS || (texture.layers > 1 && !texture.array) {
+            return Err(limit(format!("has {} layers: an array has from 1 to {MAX_LAYERS}", texture.layers)));
+        }
+        let TextureDesc { format, layers, array, .. } = texture;
+        Ok(ResourceDesc::Texture(TextureDesc { format, size: (w as u32, h as u32), layers, array }))
+    }
+
+    fn no_size(&self, node: usize, port: &str, input: &str, inputs: &[InputDesc]) -> Diagnostic {
+        let node = &self.nodes[node];
+        let connected = inputs.iter().any(|i| i.name == input);
+        let why = if connected { "which holds no texture" } else { "which is not linked" };
+        let message = format!("`{}.{port}` is sized like its input `{input}`, {why}", node.name);
+        let out = node.decl.outs.iter().find(|o| o.port.value == *port).and_then(|o| o.size.as_ref());
+        let mut error = Diagnostic::new(&codes::SIZE_INPUT, message);
+        error = match (out, node.decl.link(input)) {
+            (Some(size), _) => error.label(self.span(size.place), "this size"),
+            (None, Some(link)) => error.label(self.span(link.place), "no texture comes from here"),
+            (None, None) => error.label(self.span(node.place), "in this pass"),
+        };
+        let textures = inputs.iter().filter(|i| i.size().is_some()).map(|i| i.name.as_str());
+        error.suggest("linked inputs with a texture", input, textures)
+    }
+
+    /// `Texture` inputs must get textures, `Buffer` inputs buffers, and members that were left out are missed.
+    fn check_sorts(&mut self, ports: &[Option<Vec<GraphPort>>]) {
+        let mut errors = Vec::new();
+        for (output, end) in &self.outputs {
+            errors.extend(self.left_out(end, output.link.place, ports));
+        }
+        for i in 0..self.nodes.len() {
+            let Some(used) = &self.uses[i] else { continue };
+            if self.on[i] == Some(false) {
+                continue;
+            }
+            for wire in self.wires_now(i) {
+                let (input, wanted) = &used.names.inputs[wire.input as usize];
+                let loose = matches!(&**wanted, "Texture" | "Buffer");
+                if !loose && wire.end.member.is_none() {
+                    continue;
+                }
+                let Some(producer) = &ports[wire.end.node as usize] else { continue };
+                let port = &producer[wire.end.port as usize];
+                let chosen = self.member(&port.interface, wire.end.member);
+                let resource = port.members.iter().find(|(name, _, _)| chosen.is_none_or(|chosen| *name == chosen));
+                let from = &self.nodes[wire.end.node as usize];
+                let place = self.link_of(i, wire).place;
+                match resource {
+                    None => errors.extend(self.left_out(&wire.end, place, ports)),
+                    Some((_, desc, _)) if loose && sort(desc) != &**wanted => {
+                        let (wanted, found) = (wanted.to_lowercase(), sort(desc).to_lowercase());
+                        let message = format!("`{}.{input}` takes a {wanted}, and this is a {found}", self.nodes[i].name);
+                        let error = Diagnostic::new(&codes::INTERFACE, message)
+                            .label(self.span(place), format!("a {wanted} is wanted here"))
+                            .label(self.span(from.place), format!("this offers a {found}"));
+                        errors.push(error);
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        self.errors.extend(errors);
+    }
+
+    /// Tells where a link takes a member that the producer, with its settings, does not make.
+    fn left_out(&self, end: &End<'_>, place: Place, ports: &[Option<Vec<GraphPort>>]) -> Option<Diagnostic> {
+        let port = ports[end.node as usize].as_ref()?.get(end.port as usize)?;
+        let member = self.member(&port.interface, end.member)?;
+        if port.members.iter().any(|(name, _, _)| *name == member) {
+            return None;
+        }
+        let from = &self.nodes[end.node as usize];
+        let names: Vec<&str> = port.members.iter().map(|(n, _, _)| &**n).collect();
+        let message = format!("`{}.{}` leaves the member `{member}` out", from.name, port.port);
+        let error = Diagnostic::new(&codes::UNKNOWN_PORT, message)
+            .label(self.span(place), "read here")
+            .label(self.span(from.place), "this pass, with these settings, does not make it")
+            .note(format!("it makes: {}", names.join(", ")));
+        Some(error)
+    }
+
+    /// A colour can only stand in place of textures of floats; and the place of a pass must have a known shape.
+    fn check_constants(&mut self, ports: &[Option<Vec<GraphPort>>]) {
+        let mut errors = Vec::new();
+        let mut check = |end: &End<'_>, place, init: bool, clear| {
+            let node = &self.nodes[end.node as usize];
+            let Some(producer) = &ports[end.node as usize] else {
+                let message = format!("what stands in place of `{}` has no size", node.name);
+                let error = Diagnostic::new(&codes::OFF, message)
+                    .label(self.span(place), "read here")
+                    .label(self.span(node.place), "this pass cannot say what it would make");
+                errors.push(error);
+                return;
+            };
+            let port = &producer[end.port as usize];
+            let chosen = self.member(&port.interface, end.member);
+            let float = |desc: &ResourceDesc| desc.texture().is_some_and(|t| takes_colour(t.format));
+            let bad = port.members.iter().find(|(name, desc, _)| chosen.is_none_or(|c| *name == c) && !float(desc));
+            if let (crate::resource::Clear::Color(_), Some((member, desc, _))) = (clear, bad) {
+                let (what, zero) = if init { ("`init:`", "Zero") } else { ("`off:`", "Black") };
+                let off = node.decl.off.as_ref().filter(|off| !init && matches!(off.value, Off::Constant(_)));
+                let dot = if member.is_empty() { "" } else { "." };
+                let message = format!(
+                    "{what} is a colour, and `{}.{}{dot}{member}` is {}",
+                    node.name,
+                    port.port,
+                    desc.texture().map_or("a buffer", |t| t.format.name())
+                );
+                let mut error = Diagnostic::new(&codes::OFF, message);
+                if let Some(off) = off {
+                    error = error.label(self.span(off.place), "put in place of the pass");
+                }
+                error = error.label(self.span(place), "read here").label(self.span(node.place), "of this pass");
+                errors.push(error.note(format!("only textures of floats can hold a colour; `{zero}` fits everything")));
+            }
+        };
+        for (output, end) in &self.outputs {
+            if let Some(clear) = end.constant {
+                check(end, output.link.place, false, clear);
+            }
+        }
+        for i in 0..self.nodes.len() {
+            if self.uses[i].is_none() || self.on[i] == Some(false) {
+                continue;
+            }
+            for wire in self.wires_now(i) {
+                let place = self.link_of(i, wire).place;
+                if let Some(clear) = wire.end.constant {
+                    check(&wire.end, place, false, clear);
+                } else if let Some(past) = wire.end.past {
+                    check(&wire.end, place, true, past.init);
+                }
+            }
+        }
+        self.errors.extend(errors);
+    }
+}
+
+fn takes_colour(format: Format) -> bool {
+    format.sample_kind() == SampleKind::Float
+}
+
+/// `Texture` or `Buffer`.
+fn sort(desc: &ResourceDesc) -> &'static str {
+    if desc.texture().is_some() { "Texture" } else { "Buffer" }
+}
+
+fn same(a: &[GraphPort], b: &[GraphPort]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.members == b.members && a.facts == b.facts)
+}

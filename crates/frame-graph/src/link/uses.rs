@@ -1,0 +1,224 @@
+//! Asks each kind for the settings and ports of each use of it.
+
+use super::Linker;
+use crate::codes::{self, Code};
+use crate::description::{At, Body, PassDecl};
+use crate::diagnostic::{Diagnostic, Place};
+use crate::name::Name;
+use crate::port::{KindError, Ports, Use};
+use crate::resolve::Node;
+use crate::value::{Misfit, Setting, Settings};
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// What a kind says of one use.
+#[derive(Clone, Debug)]
+pub(super) struct UseOf {
+    pub(super) ports: Arc<Ports>,
+    pub(super) names: Arc<PortNames>,
+    pub(super) settings: Arc<Settings>,
+    /// Names of the inputs that it links, where they are not those of the description.
+    pub(super) inputs: Option<Arc<[String]>>,
+}
+
+/// The names of ports, ready to be shared by all uses of the same ports.
+#[derive(Debug)]
+pub(super) struct PortNames {
+    /// Port and interface.
+    pub(super) inputs: Vec<(Name, Name)>,
+    /// Port and interface.
+    pub(super) outputs: Vec<(Name, Name)>,
+}
+
+/// What was made from a value that kinds share between uses, by its address; the value is held, so that the
+/// address stays its own.
+type Shared<K, V> = FxHashMap<*const (), (Arc<K>, V)>;
+
+#[derive(Default)]
+struct Caches {
+    defaults: FxHashMap<*const (), (Arc<[Setting]>, Arc<Settings>)>,
+    names: Shared<Ports, Arc<PortNames>>,
+}
+
+impl UseOf {
+    /// How the kind is asked.
+    pub(super) fn ask<'u>(&'u self, decl: &'u PassDecl) -> Option<Use<'u>> {
+        let Body::Pass { kind, shader } = &decl.body else { return None };
+        let inputs = self.inputs.as_deref().unwrap_or(&decl.link_names);
+        let shader = shader.as_ref().map(|s| s.value.as_str());
+        Some(Use { kind: &kind.value, shader, inputs, outputs: &decl.overrides })
+    }
+}
+
+impl Linker<'_> {
+    pub(super) fn find_uses(&mut self) {
+        let mut caches = Caches::default();
+        for node in self.nodes {
+            let used = match &node.decl.body {
+                Body::Pass { kind, shader } => self.find_use(node, kind, shader.as_ref(), &mut caches),
+                Body::Group(_) | Body::Sub { .. } | Body::Removed => None,
+            };
+            self.uses.push(used);
+        }
+    }
+
+    fn find_use(
+        &mut self,
+        node: &Node,
+        kind: &At<Name>,
+        shader: Option<&At<Name>>,
+        caches: &mut Caches,
+    ) -> Option<UseOf> {
+        let decl = &*node.decl;
+        match (self.kinds.takes_shader(&kind.value), shader) {
+            (None, _) => {
+                let names = self.kinds.names();
+                let error = Diagnostic::new(&codes::UNKNOWN_KIND, format!("there is no kind of pass `{}`", kind.value))
+                    .label(self.span(kind.place), "")
+                    .suggest("kinds", &kind.value, names.iter().map(String::as_str));
+                self.errors.push(error);
+                return None;
+            }
+            (Some(true), None) => {
+                let message = format!("the kind `{}` needs a `shader:`", kind.value);
+                let error = Diagnostic::new(&codes::SHADER, message)
+                    .label(self.span(kind.place), "add shader: \"….wgsl\"");
+                self.errors.push(error);
+                return None;
+            }
+            (Some(false), Some(shader)) => {
+                let message = format!("the kind `{}` takes no `shader:`", kind.value);
+                let error = Diagnostic::new(&codes::SHADER, message)
+                    .label(self.span(shader.place), "remove this")
+                    .label(self.span(kind.place), "this kind has its own shaders")
+                    .note("the kinds `compute` and `fullscreen` are for shaders of one's own");
+                self.errors.push(error);
+                return None;
+            }
+            _ => {}
+        }
+        let shader = shader.map(|s| s.value.as_str());
+        // Inputs that `Replace` kept are dropped one by one where the new kind has no use for them.
+        let mut inputs: Option<Arc<[String]>> = None;
+        loop {
+            let names = inputs.as_deref().unwrap_or(&decl.link_names);
+            let use_ = Use { kind: &kind.value, shader, inputs: names, outputs: &decl.overrides };
+            let asked = match self.kinds.settings(use_) {
+                Ok(schema) => {
+                    let settings = self.settings(node, &schema, caches);
+                    self.kinds.ports(use_, &settings).map(|ports| (ports, settings))
+                }
+                Err(error) => Err(error),
+            };
+            match asked {
+                Ok((ports, settings)) => {
+                    let names = self.names(&ports, caches);
+                    return Some(UseOf { ports, names, settings, inputs });
+                }
+                Err(error) => {
+                    let kept = |name: &String| decl.link(name).is_some_and(|link| link.inherited);
+                    let dropped = error.input.as_ref().filter(|name| names.contains(name) && kept(name));
+                    match dropped {
+                        Some(dropped) => {
+                            inputs = Some(names.iter().filter(|name| *name != dropped).cloned().collect());
+                        }
+                        None => {
+                            self.refused(node, &error);
+                            return None;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Tells what a kind said against a use.
+    pub(super) fn refused(&mut self, node: &Node, error: &KindError) {
+        let decl = &node.decl;
+        let Body::Pass { kind, .. } = &decl.body else { return };
+        let setting = error.setting.as_ref().and_then(|name| decl.set.iter().find(|s| s.name.value == *name));
+        let link = error.input.as_ref().and_then(|name| decl.link(name));
+        let place = setting.map(|s| s.place).or(link.map(|l| l.place));
+        let mut told = Diagnostic::new(&codes::REFUSED, format!("`{}`: {}", node.name, error.message));
+        told = match place {
+            Some(place) => told
+                .label(self.span(place), "here")
+                .label(self.span(node.place), format!("in this pass, of kind `{}`", kind.value)),
+            None => told.label(self.span(node.place), format!("in this pass, of kind `{}`", kind.value)),
+        };
+        if let Some(help) = &error.help {
+            told = told.note(help.clone());
+        }
+        self.errors.push(told);
+    }
+
+    /// The settings of a use, checked and complete.
+    fn settings(&mut self, node: &Node, schema: &Arc<[Setting]>, caches: &mut Caches) -> Arc<Settings> {
+        let set = &node.decl.set;
+        let key = schema.as_ptr().cast::<()>();
+        let (_, defaults) = caches.defaults.entry(key).or_insert_with(|| {
+            let defaults = schema.iter().map(|s| (s.name.clone(), s.default.clone())).collect();
+            (Arc::clone(schema), Arc::new(Settings(defaults)))
+        });
+        if set.is_empty() {
+            return Arc::clone(defaults);
+        }
+        let mut settings = Settings::clone(defaults);
+        for given in set {
+            let name = &given.name.value;
+            let Some(value) = given.value.get() else { continue };
+            let Some(setting) = schema.iter().find(|s| s.name == **name) else {
+                let kind = if let Body::Pass { kind, .. } = &node.decl.body { &*kind.value } else { "" };
+                let message = format!("the kind `{kind}` has no setting `{name}`");
+                let mut error = Diagnostic::new(&codes::UNKNOWN_SETTING, message).label(self.span(given.name.place), "");
+                if given.patched {
+                    error = error.label(self.span(node.place), "of this pass");
+                }
+                self.errors.push(error.suggest("settings", name, schema.iter().map(|s| s.name.as_str())));
+                continue;
+            };
+            match setting.check(value.clone()) {
+                Ok(value) => {
+                    settings.0.insert(name.to_string(), value);
+                }
+                Err(Misfit::Type(message)) => self.misfit(node, &codes::SETTING_TYPE, message, given.place, given),
+                Err(Misfit::Range(message)) => self.misfit(node, &codes::SETTING_RANGE, message, given.place, given),
+            }
+        }
+        Arc::new(settings)
+    }
+
+    fn misfit(
+        &mut self,
+        node: &Node,
+        code: &'static Code,
+        message: String,
+        place: Place,
+        set: &crate::description::Set,
+    ) {
+        let mut error = Diagnostic::new(code, message).label(self.span(place), "");
+        if let crate::description::SetValue::Parameter(name, Some((_, origin))) = &set.value {
+            error.labels[0].message = format!("the value of `{name}`");
+            error = error.label(self.span(*origin), "given here");
+        } else if set.patched {
+            error = error.label(self.span(node.place), "of this pass");
+        }
+        self.errors.push(error);
+    }
+
+    fn names(&self, ports: &Arc<Ports>, caches: &mut Caches) -> Arc<PortNames> {
+        let key = Arc::as_ptr(ports).cast::<()>();
+        let (_, names) = caches.names.entry(key).or_insert_with(|| {
+            let interface = |name: &str| {
+                let known = self.interfaces.iter().find(|i| i.name == name).map(|i| Name::new(i.name));
+                known.unwrap_or_else(|| Name::from(name))
+            };
+            let names = PortNames {
+                inputs: ports.inputs.iter().map(|p| (Name::from(&p.name), interface(&p.interface))).collect(),
+                outputs: ports.outputs.iter().map(|p| (Name::from(&p.name), interface(&p.interface))).collect(),
+            };
+            (Arc::clone(ports), Arc::new(names))
+        });
+        Arc::clone(names)
+    }
+}

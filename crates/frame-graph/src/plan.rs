@@ -1,0 +1,333 @@
+//! The compiled plan: a plain value that an executor follows, and that can be printed, hashed and drawn.
+
+mod dot;
+mod json;
+mod svg;
+mod text;
+
+use crate::name::Name;
+use crate::port::{Externals, Facts, OutputOverride};
+use crate::resource::{Clear, ResourceDesc};
+use crate::value::Settings;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+/// A stable name of a plan: equal for equal plans, on any machine.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PlanId(pub u128);
+
+/// Index into [`Plan::passes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PassId(pub u32);
+
+/// Index into [`Plan::resources`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ResourceId(pub u32);
+
+/// Index into [`Plan::allocations`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct AllocationId(pub u32);
+
+/// Index into [`Plan::histories`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct HistoryId(pub u32);
+
+/// All that is decided before a frame runs.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The stable name of all that follows.
+    pub id: PlanId,
+    /// Size of the frame in pixels.
+    pub frame: (u32, u32),
+    /// The passes, in the order in which they run.
+    pub passes: Vec<PlannedPass>,
+    /// Every resource of the passes.
+    pub resources: Vec<PlannedResource>,
+    /// The objects that back them.
+    pub allocations: Vec<Allocation>,
+    /// Resources whose last version is kept for the next frame.
+    pub histories: Vec<History>,
+    /// What the pipeline offers, in the order of its file.
+    pub outputs: Vec<PlannedOutput>,
+    /// What became of every pass of the description, in the order of the file, and why.
+    pub fates: Vec<(Name, Fate)>,
+    /// What sharing saves.
+    pub memory: Memory,
+}
+
+/// One pass of a plan.
+#[derive(Clone, Debug)]
+pub struct PlannedPass {
+    /// Name in the flattened description: `shadows/splat`.
+    pub name: Name,
+    /// The kind.
+    pub kind: Name,
+    /// The WGSL file, for kinds that take one.
+    pub shader: Option<Name>,
+    /// Settings, complete.
+    pub settings: Arc<Settings>,
+    /// What the use says of outputs with `out:`, as [`crate::port::Use::outputs`] asks for it.
+    pub overrides: Arc<BTreeMap<String, OutputOverride>>,
+    /// The inputs that are connected.
+    pub inputs: Vec<PlannedInput>,
+    /// Outputs and scratch.
+    pub outputs: Vec<PlannedPort>,
+    /// The data of the host program that it reads itself.
+    pub externals: Externals,
+    /// What its result depends on, through all that it reads: where none of it has changed, it need not run.
+    pub depends_on: Externals,
+    /// Whether it depends on a history, and so on every frame before.
+    pub remembers: bool,
+    /// Resources to clear before it runs.
+    pub clears: Vec<(ResourceId, Clear)>,
+}
+
+/// A connected input of a [`PlannedPass`].
+#[derive(Clone, Debug)]
+pub struct PlannedInput {
+    /// The port.
+    pub port: Name,
+    /// The interface of what is linked.
+    pub interface: Name,
+    /// Member name and resource.
+    pub members: Vec<(Name, ResourceId)>,
+    /// The past version of those resources, where the link is `Prev`: one entry a member.
+    pub history: Option<Vec<HistoryId>>,
+    /// Facts of the producer's port.
+    pub facts: Arc<Facts>,
+}
+
+/// An output port or a scratch resource of a [`PlannedPass`].
+#[derive(Clone, Debug)]
+pub struct PlannedPort {
+    /// The port.
+    pub port: Name,
+    /// The interface; empty for scratch.
+    pub interface: Name,
+    /// Member name and resource.
+    pub members: Vec<(Name, ResourceId)>,
+    /// Whether anything reads it. A pass may skip work for what nothing reads.
+    pub connected: bool,
+    /// Facts that go with it.
+    pub facts: Arc<Facts>,
+}
+
+/// A resource of a plan.
+#[derive(Clone, Debug)]
+pub struct PlannedResource {
+    /// `pass.port`, or `pass.port.member`.
+    pub name: Name,
+    /// Worked out.
+    pub desc: ResourceDesc,
+    /// The object that backs it; for a resource with a history, the first of two that change places.
+    pub allocation: AllocationId,
+    /// The pass that writes it; `None` for the constant of a pass that is switched off.
+    pub producer: Option<PassId>,
+    /// The passes that read it in the same frame.
+    pub readers: Vec<PassId>,
+    /// First and last position in the order at which it is alive.
+    pub lifetime: (u32, u32),
+    /// Set where it must outlive its last reader, and so shares with nothing: an output of the pipeline, a
+    /// history, a constant, or read by passes that run in frames in which its producer does not.
+    pub persistent: bool,
+    /// Its history, where something reads the past of it.
+    pub history: Option<HistoryId>,
+    /// The value, for the constant of a pass that is switched off.
+    pub constant: Option<Clear>,
+}
+
+/// An object on the GPU, backing one resource or several whose lifetimes do not meet.
+#[derive(Clone, Debug)]
+pub struct Allocation {
+    /// Fits every resource in it.
+    pub desc: ResourceDesc,
+    /// The resources, in the order of their lifetimes.
+    pub resources: Vec<ResourceId>,
+}
+
+/// A resource whose version of the frame before is read.
+#[derive(Clone, Debug)]
+pub struct History {
+    /// The resource.
+    pub resource: ResourceId,
+    /// Its two objects. The executor writes them in turn.
+    pub copies: [AllocationId; 2],
+    /// What a reader finds where there is no past.
+    pub init: Clear,
+    /// The events that end the past.
+    pub reset: Vec<crate::frame::ResetCause>,
+}
+
+/// An output of the pipeline.
+#[derive(Clone, Debug)]
+pub struct PlannedOutput {
+    /// Name in the pipeline.
+    pub name: Name,
+    /// `pass.port` that it comes from.
+    pub from: Name,
+    /// Interface of that port.
+    pub interface: Name,
+    /// Member name and resource.
+    pub members: Vec<(Name, ResourceId)>,
+}
+
+/// What became of a pass, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It runs: some output of the pipeline needs it. Holds the passes or outputs that read it.
+    Kept {
+        /// Names of what reads it.
+        readers: Vec<Name>,
+    },
+    /// Nothing that an output needs reads any of its ports.
+    Culled {
+        /// Passes that would read it, themselves culled or off; empty where nothing does.
+        readers: Vec<Name>,
+    },
+    /// Its switch is off.
+    Off {
+        /// The expression of `when:`, with the values that decided it.
+        why: String,
+        /// What takes its place: `Black`, or the input that is passed on.
+        instead: String,
+    },
+}
+
+/// What sharing saves, in bytes of transient resources (histories and constants apart).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Memory {
+    /// Every resource in an object of its own.
+    pub unshared: u64,
+    /// As planned.
+    pub shared: u64,
+    /// The least that any plan of this order can reach: the largest sum alive at once.
+    pub bound: u64,
+    /// Objects as planned.
+    pub objects: u32,
+    /// Histories, constants and whatever else cannot be shared.
+    pub persistent: u64,
+}
+
+impl fmt::Debug for PlanId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl fmt::Display for PlanId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:032x}", self.0)
+    }
+}
+
+impl Plan {
+    /// The pass of this name.
+    pub fn pass(&self, name: &str) -> Option<PassId> {
+        self.passes.iter().position(|pass| pass.name == *name).map(|i| PassId(i as u32))
+    }
+
+    /// The resource named `pass.port` or `pass.port.member`.
+    pub fn resource(&self, name: &str) -> Option<ResourceId> {
+        self.resources.iter().position(|resource| resource.name == *name).map(|i| ResourceId(i as u32))
+    }
+
+    /// The output of this name.
+    pub fn output(&self, name: &str) -> Option<&PlannedOutput> {
+        self.outputs.iter().find(|output| output.name == *name)
+    }
+
+    /// The plan as text: every pass in order with what it reads and writes, what became of the others and why,
+    /// and what memory it takes.
+    pub fn to_text(&self) -> String {
+        text::text(self)
+    }
+
+    /// The plan as a graph for Graphviz.
+    pub fn to_dot(&self) -> String {
+        dot::dot(self)
+    }
+
+    /// The plan as JSON.
+    pub fn to_json(&self) -> serde_json::Value {
+        json::json(self)
+    }
+
+    /// The plan as a drawing: passes from left to right in the order of data, colours for what became of them.
+    pub fn to_svg(&self) -> String {
+        svg::svg(self)
+    }
+
+    /// The links that are read by a pass: the producer (`None` for a constant), the port of the reader, what is
+    /// read, and whether it is the past.
+    fn links(&self, pass: &PlannedPass) -> Vec<DrawnLink> {
+        let link = |input: &PlannedInput| {
+            let (_, first) = input.members.first()?;
+            let resource = &self.resources[first.0 as usize];
+            // `pass.port` of `pass.port.member`.
+            let tail = resource.name.rsplit('/').next().unwrap_or("");
+            let port = tail.split('.').nth(1).unwrap_or("").to_owned();
+            let past = input.history.is_some();
+            Some(DrawnLink { producer: resource.producer, constant: *first, input: input.port.clone(), port, past })
+        };
+        pass.inputs.iter().filter_map(link).collect()
+    }
+
+    /// The constants that stand in place of passes that are off.
+    fn constants(&self) -> impl Iterator<Item = (ResourceId, &PlannedResource)> {
+        let resources = self.resources.iter().enumerate();
+        resources.filter(|(_, r)| r.producer.is_none()).map(|(i, r)| (ResourceId(i as u32), r))
+    }
+}
+
+/// A link as drawn.
+struct DrawnLink {
+    producer: Option<PassId>,
+    /// The resource read, which stands for itself where it is a constant.
+    constant: ResourceId,
+    input: Name,
+    port: String,
+    past: bool,
+}
+
+impl fmt::Display for Fate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = |readers: &[Name]| readers.iter().map(Name::as_str).collect::<Vec<_>>().join(", ");
+        match self {
+            Fate::Kept { readers } if readers.is_empty() => f.write_str("kept: asked for"),
+            Fate::Kept { readers } => write!(f, "kept: read by {}", names(readers)),
+            Fate::Culled { readers } if readers.is_empty() => f.write_str("culled: nothing reads it"),
+            Fate::Culled { readers } => {
+                write!(f, "culled: no output needs what reads it ({})", names(readers))
+            }
+            Fate::Off { why, instead } => write!(f, "off: {why}; in its place: {instead}"),
+        }
+    }
+}
+
+/// Bytes as people read them.
+fn bytes(n: u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = n as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    if unit == 0 { format!("{n} B") } else { format!("{value:.1} {}", UNITS[unit]) }
+}
+
+impl fmt::Display for Memory {
+    /// One line: unshared, shared, bound, persistent.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "transient {} in {} objects (unshared {}, lower bound {}); persistent {}",
+            bytes(self.shared),
+            self.objects,
+            bytes(self.unshared),
+            bytes(self.bound),
+            bytes(self.persistent)
+        )
+    }
+}

@@ -1,0 +1,278 @@
+//! What a kind of pass offers to the graph: interfaces, ports, and the trait through which the core asks.
+
+use crate::resource::{Clear, Extent, ResourceDesc};
+use crate::value::{Setting, Settings, Traits, Value};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Values that go with a port and are known before anything runs: the count of virtual lights, the side of a
+/// tile, which kind of visibility it is. A consumer may size its outputs by them and select shader variants.
+pub type Facts = BTreeMap<String, Value>;
+
+/// A set of resources that travel as one link: where algorithms are swapped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interface {
+    /// The name, in CamelCase: `GBuffer`.
+    pub name: &'static str,
+    /// Its resources, in order.
+    pub members: &'static [Member],
+    /// What it holds, with units.
+    pub doc: &'static str,
+}
+
+/// One resource of an [`Interface`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// Name, unique within the interface; empty for the only resource of an interface with one.
+    pub name: &'static str,
+    /// Whether a producer may leave it out.
+    pub optional: bool,
+    /// What it holds: shape and unit.
+    pub doc: &'static str,
+}
+
+/// An input of a pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InputPort {
+    /// The name, as in RON.
+    pub name: String,
+    /// Name of an [`Interface`], or `"Texture"` or `"Buffer"`, which take any single resource of that sort.
+    /// `"Any"` takes whatever the link brings (kinds that read their ports from a shader).
+    pub interface: String,
+    /// Whether it may be left unconnected.
+    pub optional: bool,
+    /// What the pass does with it.
+    pub doc: String,
+}
+
+/// An output of a pass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputPort {
+    /// The name, as in RON.
+    pub name: String,
+    /// Name of an [`Interface`], or `"Texture"` or `"Buffer"`.
+    pub interface: String,
+    /// What it holds.
+    pub doc: String,
+}
+
+/// The data of the host program that a pass reads, as bits: each is an input of every pipeline that needs no
+/// link. A pass runs again when one that it reads has changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Externals(pub u8);
+
+impl Externals {
+    /// Nothing.
+    pub const NONE: Externals = Externals(0);
+    /// Geometry, materials and textures.
+    pub const SCENE: Externals = Externals(1);
+    /// The camera.
+    pub const CAMERA: Externals = Externals(2);
+    /// The lights of the scene.
+    pub const LIGHTS: Externals = Externals(4);
+    /// The number of the frame and its time: a pass that reads it runs in every frame.
+    pub const FRAME: Externals = Externals(8);
+
+    /// Both together.
+    pub const fn and(self, other: Externals) -> Externals {
+        Externals(self.0 | other.0)
+    }
+
+    /// Whether all of `other` is in it.
+    pub const fn contains(self, other: Externals) -> bool {
+        self.0 & other.0 == other.0
+    }
+}
+
+/// The ports of one use of a pass: known from its settings alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ports {
+    /// Inputs, in the order of the documentation.
+    pub inputs: Vec<InputPort>,
+    /// Outputs, in the order of the documentation.
+    pub outputs: Vec<OutputPort>,
+    /// The data of the host program that it reads.
+    pub externals: Externals,
+}
+
+/// One use of a kind, as far as the file says: what its ports may depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct Use<'a> {
+    /// The kind's name.
+    pub kind: &'a str,
+    /// The WGSL file that the use names with `shader:`, for kinds that take one.
+    pub shader: Option<&'a str>,
+    /// Names of the inputs that the use links, in order.
+    pub inputs: &'a [String],
+    /// What the use says with `out:` of outputs, by port.
+    pub outputs: &'a BTreeMap<String, OutputOverride>,
+}
+
+/// What a use says of an output of a kind that takes its ports from a shader.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OutputOverride {
+    /// The interface that it offers itself as.
+    pub interface: Option<String>,
+    /// The format of the texture.
+    pub format: Option<crate::resource::Format>,
+    /// The size of the texture.
+    pub size: Option<Extent>,
+    /// Number of elements, for a buffer.
+    pub count: Option<u32>,
+}
+
+/// What is known of a linked input when the sizes of the outputs are worked out.
+#[derive(Clone, Debug)]
+pub struct InputDesc {
+    /// The port.
+    pub name: String,
+    /// The interface of what is linked to it.
+    pub interface: String,
+    /// Its resources: member name and worked-out description. A member that the producer left out is absent.
+    pub members: Vec<(String, ResourceDesc)>,
+    /// Facts of the producer's port.
+    pub facts: Arc<Facts>,
+}
+
+impl InputDesc {
+    /// The resource of that member; `""` for the only one.
+    pub fn member(&self, name: &str) -> Option<&ResourceDesc> {
+        self.members.iter().find(|(n, _)| n == name).map(|(_, desc)| desc)
+    }
+
+    /// Size of the first texture, in texels.
+    pub fn size(&self) -> Option<(u32, u32)> {
+        self.members.iter().find_map(|(_, desc)| desc.texture().map(|t| t.size))
+    }
+}
+
+/// All that the resources of a pass's outputs may depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct OutputContext<'a> {
+    /// The use.
+    pub use_: Use<'a>,
+    /// Settings, complete.
+    pub settings: &'a Settings,
+    /// The connected inputs.
+    pub inputs: &'a [InputDesc],
+    /// Size of the frame in pixels.
+    pub frame: (u32, u32),
+    /// What the scene holds.
+    pub traits: &'a Traits,
+}
+
+impl<'a> OutputContext<'a> {
+    /// The input of that name, where it is connected.
+    pub fn input(&self, name: &str) -> Option<&'a InputDesc> {
+        self.inputs.iter().find(|input| input.name == name)
+    }
+
+    /// A fact of a connected input.
+    pub fn fact(&self, input: &str, fact: &str) -> Option<&'a Value> {
+        self.input(input).and_then(|input| input.facts.get(fact))
+    }
+}
+
+/// How the first use of a resource in a pass treats what was in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Usage {
+    /// The pass writes every bit of it before anything is read.
+    Overwrites,
+    /// It must be cleared before the pass runs.
+    ClearFirst(Clear),
+}
+
+/// The resources of one output port, or one resource that the pass needs only while it runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputDesc {
+    /// The output port; for scratch, a name of its own.
+    pub port: String,
+    /// Whether it is scratch: seen by no other pass.
+    pub scratch: bool,
+    /// Its resources by member name (`""` for the only one), and whether they need clearing.
+    pub members: Vec<(String, ResourceDesc<Extent>, Usage)>,
+    /// Facts that go with it.
+    pub facts: Facts,
+}
+
+impl OutputDesc {
+    /// A port with one resource, fully written by the pass.
+    pub fn one(port: &str, desc: ResourceDesc<Extent>) -> OutputDesc {
+        OutputDesc {
+            port: port.to_owned(),
+            scratch: false,
+            members: vec![(String::new(), desc, Usage::Overwrites)],
+            facts: Facts::new(),
+        }
+    }
+
+    /// A resource that the pass needs only while it runs.
+    pub fn scratch(name: &str, desc: ResourceDesc<Extent>) -> OutputDesc {
+        OutputDesc { scratch: true, ..OutputDesc::one(name, desc) }
+    }
+
+    /// The same, with a fact.
+    pub fn fact(mut self, name: &str, value: Value) -> OutputDesc {
+        self.facts.insert(name.to_owned(), value);
+        self
+    }
+}
+
+/// Why a kind refuses a use of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KindError {
+    /// What is wrong, and what was expected.
+    pub message: String,
+    /// The setting at fault, for the place in the file.
+    pub setting: Option<String>,
+    /// The input at fault, for the place in the file.
+    pub input: Option<String>,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl KindError {
+    /// An error of the use as a whole.
+    pub fn new(message: impl Into<String>) -> KindError {
+        KindError { message: message.into(), ..KindError::default() }
+    }
+
+    /// An error of one setting.
+    pub fn setting(name: &str, message: impl Into<String>) -> KindError {
+        KindError { message: message.into(), setting: Some(name.to_owned()), ..KindError::default() }
+    }
+
+    /// An error of one input.
+    pub fn input(name: &str, message: impl Into<String>) -> KindError {
+        KindError { message: message.into(), input: Some(name.to_owned()), ..KindError::default() }
+    }
+
+    /// The same, with advice.
+    pub fn help(mut self, help: impl Into<String>) -> KindError {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// Every kind of pass there is: how the core learns of passes without knowing any.
+///
+/// All of it is pure: the same question gets the same answer.
+pub trait Kinds {
+    /// The names of all kinds, sorted: for errors that offer the nearest.
+    fn names(&self) -> Vec<String>;
+
+    /// All interfaces.
+    fn interfaces(&self) -> &[Interface];
+
+    /// Whether a use of the kind names a shader with `shader:`; `None` where there is no such kind.
+    fn takes_shader(&self, kind: &str) -> Option<bool>;
+
+    /// The settings of this use.
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError>;
+
+    /// Its ports.
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, KindError>;
+
+    /// The resources of its outputs, and scratch.
+    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError>;
+}

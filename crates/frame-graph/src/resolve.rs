@@ -1,0 +1,166 @@
+//! From a description to a flat one: `extends`, patches, subgraphs and parameters.
+
+mod diff;
+mod document;
+mod flatten;
+mod print;
+
+pub use diff::{Difference, diff};
+
+use crate::codes;
+use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, parse_file};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span};
+use crate::name::Name;
+use crate::value::{Setting, Value};
+use flatten::{Assignment, Resolver};
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// Where pipeline files come from: the disk, or what is embedded in the program.
+pub trait Files {
+    /// The file at `path`, relative to the pipelines' folder; `None` where there is none.
+    fn read(&self, path: &str) -> Option<Arc<Source>>;
+
+    /// The paths of all pipeline files: for errors that offer the nearest.
+    fn list(&self) -> Vec<String>;
+}
+
+/// Values given from outside: `--set parameter=v`, `--set pass.setting=v`, and the axes of a study.
+///
+/// A later one of the same path wins.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overrides(pub Vec<(String, Value)>);
+
+/// A flattened description, each value with its origin.
+///
+/// Two are equal if their pipelines are, wherever their values came from.
+#[derive(Clone, Debug)]
+pub struct Resolved {
+    pub(crate) sources: Sources,
+    pub(crate) about: Option<String>,
+    pub(crate) paper: Option<String>,
+    pub(crate) parameters: Vec<Parameter>,
+    /// Inputs, for a part.
+    pub(crate) inputs: Vec<InputDecl>,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) outputs: Vec<OutputDecl>,
+    pub(crate) index: FxHashMap<Name, u32>,
+}
+
+/// A parameter of a flattened pipeline.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// What it may be.
+    pub setting: Setting,
+    /// What it is.
+    pub value: Value,
+    pub(crate) place: Place,
+}
+
+/// A pass, or the border of a part.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub(crate) name: Name,
+    pub(crate) place: Place,
+    /// The part that it is in.
+    pub(crate) parent: Option<u32>,
+    pub(crate) decl: Arc<PassDecl>,
+}
+
+/// Flattens the pipeline at `path`.
+///
+/// # Errors
+/// All that is wrong with the file and those that it names, as far as that can be told without knowing kinds.
+pub fn resolve(path: &str, files: &dyn Files, overrides: &Overrides) -> Result<Resolved, Diagnostics> {
+    let Some(source) = files.read(path) else {
+        let given = Source::new("pipeline", path);
+        let span = Span { source: given, start: 0, end: path.len() as u32 };
+        let list = files.list();
+        let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline file `{path}`"))
+            .label(span, "")
+            .suggest("files", path, list.iter().map(String::as_str));
+        return Err(error.into());
+    };
+    resolve_description(path, &parse_file(source, 0)?, files, overrides)
+}
+
+/// Flattens a description that has been parsed from the file at `path`.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_description(
+    path: &str,
+    description: &Description,
+    files: &dyn Files,
+    overrides: &Overrides,
+) -> Result<Resolved, Diagnostics> {
+    let mut resolver = Resolver::new(files, Arc::clone(&description.source));
+    let given = overrides.0.iter().map(|(path, value)| {
+        let text = format!("{path}={value}");
+        let file = resolver.sources.add(Source::new("--set", text));
+        Assignment::given(path, value.clone(), file)
+    });
+    let given = given.collect();
+    let document = resolver.document(path, description);
+    resolver.pipeline(path, document, given)
+}
+
+impl Resolved {
+    /// What it renders, in one line.
+    pub fn about(&self) -> Option<&str> {
+        self.about.as_deref()
+    }
+
+    /// The paper and section that it renders.
+    pub fn paper(&self) -> Option<&str> {
+        self.paper.as_deref()
+    }
+
+    /// The parameters, in the order of the file.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// Names and kinds of all passes, in the order of the file.
+    pub fn passes(&self) -> impl Iterator<Item = (&Name, &Name)> {
+        self.nodes.iter().filter_map(|node| match &node.decl.body {
+            Body::Pass { kind, .. } => Some((&node.name, &kind.value)),
+            Body::Sub { .. } | Body::Group(_) | Body::Removed => None,
+        })
+    }
+
+    /// Name and WGSL file of each pass that has one.
+    pub fn shaders(&self) -> impl Iterator<Item = (&Name, &Name)> {
+        self.nodes.iter().filter_map(|node| match &node.decl.body {
+            Body::Pass { shader: Some(shader), .. } => Some((&node.name, &shader.value)),
+            _ => None,
+        })
+    }
+
+    /// Names of the outputs, in the order of the file.
+    pub fn outputs(&self) -> impl Iterator<Item = &Name> {
+        self.outputs.iter().map(|output| &output.name.value)
+    }
+
+    /// Whether it is a part, to be used with `Sub`: it has inputs.
+    pub fn is_part(&self) -> bool {
+        !self.inputs.is_empty()
+    }
+
+    /// The files that it was made from: what must be watched.
+    pub fn sources(&self) -> &[Arc<Source>] {
+        &self.sources.0
+    }
+
+    /// The flattened file. Behind each value that was inherited, patched or given from outside stands a comment
+    /// with its origin. Read again, it gives an equal [`Resolved`].
+    pub fn to_ron(&self) -> String {
+        print::print(self, true)
+    }
+}
+
+impl PartialEq for Resolved {
+    fn eq(&self, other: &Resolved) -> bool {
+        print::print(self, false) == print::print(other, false)
+    }
+}

@@ -1,0 +1,251 @@
+//! One document from a chain of files that extend each other: merging and patching.
+
+use super::flatten::{Assignment, Resolver};
+use crate::codes;
+use crate::description::{
+    At, Body, Description, Entry, InputDecl, Link, OutputDecl, ParameterDecl, PassDecl, Patch, Target,
+};
+use crate::diagnostic::{Diagnostic, Place};
+use std::sync::Arc;
+
+/// Longest chain of `extends`.
+const MAX_CHAIN: usize = 16;
+
+/// A file with all that it inherits.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Document {
+    pub(super) about: Option<String>,
+    pub(super) paper: Option<String>,
+    pub(super) parameters: Vec<ParameterDecl>,
+    pub(super) inputs: Vec<InputDecl>,
+    pub(super) passes: Vec<Entry>,
+    pub(super) outputs: Vec<OutputDecl>,
+    /// What `Set` gives, in order.
+    pub(super) assignments: Vec<Assignment>,
+}
+
+impl Resolver<'_> {
+    /// Merges a description with the files that it extends.
+    pub(super) fn document(&mut self, path: &str, description: &Description) -> Document {
+        let mut document = Document::default();
+        let mut chain = vec![path.to_owned()];
+        let mut bases = Vec::new();
+        let mut extends = description.extends.clone();
+        while let Some(At { value: base, place }) = extends {
+            if chain.contains(&base) {
+                chain.push(base);
+                let error = Diagnostic::new(&codes::EXTENDS_LOOP, format!("`{path}` extends itself"))
+                    .label(self.sources.span(place), "this closes the loop")
+                    .note(format!("the loop is {}", chain.join(" → ")));
+                self.errors.push(error);
+                return document;
+            }
+            if chain.len() > MAX_CHAIN {
+                let error =
+                    Diagnostic::new(&codes::TOO_LARGE, format!("more than {MAX_CHAIN} files extend each other"))
+                        .label(self.sources.span(place), "");
+                self.errors.push(error);
+                return document;
+            }
+            // Without its base, all that a variant says would be wrong.
+            let Some(loaded) = self.load(&base, place) else { return document };
+            extends = loaded.extends.clone();
+            chain.push(base);
+            bases.push(loaded);
+        }
+        for base in bases.iter().rev() {
+            self.merge(&mut document, base);
+        }
+        self.merge(&mut document, description);
+        document
+    }
+
+    fn merge(&mut self, document: &mut Document, file: &Description) {
+        if let Some(about) = &file.about {
+            document.about = Some(about.value.clone());
+        }
+        if let Some(paper) = &file.paper {
+            document.paper = Some(paper.value.clone());
+        }
+        for decl in &file.parameters {
+            match document.parameters.iter().position(|p| p.name.value == decl.name.value) {
+                Some(i) => self.merge_parameter(&mut document.parameters[i], decl),
+                None => document.parameters.push(decl.clone()),
+            }
+        }
+        for input in &file.inputs {
+            match document.inputs.iter_mut().find(|i| i.name.value == input.name.value) {
+                Some(old) => *old = input.clone(),
+                None => document.inputs.push(input.clone()),
+            }
+        }
+        if document.passes.is_empty() {
+            document.passes.clone_from(&file.passes);
+        } else {
+            for entry in &file.passes {
+                if self.is_free(document, &entry.name, "Replace") {
+                    document.passes.push(entry.clone());
+                }
+            }
+        }
+        for output in &file.outputs {
+            match document.outputs.iter_mut().find(|o| o.name.value == output.name.value) {
+                Some(old) => *old = output.clone(),
+                None => document.outputs.push(output.clone()),
+            }
+        }
+        for patch in &file.patch {
+            self.patch(document, patch);
+        }
+    }
+
+    fn merge_parameter(&mut self, old: &mut ParameterDecl, new: &ParameterDecl) {
+        if old.ty != new.ty {
+            let (was, is) = (old.ty.with_article(), new.ty.with_article());
+            let message = format!("`{}` is {was} in the file that is extended, not {is}", new.name.value);
+            let error = Diagnostic::new(&codes::PARAMETER, message)
+                .label(self.sources.span(new.place), "of another type here")
+                .label(self.sources.span(old.place), "declared here");
+            self.errors.push(error);
+            return;
+        }
+        old.default = new.default.clone().or(old.default.take());
+        old.min = new.min.or(old.min);
+        old.max = new.max.or(old.max);
+        old.one_of = new.one_of.clone().or(old.one_of.take());
+        old.unit = new.unit.clone().or(old.unit.take());
+        old.doc = new.doc.clone().or(old.doc.take());
+    }
+
+    /// Tells where a name is taken.
+    fn is_free(&mut self, document: &Document, name: &At<crate::name::Name>, advice: &str) -> bool {
+        let Some(taken) = document.passes.iter().find(|entry| entry.name.value == name.value) else { return true };
+        let mut error = Diagnostic::new(&codes::DEFINED_TWICE, format!("there is a pass `{}` already", name.value))
+            .label(self.sources.span(name.place), "taken")
+            .label(self.sources.span(taken.name.place), "defined here");
+        if advice == "Replace" {
+            error = error.note(format!("to put another pass in its place: Replace(\"{}\", Pass(…))", name.value));
+        }
+        self.errors.push(error);
+        false
+    }
+
+    fn find(&mut self, document: &Document, name: &str, place: Place) -> Option<usize> {
+        let found = document.passes.iter().position(|entry| entry.name.value == name);
+        if found.is_none() {
+            let error = Diagnostic::new(&codes::PATCH_TARGET, format!("there is no pass `{name}` to patch"))
+                .label(self.sources.span(place), "")
+                .suggest("passes", name, document.passes.iter().map(|entry| &*entry.name.value));
+            self.errors.push(error);
+        }
+        found
+    }
+
+    fn patch(&mut self, document: &mut Document, patch: &Patch) {
+        match patch {
+            Patch::Replace { name, decl } => {
+                let Some(i) = self.find(document, &name.value, name.place) else { return };
+                let entry = &mut document.passes[i];
+                let mut decl = PassDecl::clone(decl);
+                for link in &entry.decl.links {
+                    if decl.link(&link.port.value).is_none() {
+                        decl.push_link(Link { inherited: true, ..link.clone() });
+                    }
+                }
+                decl.when = decl.when.or_else(|| entry.decl.when.clone());
+                decl.off = decl.off.or_else(|| entry.decl.off.clone());
+                decl.feed = decl.feed.or_else(|| entry.decl.feed.clone());
+                *entry = Entry { name: name.clone(), decl: Arc::new(decl) };
+            }
+            Patch::Remove { name } => {
+                let Some(i) = self.find(document, &name.value, name.place) else { return };
+                let decl = &mut document.passes[i].decl;
+                if decl.off.is_some() {
+                    Arc::make_mut(decl).removed = Some(name.place);
+                } else {
+                    *decl = Arc::new(PassDecl::tombstone(Some(name.place)));
+                }
+            }
+            Patch::Set { path, value, place } => {
+                document.assignments.push(Assignment {
+                    path: path.value.to_string(),
+                    path_place: path.place,
+                    value: value.clone(),
+                    place: *place,
+                });
+            }
+            Patch::Insert { name, decl, from, to } => self.insert(document, name, decl, from, to),
+        }
+    }
+
+    fn insert(
+        &mut self,
+        document: &mut Document,
+        name: &At<crate::name::Name>,
+        decl: &PassDecl,
+        from: &At<Target>,
+        to: &At<Target>,
+    ) {
+        if !self.is_free(document, name, "") {
+            return;
+        }
+        if self.find(document, &from.value.pass, from.place).is_none() {
+            return;
+        }
+        let fits = |link: &Link| {
+            let port = from.value.port.is_none() || link.target.port.is_none() || from.value.port == link.target.port;
+            link.target.pass == from.value.pass && port
+        };
+        let mut position = document.passes.len();
+        let reads_output = to.value.pass == "out";
+        let link = if reads_output {
+            document.outputs.iter_mut().find(|o| Some(&o.name.value) == to.value.port.as_ref()).map(|o| &mut o.link)
+        } else {
+            let Some(i) = self.find(document, &to.value.pass, to.place) else { return };
+            position = i;
+            let links = &mut Arc::make_mut(&mut document.passes[i].decl).links;
+            match &to.value.port {
+                Some(port) => links.iter_mut().find(|link| link.port.value == *port),
+                None => links.iter_mut().find(|link| fits(link)),
+            }
+        };
+        match link {
+            Some(link) if fits(link) => {
+                let mut decl = decl.clone();
+                // The past, where the link reads it, is now that of the inserted pass.
+                let target = if from.value.port.is_some() { from.value.clone() } else { link.target.clone() };
+                decl.feed = Some(Link { target, past: None, ..link.clone() });
+                link.target = Target { pass: name.value.clone(), port: None, member: None };
+                link.place = name.place;
+                link.content_end = None;
+                let entry = Entry { name: name.clone(), decl: Arc::new(decl) };
+                document.passes.insert(position, entry);
+            }
+            other => {
+                let message = format!("no link joins `{}` to `{}`", from.value, to.value);
+                let mut error = Diagnostic::new(&codes::PATCH_LINK, message);
+                error = match other {
+                    Some(link) => error
+                        .label(self.sources.span(to.place), format!("this is linked to `{}`", link.target))
+                        .label(self.sources.span(link.place), "linked here"),
+                    None => error.label(self.sources.span(to.place), "nothing is linked here"),
+                };
+                if reads_output {
+                    error = error.note("`out.NAME` stands for an output of the pipeline");
+                } else if let Some(entry) = document.passes.get(position) {
+                    let links: Vec<String> =
+                        entry.decl.links.iter().map(|l| format!("{} from {}", l.port.value, l.target)).collect();
+                    if !links.is_empty() {
+                        error = error.note(format!("links of `{}`: {}", to.value.pass, links.join(", ")));
+                    }
+                }
+                self.errors.push(error);
+            }
+        }
+    }
+
+    /// Whether a pass of a document is a part.
+    pub(super) fn is_sub(entry: &Entry) -> bool {
+        matches!(entry.decl.body, Body::Sub { .. })
+    }
+}

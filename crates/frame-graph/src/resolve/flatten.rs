@@ -1,0 +1,461 @@
+//! Puts parameters in and moves the passes of parts up into the pipeline.
+
+use super::document::Document;
+use super::{Files, Node, Parameter, Resolved};
+use crate::codes;
+use crate::description::{
+    At, Body, Description, Dim, Entry, Group, InputDecl, Link, OutputDecl, PassDecl, Set, SetValue, Target,
+    out_overrides, parse_file, within,
+};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
+use crate::name::Name;
+use crate::value::{Misfit, Setting, Value, ValueType};
+use rustc_hash::FxHashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Deepest nesting of parts.
+const MAX_PARTS: usize = 16;
+/// Most passes of a flattened pipeline.
+const MAX_PASSES: usize = 65_536;
+
+/// A value for a parameter or a setting, from a patch, from `set:` of a part, or from outside.
+#[derive(Clone, Debug)]
+pub(super) struct Assignment {
+    /// `parameter`, `pass.setting`, `part.parameter` or `part/pass.setting`, seen from the file it is for.
+    pub(super) path: String,
+    pub(super) path_place: Place,
+    pub(super) value: SetValue,
+    pub(super) place: Place,
+}
+
+impl Assignment {
+    /// One from outside, written as `path=value` in the file of this index.
+    pub(super) fn given(path: &str, value: Value, file: u32) -> Assignment {
+        let len = path.len() as u32;
+        let written = value.to_string().len() as u32;
+        Assignment {
+            path: path.to_owned(),
+            path_place: Place { file, start: 0, end: len },
+            value: SetValue::Value(value),
+            place: Place { file, start: len + 1, end: len + 1 + written },
+        }
+    }
+}
+
+pub(super) struct Resolver<'a> {
+    files: &'a dyn Files,
+    pub(super) sources: Sources,
+    loaded: FxHashMap<String, Option<Rc<Description>>>,
+    pub(super) errors: Vec<Diagnostic>,
+    nodes: Vec<Node>,
+    /// The parts that are being flattened, outermost first.
+    parts: Vec<String>,
+}
+
+/// The parameters that a file's values may name.
+type Scope = Vec<Parameter>;
+
+impl<'a> Resolver<'a> {
+    pub(super) fn new(files: &'a dyn Files, root: Arc<Source>) -> Resolver<'a> {
+        Resolver {
+            files,
+            sources: Sources(vec![root]),
+            loaded: FxHashMap::default(),
+            errors: Vec::new(),
+            nodes: Vec::new(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// Reads a file that is named at `place`, once.
+    pub(super) fn load(&mut self, path: &str, place: Place) -> Option<Rc<Description>> {
+        if let Some(loaded) = self.loaded.get(path) {
+            return loaded.clone();
+        }
+        let found = match self.files.read(path) {
+            Some(source) => {
+                let file = self.sources.add(Arc::clone(&source));
+                match parse_file(source, file) {
+                    Ok(description) => Some(Rc::new(description)),
+                    Err(errors) => {
+                        self.errors.extend(errors.0);
+                        None
+                    }
+                }
+            }
+            None => {
+                let list = self.files.list();
+                let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline file `{path}`"))
+                    .label(self.sources.span(place), "")
+                    .suggest("files", path, list.iter().map(String::as_str));
+                self.errors.push(error);
+                None
+            }
+        };
+        self.loaded.insert(path.to_owned(), found.clone());
+        found
+    }
+
+    /// The whole pipeline.
+    pub(super) fn pipeline(
+        mut self,
+        path: &str,
+        document: Document,
+        given: Vec<Assignment>,
+    ) -> Result<Resolved, Diagnostics> {
+        self.parts.push(path.to_owned());
+        self.nodes.reserve(document.passes.len());
+        let (about, paper, inputs) = (document.about.clone(), document.paper.clone(), document.inputs.clone());
+        let (parameters, outputs) = self.flatten(document, "", None, given);
+        let mut index = FxHashMap::default();
+        index.reserve(self.nodes.len());
+        for (i, node) in self.nodes.iter().enumerate() {
+            if let Some(first) = index.insert(node.name.clone(), i as u32) {
+                let first: &Node = &self.nodes[first as usize];
+                let error = Diagnostic::new(&codes::DEFINED_TWICE, format!("two passes are named `{}`", node.name))
+                    .label(self.sources.span(node.place), "again here")
+                    .label(self.sources.span(first.place), "first here");
+                self.errors.push(error);
+            }
+        }
+        if !self.errors.is_empty() {
+            return Err(Diagnostics::sorted(self.errors));
+        }
+        self.adopt(&index);
+        let (sources, nodes) = (self.sources, self.nodes);
+        Ok(Resolved { sources, about, paper, parameters, inputs, nodes, outputs, index })
+    }
+
+    /// In a file that was flattened before, passes belong to the groups whose names theirs begin with.
+    fn adopt(&mut self, index: &FxHashMap<Name, u32>) {
+        if !self.nodes.iter().any(|n| n.parent.is_none() && matches!(n.decl.body, Body::Group(_))) {
+            return;
+        }
+        for i in 0..self.nodes.len() {
+            let mut rest = &*self.nodes[i].name;
+            while let Some((outer, _)) = rest.rsplit_once('/') {
+                if let Some(group) = index.get(outer)
+                    && matches!(self.nodes[*group as usize].decl.body, Body::Group(_))
+                {
+                    self.nodes[i].parent = Some(*group);
+                    break;
+                }
+                rest = outer;
+            }
+        }
+    }
+
+    /// Flattens a document into `self.nodes`; returns its parameters and its outputs.
+    fn flatten(
+        &mut self,
+        document: Document,
+        prefix: &str,
+        parent: Option<u32>,
+        given: Vec<Assignment>,
+    ) -> (Scope, Vec<OutputDecl>) {
+        let Document { parameters: decls, passes, mut outputs, mut assignments, .. } = document;
+        assignments.extend(given);
+        let mut scope: Scope = Vec::with_capacity(decls.len());
+        for decl in decls {
+            let Some(default) = decl.default else {
+                let message = format!("the parameter `{}` needs a `default`", decl.name.value);
+                self.errors.push(
+                    Diagnostic::new(&codes::MISSING_FIELD, message).label(self.sources.span(decl.place), ""),
+                );
+                continue;
+            };
+            let setting = Setting {
+                name: decl.name.value.to_string(),
+                ty: decl.ty,
+                default: default.value.clone(),
+                min: decl.min,
+                max: decl.max,
+                one_of: decl.one_of.unwrap_or_default(),
+                unit: decl.unit.unwrap_or_default(),
+                doc: decl.doc.unwrap_or_default(),
+            };
+            let value = self.checked(&setting, default.value, default.place);
+            scope.push(Parameter { setting, value, place: default.place });
+        }
+        let mut routed: FxHashMap<usize, Vec<Assignment>> = FxHashMap::default();
+        for assignment in assignments {
+            self.route(assignment, &mut scope, &passes, &mut routed);
+        }
+        let scope = scope;
+        for (i, Entry { name, decl }) in passes.into_iter().enumerate() {
+            if self.nodes.len() >= MAX_PASSES {
+                self.too_large(name.place);
+                return (scope, Vec::new());
+            }
+            let assigned = routed.remove(&i).unwrap_or_default();
+            let full = if prefix.is_empty() { name.value } else { Name::from(format!("{prefix}/{}", name.value)) };
+            let decl = self.localise(decl, prefix, &scope);
+            if matches!(decl.body, Body::Sub { .. }) {
+                self.part(full, name.place, decl, parent, assigned);
+                continue;
+            }
+            let mut decl = decl;
+            for Assignment { path, path_place, value, place } in assigned {
+                let decl = Arc::make_mut(&mut decl);
+                let set = Set { name: At { value: Name::from(path), place: path_place }, value, place, patched: true };
+                match decl.set.iter_mut().find(|s| s.name.value == set.name.value) {
+                    Some(old) => *old = set,
+                    None => decl.set.push(set),
+                }
+            }
+            self.nodes.push(Node { name: full, place: name.place, parent, decl });
+        }
+        if !prefix.is_empty() {
+            for output in &mut outputs {
+                output.link.target = prefixed(&output.link.target, prefix);
+            }
+        }
+        (scope, outputs)
+    }
+
+    fn too_large(&mut self, place: Place) {
+        let message = format!("the flattened pipeline has more than {MAX_PASSES} passes");
+        if !self.errors.iter().any(|e| e.code == codes::TOO_LARGE.code) {
+            self.errors.push(Diagnostic::new(&codes::TOO_LARGE, message).label(self.sources.span(place), ""));
+        }
+    }
+
+    /// Takes in a part: its border as a group, then its passes.
+    fn part(&mut self, name: Name, place: Place, decl: Arc<PassDecl>, parent: Option<u32>, assigned: Vec<Assignment>) {
+        let mut decl = Arc::unwrap_or_clone(decl);
+        let Body::Sub { file: At { value: path, place: file_place } } = decl.body.clone() else { return };
+        if self.parts.contains(&path) || self.parts.len() > MAX_PARTS {
+            let chain = self.parts.join(" → ");
+            let error = if self.parts.contains(&path) {
+                Diagnostic::new(&codes::SUB_LOOP, format!("`{path}` contains itself"))
+                    .label(self.sources.span(file_place), "this closes the loop")
+                    .note(format!("the loop is {chain} → {path}"))
+            } else {
+                Diagnostic::new(&codes::TOO_LARGE, format!("parts are nested more than {MAX_PARTS} deep"))
+                    .label(self.sources.span(file_place), "")
+            };
+            self.errors.push(error);
+            return;
+        }
+        let Some(description) = self.load(&path, file_place) else { return };
+        let document = self.document(&path, &description);
+        self.check_border(&mut decl, &name, &path, file_place, &document.inputs);
+        let mut given: Vec<Assignment> = std::mem::take(&mut decl.set)
+            .into_iter()
+            .map(|set| Assignment {
+                path: set.name.value.to_string(),
+                path_place: set.name.place,
+                value: set.value,
+                place: set.place,
+            })
+            .collect();
+        given.extend(assigned);
+        given.retain(|assignment| assignment.value.get().is_some());
+        let group = self.nodes.len() as u32;
+        let inputs = document.inputs.clone();
+        decl.body = Body::Removed;
+        self.nodes.push(Node { name: name.clone(), place, parent, decl: Arc::new(decl.clone()) });
+        self.parts.push(path);
+        let (_, outputs) = self.flatten(document, &name, Some(group), given);
+        self.parts.pop();
+        decl.body = Body::Group(Group { inputs, outputs });
+        self.nodes[group as usize].decl = Arc::new(decl);
+    }
+
+    /// Every link of a part must have an input there, and every input that is needed a link.
+    fn check_border(&mut self, decl: &mut PassDecl, name: &Name, path: &str, file: Place, inputs: &[InputDecl]) {
+        let known = |link: &Link| inputs.iter().any(|i| i.name.value == link.port.value);
+        decl.links.retain(|link| known(link) || !link.inherited);
+        decl.links.iter_mut().for_each(|link| link.inherited = false);
+        decl.link_names.retain(|name| decl.links.iter().any(|link| link.port.value == *name));
+        for link in decl.links.iter().filter(|link| !known(link)) {
+            let error = Diagnostic::new(&codes::UNKNOWN_INPUT, format!("`{path}` has no input `{}`", link.port.value))
+                .label(self.sources.span(link.port.place), "")
+                .suggest("inputs", &link.port.value, inputs.iter().map(|i| &*i.name.value));
+            self.errors.push(error);
+        }
+        for input in inputs.iter().filter(|i| !i.optional && decl.link(&i.name.value).is_none()) {
+            let name_of = [&*input.name.value];
+            if decl.links.iter().any(|link| !known(link) && nearest(&link.port.value, name_of).is_some()) {
+                continue;
+            }
+            let message = format!("`{name}` needs its input `{}` linked", input.name.value);
+            let error = Diagnostic::new(&codes::UNLINKED, message)
+                .label(self.sources.span(file), format!("add in: {{ \"{}\": … }}", input.name.value))
+                .label(self.sources.span(input.name.place), format!("`{}` is expected here", input.interface.value));
+            self.errors.push(error);
+        }
+    }
+
+    /// Puts the scope's parameters and the prefix of its part into a pass. A pass with neither is shared.
+    fn localise(&mut self, mut decl: Arc<PassDecl>, prefix: &str, scope: &Scope) -> Arc<PassDecl> {
+        let in_set = decl.set.iter().any(|set| matches!(set.value, SetValue::Parameter(_, None)));
+        let in_outs = decl.outs.iter().any(|o| o.size.is_some() || o.count.is_some());
+        if in_set || in_outs || decl.when.is_some() || !prefix.is_empty() {
+            let decl = Arc::make_mut(&mut decl);
+            for set in &mut decl.set {
+                self.put(&mut set.value, set.place, scope);
+            }
+            if let Some(when) = &mut decl.when {
+                let at = At { value: when.content, place: when.place };
+                when.expr.parameters(&mut |(start, end), name, value| {
+                    if value.is_none() {
+                        *value = self.lookup(name, within(&at, start, end), scope).map(|p| p.value.clone());
+                    }
+                });
+            }
+            if in_outs {
+                let mut resolver = |place: Place, dim: &Dim| match dim {
+                    Dim::Number(n) => Some(*n),
+                    Dim::Parameter(name) => self.count(name, place, scope),
+                };
+                for out in &mut decl.outs {
+                    if let Some(size) = &mut out.size {
+                        let place = size.place;
+                        size.value.dims(&mut |dim| {
+                            if let Some(n) = resolver(place, dim) {
+                                *dim = Dim::Number(n);
+                            }
+                        });
+                    }
+                    if let Some(count) = &mut out.count
+                        && let Some(n) = resolver(count.place, &count.value)
+                    {
+                        count.value = Dim::Number(n);
+                    }
+                }
+                decl.overrides = out_overrides(&decl.outs, &mut |dim| match dim {
+                    Dim::Number(n) => Some(*n),
+                    Dim::Parameter(_) => None,
+                });
+            }
+            if !prefix.is_empty() {
+                for link in decl.links.iter_mut().chain(&mut decl.feed) {
+                    link.target = prefixed(&link.target, prefix);
+                }
+                if let Body::Group(group) = &mut decl.body {
+                    for output in &mut group.outputs {
+                        output.link.target = prefixed(&output.link.target, prefix);
+                    }
+                }
+            }
+        }
+        decl
+    }
+
+    fn put(&mut self, value: &mut SetValue, place: Place, scope: &Scope) {
+        if let SetValue::Parameter(name, known @ None) = value {
+            *known = self.lookup(name, place, scope).map(|p| (p.value.clone(), p.place));
+        }
+    }
+
+    fn lookup<'s>(&mut self, name: &str, place: Place, scope: &'s Scope) -> Option<&'s Parameter> {
+        let found = scope.iter().find(|p| p.setting.name == name);
+        if found.is_none() {
+            let error = Diagnostic::new(&codes::UNKNOWN_PARAMETER, format!("there is no parameter `{name}`"))
+                .label(self.sources.span(place), "")
+                .suggest("parameters", name, scope.iter().map(|p| p.setting.name.as_str()));
+            self.errors.push(error);
+        }
+        found
+    }
+
+    /// A parameter as a side or a count.
+    fn count(&mut self, name: &str, place: Place, scope: &Scope) -> Option<u32> {
+        let parameter = self.lookup(name, place, scope)?;
+        let count = parameter.value.as_u32().filter(|n| *n > 0);
+        if count.is_none() {
+            let message = format!("`{name}` is {}: a size needs a whole number above zero", parameter.value);
+            let error = Diagnostic::new(&codes::PARAMETER, message)
+                .label(self.sources.span(place), "used here")
+                .label(self.sources.span(parameter.place), "given here");
+            self.errors.push(error);
+        }
+        count
+    }
+
+    /// The value as the setting's type; tells what is wrong and takes the default where it does not fit.
+    fn checked(&mut self, setting: &Setting, value: Value, place: Place) -> Value {
+        match setting.check(value) {
+            Ok(value) => value,
+            Err(Misfit::Type(message) | Misfit::Range(message)) => {
+                self.errors
+                    .push(Diagnostic::new(&codes::PARAMETER, message).label(self.sources.span(place), ""));
+                setting.default.clone()
+            }
+        }
+    }
+
+    /// Takes an assignment to the parameter, pass or part that it is for.
+    fn route(
+        &mut self,
+        mut assignment: Assignment,
+        scope: &mut Scope,
+        passes: &[Entry],
+        routed: &mut FxHashMap<usize, Vec<Assignment>>,
+    ) {
+        self.put(&mut assignment.value, assignment.place, scope);
+        let Some(value) = assignment.value.get().cloned() else { return };
+        let Some((pass, setting)) = assignment.path.rsplit_once('.') else {
+            match scope.iter().position(|p| p.setting.name == assignment.path) {
+                Some(i) => {
+                    let setting = scope[i].setting.clone();
+                    scope[i].value = self.checked(&setting, value, assignment.place);
+                    scope[i].place = assignment.place;
+                }
+                None => {
+                    let path = &assignment.path;
+                    let error = Diagnostic::new(&codes::PATH, format!("there is no parameter `{path}`"))
+                        .label(self.sources.span(assignment.path_place), "")
+                        .suggest("parameters", path, scope.iter().map(|p| p.setting.name.as_str()))
+                        .note("a setting of a pass is named `pass.setting`");
+                    self.errors.push(error);
+                }
+            }
+            return;
+        };
+        let entry = |name: &str| passes.iter().position(|e| e.name.value == name);
+        let inside = || {
+            let parts = pass.match_indices('/').map(|(at, _)| at);
+            parts.rev().find_map(|at| Some((entry(&pass[..at]).filter(|i| Self::is_sub(&passes[*i]))?, &pass[at + 1..])))
+        };
+        let (i, path) = if let Some(i) = entry(pass) {
+            (i, setting.to_owned())
+        } else if let Some((i, rest)) = inside() {
+            (i, format!("{rest}.{setting}"))
+        } else {
+            let error = Diagnostic::new(&codes::PATH, format!("there is no pass `{pass}` to set `{setting}` of"))
+                .label(self.sources.span(assignment.path_place), "")
+                .suggest("passes", pass, passes.iter().map(|e| &*e.name.value));
+            self.errors.push(error);
+            return;
+        };
+        if matches!(passes[i].decl.body, Body::Removed | Body::Group(_)) {
+            let error = Diagnostic::new(&codes::PATH, format!("`{pass}` has no settings"))
+                .label(self.sources.span(assignment.path_place), "")
+                .label(self.sources.span(passes[i].name.place), "it is no pass any more");
+            self.errors.push(error);
+            return;
+        }
+        routed.entry(i).or_default().push(Assignment { path, ..assignment });
+    }
+}
+
+/// A link as seen from outside the part named `prefix`.
+fn prefixed(target: &Target, prefix: &str) -> Target {
+    Target { pass: Name::from(format!("{prefix}/{}", target.pass)), ..target.clone() }
+}
+
+impl ValueType {
+    /// The form that declares a parameter of this type.
+    pub(super) fn form(self) -> &'static str {
+        match self {
+            ValueType::Bool => "Bool",
+            ValueType::U32 => "U32",
+            ValueType::I32 => "I32",
+            ValueType::F32 => "F32",
+            ValueType::Text | ValueType::Vector(_) => "Text",
+        }
+    }
+}

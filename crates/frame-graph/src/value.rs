@@ -1,0 +1,260 @@
+//! Values, the settings that take them, and the traits of a scene that switches ask about.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A value of a parameter, a setting or a fact.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// `true` or `false`.
+    Bool(bool),
+    /// A whole number, not negative.
+    U32(u32),
+    /// A whole number.
+    I32(i32),
+    /// A real number. A whole number is accepted where one is expected.
+    F32(f32),
+    /// Text, and also the name of a choice.
+    Text(String),
+    /// Two, three or four real numbers.
+    Vector(Vec<f32>),
+}
+
+/// The type of a [`Value`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ValueType {
+    /// [`Value::Bool`]
+    Bool,
+    /// [`Value::U32`]
+    U32,
+    /// [`Value::I32`]
+    I32,
+    /// [`Value::F32`]
+    F32,
+    /// [`Value::Text`]
+    Text,
+    /// [`Value::Vector`] of this many components.
+    Vector(u8),
+}
+
+/// What a kind of pass says of one of its settings: the one declaration from which the RON check, `--set`,
+/// the controls, the axes of a study and the reference are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// The name, as in RON.
+    pub name: String,
+    /// The type of its values.
+    pub ty: ValueType,
+    /// The value where none is given: the paper's, where a paper gives one.
+    pub default: Value,
+    /// The least value, where there is one; for numbers.
+    pub min: Option<f64>,
+    /// The greatest value, where there is one; for numbers.
+    pub max: Option<f64>,
+    /// The only values it may take; empty where any in range will do.
+    pub one_of: Vec<Value>,
+    /// The unit, such as `px` or `m`; empty for a plain number.
+    pub unit: String,
+    /// What it does, and what rises and falls with it.
+    pub doc: String,
+}
+
+/// Why a [`Setting`] does not take a value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Misfit {
+    /// It is of another type.
+    Type(String),
+    /// It is out of range, or none of the choices.
+    Range(String),
+}
+
+impl Setting {
+    /// The value as this setting's type, if it is of that type, in range, and one of the choices.
+    ///
+    /// # Errors
+    /// What was expected instead.
+    pub fn check(&self, value: Value) -> Result<Value, Misfit> {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        let shown = value.to_string();
+        let Some(value) = value.convert(self.ty) else {
+            return Err(Misfit::Type(format!("`{}` is {}, and {shown} is not", self.name, self.ty.with_article())));
+        };
+        let out = |x: f64| self.min.is_some_and(|min| x < min) || self.max.is_some_and(|max| x > max);
+        let outside = match &value {
+            Value::U32(n) => out(f64::from(*n)),
+            Value::I32(n) => out(f64::from(*n)),
+            Value::F32(x) => out(f64::from(*x)),
+            Value::Vector(v) => v.iter().any(|x| out(f64::from(*x))),
+            Value::Bool(_) | Value::Text(_) => false,
+        };
+        if outside {
+            let range = match (self.min, self.max) {
+                (Some(min), Some(max)) => format!("from {min} to {max}{unit}"),
+                (Some(min), None) => format!("at least {min}{unit}"),
+                (None, max) => format!("at most {}{unit}", max.unwrap_or(f64::INFINITY)),
+            };
+            return Err(Misfit::Range(format!("`{}` is {range}, and {shown} is not", self.name)));
+        }
+        let choice = |v: &Value| v.clone().convert(self.ty).is_some_and(|v| v == value);
+        if !self.one_of.is_empty() && !self.one_of.iter().any(choice) {
+            let choices: Vec<String> = self.one_of.iter().map(Value::to_string).collect();
+            return Err(Misfit::Range(format!(
+                "`{}` is one of {}, and {shown} is not",
+                self.name,
+                choices.join(", ")
+            )));
+        }
+        Ok(value)
+    }
+}
+
+/// All settings of one use of a pass, with defaults filled in.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings(pub BTreeMap<String, Value>);
+
+/// What a scene holds, as far as a pipeline may ask: `glossy`, `point_lights`, and so on.
+///
+/// Switches read them as `scene.NAME`. The names and types are the scene's own; the core knows none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Traits(pub BTreeMap<String, Value>);
+
+impl Value {
+    /// The type of this value.
+    pub fn ty(&self) -> ValueType {
+        match self {
+            Value::Bool(_) => ValueType::Bool,
+            Value::U32(_) => ValueType::U32,
+            Value::I32(_) => ValueType::I32,
+            Value::F32(_) => ValueType::F32,
+            Value::Text(_) => ValueType::Text,
+            Value::Vector(v) => ValueType::Vector(v.len() as u8),
+        }
+    }
+
+    /// The same value as this type, where it is one: whole numbers convert to real ones, and to each other
+    /// where they fit. A real number that is not finite is of no type.
+    pub fn convert(self, ty: ValueType) -> Option<Value> {
+        match ty {
+            ValueType::U32 => self.as_u32().map(Value::U32),
+            ValueType::I32 => match self {
+                Value::U32(n) => i32::try_from(n).ok().map(Value::I32),
+                Value::I32(_) => Some(self),
+                _ => None,
+            },
+            ValueType::F32 => self.as_f32().filter(|x| x.is_finite()).map(Value::F32),
+            ValueType::Vector(_) => match &self {
+                Value::Vector(v) if v.iter().all(|x| x.is_finite()) && self.ty() == ty => Some(self),
+                _ => None,
+            },
+            ValueType::Bool | ValueType::Text => (self.ty() == ty).then_some(self),
+        }
+    }
+
+    /// As a truth value; `None` for other types.
+    pub fn as_bool(&self) -> Option<bool> {
+        if let Value::Bool(b) = self { Some(*b) } else { None }
+    }
+
+    /// As a whole number that is not negative.
+    pub fn as_u32(&self) -> Option<u32> {
+        match self {
+            Value::U32(n) => Some(*n),
+            Value::I32(n) => u32::try_from(*n).ok(),
+            _ => None,
+        }
+    }
+
+    /// As a real number; whole numbers convert.
+    pub fn as_f32(&self) -> Option<f32> {
+        match self {
+            Value::F32(x) => Some(*x),
+            Value::U32(n) => Some(*n as f32),
+            Value::I32(n) => Some(*n as f32),
+            _ => None,
+        }
+    }
+
+    /// As text.
+    pub fn as_text(&self) -> Option<&str> {
+        if let Value::Text(t) = self { Some(t) } else { None }
+    }
+}
+
+impl fmt::Display for Value {
+    /// Writes the value as RON does.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Value::Bool(b) => write!(f, "{b}"),
+            Value::U32(n) => write!(f, "{n}"),
+            Value::I32(n) => write!(f, "{n}"),
+            Value::F32(x) => write!(f, "{x:?}"),
+            Value::Text(t) => write!(f, "{t:?}"),
+            Value::Vector(v) => {
+                f.write_str("(")?;
+                for (i, x) in v.iter().enumerate() {
+                    write!(f, "{}{x:?}", if i == 0 { "" } else { ", " })?;
+                }
+                f.write_str(")")
+            }
+        }
+    }
+}
+
+impl fmt::Display for ValueType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ValueType::Bool => f.write_str("bool"),
+            ValueType::U32 => f.write_str("u32"),
+            ValueType::I32 => f.write_str("i32"),
+            ValueType::F32 => f.write_str("f32"),
+            ValueType::Text => f.write_str("text"),
+            ValueType::Vector(n) => write!(f, "vec{n}"),
+        }
+    }
+}
+
+impl ValueType {
+    /// `a u32`, `an f32`, `text`.
+    pub(crate) fn with_article(self) -> String {
+        match self {
+            ValueType::Text => "text".to_owned(),
+            ValueType::I32 | ValueType::F32 => format!("an {self}"),
+            _ => format!("a {self}"),
+        }
+    }
+}
+
+impl Settings {
+    /// The value of `name`, if there is such a setting.
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.0.get(name)
+    }
+
+    /// The truth value of a setting that the kind declares.
+    ///
+    /// # Panics
+    /// If the kind declares no such setting or one of another type: a defect of the pass, not of its user.
+    pub fn bool(&self, name: &str) -> bool {
+        self.typed(name, Value::as_bool)
+    }
+
+    /// The whole number of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    pub fn u32(&self, name: &str) -> u32 {
+        self.typed(name, Value::as_u32)
+    }
+
+    /// The real number of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    pub fn f32(&self, name: &str) -> f32 {
+        self.typed(name, Value::as_f32)
+    }
+
+    /// The text of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    pub fn text(&self, name: &str) -> &str {
+        self.typed(name, Value::as_text)
+    }
+
+    fn typed<'a, T>(&'a self, name: &str, read: impl Fn(&'a Value) -> Option<T>) -> T {
+        let value = self.0.get(name);
+        value.and_then(read).unwrap_or_else(|| panic!("the pass asks for a setting `{name}` that it does not declare so (found {value:?})"))
+    }
+}

@@ -1,0 +1,292 @@
+//! Kinds of passes for tests: small, and wide enough to reach every rule of linking.
+
+use frame_graph::port::{Facts, Kinds, Member, OutputContext, OutputDesc, Use};
+use frame_graph::resolve::Files;
+use frame_graph::{
+    Clear, Externals, Extent, Format, InputPort, Interface, KindError, OutputPort, Ports, ResourceDesc, Setting,
+    Settings, Source, Traits, Usage, Value, 
+};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+pub const INTERFACES: &[Interface] = &[
+    Interface {
+        name: "GBuffer",
+        members: &[
+            Member { name: "depth", optional: false, doc: "" },
+            Member { name: "normal", optional: false, doc: "" },
+            Member { name: "motion", optional: true, doc: "" },
+        ],
+        doc: "",
+    },
+    Interface { name: "Lights", members: &[Member { name: "", optional: false, doc: "" }], doc: "" },
+    Interface { name: "Visibility", members: &[Member { name: "", optional: false, doc: "" }], doc: "" },
+    Interface { name: "Irradiance", members: &[Member { name: "", optional: false, doc: "" }], doc: "" },
+];
+
+/// Makes the outputs of a use.
+type Outputs = fn(&OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError>;
+
+struct Kind {
+    name: &'static str,
+    settings: Arc<[Setting]>,
+    ports: Arc<Ports>,
+    outputs: Outputs,
+}
+
+pub struct TestKinds(Vec<Kind>);
+
+fn setting(name: &str, default: Value, min: f64, max: f64, one_of: &[&str]) -> Setting {
+    let numeric = matches!(default, Value::U32(_) | Value::I32(_) | Value::F32(_));
+    Setting {
+        name: name.into(),
+        ty: default.ty(),
+        default,
+        min: numeric.then_some(min),
+        max: numeric.then_some(max),
+        one_of: one_of.iter().map(|s| Value::Text((*s).into())).collect(),
+        unit: String::new(),
+        doc: String::new(),
+    }
+}
+
+/// Inputs as `name: Interface` or `name?: Interface`, outputs as `name: Interface`.
+fn ports(inputs: &[&str], outputs: &[&str], externals: Externals) -> Arc<Ports> {
+    let split = |text: &str| {
+        let (name, interface) = text.split_once(": ").unwrap();
+        (name.trim_end_matches('?').to_owned(), interface.to_owned(), name.ends_with('?'))
+    };
+    Arc::new(Ports {
+        inputs: inputs
+            .iter()
+            .map(|text| {
+                let (name, interface, optional) = split(text);
+                InputPort { name, interface, optional, doc: "what it reads".into() }
+            })
+            .collect(),
+        outputs: outputs
+            .iter()
+            .map(|text| {
+                let (name, interface, _) = split(text);
+                OutputPort { name, interface, doc: String::new() }
+            })
+            .collect(),
+        externals,
+    })
+}
+
+fn image(port: &str) -> OutputDesc {
+    OutputDesc::one(port, ResourceDesc::texture_2d(Format::Rgba16Float, Extent::FRAME))
+}
+
+impl TestKinds {
+    pub fn new() -> TestKinds {
+        let none = Externals::NONE;
+        let kind = |name, settings: Vec<Setting>, ports, outputs| Kind { name, settings: settings.into(), ports, outputs };
+        TestKinds(vec![
+            kind(
+                "gbuffer",
+                vec![setting("motion", Value::Bool(true), 0.0, 0.0, &[])],
+                ports(&[], &["view: GBuffer"], Externals::SCENE.and(Externals::CAMERA)),
+                |c| {
+                    let texture = |name: &str, format| {
+                        (name.to_owned(), ResourceDesc::texture_2d(format, Extent::FRAME), Usage::Overwrites)
+                    };
+                    let mut members = vec![texture("depth", Format::Depth32Float), texture("normal", Format::Rgba16Float)];
+                    if c.settings.bool("motion") {
+                        members.push(texture("motion", Format::Rg16Float));
+                    }
+                    Ok(vec![OutputDesc { port: "view".into(), scratch: false, members, facts: Facts::new() }])
+                },
+            ),
+            kind(
+                "lights",
+                vec![
+                    setting("count", Value::U32(1024), 1.0, 65536.0, &[]),
+                    setting("mode", Value::Text("uniform".into()), 0.0, 0.0, &["uniform", "importance"]),
+                ],
+                ports(&["view: GBuffer"], &["lights: Lights"], Externals::LIGHTS),
+                |c| {
+                    let count = c.settings.u32("count");
+                    let lights = OutputDesc::one("lights", ResourceDesc::buffer(u64::from(count) * 48));
+                    let scan = OutputDesc::scratch("scan", ResourceDesc::buffer(u64::from(count) * 4));
+                    Ok(vec![lights.fact("count", Value::U32(count)), scan])
+                },
+            ),
+            kind(
+                "shadows",
+                vec![setting("map", Value::U32(64), 1.0, 512.0, &[])],
+                ports(&["lights: Lights"], &["atlas: Visibility"], Externals::SCENE),
+                |c| {
+                    let Some(count) = c.fact("lights", "count").and_then(Value::as_u32) else {
+                        return Err(KindError::input("lights", "the lights do not say their count"));
+                    };
+                    let map = c.settings.u32("map");
+                    if map * count > 1 << 20 {
+                        let error = KindError::setting("map", format!("{count} maps of {map} do not fit"));
+                        return Err(error.help("use fewer lights or smaller maps"));
+                    }
+                    let mut atlas = OutputDesc::one("atlas", ResourceDesc::texture_2d(Format::R32Uint, Extent::Fixed(map, map)));
+                    atlas.members[0].2 = Usage::ClearFirst(Clear::Zero);
+                    Ok(vec![atlas])
+                },
+            ),
+            kind(
+                "gather",
+                vec![],
+                ports(
+                    &["view: GBuffer", "lights: Lights", "visibility?: Visibility"],
+                    &["irradiance: Irradiance"],
+                    none,
+                ),
+                |_| Ok(vec![image("irradiance")]),
+            ),
+            kind(
+                "blur",
+                vec![
+                    setting("radius", Value::F32(4.0), 0.0, 32.0, &[]),
+                    setting("mode", Value::Text("box".into()), 0.0, 0.0, &["box", "gauss"]),
+                    setting("weights", Value::Vector(vec![0.5, 0.5]), 0.0, 0.0, &[]),
+                    setting("offset", Value::I32(0), -4.0, 4.0, &[]),
+                ],
+                ports(&["view?: GBuffer", "irradiance: Irradiance"], &["irradiance: Irradiance"], none),
+                |_| Ok(vec![OutputDesc::one("irradiance", ResourceDesc::texture_2d(Format::Rgba16Float, Extent::like("irradiance")))]),
+            ),
+            kind("noise", vec![], ports(&[], &["irradiance: Irradiance"], Externals::FRAME), |_| Ok(vec![image("irradiance")])),
+            kind(
+                "composite",
+                vec![setting("exposure", Value::F32(0.0), -8.0, 8.0, &[])],
+                ports(&["indirect: Irradiance", "direct?: Irradiance", "glossy?: Irradiance"], &["image: Texture"], none),
+                |_| Ok(vec![image("image")]),
+            ),
+            kind(
+                "accumulate",
+                vec![],
+                ports(&["color: Texture", "history: Texture"], &["color: Texture"], none),
+                |_| Ok(vec![OutputDesc::one("color", ResourceDesc::texture_2d(Format::Rgba16Float, Extent::like("color")))]),
+            ),
+            kind(
+                "pair",
+                vec![],
+                ports(&["irradiance?: Irradiance"], &["a: Irradiance", "b: Irradiance"], none),
+                |_| Ok(vec![image("a"), image("b")]),
+            ),
+            kind(
+                "mix",
+                vec![],
+                ports(&["a: Irradiance", "b: Irradiance"], &["irradiance: Irradiance"], none),
+                |_| Ok(vec![image("irradiance")]),
+            ),
+            kind(
+                "grow",
+                vec![],
+                ports(&["past: Texture"], &["image: Texture"], none),
+                |_| {
+                    let size = Extent::Like { input: "past".into(), num: 2, den: 1 };
+                    Ok(vec![OutputDesc::one("image", ResourceDesc::texture_2d(Format::R32Float, size))])
+                },
+            ),
+            kind(
+                "defect",
+                vec![],
+                ports(&[], &["image: Texture"], none),
+                |_| Ok(vec![image("picture")]),
+            ),
+            kind("sink", vec![], ports(&["image: Texture"], &[], none), |_| Ok(vec![])),
+        ])
+    }
+
+    fn find(&self, name: &str) -> &Kind {
+        self.0.iter().find(|kind| kind.name == name).unwrap()
+    }
+}
+
+impl Kinds for TestKinds {
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.0.iter().map(|kind| kind.name.to_owned()).collect();
+        names.push("fullscreen".into());
+        names.sort();
+        names
+    }
+
+    fn interfaces(&self) -> &[Interface] {
+        INTERFACES
+    }
+
+    fn takes_shader(&self, kind: &str) -> Option<bool> {
+        if kind == "fullscreen" { Some(true) } else { self.0.iter().any(|k| k.name == kind).then_some(false) }
+    }
+
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+        if use_.kind == "fullscreen" {
+            return Ok(vec![setting("strength", Value::F32(1.0), 0.0, 1.0, &[])].into());
+        }
+        Ok(Arc::clone(&self.find(use_.kind).settings))
+    }
+
+    fn ports(&self, use_: Use<'_>, _settings: &Settings) -> Result<Arc<Ports>, KindError> {
+        if use_.kind != "fullscreen" {
+            return Ok(Arc::clone(&self.find(use_.kind).ports));
+        }
+        if let Some(unbound) = use_.inputs.iter().find(|name| name.starts_with("unbound")) {
+            return Err(KindError::input(unbound, format!("the shader binds no `{unbound}`")));
+        }
+        let inputs: Vec<String> = use_.inputs.iter().map(|name| format!("{name}: Any")).collect();
+        let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
+        let interface = use_.outputs.get("out").and_then(|out| out.interface.clone());
+        Ok(ports(&inputs, &[&format!("out: {}", interface.as_deref().unwrap_or("Texture"))], Externals::NONE))
+    }
+
+    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        if context.use_.kind != "fullscreen" {
+            return (self.find(context.use_.kind).outputs)(context);
+        }
+        let said = context.use_.outputs.get("out").cloned().unwrap_or_default();
+        let size = said.size.unwrap_or(Extent::FRAME);
+        let format = said.format.unwrap_or(Format::Rgba16Float);
+        Ok(vec![OutputDesc::one("out", ResourceDesc::texture_2d(format, size))])
+    }
+}
+
+/// Files in memory.
+#[derive(Clone, Default)]
+pub struct MemoryFiles(pub BTreeMap<String, Arc<Source>>);
+
+impl MemoryFiles {
+    pub fn new(files: &[(&str, &str)]) -> MemoryFiles {
+        MemoryFiles(files.iter().map(|(path, text)| ((*path).to_owned(), Source::new(*path, *text))).collect())
+    }
+}
+
+impl Files for MemoryFiles {
+    fn read(&self, path: &str) -> Option<Arc<Source>> {
+        self.0.get(path).cloned()
+    }
+
+    fn list(&self) -> Vec<String> {
+        self.0.keys().cloned().collect()
+    }
+}
+
+/// What the scenes of tests hold.
+pub fn traits() -> Traits {
+    let traits = [
+        ("glossy", Value::Bool(false)),
+        ("textured", Value::Bool(true)),
+        ("point_lights", Value::U32(2)),
+        ("name", Value::Text("cornell".into())),
+    ];
+    Traits(traits.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+}
+
+/// The type of a value written as text, for settings given from outside.
+pub fn value(text: &str) -> Value {
+    if let Ok(n) = text.parse() {
+        Value::U32(n)
+    } else if let Ok(x) = text.parse() {
+        Value::F32(x)
+    } else {
+        Value::Text(text.to_owned())
+    }
+}
+

@@ -1,0 +1,183 @@
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::{
+    Display, Epsilon, FlipMap, Image, ImageError, NonFinite, PIXELS_PER_DEGREE, Pair, flip, hdr_flip,
+};
+
+/// How two pictures are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ComparisonOptions {
+    /// ε of relMSE.
+    pub epsilon: Epsilon,
+    /// How radiance comes to the display on which ꟻLIP looks; `None` where both pictures are display
+    /// light already, as PNG files are. HDR-ꟻLIP is taken of radiance only.
+    pub display: Option<Display>,
+    /// The viewing condition of ꟻLIP; see [`PIXELS_PER_DEGREE`].
+    pub pixels_per_degree: f32,
+}
+
+impl Default for ComparisonOptions {
+    fn default() -> Self {
+        Self {
+            epsilon: Epsilon::default(),
+            display: Some(Display::default()),
+            pixels_per_degree: PIXELS_PER_DEGREE,
+        }
+    }
+}
+
+/// Every measure between an image and its reference. Its [`Display`](fmt::Display) is a table; as JSON,
+/// a measure that does not exist is `null`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Width of both (pixels).
+    pub width: usize,
+    /// Height of both (pixels).
+    pub height: usize,
+    /// The options the measures were taken with.
+    pub options: ComparisonOptions,
+    /// NaN and infinite pixels.
+    pub non_finite: NonFinite,
+    /// Mean of each RGB channel of the image (radiance).
+    pub mean: [f64; 3],
+    /// Mean of each RGB channel of the reference (radiance).
+    pub reference_mean: [f64; 3],
+    /// [`Pair::energy_ratio`].
+    pub energy_ratio: Option<f64>,
+    /// [`Pair::rmse`] (radiance).
+    pub rmse: f64,
+    /// [`Pair::normalised_rmse`].
+    pub normalised_rmse: Option<f64>,
+    /// [`Pair::rel_mse`].
+    pub rel_mse: Option<f64>,
+    /// [`Pair::max_abs_difference`] (radiance).
+    pub max_abs_difference: f64,
+    /// [`flip`](fn@flip).
+    pub flip: FlipStatistics,
+    /// [`hdr_flip`], of radiance only.
+    pub hdr_flip: Option<FlipStatistics>,
+}
+
+/// A [`FlipMap`] in three numbers, 0..=1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FlipStatistics {
+    /// Mean over the pixels.
+    pub mean: f64,
+    /// 95 % of the pixels have at most this error.
+    pub p95: f32,
+    /// The greatest error of a pixel.
+    pub max: f32,
+}
+
+impl From<&FlipMap> for FlipStatistics {
+    fn from(map: &FlipMap) -> Self {
+        Self { mean: map.mean(), p95: map.quantile(0.95), max: map.quantile(1.0) }
+    }
+}
+
+impl Comparison {
+    /// Takes every measure.
+    ///
+    /// # Errors
+    /// As [`Pair::new`].
+    pub fn new(image: &Image, reference: &Image, options: ComparisonOptions) -> Result<Self, ImageError> {
+        let pair = Pair::new(image, reference)?;
+        let [mean, reference_mean] = pair.means();
+        let ppd = options.pixels_per_degree;
+        Ok(Self {
+            width: image.width(),
+            height: image.height(),
+            options,
+            non_finite: pair.non_finite(),
+            mean,
+            reference_mean,
+            energy_ratio: pair.energy_ratio(),
+            rmse: pair.rmse(),
+            normalised_rmse: pair.normalised_rmse(),
+            rel_mse: pair.rel_mse(options.epsilon),
+            max_abs_difference: pair.max_abs_difference(),
+            flip: (&flip(&pair, options.display.unwrap_or(Display::AS_IS), ppd)).into(),
+            hdr_flip: options.display.map(|_| (&hdr_flip(&pair, ppd)).into()),
+        })
+    }
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut line = |name: &str, value: String, note: &str| {
+            writeln!(f, "{}", format!("{name:<17} {value:<30} {note}").trim_end())
+        };
+        // Dim scenes have small errors: digits that count, not places.
+        let number = |value: f64| match value.abs() {
+            tiny if tiny > 0.0 && tiny < 1e-2 => format!("{value:.4e}"),
+            _ => format!("{value:.5}"),
+        };
+        let optional = |value: Option<f64>| value.map_or("undefined".into(), number);
+        let rgb = |channels: [f64; 3]| channels.map(number).join("  ");
+        let flip = |s: &FlipStatistics| format!("{:.5}", s.mean);
+        let spread = |s: &FlipStatistics, how: &str| {
+            format!(
+                "95 % at most {:.4}, greatest {:.4}; {how}, {:.1} pixels/degree",
+                s.p95, s.max, self.options.pixels_per_degree
+            )
+        };
+
+        line("size", format!("{} x {}", self.width, self.height), "")?;
+        line("RMSE", number(self.rmse), "")?;
+        line("RMSE / mean", optional(self.normalised_rmse), "by the reference's mean")?;
+        let epsilon = match self.options.epsilon {
+            Epsilon::Relative(share) => format!("epsilon {share} of the reference's squared mean"),
+            Epsilon::Absolute(epsilon) => format!("epsilon {epsilon}"),
+        };
+        line("relMSE", optional(self.rel_mse), &epsilon)?;
+        line("max |difference|", number(self.max_abs_difference), "")?;
+        line("mean RGB", rgb(self.mean), "image")?;
+        line("", rgb(self.reference_mean), "reference")?;
+        line("energy", optional(self.energy_ratio), "image / reference")?;
+        let how = match self.options.display {
+            Some(display) => format!("{} at {:+} EV", display.tonemap, display.exposure),
+            None => "display light".into(),
+        };
+        line("FLIP", flip(&self.flip), &spread(&self.flip, &how))?;
+        if let Some(hdr) = &self.hdr_flip {
+            line("HDR-FLIP", flip(hdr), &spread(hdr, "all exposures"))?;
+        }
+        let NonFinite { image, reference, excluded } = self.non_finite;
+        if excluded > 0 {
+            let note =
+                format!("pixels: {image} in the image, {reference} in the reference; left out, FLIP 1");
+            line("NaN or infinite", excluded.to_string(), &note)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_and_json_tell_what_is_broken() {
+        let image = Image::new(2, 1, vec![[1.0, 1.0, 1.0, 1.0], [f32::NAN, 0.0, 0.0, 1.0]]).unwrap();
+        let reference = Image::new(2, 1, vec![[0.0, 0.0, 0.0, 1.0]; 2]).unwrap();
+        let comparison = Comparison::new(&image, &reference, ComparisonOptions::default()).unwrap();
+        let table = comparison.to_string();
+        assert!(table.contains("pixels: 1 in the image, 0 in") && table.contains("undefined"), "{table}");
+        let json = serde_json::to_value(&comparison).unwrap();
+        assert_eq!(json["energy_ratio"], serde_json::Value::Null);
+        assert_eq!(json["rmse"], 1.0);
+        assert_eq!(json["non_finite"]["excluded"], 1);
+        assert_eq!(json["flip"]["max"], 1.0);
+    }
+
+    #[test]
+    fn display_light_has_no_hdr_flip() {
+        let image = Image::new(1, 1, vec![[0.5, 0.5, 0.5, 1.0]]).unwrap();
+        let options = ComparisonOptions { display: None, ..Default::default() };
+        let comparison = Comparison::new(&image, &image, options).unwrap();
+        assert_eq!(comparison.hdr_flip, None);
+        assert_eq!((comparison.flip.mean, comparison.rmse, comparison.energy_ratio), (0.0, 0.0, Some(1.0)));
+    }
+}

@@ -1,0 +1,81 @@
+use std::path::PathBuf;
+
+/// What can go wrong with an image: its file, or a comparison it cannot take part in.
+#[derive(Debug, thiserror::Error)]
+pub enum ImageError {
+    /// The file name does not end in a format this crate can use that way.
+    #[error("{}: cannot tell how to {verb} this; expected a name that ends in {expected}", path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+        /// "read" or "write".
+        verb: &'static str,
+        /// The endings that are understood.
+        expected: &'static str,
+    },
+    /// The operating system refused.
+    #[error("{}: {action}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was being done.
+        action: &'static str,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// The folder that should hold a new file is not there.
+    #[error("{}: the folder {} does not exist; make it first", path.display(), folder.display())]
+    NoFolder {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// Its missing folder.
+        folder: PathBuf,
+    },
+    /// The file is not what its name says, or is damaged.
+    #[error("{}: expected {expected}, but {found}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What the reader looked for.
+        expected: &'static str,
+        /// What it met.
+        found: String,
+    },
+    /// The pixels could not be encoded.
+    #[error("{}: cannot encode the picture: {reason}", path.display())]
+    Encode {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// The encoder's reason.
+        reason: String,
+    },
+    /// The number of pixels is not width × height, or one of the two is 0.
+    #[error("an image of {width}x{height} needs {expected} pixels (at least 1), got {found}")]
+    PixelCount {
+        /// Width in pixels.
+        width: usize,
+        /// Height in pixels.
+        height: usize,
+        /// width × height.
+        expected: usize,
+        /// The length that was handed in.
+        found: usize,
+    },
+    /// Two images of different sizes cannot be compared.
+    #[error(
+        "the sizes differ: the image is {}x{}, the reference {}x{}; render both at one size",
+        image.0, image.1, reference.0, reference.1
+    )]
+    SizeMismatch {
+        /// Width and height of the image in pixels.
+        image: (usize, usize),
+        /// Width and height of the reference in pixels.
+        reference: (usize, usize),
+    },
+    /// Every pixel is NaN or infinite in at least one of the two images.
+    #[error("nothing to compare: each of the {pixels} pixels is NaN or infinite in one of the images")]
+    NoFinitePixels {
+        /// Number of pixels.
+        pixels: usize,
+    },
+}

@@ -1,0 +1,290 @@
+//! Image files. A new file is complete or absent: it is written beside its place and then renamed.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
+use std::path::Path;
+
+use exr::prelude as exr;
+use serde::{Deserialize, Serialize};
+
+use crate::image::is_finite;
+use crate::{Display, Image, ImageError, linear_from_srgb, pfm, srgb_from_linear};
+
+/// The name under which a picture's provenance stands in its file: a string attribute in EXR, the
+/// keyword of an iTXt chunk in PNG.
+pub const PROVENANCE_KEY: &str = "lightloom";
+
+/// A damaged header can promise any size; past this many pixels it is refused before memory is taken.
+const MOST_PIXELS: usize = 1 << 28;
+
+/// The image formats, told apart by the ending of the file name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FileFormat {
+    /// OpenEXR: linear `f32`, lossless, with provenance.
+    Exr,
+    /// PNG: 8-bit sRGB, with provenance.
+    Png,
+    /// Portable float map: linear `f32` RGB, no provenance.
+    Pfm,
+    /// Radiance RGBE: read only.
+    Hdr,
+}
+
+impl FileFormat {
+    /// The format of a file name, or `None`. Case does not matter.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "exr" => Some(Self::Exr),
+            "png" => Some(Self::Png),
+            "pfm" => Some(Self::Pfm),
+            "hdr" => Some(Self::Hdr),
+            _ => None,
+        }
+    }
+
+    /// True where the values are display light (tone-mapped), false where they are radiance.
+    pub fn is_display_referred(self) -> bool {
+        self == Self::Png
+    }
+}
+
+impl Image {
+    /// Reads an EXR (first layer that has R, G and B; alpha is 1 where there is none), PNG (decoded
+    /// from sRGB to linear), PFM or HDR file.
+    ///
+    /// # Errors
+    /// A name with another ending, a file that cannot be opened, or one that is not what its name says.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ImageError> {
+        let path = path.as_ref();
+        match FileFormat::of(path) {
+            Some(FileFormat::Exr) => read_exr(path),
+            Some(FileFormat::Png) => {
+                let mut image = decode(path, image::ImageFormat::Png, "a PNG picture")?;
+                for [r, g, b, _] in image.pixels_mut() {
+                    [*r, *g, *b] = [*r, *g, *b].map(linear_from_srgb);
+                }
+                Ok(image)
+            }
+            Some(FileFormat::Hdr) => decode(path, image::ImageFormat::Hdr, "a Radiance HDR picture"),
+            Some(FileFormat::Pfm) => pfm::read(&read_bytes(path)?)
+                .map_err(|found| malformed(path, "a portable float map (PF or Pf)", found)),
+            None => Err(ImageError::UnknownFormat {
+                path: path.into(),
+                verb: "read",
+                expected: ".exr, .png, .pfm or .hdr",
+            }),
+        }
+    }
+
+    /// Writes an EXR, PNG or PFM file; what stood there before is replaced only once the new file is
+    /// complete on disk.
+    ///
+    /// EXR and PFM hold the linear values untouched. PNG holds 8-bit sRGB of what `display` makes of
+    /// them, with NaN and infinite pixels in pure magenta. `provenance` (JSON, any UTF-8 text) is
+    /// kept in EXR and PNG; PFM has no place for it. Alpha is written only where it is not 1
+    /// throughout, and never to PFM.
+    ///
+    /// # Errors
+    /// A name with another ending, a folder that is missing or not writable, a full disk.
+    pub fn write(
+        &self,
+        path: impl AsRef<Path>,
+        display: Display,
+        provenance: Option<&str>,
+    ) -> Result<(), ImageError> {
+        let path = path.as_ref();
+        match FileFormat::of(path) {
+            Some(FileFormat::Exr) => replace(path, |out| write_exr(self, out, path, provenance)),
+            Some(FileFormat::Png) => replace(path, |out| write_png(self, out, path, display, provenance)),
+            Some(FileFormat::Pfm) => {
+                replace(path, |out| pfm::write(self, out).map_err(io(path, "cannot write the picture")))
+            }
+            Some(FileFormat::Hdr) | None => Err(ImageError::UnknownFormat {
+                path: path.into(),
+                verb: "write",
+                expected: ".exr, .png or .pfm",
+            }),
+        }
+    }
+}
+
+/// The provenance that [`Image::write`] put into an EXR or PNG file; `None` where the file holds none,
+/// as PFM and HDR files never do.
+///
+/// # Errors
+/// As [`Image::read`].
+pub fn read_provenance(path: impl AsRef<Path>) -> Result<Option<String>, ImageError> {
+    let path = path.as_ref();
+    match FileFormat::of(path) {
+        Some(FileFormat::Exr) => {
+            let meta = exr_meta(path)?;
+            // An attribute that is not part of the format counts as one of the layer.
+            let attributes = meta.headers.iter().map(|header| &header.own_attributes.other);
+            let mut values = attributes.flat_map(|other| other.get(PROVENANCE_KEY.as_bytes()));
+            match values.next() {
+                Some(exr::AttributeValue::Text(text)) => {
+                    let text = String::from_utf8(text.as_slice().to_vec());
+                    text.map(Some).map_err(|e| malformed(path, "provenance in UTF-8", e.to_string()))
+                }
+                _ => Ok(None),
+            }
+        }
+        Some(FileFormat::Png) => {
+            let wrong = |e: png::DecodingError| malformed(path, "a PNG picture", e.to_string());
+            let reader = png::Decoder::new(BufReader::new(open(path)?)).read_info().map_err(wrong)?;
+            let mut chunks = reader.info().utf8_text.iter();
+            let chunk = chunks.find(|chunk| chunk.keyword == PROVENANCE_KEY);
+            chunk.map(png::text_metadata::ITXtChunk::get_text).transpose().map_err(wrong)
+        }
+        Some(FileFormat::Pfm | FileFormat::Hdr) => Ok(None),
+        None => Err(ImageError::UnknownFormat {
+            path: path.into(),
+            verb: "read",
+            expected: ".exr, .png, .pfm or .hdr",
+        }),
+    }
+}
+
+fn write_exr(
+    image: &Image,
+    out: &mut BufWriter<&File>,
+    path: &Path,
+    provenance: Option<&str>,
+) -> Result<(), ImageError> {
+    let has_alpha = has_alpha(image);
+    let names = ["R", "G", "B", "A"].into_iter().enumerate().take(if has_alpha { 4 } else { 3 });
+    let channels = names.map(|(index, name)| {
+        let samples = image.pixels().iter().map(|rgba| rgba[index]).collect();
+        exr::AnyChannel::new(name, exr::FlatSamples::F32(samples))
+    });
+    let layer = exr::Layer::new(
+        (image.width(), image.height()),
+        exr::LayerAttributes::default(),
+        exr::Encoding::SMALL_LOSSLESS,
+        exr::AnyChannels::sort(channels.collect()),
+    );
+    let mut file = exr::Image::from_layer(layer);
+    if let Some(provenance) = provenance {
+        let value = exr::AttributeValue::Text(exr::Text::from_slice_unchecked(provenance.as_bytes()));
+        file.attributes.other.insert(exr::Text::from(PROVENANCE_KEY), value);
+    }
+    exr::WritableImage::write(&file)
+        .to_buffered(out)
+        .map_err(|e| ImageError::Encode { path: path.into(), reason: e.to_string() })
+}
+
+fn write_png(
+    image: &Image,
+    out: &mut BufWriter<&File>,
+    path: &Path,
+    display: Display,
+    provenance: Option<&str>,
+) -> Result<(), ImageError> {
+    let has_alpha = has_alpha(image);
+    let byte = |value: f32| (value * 255.0).round() as u8;
+    let mut bytes = Vec::with_capacity(image.pixels().len() * 4);
+    for &rgba in image.pixels() {
+        let [r, g, b, a] = rgba;
+        if is_finite(rgba) {
+            bytes.extend(display.map([r, g, b]).map(|channel| byte(srgb_from_linear(channel))));
+        } else {
+            bytes.extend([255, 0, 255]);
+        }
+        bytes.extend(has_alpha.then(|| byte(a)));
+    }
+    let wrong = |e: png::EncodingError| ImageError::Encode { path: path.into(), reason: e.to_string() };
+    let side = |pixels: usize| {
+        u32::try_from(pixels)
+            .map_err(|e| ImageError::Encode { path: path.into(), reason: format!("{pixels} pixels: {e}") })
+    };
+    let mut encoder = png::Encoder::new(out, side(image.width())?, side(image.height())?);
+    encoder.set_color(if has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    if let Some(provenance) = provenance {
+        encoder.add_itxt_chunk(PROVENANCE_KEY.into(), provenance.into()).map_err(wrong)?;
+    }
+    let mut writer = encoder.write_header().map_err(wrong)?;
+    writer.write_image_data(&bytes).map_err(wrong)?;
+    writer.finish().map_err(wrong)
+}
+
+/// Runs `write` on a temporary file in the folder of `path`, then puts it in the place of `path`.
+fn replace(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), ImageError>,
+) -> Result<(), ImageError> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(ImageError::NoFolder { path: path.into(), folder: folder.into() });
+    }
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".lightloom-").suffix(".part");
+    // Pictures are for others to read: as a plain new file would be, less the umask.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let file = builder.tempfile_in(folder).map_err(io(folder, "cannot make a file in this folder"))?;
+    let mut out = BufWriter::with_capacity(1 << 16, file.as_file());
+    write(&mut out)?;
+    out.flush().map_err(io(path, "cannot write the picture"))?;
+    drop(out);
+    file.as_file().sync_all().map_err(io(path, "cannot write the picture"))?;
+    file.persist(path).map_err(|e| io(path, "cannot put the finished picture in its place")(e.error))?;
+    Ok(())
+}
+
+fn read_exr(path: &Path) -> Result<Image, ImageError> {
+    let meta = exr_meta(path)?;
+    if let Some(header) =
+        meta.headers.iter().find(|h| h.layer_size.0.saturating_mul(h.layer_size.1) > MOST_PIXELS)
+    {
+        let (width, height) = (header.layer_size.0, header.layer_size.1);
+        return Err(malformed(path, "at most 2^28 pixels", format!("the header says {width} x {height}")));
+    }
+    let file = exr::read_first_rgba_layer_from_file(
+        path,
+        |size, _| (size.0, vec![[0.0_f32; 4]; size.0 * size.1]),
+        |(width, pixels): &mut (usize, Vec<[f32; 4]>), at, (r, g, b, a): (f32, f32, f32, f32)| {
+            pixels[at.1 * *width + at.0] = [r, g, b, a];
+        },
+    )
+    .map_err(|e| malformed(path, "an EXR picture with the channels R, G and B", e.to_string()))?;
+    let size = file.layer_data.size;
+    Image::new(size.0, size.1, file.layer_data.channel_data.pixels.1)
+        .map_err(|e| malformed(path, "an EXR picture", e.to_string()))
+}
+
+fn exr_meta(path: &Path) -> Result<::exr::meta::MetaData, ImageError> {
+    ::exr::meta::MetaData::read_from_unbuffered(open(path)?, false)
+        .map_err(|e| malformed(path, "an EXR picture", e.to_string()))
+}
+
+fn decode(path: &Path, format: image::ImageFormat, expected: &'static str) -> Result<Image, ImageError> {
+    let decoded = image::load_from_memory_with_format(&read_bytes(path)?, format)
+        .map_err(|e| malformed(path, expected, e.to_string()))?
+        .into_rgba32f();
+    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    let pixels = decoded.pixels().map(|pixel| pixel.0).collect();
+    Image::new(width, height, pixels).map_err(|e| malformed(path, expected, e.to_string()))
+}
+
+fn has_alpha(image: &Image) -> bool {
+    image.pixels().iter().any(|rgba| rgba[3] != 1.0)
+}
+
+fn open(path: &Path) -> Result<File, ImageError> {
+    File::open(path).map_err(io(path, "cannot open"))
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, ImageError> {
+    std::fs::read(path).map_err(io(path, "cannot read"))
+}
+
+fn io(path: &Path, action: &'static str) -> impl Fn(std::io::Error) -> ImageError {
+    move |source| ImageError::Io { path: path.into(), action, source }
+}
+
+fn malformed(path: &Path, expected: &'static str, found: String) -> ImageError {
+    ImageError::Malformed { path: path.into(), expected, found }
+}

@@ -1,0 +1,77 @@
+use crate::ImageError;
+
+/// Linear Rec. 709 colour with alpha, row by row from the top left.
+///
+/// RGB is radiance [W/(m² sr)] for a rendered picture, or display light in 0..=1 for one that was
+/// read from an 8-bit file. Values may be NaN or infinite; the measures count such pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    width: usize,
+    height: usize,
+    pixels: Vec<[f32; 4]>,
+}
+
+impl Image {
+    /// Takes `pixels: [height * width]` RGBA, row by row from the top left.
+    ///
+    /// # Errors
+    /// [`ImageError::PixelCount`] where the length does not fit or the image is empty.
+    pub fn new(width: usize, height: usize, pixels: Vec<[f32; 4]>) -> Result<Self, ImageError> {
+        let expected = width.saturating_mul(height);
+        if expected == 0 || pixels.len() != expected {
+            return Err(ImageError::PixelCount { width, height, expected, found: pixels.len() });
+        }
+        Ok(Self { width, height, pixels })
+    }
+
+    /// Computes each pixel from its column and row.
+    ///
+    /// # Errors
+    /// [`ImageError::PixelCount`] where the image is empty.
+    pub fn from_fn(
+        width: usize,
+        height: usize,
+        mut pixel: impl FnMut(usize, usize) -> [f32; 4],
+    ) -> Result<Self, ImageError> {
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y));
+        Self::new(width, height, pixels.collect())
+    }
+
+    /// Width in pixels, at least 1.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Height in pixels, at least 1.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// `[height * width]` RGBA.
+    pub fn pixels(&self) -> &[[f32; 4]] {
+        &self.pixels
+    }
+
+    /// `[height * width]` RGBA, to change in place.
+    pub fn pixels_mut(&mut self) -> &mut [[f32; 4]] {
+        &mut self.pixels
+    }
+
+    /// The same size with every pixel's RGB replaced; alpha is kept.
+    pub(crate) fn map_rgb(&self, map: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
+        let pixels = self.pixels.iter().map(|&[r, g, b, a]| {
+            let [r, g, b] = map([r, g, b]);
+            [r, g, b, a]
+        });
+        Self { width: self.width, height: self.height, pixels: pixels.collect() }
+    }
+}
+
+/// Relative luminance Y of a linear Rec. 709 colour (ITU-R BT.709: 0.2126, 0.7152, 0.0722).
+pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+pub(crate) fn is_finite(rgba: [f32; 4]) -> bool {
+    rgba[..3].iter().all(|channel| channel.is_finite())
+}

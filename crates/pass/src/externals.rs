@@ -1,0 +1,27 @@
+//! The data of the host program by the names of its WGSL globals, and which part of it each belongs to.
+
+use frame_graph::Externals;
+
+/// Every global that is bound without a link, and what a change of it counts as.
+pub static GLOBALS: &[(&str, Externals)] = &[
+    ("camera", Externals::CAMERA),
+    ("frame", Externals::FRAME),
+    ("scene_info", Externals::SCENE),
+    ("scene_vertices", Externals::SCENE),
+    ("scene_indices", Externals::SCENE),
+    ("scene_materials", Externals::SCENE),
+    ("scene_area_table", Externals::SCENE),
+    ("scene_textures", Externals::SCENE),
+    ("scene_textures_linear", Externals::SCENE),
+    ("scene_sampler", Externals::SCENE),
+    ("scene_lights", Externals::LIGHTS),
+    ("scene_light_layers", Externals::LIGHTS),
+    // Constant: for shaders of users that sample textures. Edges are clamped.
+    ("linear_sampler", Externals::NONE),
+    ("nearest_sampler", Externals::NONE),
+];
+
+/// What a global of that name belongs to; `None` where it is no data of the host program.
+pub fn of_global(name: &str) -> Option<Externals> {
+    GLOBALS.iter().find(|(global, _)| *global == name).map(|(_, externals)| *externals)
+}

@@ -1,0 +1,78 @@
+//! The interfaces of Lightloom: where algorithms are swapped. Every producer of one works with every consumer.
+//!
+//! Scene units are metres; colours are linear Rec. 709; all radiometric quantities are per RGB channel.
+
+use frame_graph::{Interface, Member};
+
+const fn required(name: &'static str, doc: &'static str) -> Member {
+    Member { name, optional: false, doc }
+}
+
+const fn optional(name: &'static str, doc: &'static str) -> Member {
+    Member { name, optional: true, doc }
+}
+
+/// All of them.
+pub static INTERFACES: &[Interface] = &[
+    Interface {
+        name: "GBuffer",
+        doc: "What the camera sees, one texel a pixel.",
+        members: &[
+            required("depth", "r32float: distance along the viewing axis [m]; 0 where nothing is seen"),
+            required("normal", "rgba16float: shading normal in world space, unit, on the side of the camera"),
+            required("albedo", "rgba16float: diffuse reflectance"),
+            optional("specular", "rgba16float: reflectance at normal incidence, and roughness"),
+            optional("emission", "rgba32float: emitted radiance [W/(m² sr)]"),
+            optional("motion", "rg32float: where it was in the frame before, minus where it is [px]"),
+        ],
+    },
+    Interface {
+        name: "ReflectiveShadowMap",
+        doc: "What the lights see: a layer a spot or directional light, six a point light. Facts: `size`, `layers`.",
+        members: &[
+            required("position", "rgba32float array: world position [m], and distance along the layer's axis [m]; 0 where empty"),
+            required("normal", "rgba16float array: shading normal in world space, unit, on the side of the light"),
+            required("flux", "rgba32float array: flux reflected by the texel's part of the surface [W]"),
+        ],
+    },
+    Interface {
+        name: "ImportanceMap",
+        doc: "How much each texel of a reflective shadow map matters, in any unit. Facts: `size`, `layers`.",
+        members: &[required("", "r32float array: f(v) ≥ 0 of TCAS Eq. 1, as many layers as the map")],
+    },
+    Interface {
+        name: "VirtualLights",
+        doc: "Lights that stand for reflected light. Facts: `count`, the most there can be.",
+        members: &[required("", "buffer: struct VirtualLights of shaders/virtual-lights.wgsl")],
+    },
+    Interface {
+        name: "Points",
+        doc: "Samples of the scene's surfaces, evenly by area and in an order of which every part is even. Facts: `count`.",
+        members: &[required("", "buffer: [count] Point of shaders/points.wgsl")],
+    },
+    Interface {
+        name: "DepthAtlas",
+        doc: "Hemispherical depth maps as splatted: one tile a virtual light, row by row. Facts: `tile` [px], `columns`, `count`.",
+        members: &[required("", "buffer: [rows × tile × columns × tile] u32, the bits of the distance [m]; those of +∞ where nothing fell")],
+    },
+    Interface {
+        name: "Visibility",
+        doc: "Whether a virtual light is seen from a point. Facts: `module`, the WGSL that answers `fn visibility(light: u32, from: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`; for an atlas `tile` [px], `columns`.",
+        members: &[optional("atlas", "r32float: paraboloid maps of the distance [m], one tile a virtual light, row by row; a large number where nothing is")],
+    },
+    Interface {
+        name: "Irradiance",
+        doc: "Indirect irradiance at the pixels of a G-buffer.",
+        members: &[required("", "rgba32float: [W/m²]; in alpha the luminance of what clamping removed [W/m²]")],
+    },
+    Interface {
+        name: "Radiance",
+        doc: "Radiance towards the camera.",
+        members: &[required("", "rgba32float: [W/(m² sr)]; alpha 1 where something is seen")],
+    },
+    Interface {
+        name: "Display",
+        doc: "A picture for a screen.",
+        members: &[required("", "rgba8unorm: tone-mapped and encoded as sRGB")],
+    },
+];

@@ -1,0 +1,92 @@
+//! What a pass is. A crate under `passes/` needs this one and nothing else.
+//!
+//! A pass says four things, all of them pure: its settings, its ports, the resources of its outputs, and the
+//! steps that make them. The steps are a plain list of dispatches and draws; an executor runs them. A shader's
+//! resources are bound by name, so a pass says no binding numbers and no layouts:
+//!
+//! | a global in WGSL | is bound to |
+//! |---|---|
+//! | `view_depth` | member `depth` of the port `view` |
+//! | `irradiance` | the only resource of the port (or scratch) `irradiance` |
+//! | `settings` | a uniform filled by the names of its members: see [`Step`] |
+//! | `camera`, `frame`, `scene_…` | the data of the host program: see [`externals`] |
+
+pub mod externals;
+pub mod interfaces;
+mod link;
+mod record;
+pub mod setting;
+
+pub use frame_graph::{
+    Clear, Extent, Externals, Facts, Format, InputPort, KindError, Name, OutputContext, OutputDesc, OutputPort, Ports,
+    ResourceDesc, Setting, Settings, Traits, Usage, Use, Value, ValueType,
+};
+pub use link::{Bound, LinkedStep, PastFact, SettingsFill, Source, link_steps, pass_seed};
+pub use record::{
+    Blend, Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target, Threads,
+    request,
+};
+pub use shader_library::{Define, Library, Request};
+
+/// What the documentation says of a kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// The name in RON, in kebab-case; also the name of the folder.
+    pub kind: &'static str,
+    /// What it makes, in one sentence.
+    pub about: &'static str,
+    /// The paper and section that it implements; empty for none.
+    pub paper: &'static str,
+    /// Its WGSL files, from the root of the tree: `passes/gather/gather.wgsl`.
+    pub shaders: &'static [&'static str],
+}
+
+/// A kind of pass.
+///
+/// It holds no state, names no other pass, reads no global and never waits for the GPU. Whatever it keeps from
+/// one frame to the next goes through `Prev` in the pipeline.
+pub trait Pass: Send + Sync {
+    /// What the documentation says.
+    fn info(&self) -> Info;
+
+    /// Whether a use names a WGSL file with `shader:`.
+    fn takes_shader(&self) -> bool {
+        false
+    }
+
+    /// Its settings. Only a kind that takes a shader looks at the use.
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError>;
+
+    /// Its ports, from the settings alone.
+    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError>;
+
+    /// The resources of its outputs, and scratch.
+    fn outputs(&self, cx: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError>;
+
+    /// The steps that make the outputs.
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError>;
+}
+
+/// One use of a kind in a pipeline, and the shaders by which a kind that takes one learns its ports.
+#[derive(Clone, Copy)]
+pub struct UseContext<'a> {
+    /// The use.
+    pub use_: Use<'a>,
+    /// All WGSL.
+    pub shaders: &'a Library,
+}
+
+/// An input port, required.
+pub fn input(name: &str, interface: &str, doc: &str) -> InputPort {
+    InputPort { name: name.into(), interface: interface.into(), optional: false, doc: doc.into() }
+}
+
+/// An input port that may be left unconnected.
+pub fn optional(name: &str, interface: &str, doc: &str) -> InputPort {
+    InputPort { optional: true, ..input(name, interface, doc) }
+}
+
+/// An output port.
+pub fn output(name: &str, interface: &str, doc: &str) -> OutputPort {
+    OutputPort { name: name.into(), interface: interface.into(), doc: doc.into() }
+}

@@ -1,0 +1,464 @@
+//! Links the steps of a pass to the resources of a plan: shaders loaded, globals resolved by name, types
+//! checked, uniforms laid out. All of it without a GPU, so that `check` proves what an executor will run.
+
+use crate::record::{Compute, PortDesc, Raster, RecordContext, Recording, Step, Threads};
+use crate::{Pass, UseContext, externals};
+use frame_graph::plan::{HistoryId, PassId, Plan, PlannedPass, ResourceId};
+use frame_graph::{Diagnostic, Diagnostics, Externals, Name, ResourceDesc, Setting, Traits, Use, Value};
+use shader_library::{Access, Dimension, GlobalKind, Library, Request, Sample, Shader, Stage, StructLayout};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What a global is bound to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// A resource of the plan: this frame's version.
+    Resource(ResourceId),
+    /// Last frame's version of a resource.
+    Past(HistoryId),
+    /// Data of the host program, by the global's name.
+    External(&'static str),
+    /// The uniform `settings`.
+    Settings,
+}
+
+/// A global of a shader with what it is bound to.
+#[derive(Clone, Debug)]
+pub struct Bound {
+    /// Index into the globals of the shader's interface.
+    pub global: usize,
+    /// What it is bound to.
+    pub source: Source,
+}
+
+/// A step whose every name is resolved.
+#[derive(Clone, Debug)]
+pub struct LinkedStep {
+    /// The step as recorded.
+    pub step: Step,
+    /// Its shader.
+    pub shader: Arc<Shader>,
+    /// Entry points: one of a dispatch; vertex and perhaps fragment of a draw.
+    pub entries: Vec<usize>,
+    /// The globals that the entry points use.
+    pub bindings: Vec<Bound>,
+    /// The uniform, where the shader uses one.
+    pub settings: Option<SettingsFill>,
+    /// Colour targets of a draw.
+    pub targets: Vec<ResourceId>,
+    /// Depth target of a draw.
+    pub depth: Option<ResourceId>,
+    /// Buffer of the workgroup counts.
+    pub indirect: Option<ResourceId>,
+}
+
+/// How the uniform of a step is filled.
+#[derive(Clone, Debug)]
+pub struct SettingsFill {
+    /// Layout of the struct.
+    pub layout: StructLayout,
+    /// Members whose values are known.
+    pub values: BTreeMap<String, Value>,
+    /// Members that ask about the past: name, history, and whether it is the age or the cause of the reset.
+    pub past: Vec<(String, HistoryId, PastFact)>,
+    /// Whether it asks for the seed.
+    pub seeded: bool,
+}
+
+/// What a shader can ask of a past version.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PastFact {
+    /// Frames that it has lasted; 0 where there is none.
+    Age,
+    /// 0 while it lasts, else 1 + the position of the cause in `ResetCause`.
+    Reset,
+}
+
+impl SettingsFill {
+    /// The bytes of the uniform. `past` answers for histories.
+    pub fn bytes(&self, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Vec<u8> {
+        // Linking has proved that every member has a value that it can hold.
+        shader_library::write_struct(&self.layout, &|name| self.value(name, seed, &past)).unwrap_or_default()
+    }
+
+    fn value(&self, name: &str, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Option<Value> {
+        if let Some((_, history, fact)) = self.past.iter().find(|(member, ..)| member == name) {
+            return Some(Value::U32(past(*history, *fact)));
+        }
+        if self.seeded && name == "seed" {
+            return Some(Value::U32(seed));
+        }
+        self.values.get(name).cloned()
+    }
+}
+
+/// The seed of a pass: made from the run's seed and the pass's name, so that it depends on nothing else.
+/// A run's seed of 0 gives every pass the seed 0: plain sequences, as the papers use them.
+pub fn pass_seed(run: u32, pass: &str) -> u32 {
+    if run == 0 {
+        return 0;
+    }
+    // FNV-1a; a shader hashes it further.
+    pass.bytes().fold(0x811c_9dc5 ^ run.wrapping_mul(0x9e37_79b9), |hash, byte| {
+        (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+    }) | 1
+}
+
+/// Records a pass of a plan and links its steps.
+///
+/// # Errors
+/// Errors of the pass itself, of its shaders, and of names that nothing answers to.
+pub fn link_steps(
+    plan: &Plan,
+    id: PassId,
+    kind: &dyn Pass,
+    traits: &Traits,
+    library: &Library,
+) -> Result<Vec<LinkedStep>, Diagnostics> {
+    let planned = &plan.passes[id.0 as usize];
+    let names = Names::new(plan, planned);
+    let inputs: Vec<PortDesc> = planned.inputs.iter().map(|input| names.input(plan, input)).collect();
+    let outputs: Vec<PortDesc> = planned.outputs.iter().map(|output| names.output(plan, output)).collect();
+    let linked: Vec<String> = planned.inputs.iter().map(|input| input.port.to_string()).collect();
+    let use_ = Use {
+        kind: &planned.kind,
+        shader: planned.shader.as_deref(),
+        inputs: &linked,
+        outputs: &planned.overrides,
+    };
+    let context = RecordContext {
+        name: &planned.name,
+        use_,
+        settings: &planned.settings,
+        inputs: &inputs,
+        outputs: &outputs,
+        frame: plan.frame,
+        traits,
+        shaders: library,
+    };
+    let recording: Recording = kind.record(&context).map_err(|error| {
+        let mut notes: Vec<String> = error.help.into_iter().collect();
+        notes.push(format!("in pass `{}` of kind `{}`", planned.name, planned.kind));
+        one("E060", error.message, notes)
+    })?;
+    let cx = UseContext { use_, shaders: library };
+    let declared = kind.ports(&cx, &planned.settings).map_or(Externals::NONE, |ports| ports.externals);
+    let schema = kind.settings(&cx).unwrap_or_default();
+    let linker = StepLinker { planned, plan, names: &names, inputs: &inputs, outputs: &outputs, declared, schema: &schema };
+    recording.steps.into_iter().map(|step| linker.link(step, library)).collect()
+}
+
+/// Everything of a pass that a name can mean.
+struct Names {
+    /// `port` or `port.member`, whether the pass may write it, and what it is.
+    entries: Vec<(String, bool, Source, ResourceDesc)>,
+}
+
+impl Names {
+    fn new(plan: &Plan, planned: &PlannedPass) -> Names {
+        let mut entries = Vec::new();
+        let desc = |id: ResourceId| plan.resources[id.0 as usize].desc.clone();
+        for input in &planned.inputs {
+            for (i, (member, resource)) in input.members.iter().enumerate() {
+                let source = match &input.history {
+                    Some(histories) => Source::Past(histories[i]),
+                    None => Source::Resource(*resource),
+                };
+                entries.push((join(&input.port, member), false, source, desc(*resource)));
+            }
+        }
+        for output in &planned.outputs {
+            for (member, resource) in &output.members {
+                entries.push((join(&output.port, member), true, Source::Resource(*resource), desc(*resource)));
+            }
+        }
+        Names { entries }
+    }
+
+    fn input(&self, plan: &Plan, input: &frame_graph::plan::PlannedInput) -> PortDesc {
+        PortDesc {
+            name: input.port.clone(),
+            interface: input.interface.clone(),
+            members: members(plan, &input.members),
+            facts: Arc::clone(&input.facts),
+            connected: true,
+            past: input.history.is_some(),
+        }
+    }
+
+    fn output(&self, plan: &Plan, output: &frame_graph::plan::PlannedPort) -> PortDesc {
+        PortDesc {
+            name: output.port.clone(),
+            interface: output.interface.clone(),
+            members: members(plan, &output.members),
+            facts: Arc::clone(&output.facts),
+            connected: output.connected,
+            past: false,
+        }
+    }
+
+    /// By `port.member`, or as a global is called: `port_member`.
+    fn find(&self, name: &str) -> Option<&(String, bool, Source, ResourceDesc)> {
+        self.entries.iter().find(|(entry, ..)| entry == name || entry.replace('.', "_") == name)
+    }
+
+    fn all(&self) -> impl Iterator<Item = String> + '_ {
+        self.entries
+            .iter()
+            .map(|(name, ..)| name.replace('.', "_"))
+            .chain(externals::GLOBALS.iter().map(|(name, _)| (*name).to_owned()))
+    }
+}
+
+fn join(port: &str, member: &str) -> String {
+    if member.is_empty() { port.to_owned() } else { format!("{port}.{member}") }
+}
+
+fn members(plan: &Plan, ids: &[(Name, ResourceId)]) -> Vec<(Name, ResourceDesc)> {
+    ids.iter().map(|(name, id)| (name.clone(), plan.resources[id.0 as usize].desc.clone())).collect()
+}
+
+struct StepLinker<'a> {
+    planned: &'a PlannedPass,
+    plan: &'a Plan,
+    names: &'a Names,
+    inputs: &'a [PortDesc],
+    outputs: &'a [PortDesc],
+    declared: Externals,
+    schema: &'a [Setting],
+}
+
+impl StepLinker<'_> {
+    fn link(&self, step: Step, library: &Library) -> Result<LinkedStep, Diagnostics> {
+        let (request, entry_names, bind, values) = match &step {
+            Step::Compute(Compute { shader, entry, bind, values, .. }) => (shader, vec![(entry, Stage::Compute)], bind, values),
+            Step::Raster(Raster { shader, vertex, fragment, bind, values, .. }) => {
+                let mut entries = vec![(vertex, Stage::Vertex)];
+                entries.extend(fragment.iter().map(|name| (name, Stage::Fragment)));
+                (shader, entries, bind, values)
+            }
+        };
+        let shader = library.load(request)?;
+        let entries = entry_names
+            .into_iter()
+            .map(|(name, stage)| self.entry(&shader, request, name, stage))
+            .collect::<Result<Vec<usize>, Diagnostics>>()?;
+        let mut used: Vec<usize> = entries.iter().flat_map(|&e| shader.interface.entries[e].globals.iter().copied()).collect();
+        used.sort_unstable();
+        used.dedup();
+        let mut bindings = Vec::with_capacity(used.len());
+        let mut settings = None;
+        for global in used {
+            let source = self.bind(&shader, request, global, bind)?;
+            if source == Source::Settings {
+                settings = Some(self.settings(&shader, request, global, values)?);
+            }
+            bindings.push(Bound { global, source });
+        }
+        let (mut targets, mut depth, mut indirect) = (Vec::new(), None, None);
+        match &step {
+            Step::Raster(raster) => {
+                for target in &raster.targets {
+                    targets.push(self.written(request, &target.resource)?);
+                }
+                if let Some(target) = &raster.depth {
+                    depth = Some(self.written(request, &target.resource)?);
+                }
+            }
+            Step::Compute(Compute { threads: Threads::Indirect { buffer, .. }, .. }) => {
+                let (_, _, source, _) = self.names.find(buffer).ok_or_else(|| self.unknown(request, buffer))?;
+                if let Source::Resource(id) = source {
+                    indirect = Some(*id);
+                }
+            }
+            Step::Compute(_) => {}
+        }
+        Ok(LinkedStep { step, shader, entries, bindings, settings, targets, depth, indirect })
+    }
+
+    fn entry(&self, shader: &Shader, request: &Request, name: &str, stage: Stage) -> Result<usize, Diagnostics> {
+        let entries = &shader.interface.entries;
+        entries.iter().position(|entry| entry.name == name && entry.stage == stage).ok_or_else(|| {
+            let found: Vec<String> = entries.iter().map(|e| format!("`{}` ({:?})", e.name, e.stage)).collect();
+            let has = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
+            self.error("E061", format!("{} has no {stage:?} entry point `{name}`", request.path), vec![format!("it has {has}")])
+        })
+    }
+
+    fn bind(&self, shader: &Shader, request: &Request, global: usize, bind: &[(String, String)]) -> Result<Source, Diagnostics> {
+        let global = &shader.interface.globals[global];
+        let renamed = bind.iter().find(|(name, _)| *name == global.name).map(|(_, resource)| resource.as_str());
+        if renamed.is_none() {
+            if global.name == "settings" {
+                return Ok(Source::Settings);
+            }
+            if let Some((name, externals)) = externals::GLOBALS.iter().find(|(name, _)| *name == global.name) {
+                if !self.declared.contains(*externals) {
+                    return Err(self.error(
+                        "E062",
+                        format!("{} reads `{name}`, which the kind `{}` does not declare among its externals", request.path, self.planned.kind),
+                        Vec::new(),
+                    ));
+                }
+                return Ok(Source::External(name));
+            }
+        }
+        let wanted = renamed.unwrap_or(&global.name);
+        let (name, writable, source, desc) = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted))?;
+        if let Some(why) = mismatch(&global.kind, desc, *writable) {
+            return Err(self.error(
+                "E063",
+                format!("{}: `{}` is declared as {}, but `{name}` is {}", request.path, global.name, describe_global(&global.kind), describe(desc)),
+                vec![why.to_owned()],
+            ));
+        }
+        Ok(source.clone())
+    }
+
+    fn settings(&self, shader: &Shader, request: &Request, global: usize, values: &[(String, Value)]) -> Result<SettingsFill, Diagnostics> {
+        let GlobalKind::Uniform { layout } = &shader.interface.globals[global].kind else {
+            return Err(self.error("E064", format!("{}: `settings` must be a `var<uniform>` of a struct", request.path), Vec::new()));
+        };
+        let layout = shader
+            .interface
+            .structs
+            .iter()
+            .find(|s| s.name == layout.ty)
+            .ok_or_else(|| self.error("E064", format!("{}: `settings` must be of a struct type", request.path), Vec::new()))?;
+        let mut known: BTreeMap<String, Value> = BTreeMap::new();
+        for port in self.inputs.iter().chain(self.outputs) {
+            if let Some(texture) = port.members.iter().find_map(|(_, desc)| desc.texture()) {
+                known.insert(format!("{}_size", port.name), Value::Vector(vec![texture.size.0 as f32, texture.size.1 as f32]));
+                known.insert(format!("{}_layers", port.name), Value::U32(texture.layers));
+            }
+            for (fact, value) in port.facts.iter().filter(|(_, value)| value.as_text().is_none()) {
+                known.insert(format!("{}_{fact}", port.name), value.clone());
+            }
+        }
+        known.extend(self.planned.settings.0.iter().map(|(name, value)| (name.clone(), self.in_shader(name, value))));
+        known.extend(values.iter().cloned());
+        let mut past = Vec::new();
+        for input in &self.planned.inputs {
+            if let Some(history) = input.history.as_ref().and_then(|histories| histories.first()) {
+                past.push((format!("{}_age", input.port), *history, PastFact::Age));
+                past.push((format!("{}_reset", input.port), *history, PastFact::Reset));
+            }
+        }
+        let seeded = !known.contains_key("seed");
+        for member in &layout.members {
+            let answered = known.contains_key(&member.name) || past.iter().any(|(name, ..)| *name == member.name) || (seeded && member.name == "seed");
+            // Padding has no meaning, and so no value.
+            if !answered && !member.name.starts_with("pad") {
+                let names = known.keys().cloned().chain(past.iter().map(|(name, ..)| name.clone())).chain([String::from("seed")]);
+                let mut notes = nearest(&member.name, names).map(|name| format!("did you mean `{name}`?")).into_iter().collect::<Vec<_>>();
+                notes.push(format!("it is neither a setting of the kind `{}` nor a fact of a port", self.planned.kind));
+                return Err(self.error("E065", format!("{}: nothing gives `settings.{}` a value", request.path, member.name), notes));
+            }
+        }
+        known.retain(|name, _| layout.members.iter().any(|member| member.name == *name));
+        for member in layout.members.iter().filter(|member| member.name.starts_with("pad")) {
+            known.entry(member.name.clone()).or_insert(Value::U32(0));
+        }
+        let fill = SettingsFill { layout: layout.clone(), values: known, past, seeded };
+        match shader_library::write_struct(&fill.layout, &|name| fill.value(name, 0, |_, _| 0)) {
+            Ok(_) => Ok(fill),
+            Err(refused) => Err(self.error("E065", format!("{}: {refused}", request.path), Vec::new())),
+        }
+    }
+
+    /// The value of a setting as a shader sees it: one of several words is its position among them.
+    fn in_shader(&self, name: &str, value: &Value) -> Value {
+        let words = self.schema.iter().find(|setting| setting.name == name).map_or(&[][..], |setting| &setting.one_of);
+        match (value, words.iter().position(|word| word == value)) {
+            (Value::Text(_), Some(index)) => Value::U32(index as u32),
+            _ => value.clone(),
+        }
+    }
+
+    fn written(&self, request: &Request, name: &str) -> Result<ResourceId, Diagnostics> {
+        match self.names.find(name) {
+            Some((_, true, Source::Resource(id), _)) => Ok(*id),
+            Some(_) => Err(self.error("E063", format!("{}: `{name}` is an input and cannot be drawn to", request.path), Vec::new())),
+            None => Err(self.unknown(request, name)),
+        }
+    }
+
+    fn unknown(&self, request: &Request, name: &str) -> Diagnostics {
+        let mut notes: Vec<String> =
+            nearest(name, self.names.all()).map(|name| format!("did you mean `{name}`?")).into_iter().collect();
+        notes.push(format!("there is: {}", self.names.entries.iter().map(|(n, ..)| n.replace('.', "_")).collect::<Vec<_>>().join(", ")));
+        self.error("E066", format!("{} uses `{name}`, which is no port, scratch or external of the pass", request.path), notes)
+    }
+
+    fn error(&self, code: &'static str, message: String, mut notes: Vec<String>) -> Diagnostics {
+        notes.push(format!("in pass `{}` of the plan {}", self.planned.name, self.plan.id));
+        one(code, message, notes)
+    }
+}
+
+fn one(code: &'static str, message: String, notes: Vec<String>) -> Diagnostics {
+    Diagnostics(vec![Diagnostic { code, message, labels: Vec::new(), notes }])
+}
+
+fn nearest(name: &str, candidates: impl Iterator<Item = String>) -> Option<String> {
+    candidates
+        .map(|candidate| (strsim::damerau_levenshtein(name, &candidate), candidate))
+        .filter(|(distance, candidate)| *distance <= 2 + candidate.len() / 4)
+        .min()
+        .map(|(_, candidate)| candidate)
+}
+
+/// Why a global cannot be bound to a resource; `None` where it can.
+fn mismatch(global: &GlobalKind, desc: &ResourceDesc, writable: bool) -> Option<&'static str> {
+    use frame_graph::resource::SampleKind;
+    match (global, desc) {
+        (GlobalKind::Storage { writable: write, .. }, ResourceDesc::Buffer(_)) => {
+            (*write && !writable).then_some("an input is read-only: declare it `var<storage, read>`")
+        }
+        (GlobalKind::Uniform { .. }, ResourceDesc::Buffer(_)) => Some("buffers of the graph are bound as `var<storage, read>`"),
+        (GlobalKind::Texture { dimension, sample, .. }, ResourceDesc::Texture(texture)) => {
+            let dimension_fits = match dimension {
+                Dimension::D2 => !texture.array,
+                Dimension::D2Array => texture.array,
+                _ => false,
+            };
+            let kind_fits = matches!(
+                (sample, texture.format.sample_kind()),
+                (Sample::Float { .. }, SampleKind::Float) | (Sample::Uint, SampleKind::Uint) | (Sample::Depth, SampleKind::Depth)
+            );
+            (!dimension_fits || !kind_fits).then_some("the dimension and the component type must be the same")
+        }
+        (GlobalKind::StorageTexture { format, access, dimension }, ResourceDesc::Texture(texture)) => {
+            if *access != Access::Read && !writable {
+                Some("an input is read-only")
+            } else if (*dimension == Dimension::D2Array) != texture.array || *format != texture.format.name() {
+                Some("the format and the dimension must be the same")
+            } else {
+                None
+            }
+        }
+        _ => Some("one is a texture, the other a buffer"),
+    }
+}
+
+fn describe(desc: &ResourceDesc) -> String {
+    match desc {
+        ResourceDesc::Buffer(buffer) => format!("a buffer of {} bytes", buffer.bytes),
+        ResourceDesc::Texture(texture) => {
+            let array = if texture.array { format!(" of {} layers", texture.layers) } else { String::new() };
+            format!("a {} texture{array}", texture.format.name())
+        }
+    }
+}
+
+fn describe_global(kind: &GlobalKind) -> String {
+    match kind {
+        GlobalKind::Uniform { layout } => format!("var<uniform> {}", layout.ty),
+        GlobalKind::Storage { writable, .. } => format!("var<storage, {}>", if *writable { "read_write" } else { "read" }),
+        GlobalKind::Texture { dimension, sample, .. } => format!("a {dimension:?} texture of {sample:?}"),
+        GlobalKind::StorageTexture { format, access, dimension } => {
+            format!("a {dimension:?} storage texture of {format}, {access:?}")
+        }
+        GlobalKind::Sampler { .. } => "a sampler".to_owned(),
+    }
+}

@@ -1,0 +1,296 @@
+//! The steps of a pass: dispatches and draws as plain data.
+
+use frame_graph::{Facts, Name, ResourceDesc, Settings, Traits, Use, Value};
+use shader_library::{Define, Library, Request};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What is known when a pass records its steps: everything but the contents.
+#[derive(Clone, Copy)]
+pub struct RecordContext<'a> {
+    /// Name of the pass in the flattened pipeline.
+    pub name: &'a str,
+    /// The use.
+    pub use_: Use<'a>,
+    /// Settings, complete.
+    pub settings: &'a Settings,
+    /// The connected inputs.
+    pub inputs: &'a [PortDesc],
+    /// Outputs and scratch.
+    pub outputs: &'a [PortDesc],
+    /// Size of the frame in pixels.
+    pub frame: (u32, u32),
+    /// What the scene holds.
+    pub traits: &'a Traits,
+    /// All WGSL.
+    pub shaders: &'a Library,
+}
+
+/// A port with its worked-out resources.
+#[derive(Clone, Debug)]
+pub struct PortDesc {
+    /// The port.
+    pub name: Name,
+    /// Interface of what is linked; empty for scratch.
+    pub interface: Name,
+    /// Member name and description.
+    pub members: Vec<(Name, ResourceDesc)>,
+    /// Facts of the producer's port.
+    pub facts: Arc<Facts>,
+    /// For an output: whether anything reads it.
+    pub connected: bool,
+    /// For an input: whether it is last frame's version.
+    pub past: bool,
+}
+
+impl<'a> RecordContext<'a> {
+    /// A port by name: inputs, outputs and scratch have distinct names.
+    pub fn port(&self, name: &str) -> Option<&'a PortDesc> {
+        self.inputs.iter().chain(self.outputs).find(|port| port.name == name)
+    }
+
+    /// Whether an input is linked, or an output is read.
+    pub fn connected(&self, name: &str) -> bool {
+        self.port(name).is_some_and(|port| port.connected)
+    }
+
+    /// Size of the first texture of a port, in texels; `(1, 1)` where it has none.
+    pub fn size(&self, port: &str) -> (u32, u32) {
+        self.port(port)
+            .and_then(|port| port.members.iter().find_map(|(_, desc)| desc.texture()))
+            .map_or((1, 1), |texture| texture.size)
+    }
+
+    /// A whole number that goes with a port: `count`, `tile`, `layers`. 0 where there is none.
+    pub fn fact(&self, port: &str, fact: &str) -> u32 {
+        self.port(port).and_then(|port| port.facts.get(fact)).and_then(Value::as_u32).unwrap_or(0)
+    }
+
+    /// A count of the scene: `light_layers`, `triangles`. 0 where there is none.
+    pub fn trait_u32(&self, name: &str) -> u32 {
+        self.traits.0.get(name).and_then(Value::as_u32).unwrap_or(0)
+    }
+
+    /// Whether the scene has a property: `textured`, `glossy`. False where it is unknown.
+    pub fn trait_bool(&self, name: &str) -> bool {
+        self.traits.0.get(name).and_then(Value::as_bool).unwrap_or(false)
+    }
+
+    /// A shader with these defines, and with the modules that the connected inputs bring: an input whose facts
+    /// have a `module` answers `#import interface "PORT"`.
+    pub fn shader(&self, path: &str, defines: &[(&str, Define)]) -> Request {
+        let mut request = request(path, defines);
+        for input in self.inputs {
+            if let Some(Value::Text(module)) = input.facts.get("module") {
+                request.modules.insert(input.name.to_string(), module.clone());
+            }
+        }
+        request
+    }
+}
+
+/// A request for a shader without modules.
+pub fn request(path: &str, defines: &[(&str, Define)]) -> Request {
+    Request {
+        path: path.to_owned(),
+        defines: defines.iter().map(|(name, define)| ((*name).to_owned(), define.clone())).collect(),
+        modules: BTreeMap::new(),
+    }
+}
+
+/// The steps of a pass, in order.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    /// The steps.
+    pub steps: Vec<Step>,
+}
+
+/// A dispatch or a draw.
+///
+/// The uniform `settings` of its shader is filled member by member, from the first of these that knows the
+/// name: `values` of the step; the settings of the pass; `seed` (u32, made from the run's seed and the pass's
+/// name); `PORT_size` (`vec2<u32>`, texels of the port's first texture), `PORT_layers`, `PORT_FACT` for each
+/// fact; and for an input that is a past version `PORT_age` (frames, 0 where there is none) and `PORT_reset`.
+#[derive(Clone, Debug)]
+pub enum Step {
+    /// A dispatch.
+    Compute(Compute),
+    /// A draw.
+    Raster(Raster),
+}
+
+/// One dispatch.
+#[derive(Clone, Debug)]
+pub struct Compute {
+    /// The shader.
+    pub shader: Request,
+    /// The entry point.
+    pub entry: String,
+    /// How many threads.
+    pub threads: Threads,
+    /// Values for members of `settings`, before those of the pass.
+    pub values: Vec<(String, Value)>,
+    /// Values of the shader's `override`s.
+    pub constants: Vec<(String, f64)>,
+    /// Globals bound otherwise than by their own name: `(global, port or port.member)`.
+    pub bind: Vec<(String, String)>,
+}
+
+/// How many threads a dispatch has. Workgroups are counted from the entry point's size.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Threads {
+    /// At least this many in each dimension.
+    Grid([u32; 3]),
+    /// At least this many in a row, folded into two dimensions where one cannot hold the workgroups: the
+    /// shader finds its index with `row_index` of shaders/dispatch.wgsl.
+    Row(u32),
+    /// Workgroups as three u32 in a buffer.
+    Indirect {
+        /// `port` or `port.member`.
+        buffer: String,
+        /// Offset in bytes.
+        offset: u64,
+    },
+}
+
+/// One draw.
+#[derive(Clone, Debug)]
+pub struct Raster {
+    /// The shader with both entry points.
+    pub shader: Request,
+    /// Vertex entry point.
+    pub vertex: String,
+    /// Fragment entry point; `None` writes depth alone.
+    pub fragment: Option<String>,
+    /// Colour targets, in the order of `@location`.
+    pub targets: Vec<Target>,
+    /// Depth target.
+    pub depth: Option<DepthTarget>,
+    /// What is drawn.
+    pub draw: Draw,
+    /// Values for members of `settings`, before those of the pass.
+    pub values: Vec<(String, Value)>,
+    /// Values of the shader's `override`s.
+    pub constants: Vec<(String, f64)>,
+    /// Globals bound otherwise than by their own name.
+    pub bind: Vec<(String, String)>,
+}
+
+/// A colour target.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// `port` or `port.member` of an output or of scratch.
+    pub resource: String,
+    /// Layer of an array.
+    pub layer: u32,
+    /// What is there before.
+    pub load: Load,
+    /// How fragments combine.
+    pub blend: Blend,
+}
+
+/// How a fragment combines with what is there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Blend {
+    /// It takes its place.
+    #[default]
+    Replace,
+    /// It is added.
+    Add,
+}
+
+/// What a target holds when a draw begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Load {
+    /// This value in every texel.
+    Clear([f64; 4]),
+    /// What an earlier step of the same pass left.
+    Keep,
+}
+
+/// A depth target, tested with *greater or equal* (reversed z) unless `less` is set.
+#[derive(Clone, Debug)]
+pub struct DepthTarget {
+    /// `port` or `port.member` of an output or of scratch.
+    pub resource: String,
+    /// Layer of an array.
+    pub layer: u32,
+    /// Value to clear to.
+    pub clear: f32,
+    /// Nearer is less.
+    pub less: bool,
+}
+
+/// What a draw draws. Nothing is culled by winding: scenes are two-sided.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Draw {
+    /// Three vertices: see shaders/fullscreen.wgsl.
+    Fullscreen,
+    /// All triangles of the scene, with the vertex attributes `@location(0) position: vec3<f32>`,
+    /// `(1) normal: vec3<f32>`, `(2) uv: vec2<f32>`, `(3) material: u32`, `(4) instance: u32`.
+    Scene,
+    /// So many vertices and instances of triangles, without attributes.
+    Vertices {
+        /// Vertices.
+        vertices: u32,
+        /// Instances.
+        instances: u32,
+    },
+}
+
+impl Target {
+    /// The whole of a port's texture, cleared to zero first.
+    pub fn clear(resource: &str) -> Target {
+        Target { resource: resource.into(), layer: 0, load: Load::Clear([0.0; 4]), blend: Blend::Replace }
+    }
+}
+
+impl Compute {
+    /// A dispatch whose globals are bound by name.
+    pub fn new(shader: Request, entry: &str, threads: Threads) -> Compute {
+        Compute {
+            shader,
+            entry: entry.into(),
+            threads,
+            values: Vec::new(),
+            constants: Vec::new(),
+            bind: Vec::new(),
+        }
+    }
+
+    /// One thread for each texel of a size.
+    pub fn per_texel(shader: Request, entry: &str, size: (u32, u32)) -> Compute {
+        Compute::new(shader, entry, Threads::Grid([size.0, size.1, 1]))
+    }
+
+    /// With a value for a member of `settings`.
+    pub fn value(mut self, name: &str, value: Value) -> Compute {
+        self.values.push((name.into(), value));
+        self
+    }
+
+    /// With a value for an `override`.
+    pub fn constant(mut self, name: &str, value: f64) -> Compute {
+        self.constants.push((name.into(), value));
+        self
+    }
+
+    /// With a global bound to another resource than its name says.
+    pub fn bind(mut self, global: &str, resource: &str) -> Compute {
+        self.bind.push((global.into(), resource.into()));
+        self
+    }
+}
+
+impl Recording {
+    /// Of one dispatch.
+    pub fn one(step: Compute) -> Recording {
+        Recording { steps: vec![Step::Compute(step)] }
+    }
+
+    /// With one more dispatch.
+    pub fn then(mut self, step: Compute) -> Recording {
+        self.steps.push(Step::Compute(step));
+        self
+    }
+}

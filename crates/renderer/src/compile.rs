@@ -1,0 +1,77 @@
+//! From the name of a pipeline to linked steps, without a GPU: what `check` proves and an executor runs.
+
+use catalog::Catalog;
+use frame_graph::plan::PassId;
+use frame_graph::{
+    CompileOptions, Diagnostic, Diagnostics, LinkContext, Overrides, Plan, Resolved, compile, link, resolve,
+};
+use pass::{LinkedStep, link_steps};
+use std::sync::Arc;
+
+/// A pipeline as far as it goes without a GPU.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// The flattened description.
+    pub resolved: Arc<Resolved>,
+    /// The plan.
+    pub plan: Arc<Plan>,
+    /// The linked steps of each pass of the plan.
+    pub steps: Vec<Vec<LinkedStep>>,
+}
+
+impl Compiled {
+    /// Resolves, links and compiles a pipeline, and links the steps of its passes.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the pipeline or, where that is sound, with its shaders.
+    pub fn new(
+        catalog: &Catalog,
+        pipeline: &str,
+        overrides: &Overrides,
+        context: &LinkContext,
+        options: &CompileOptions,
+    ) -> Result<Compiled, Diagnostics> {
+        let resolved = resolve(pipeline, catalog.pipelines(), overrides)?;
+        let graph = link(&resolved, catalog, context)?;
+        let plan = compile(&graph, options)?;
+        let steps = steps(catalog, &plan, context)?;
+        Ok(Compiled { resolved: Arc::new(resolved), plan: Arc::new(plan), steps })
+    }
+
+    /// The shader files that take part, each once, sorted.
+    pub fn shader_files(&self) -> Vec<String> {
+        let mut files: Vec<String> =
+            self.steps.iter().flatten().flat_map(|step| step.shader.files().iter().cloned()).collect();
+        files.sort();
+        files.dedup();
+        files
+    }
+}
+
+fn steps(catalog: &Catalog, plan: &Plan, context: &LinkContext) -> Result<Vec<Vec<LinkedStep>>, Diagnostics> {
+    let layouts = scene_upload::layouts();
+    let mut errors: Vec<Diagnostic> = Vec::new();
+    let mut steps = Vec::with_capacity(plan.passes.len());
+    for (index, pass) in plan.passes.iter().enumerate() {
+        let Some(kind) = catalog::find(&pass.kind) else { continue };
+        match link_steps(plan, PassId(index as u32), kind, &context.traits, catalog.shaders()) {
+            Ok(linked) => {
+                for step in &linked {
+                    if let Err(Diagnostics(found)) = step.shader.check_layout(&layouts, "the renderer") {
+                        errors.extend(found);
+                    }
+                }
+                steps.push(linked);
+            }
+            Err(Diagnostics(found)) => errors.extend(found),
+        }
+    }
+    // A broken module is found once for each pass that imports it; it is told once.
+    let mut told: Vec<Diagnostic> = Vec::new();
+    for error in errors {
+        if !told.contains(&error) {
+            told.push(error);
+        }
+    }
+    if told.is_empty() { Ok(steps) } else { Err(Diagnostics(told)) }
+}

@@ -1,0 +1,40 @@
+//! What can go wrong between a scene and a frame.
+
+use executor::ExecutorError;
+use frame_graph::Diagnostics;
+use scene::SceneError;
+
+/// An error of the renderer.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The pipeline or a shader is wrong.
+    #[error("{0}")]
+    Pipeline(#[from] Diagnostics),
+    /// The scene cannot be loaded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The GPU.
+    #[error(transparent)]
+    Gpu(#[from] ExecutorError),
+    /// The pipeline has no output of that name.
+    #[error("the pipeline `{pipeline}` has no output `{output}`; it has {has}")]
+    NoOutput {
+        /// The pipeline.
+        pipeline: String,
+        /// The name asked for.
+        output: String,
+        /// Those it has.
+        has: String,
+    },
+    /// A resource that is no picture.
+    #[error("`{resource}` is {what}, which is no picture")]
+    NoPicture {
+        /// `pass.port`
+        resource: String,
+        /// What it is.
+        what: String,
+    },
+    /// No pipeline is set.
+    #[error("no pipeline is set")]
+    NoPipeline,
+}

@@ -1,0 +1,344 @@
+//! The facade: a scene and a pipeline in, frames out.
+//!
+//! ```no_run
+//! use renderer::{Catalog, Gpu, Renderer};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let catalog = std::sync::Arc::new(Catalog::new(renderer::Assets::new(None)));
+//! let scene = renderer::load_scene(&catalog, "cornell-box")?;
+//! let mut renderer = Renderer::new(Gpu::open()?, catalog, scene, (512, 512))?;
+//! renderer.set_pipeline("ism-invtm", &Default::default())?;
+//! renderer.frame()?;
+//! let indirect = renderer.output("indirect")?; // linear radiance, W/(m² sr)
+//! # Ok(()) }
+//! ```
+//!
+//! A host program that has its own wgpu device hands it in with [`Gpu::from_device`], and draws with the
+//! texture that [`Renderer::output_texture`] gives.
+
+mod compile;
+mod error;
+mod picture;
+mod provenance;
+mod reload;
+
+pub use catalog::{Assets, Catalog};
+pub use compile::Compiled;
+pub use error::RenderError;
+pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, wgpu};
+pub use provenance::{Provenance, parse_value};
+pub use reload::Reload;
+
+use executor::{Executor, Object};
+use frame_graph::plan::{PlannedOutput, ResourceId};
+use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause};
+use metrics::Image;
+use scene::{Camera, Scene};
+use scene_upload::{Frame, Host};
+use std::sync::Arc;
+
+/// Loads a scene by the name of a built-in one, or from a `.ron`, `.glb` or `.gltf` file.
+///
+/// # Errors
+/// What is wrong with the file, and where; the nearest name where there is none.
+pub fn load_scene(catalog: &Catalog, spec: &str) -> Result<Scene, scene::SceneError> {
+    scene::load(spec, &catalog::SceneAssets(catalog.assets().clone()))
+}
+
+/// Renders a scene by a pipeline, frame by frame.
+#[derive(Debug)]
+pub struct Renderer {
+    catalog: Arc<Catalog>,
+    executor: Executor,
+    scene: Scene,
+    host: Host,
+    size: (u32, u32),
+    pipeline: Option<Loaded>,
+    options: CompileOptions,
+    frame_options: FrameOptions,
+    /// The camera in place of the scene's own.
+    camera: Option<Camera>,
+    seed: u32,
+    index: u32,
+    /// Seconds between frames; the scene's own where not set.
+    step: Option<f32>,
+    events: Vec<ResetCause>,
+    everything: bool,
+}
+
+/// The pipeline that runs.
+#[derive(Debug)]
+struct Loaded {
+    name: String,
+    overrides: Overrides,
+    compiled: Compiled,
+}
+
+impl Renderer {
+    /// Of a device, with a scene and a frame size in pixels; a pipeline is to be set before frames run.
+    ///
+    /// # Errors
+    /// What the driver said of the scene's buffers and textures.
+    pub fn new(gpu: Gpu, catalog: Arc<Catalog>, scene: Scene, size: (u32, u32)) -> Result<Renderer, RenderError> {
+        let mut executor = Executor::new(gpu);
+        let host = upload(&mut executor, &scene)?;
+        Ok(Renderer {
+            catalog,
+            executor,
+            scene,
+            host,
+            size: (size.0.max(1), size.1.max(1)),
+            pipeline: None,
+            options: CompileOptions { sharing: true, ..CompileOptions::default() },
+            frame_options: FrameOptions::default(),
+            camera: None,
+            seed: 0,
+            index: 0,
+            step: None,
+            events: Vec::new(),
+            everything: false,
+        })
+    }
+
+    /// Sets the pipeline by name or path, with values for its parameters and settings. If anything is wrong,
+    /// the one before stays.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the pipeline and its shaders; limits of the adapter.
+    pub fn set_pipeline(&mut self, name: &str, overrides: &Overrides) -> Result<LoadReport, RenderError> {
+        let compiled = Compiled::new(&self.catalog, name, overrides, &self.link_context(), &self.options)?;
+        let report = self.executor.load(Arc::clone(&compiled.plan), compiled.steps.clone())?;
+        self.pipeline = Some(Loaded { name: name.to_owned(), overrides: overrides.clone(), compiled });
+        Ok(report)
+    }
+
+    /// Sets the size of frames in pixels, at least 1×1.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_pipeline`]; the size before stays then.
+    pub fn set_size(&mut self, size: (u32, u32)) -> Result<(), RenderError> {
+        let before = std::mem::replace(&mut self.size, (size.0.max(1), size.1.max(1)));
+        if before == self.size {
+            return Ok(());
+        }
+        self.events.push(ResetCause::Resize);
+        self.relink().inspect_err(|_| self.size = before)
+    }
+
+    /// Sets how plans are compiled: sharing, wanted outputs, resources kept for reading back.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_pipeline`]; the options before stay then.
+    pub fn set_compile_options(&mut self, options: CompileOptions) -> Result<(), RenderError> {
+        let before = std::mem::replace(&mut self.options, options);
+        self.relink().inspect_err(|_| self.options = before)
+    }
+
+    /// Replaces the scene.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_pipeline`]: a pipeline may ask of a scene what another has not.
+    pub fn set_scene(&mut self, scene: Scene) -> Result<(), RenderError> {
+        let host = upload(&mut self.executor, &scene)?;
+        (self.scene, self.host) = (scene, host);
+        self.events.push(ResetCause::Scene);
+        self.everything = true;
+        self.relink()
+    }
+
+    /// Sets how frames run.
+    pub fn set_frame_options(&mut self, options: FrameOptions) {
+        self.frame_options = options;
+    }
+
+    /// Takes this camera in place of the scene's own; `None` gives it back. `cut` says that it jumps, which
+    /// ends the past of histories that ask for it.
+    pub fn set_camera(&mut self, camera: Option<Camera>, cut: bool) {
+        self.camera = camera;
+        if cut {
+            self.events.push(ResetCause::Cut);
+        }
+    }
+
+    /// Sets the seed from which every random number is made; 0 gives plain sequences, as the papers use them.
+    pub fn set_seed(&mut self, seed: u32) {
+        self.seed = seed;
+        self.executor.set_seed(seed);
+    }
+
+    /// Sets the number of the next frame, and with it the time of animations.
+    pub fn set_frame_index(&mut self, index: u32) {
+        self.index = index;
+    }
+
+    /// Seconds between frames; `None` for the scene's own.
+    pub fn set_time_step(&mut self, step: Option<f32>) {
+        self.step = step;
+    }
+
+    /// Runs every pass in the next frame, whatever has changed: for measurements.
+    pub fn run_everything(&mut self) {
+        self.everything = true;
+    }
+
+    /// Runs one frame.
+    ///
+    /// # Errors
+    /// [`RenderError::NoPipeline`], or what the GPU said.
+    pub fn frame(&mut self) -> Result<FrameReport, RenderError> {
+        if self.pipeline.is_none() {
+            return Err(RenderError::NoPipeline);
+        }
+        let time = self.step.map_or_else(|| self.scene.frame_time(self.index), |step| step * self.index as f32);
+        let mut pose = self.scene.at(time);
+        if let Some(camera) = self.camera {
+            pose.camera = camera;
+        }
+        let step = self.step.unwrap_or_else(|| self.scene.frame_time(1));
+        let frame = Frame { index: self.index, time, step, pad: 0.0 };
+        let externals = self.host.update(&self.executor.gpu().queue, &self.scene, &pose, self.size, frame);
+        let change = Change {
+            externals,
+            passes: Vec::new(),
+            events: std::mem::take(&mut self.events),
+            all: std::mem::take(&mut self.everything),
+        };
+        let report = self.executor.frame(change, self.frame_options)?;
+        self.index += 1;
+        Ok(report)
+    }
+
+    /// An output of the pipeline as a picture: the first layer of its first texture.
+    ///
+    /// # Errors
+    /// Where there is no such output, it is no picture, or the device is gone.
+    pub fn output(&self, name: &str) -> Result<Image, RenderError> {
+        let output = self.planned_output(name)?;
+        let (_, resource) = output.members.first().ok_or_else(|| RenderError::NoPicture {
+            resource: output.from.to_string(),
+            what: "an interface without resources".to_owned(),
+        })?;
+        self.picture(*resource, 0)
+    }
+
+    /// Any resource of the plan as a picture, by `pass.port` or `pass.port.member`. Unless it was kept by
+    /// [`Renderer::set_compile_options`], another may have taken its place in memory.
+    ///
+    /// # Errors
+    /// As [`Renderer::output`].
+    pub fn resource(&self, name: &str, layer: u32) -> Result<Image, RenderError> {
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        let found = plan.resources.iter().position(|resource| resource.name.as_str() == name);
+        let id = found.ok_or_else(|| RenderError::NoOutput {
+            pipeline: self.pipeline_name().to_owned(),
+            output: name.to_owned(),
+            has: plan.resources.iter().map(|resource| resource.name.as_str()).collect::<Vec<_>>().join(", "),
+        })?;
+        self.picture(ResourceId(id as u32), layer)
+    }
+
+    /// The bytes of a resource of the plan, as [`Renderer::resource`] finds it.
+    ///
+    /// # Errors
+    /// Where there is none, or the device is gone.
+    pub fn resource_bytes(&self, id: ResourceId) -> Result<Vec<u8>, RenderError> {
+        Ok(self.executor.read(id)?)
+    }
+
+    fn picture(&self, id: ResourceId, layer: u32) -> Result<Image, RenderError> {
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        let resource = &plan.resources[id.0 as usize];
+        if resource.desc.texture().is_none() {
+            let what = format!("a buffer of {} bytes", resource.desc.bytes());
+            return Err(RenderError::NoPicture { resource: resource.name.to_string(), what });
+        }
+        picture::from_bytes(resource, &self.executor.read(id)?, layer)
+    }
+
+    /// The texture of an output, for a host program that draws with it.
+    ///
+    /// # Errors
+    /// Where there is no such output or it is no texture.
+    pub fn output_texture(&self, name: &str) -> Result<&wgpu::TextureView, RenderError> {
+        let output = self.planned_output(name)?;
+        match output.members.first().and_then(|(_, resource)| self.executor.object(*resource)) {
+            Some(Object::Texture { view, .. }) => Ok(view),
+            _ => Err(RenderError::NoPicture { resource: output.from.to_string(), what: "a buffer".to_owned() }),
+        }
+    }
+
+    fn planned_output(&self, name: &str) -> Result<&PlannedOutput, RenderError> {
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        plan.outputs.iter().find(|output| output.name.as_str() == name).ok_or_else(|| RenderError::NoOutput {
+            pipeline: self.pipeline_name().to_owned(),
+            output: name.to_owned(),
+            has: plan.outputs.iter().map(|output| format!("`{}`", output.name)).collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// The plan that runs.
+    pub fn plan(&self) -> Option<&Arc<Plan>> {
+        self.executor.plan()
+    }
+
+    /// The pipeline as compiled.
+    pub fn compiled(&self) -> Option<&Compiled> {
+        self.pipeline.as_ref().map(|pipeline| &pipeline.compiled)
+    }
+
+    /// The name by which the pipeline was set; empty before.
+    pub fn pipeline_name(&self) -> &str {
+        self.pipeline.as_ref().map_or("", |pipeline| &pipeline.name)
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        self.executor.gpu()
+    }
+
+    /// Size of frames in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Bytes of all objects that frames work on, the scene's apart.
+    pub fn held_bytes(&self) -> u64 {
+        self.executor.held_bytes()
+    }
+
+    fn link_context(&self) -> LinkContext {
+        LinkContext { frame: self.size, traits: self.scene.traits() }
+    }
+
+    fn relink(&mut self) -> Result<(), RenderError> {
+        match &self.pipeline {
+            Some(Loaded { name, overrides, .. }) => {
+                let (name, overrides) = (name.clone(), overrides.clone());
+                self.set_pipeline(&name, &overrides).map(|_| ())
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+fn upload(executor: &mut Executor, scene: &Scene) -> Result<Host, RenderError> {
+    let limits = executor.gpu().limits();
+    let bytes = size_of_val(scene.vertices.as_slice()).max(size_of_val(scene.indices.as_slice())) as u64;
+    if bytes > limits.max_storage_buffer_binding_size {
+        return Err(RenderError::Gpu(ExecutorError::Limit {
+            resource: format!("the geometry of `{}`", scene.name),
+            wanted: format!("{bytes} bytes"),
+            allowed: format!("{} bytes", limits.max_storage_buffer_binding_size),
+            limit: "max_storage_buffer_binding_size",
+        }));
+    }
+    let host = Host::upload(executor, scene);
+    match executor.gpu().take_fault() {
+        Some(message) => Err(RenderError::Gpu(ExecutorError::Pass { pass: format!("upload of `{}`", scene.name), message })),
+        None => Ok(host),
+    }
+}

@@ -1,0 +1,148 @@
+//! What made a picture: enough to make it again, and to say what differs.
+
+use crate::Renderer;
+use frame_graph::{Overrides, Value};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The record kept with every picture, as JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Version of Lightloom.
+    pub version: String,
+    /// The pipeline as it was named.
+    pub pipeline: String,
+    /// Values given for parameters and settings, as on the command line.
+    pub set: Vec<(String, String)>,
+    /// The flattened pipeline.
+    pub resolved: String,
+    /// The plan's stable id.
+    pub plan: String,
+    /// Path and hash of the composed text of every shader.
+    pub shaders: BTreeMap<String, String>,
+    /// The scene as it was named.
+    pub scene: String,
+    /// Hash of all that can change a picture in it.
+    pub scene_hash: String,
+    /// Size of the frame in pixels.
+    pub size: (u32, u32),
+    /// Number of the frame.
+    pub frame: u32,
+    /// The first frame that was run before it.
+    pub first_frame: u32,
+    /// The output that the picture shows.
+    pub output: String,
+    /// The run's seed.
+    pub seed: u32,
+    /// Adapter and driver.
+    pub adapter: String,
+}
+
+impl Provenance {
+    /// Of the newest frame of a renderer. `scene` is the scene as it was named.
+    pub fn new(renderer: &Renderer, scene: &str, output: &str, first_frame: u32) -> Provenance {
+        let loaded = renderer.pipeline.as_ref();
+        let compiled = loaded.map(|loaded| &loaded.compiled);
+        let set = loaded.map_or_else(Vec::new, |loaded| {
+            loaded.overrides.0.iter().map(|(name, value)| (name.clone(), plain(value))).collect()
+        });
+        let shaders = compiled.map_or_else(BTreeMap::new, |compiled| {
+            let steps = compiled.steps.iter().flatten();
+            let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+            for step in steps {
+                let path = step.shader.files().first().cloned().unwrap_or_default();
+                let (hash, variants) = (format!("{:032x}", step.shader.hash), hashes.entry(path).or_default());
+                if !variants.contains(&hash) {
+                    variants.push(hash);
+                }
+            }
+            hashes.into_iter().map(|(path, variants)| (path, variants.join(" "))).collect()
+        });
+        Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            pipeline: renderer.pipeline_name().to_owned(),
+            set,
+            resolved: compiled.map_or_else(String::new, |compiled| compiled.resolved.to_ron()),
+            plan: compiled.map_or_else(String::new, |compiled| compiled.plan.id.to_string()),
+            shaders,
+            scene: scene.to_owned(),
+            scene_hash: format!("{:032x}", renderer.scene.hash),
+            size: renderer.size,
+            frame: renderer.index.saturating_sub(1),
+            first_frame,
+            output: output.to_owned(),
+            seed: renderer.seed,
+            adapter: renderer.gpu().describe(),
+        }
+    }
+
+    /// As JSON.
+    pub fn to_json(&self) -> String {
+        // A struct of texts and numbers always has a form in JSON.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// From JSON.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn from_json(text: &str) -> Result<Provenance, serde_json::Error> {
+        serde_json::from_str(text)
+    }
+
+    /// The values that were given, for [`Renderer::set_pipeline`].
+    pub fn overrides(&self) -> Overrides {
+        Overrides(self.set.iter().map(|(name, value)| (name.clone(), parse_value(value))).collect())
+    }
+
+    /// What differs from another record, one line each; the record of the same picture made again gives none.
+    pub fn differences(&self, other: &Provenance) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut compare = |what: &str, a: &str, b: &str| {
+            if a != b {
+                lines.push(format!("{what}: was {a}, is {b}"));
+            }
+        };
+        compare("version", &self.version, &other.version);
+        compare("plan", &self.plan, &other.plan);
+        compare("scene", &self.scene_hash, &other.scene_hash);
+        compare("adapter", &self.adapter, &other.adapter);
+        for path in self.shaders.keys().chain(other.shaders.keys().filter(|path| !self.shaders.contains_key(*path))) {
+            let hash = |of: &Provenance| of.shaders.get(path).cloned().unwrap_or_else(|| "absent".to_owned());
+            compare(path, &hash(self), &hash(other));
+        }
+        lines
+    }
+}
+
+/// A value as it is typed on a command line.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::Text(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// A value from the text of a command line: a truth, a whole number, a real number, a vector as `(x, y, z)`,
+/// else text.
+pub fn parse_value(text: &str) -> Value {
+    let text = text.trim();
+    if let Ok(truth) = text.parse::<bool>() {
+        return Value::Bool(truth);
+    }
+    if let Ok(number) = text.parse::<u32>() {
+        return Value::U32(number);
+    }
+    if let Ok(number) = text.parse::<i32>() {
+        return Value::I32(number);
+    }
+    if let Ok(number) = text.parse::<f32>() {
+        return Value::F32(number);
+    }
+    let vector = text.strip_prefix('(').and_then(|rest| rest.strip_suffix(')'));
+    match vector.map(|inner| inner.split(',').map(|part| part.trim().parse::<f32>()).collect::<Result<Vec<f32>, _>>()) {
+        Some(Ok(components)) if (2..=4).contains(&components.len()) => Value::Vector(components),
+        _ => Value::Text(text.to_owned()),
+    }
+}

@@ -1,0 +1,334 @@
+//! The structs that the host program fills and WGSL reads, in the layouts of `shaders/`.
+//!
+//! A test and every load of a shader hold each against the shader's own declaration.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat4, Vec3, Vec4};
+use scene::{Light, LightKind, Material, Scene};
+use shader_library::{StructLayout, struct_layout};
+
+/// `Camera` of shaders/camera.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Camera {
+    clip_from_world: Mat4,
+    previous_clip_from_world: Mat4,
+    world_from_view: Mat4,
+    position: Vec3,
+    near: f32,
+    half_extent: [f32; 2],
+    size: [f32; 2],
+}
+
+/// `Frame` of shaders/frame.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Frame {
+    /// Frames since the start.
+    pub index: u32,
+    /// Seconds since the start.
+    pub time: f32,
+    /// Seconds since the frame before.
+    pub step: f32,
+    /// Zero.
+    pub pad: f32,
+}
+
+/// `SceneInfo` of shaders/scene.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct SceneInfo {
+    bounds_min: Vec3,
+    extent: f32,
+    bounds_max: Vec3,
+    area: f32,
+    triangles: u32,
+    vertices: u32,
+    materials: u32,
+    textures: u32,
+}
+
+/// `Material` of shaders/scene.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct GpuMaterial {
+    base_color: Vec4,
+    emission: Vec3,
+    roughness: f32,
+    specular: Vec3,
+    metallic: f32,
+    base_color_texture: u32,
+    emission_texture: u32,
+    metallic_roughness_texture: u32,
+    normal_texture: u32,
+    alpha_cutoff: f32,
+    normal_scale: f32,
+    pad1: f32,
+    pad2: f32,
+}
+
+/// `Light` of shaders/lights.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct GpuLight {
+    position: Vec3,
+    kind: u32,
+    direction: Vec3,
+    cos_outer: f32,
+    intensity: Vec3,
+    cos_inner: f32,
+    first_layer: u32,
+    layers: u32,
+    pad0: u32,
+    pad1: u32,
+}
+
+/// `LightLayer` of shaders/lights.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct LightLayer {
+    clip_from_world: Mat4,
+    world_from_layer: Mat4,
+    half_extent: [f32; 2],
+    light: u32,
+    kind: u32,
+}
+
+/// The layouts that shaders must share.
+pub fn layouts() -> Vec<StructLayout> {
+    let named = |mut layout: StructLayout, name: &str| {
+        layout.name = name.to_owned();
+        layout
+    };
+    vec![
+        struct_layout!(Camera {
+            clip_from_world: "mat4x4<f32>",
+            previous_clip_from_world: "mat4x4<f32>",
+            world_from_view: "mat4x4<f32>",
+            position: "vec3<f32>",
+            near: "f32",
+            half_extent: "vec2<f32>",
+            size: "vec2<f32>",
+        }),
+        struct_layout!(Frame { index: "u32", time: "f32", step: "f32", pad: "f32" }),
+        struct_layout!(SceneInfo {
+            bounds_min: "vec3<f32>",
+            extent: "f32",
+            bounds_max: "vec3<f32>",
+            area: "f32",
+            triangles: "u32",
+            vertices: "u32",
+            materials: "u32",
+            textures: "u32",
+        }),
+        named(
+            struct_layout!(GpuMaterial {
+                base_color: "vec4<f32>",
+                emission: "vec3<f32>",
+                roughness: "f32",
+                specular: "vec3<f32>",
+                metallic: "f32",
+                base_color_texture: "u32",
+                emission_texture: "u32",
+                metallic_roughness_texture: "u32",
+                normal_texture: "u32",
+                alpha_cutoff: "f32",
+                normal_scale: "f32",
+                pad1: "f32",
+                pad2: "f32",
+            }),
+            "Material",
+        ),
+        named(
+            struct_layout!(GpuLight {
+                position: "vec3<f32>",
+                kind: "u32",
+                direction: "vec3<f32>",
+                cos_outer: "f32",
+                intensity: "vec3<f32>",
+                cos_inner: "f32",
+                first_layer: "u32",
+                layers: "u32",
+                pad0: "u32",
+                pad1: "u32",
+            }),
+            "Light",
+        ),
+        struct_layout!(LightLayer {
+            clip_from_world: "mat4x4<f32>",
+            world_from_layer: "mat4x4<f32>",
+            half_extent: "vec2<f32>",
+            light: "u32",
+            kind: "u32",
+        }),
+    ]
+}
+
+impl Camera {
+    pub(crate) fn new(camera: &scene::Camera, previous: &scene::Camera, size: (u32, u32)) -> Camera {
+        let aspect = size.0 as f32 / size.1 as f32;
+        let view = camera.view();
+        let tan = (camera.vertical_fov * 0.5).tan();
+        Camera {
+            clip_from_world: camera.projection(aspect) * view,
+            previous_clip_from_world: previous.projection(aspect) * previous.view(),
+            world_from_view: view.inverse(),
+            position: camera.position,
+            near: camera.near,
+            half_extent: [tan * aspect, tan],
+            size: [size.0 as f32, size.1 as f32],
+        }
+    }
+}
+
+impl SceneInfo {
+    pub(crate) fn new(scene: &Scene, textures: u32) -> SceneInfo {
+        let (bounds_min, bounds_max) = scene.bounds();
+        SceneInfo {
+            bounds_min,
+            extent: scene.extent(),
+            bounds_max,
+            area: scene.area() as f32,
+            triangles: scene.triangles() as u32,
+            vertices: scene.vertices.len() as u32,
+            materials: scene.materials.len() as u32,
+            textures,
+        }
+    }
+}
+
+impl GpuMaterial {
+    pub(crate) fn new(material: &Material) -> GpuMaterial {
+        let texture = |index: Option<u32>| index.unwrap_or(u32::MAX);
+        GpuMaterial {
+            base_color: material.base_color,
+            emission: material.emission,
+            roughness: material.roughness,
+            specular: material.specular,
+            metallic: material.metallic,
+            base_color_texture: texture(material.base_color_texture),
+            emission_texture: texture(material.emission_texture),
+            metallic_roughness_texture: texture(material.metallic_roughness_texture),
+            normal_texture: texture(material.normal_texture),
+            alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
+            normal_scale: material.normal_scale,
+            pad1: 0.0,
+            pad2: 0.0,
+        }
+    }
+}
+
+/// The lights with their header, and the layers of their maps.
+pub(crate) fn lights(lights: &[Light], bounds: (Vec3, Vec3)) -> (Vec<u8>, Vec<LightLayer>) {
+    let mut layers: Vec<LightLayer> = Vec::new();
+    let mut rows: Vec<GpuLight> = Vec::new();
+    for (index, light) in lights.iter().enumerate() {
+        let first_layer = layers.len() as u32;
+        layers.extend(light_layers(light, index as u32, bounds));
+        let (kind, cos_inner, cos_outer) = match light.kind {
+            LightKind::Spot { inner, outer } => (0, inner.cos(), outer.cos()),
+            LightKind::Point => (1, -1.0, -1.0),
+            LightKind::Directional => (2, -1.0, -1.0),
+        };
+        rows.push(GpuLight {
+            position: light.position,
+            kind,
+            direction: light.direction,
+            cos_outer,
+            intensity: light.intensity,
+            cos_inner,
+            first_layer,
+            layers: layers.len() as u32 - first_layer,
+            pad0: 0,
+            pad1: 0,
+        });
+    }
+    let header = [rows.len() as u32, layers.len() as u32, 0, 0];
+    let mut bytes = bytemuck::cast_slice(&header).to_vec();
+    if rows.is_empty() {
+        rows.push(GpuLight::zeroed());
+    }
+    bytes.extend_from_slice(bytemuck::cast_slice(&rows));
+    if layers.is_empty() {
+        layers.push(LightLayer::zeroed());
+    }
+    (bytes, layers)
+}
+
+fn light_layers(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> Vec<LightLayer> {
+    let extent = (bounds.1 - bounds.0).length();
+    // What is nearer to a light than this lies inside its bulb.
+    let near = (extent * 1e-4).max(f32::MIN_POSITIVE * 1e8);
+    let perspective = |direction: Vec3, up: Vec3, half_angle: f32| {
+        let tan = half_angle.tan();
+        let axes = Mat4::from_cols(
+            direction.cross(up).normalize().extend(0.0),
+            direction.cross(up).normalize().cross(direction).extend(0.0),
+            (-direction).extend(0.0),
+            light.position.extend(1.0),
+        );
+        LightLayer {
+            clip_from_world: infinite_reverse_z(tan, near) * axes.inverse(),
+            world_from_layer: axes,
+            half_extent: [tan, tan],
+            light: index,
+            kind: u32::from(light.kind == LightKind::Point),
+        }
+    };
+    match light.kind {
+        LightKind::Spot { outer, .. } if light.layers() == 1 => {
+            vec![perspective(light.direction, light.direction.any_orthonormal_vector(), outer)]
+        }
+        LightKind::Spot { .. } | LightKind::Point => CUBE_FACES
+            .iter()
+            .map(|(direction, up)| perspective(*direction, *up, std::f32::consts::FRAC_PI_4))
+            .collect(),
+        LightKind::Directional => vec![directional_layer(light, index, bounds)],
+    }
+}
+
+/// Axis and up of the six faces: +x −x +y −y +z −z.
+const CUBE_FACES: [(Vec3, Vec3); 6] =
+    [(Vec3::X, Vec3::Y), (Vec3::NEG_X, Vec3::Y), (Vec3::Y, Vec3::Z), (Vec3::NEG_Y, Vec3::Z), (Vec3::Z, Vec3::Y), (Vec3::NEG_Z, Vec3::Y)];
+
+fn infinite_reverse_z(tan: f32, near: f32) -> Mat4 {
+    Mat4::from_cols(
+        Vec4::new(1.0 / tan, 0.0, 0.0, 0.0),
+        Vec4::new(0.0, 1.0 / tan, 0.0, 0.0),
+        Vec4::new(0.0, 0.0, 0.0, -1.0),
+        Vec4::new(0.0, 0.0, near, 0.0),
+    )
+}
+
+/// An orthographic layer around the bounding box, as small as the box allows, a little wider than it.
+fn directional_layer(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> LightLayer {
+    let direction = light.direction;
+    let right = direction.any_orthonormal_vector();
+    let up = right.cross(direction);
+    let corners = (0..8).map(|i| {
+        let pick = |bit: u32, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
+        Vec3::new(pick(0, bounds.0.x, bounds.1.x), pick(1, bounds.0.y, bounds.1.y), pick(2, bounds.0.z, bounds.1.z))
+    });
+    let local = |p: Vec3| Vec3::new(p.dot(right), p.dot(up), p.dot(direction));
+    let (low, high) = corners.map(local).fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    // A box without thickness has maps all the same.
+    let margin = ((high - low).max_element() * 1e-3).max(f32::MIN_POSITIVE * 1e8);
+    let half = (high - low) * 0.5 + margin;
+    let center = (high + low) * 0.5;
+    let origin = right * center.x + up * center.y + direction * (center.z - half.z);
+    let axes = Mat4::from_cols(right.extend(0.0), up.extend(0.0), (-direction).extend(0.0), origin.extend(1.0));
+    // z runs from 1 at the origin's plane to 0 at the far side.
+    let projection = Mat4::from_cols(
+        Vec4::new(1.0 / half.x, 0.0, 0.0, 0.0),
+        Vec4::new(0.0, 1.0 / half.y, 0.0, 0.0),
+        Vec4::new(0.0, 0.0, 1.0 / (2.0 * half.z), 0.0),
+        Vec4::new(0.0, 0.0, 1.0, 1.0),
+    );
+    LightLayer {
+        clip_from_world: projection * axes.inverse(),
+        world_from_layer: axes,
+        half_extent: [half.x, half.y],
+        light: index,
+        kind: 2,
+    }
+}

@@ -1,0 +1,115 @@
+//! The scene's textures as one array with mip levels: every pass, raster or compute, can read any of them on
+//! any adapter, without binding arrays.
+
+use executor::wgpu;
+use rayon::prelude::*;
+use scene::{Encoding, Texture};
+
+/// The most bytes that the array may take with its mip levels; beyond, its side is halved.
+const BUDGET: u64 = 512 << 20;
+
+/// Sides of the array's layers: the largest of the textures', a power of two, within the adapter's limits and
+/// the budget.
+pub(crate) fn array_side(textures: &[Texture], limit: u32) -> u32 {
+    let largest = textures.iter().map(|texture| texture.width.max(texture.height)).max().unwrap_or(1);
+    let mut side = largest.next_power_of_two().min(prev_power_of_two(limit));
+    while side > 1 && u64::from(side) * u64::from(side) * 4 * textures.len() as u64 * 4 / 3 > BUDGET {
+        side /= 2;
+    }
+    side
+}
+
+fn prev_power_of_two(n: u32) -> u32 {
+    1 << n.max(1).ilog2()
+}
+
+/// Views of the array: decoded from sRGB, and as it stands.
+pub(crate) struct TextureArray {
+    pub(crate) color: wgpu::TextureView,
+    pub(crate) linear: wgpu::TextureView,
+}
+
+/// Uploads the textures, each stretched over a layer of its own.
+pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Texture]) -> TextureArray {
+    let side = array_side(textures, device.limits().max_texture_dimension_2d);
+    let levels = side.ilog2() + 1;
+    let array = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("scene textures"),
+        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: textures.len().max(1) as u32 },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[wgpu::TextureFormat::Rgba8UnormSrgb],
+    });
+    let chains: Vec<Vec<Vec<u8>>> = textures.par_iter().map(|texture| mip_chain(texture, side)).collect();
+    for (layer, chain) in chains.iter().enumerate() {
+        for (level, pixels) in chain.iter().enumerate() {
+            let width = side >> level;
+            queue.write_texture(
+                wgpu::TexelCopyTextureInfo {
+                    texture: &array,
+                    mip_level: level as u32,
+                    origin: wgpu::Origin3d { x: 0, y: 0, z: layer as u32 },
+                    aspect: wgpu::TextureAspect::All,
+                },
+                pixels,
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 4), rows_per_image: None },
+                wgpu::Extent3d { width, height: width, depth_or_array_layers: 1 },
+            );
+        }
+    }
+    let view = |format| {
+        array.create_view(&wgpu::TextureViewDescriptor {
+            label: Some("scene textures"),
+            format: Some(format),
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        })
+    };
+    TextureArray { color: view(wgpu::TextureFormat::Rgba8UnormSrgb), linear: view(wgpu::TextureFormat::Rgba8Unorm) }
+}
+
+/// All levels of a texture, RGBA of 8 bits, the finest first.
+fn mip_chain(texture: &Texture, side: u32) -> Vec<Vec<u8>> {
+    let base = if texture.width == side && texture.height == side {
+        texture.pixels.clone()
+    } else {
+        let image = image::RgbaImage::from_raw(texture.width, texture.height, texture.pixels.clone())
+            .unwrap_or_else(|| image::RgbaImage::from_pixel(1, 1, image::Rgba([255; 4])));
+        image::imageops::resize(&image, side, side, image::imageops::FilterType::Triangle).into_raw()
+    };
+    let mut chain = vec![base];
+    let mut width = side;
+    while width > 1 {
+        let next = halve(&chain[chain.len() - 1], width, texture.encoding);
+        chain.push(next);
+        width /= 2;
+    }
+    chain
+}
+
+/// The mean of each 2×2 texels, of colours in linear light.
+fn halve(pixels: &[u8], width: u32, encoding: Encoding) -> Vec<u8> {
+    let half = (width / 2) as usize;
+    let width = width as usize;
+    let mut out = Vec::with_capacity(half * half * 4);
+    for y in 0..half {
+        for x in 0..half {
+            for channel in 0..4 {
+                let texel = |dx: usize, dy: usize| pixels[((2 * y + dy) * width + 2 * x + dx) * 4 + channel];
+                let four = [texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)];
+                let color = encoding == Encoding::Srgb && channel < 3;
+                let mean = if color {
+                    let sum: f32 = four.iter().map(|v| metrics::linear_from_srgb(f32::from(*v) / 255.0)).sum();
+                    metrics::srgb_from_linear(sum / 4.0) * 255.0
+                } else {
+                    four.iter().map(|v| f32::from(*v)).sum::<f32>() / 4.0
+                };
+                out.push(mean.round() as u8);
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,276 @@
+//! Puts models, lights and a camera together to a flat [`Scene`].
+
+use std::path::PathBuf;
+
+use bytemuck::cast_slice;
+use glam::{Affine3A, Vec3};
+use xxhash_rust::xxh3::Xxh3;
+
+use crate::camera::Camera;
+use crate::error::SceneError;
+use crate::light::Light;
+use crate::material::{Material, Texture};
+use crate::model::{Mesh, Model, Node, NodeAnimation};
+use crate::scene::{
+    Driver, Instance, Motion, MovingMesh, Normals, Scene, Vertex, camera_at_node, place_and_direction, usable,
+};
+
+/// Of what a 4 GiB buffer can hold, three quarters: 64 Mi vertices of 48 bytes.
+const MAX_VERTICES: usize = 1 << 26;
+/// 2 GiB of indices.
+const MAX_INDICES: usize = 1 << 29;
+
+/// A scene in the making.
+#[derive(Default)]
+pub(crate) struct Assembly {
+    pub(crate) name: String,
+    pub(crate) about: String,
+    pub(crate) nodes: Vec<Node>,
+    /// The camera of the description; `near` 0 stands for a ten-thousandth of the extent.
+    pub(crate) camera: Option<Camera>,
+    pub(crate) camera_tracks: Driver,
+    pub(crate) lights: Vec<(Light, Driver)>,
+    pub(crate) frames_per_second: Option<f32>,
+    pub(crate) duration: f32,
+    pub(crate) repairs: Vec<String>,
+    pub(crate) files: Vec<PathBuf>,
+    /// Whether no triangles at all is as it should be.
+    pub(crate) may_be_empty: bool,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    cameras: Vec<(String, Camera, usize)>,
+    placed: Vec<Placed>,
+}
+
+/// A mesh at a node of the assembly.
+struct Placed {
+    name: String,
+    node: usize,
+    mesh: Mesh,
+    first_material: u32,
+}
+
+impl Assembly {
+    pub(crate) fn new(name: String) -> Assembly {
+        Assembly { name, ..Assembly::default() }
+    }
+
+    /// Adds a model below `parent`, with its cameras, and its lights unless they are not wanted.
+    pub(crate) fn place(&mut self, model: Model, parent: Option<usize>, with_lights: bool) {
+        let (first_node, first_material) = (self.nodes.len(), self.materials.len() as u32);
+        let first_texture = self.textures.len() as u32;
+        self.textures.extend(model.textures);
+        self.materials.extend(model.materials.into_iter().map(|mut material| {
+            material.offset_textures(first_texture);
+            material
+        }));
+        for (index, node) in model.nodes.into_iter().enumerate() {
+            if let Some(mesh) = node.mesh {
+                let mesh = model.meshes[mesh].clone();
+                let name = if node.name.is_empty() { mesh.name.clone() } else { node.name.clone() };
+                self.placed.push(Placed { name, node: first_node + index, mesh, first_material });
+            }
+            let parent = node.parent.map_or(parent, |p| Some(p + first_node));
+            self.duration = self.duration.max(node.animation.as_ref().map_or(0.0, NodeAnimation::end));
+            self.nodes.push(Node { parent, ..node });
+        }
+        let worlds = Motion { nodes: self.nodes.clone(), ..Motion::default() }.worlds(0.0);
+        for camera in model.cameras {
+            let node = first_node + camera.node;
+            let placed = camera_at_node(&worlds[node], camera.vertical_fov, camera.near);
+            if placed.position.is_finite() && placed.target.is_finite() {
+                self.cameras.push((camera.name, placed, node));
+            } else {
+                self.repairs.push(format!("camera `{}` is left out: its place is not finite", camera.name));
+            }
+        }
+        for light in model.lights.into_iter().filter(|_| with_lights) {
+            let node = first_node + light.node;
+            let (position, direction) = place_and_direction(&worlds[node]);
+            if !position.is_finite() || !light.intensity.is_finite() {
+                self.repairs.push(format!(
+                    "light `{}` is left out: its place or intensity is not finite",
+                    light.name
+                ));
+                continue;
+            }
+            let name =
+                if light.name.is_empty() { format!("light {}", self.lights.len()) } else { light.name };
+            let light = Light { name, kind: light.kind, position, direction, intensity: light.intensity };
+            self.lights.push((light, Driver { node: Some(node), ..Driver::default() }));
+        }
+        self.repairs.extend(model.repairs);
+        self.may_be_empty |= model.may_be_empty;
+    }
+
+    /// The flat scene.
+    pub(crate) fn finish(mut self) -> Result<Scene, SceneError> {
+        let mut motion = Motion { nodes: std::mem::take(&mut self.nodes), ..Motion::default() };
+        let worlds = motion.worlds(0.0);
+        let mut flat = Flat::default();
+        for placed in std::mem::take(&mut self.placed) {
+            let moves = motion.node_moves(placed.node);
+            let moving = flat.add(&placed, &worlds[placed.node], moves, &mut self.repairs);
+            motion.meshes.extend(moving);
+            if flat.vertices.len() > MAX_VERTICES || flat.indices.len() > MAX_INDICES {
+                let problem = format!(
+                    "at `{}` there are {} vertices and {} indices; a GPU buffer holds {MAX_VERTICES} and {MAX_INDICES}",
+                    placed.name,
+                    flat.vertices.len(),
+                    flat.indices.len()
+                );
+                return Err(SceneError::TooLarge { file: self.name, problem });
+            }
+        }
+        if flat.indices.is_empty() && !self.may_be_empty {
+            return Err(SceneError::Empty { file: self.name, repairs: self.repairs });
+        }
+        let (lights, drivers): (Vec<_>, Vec<_>) = self.lights.into_iter().unzip();
+        if lights.is_empty() {
+            self.repairs.push("there are no lights: only what emits is not black".into());
+        }
+        motion.lights = drivers;
+        motion.camera = self.camera_tracks;
+        let mut scene = Scene {
+            bounds: bounds(&flat),
+            name: self.name,
+            about: self.about,
+            vertices: flat.vertices,
+            indices: flat.indices,
+            instances: flat.instances,
+            materials: self.materials,
+            textures: self.textures,
+            lights,
+            camera: Camera::framing(Vec3::ZERO, Vec3::ZERO),
+            cameras: self.cameras.iter().map(|(name, camera, _)| (name.clone(), *camera)).collect(),
+            frames_per_second: self.frames_per_second.unwrap_or(30.0),
+            duration: self.duration,
+            repairs: self.repairs,
+            files: self.files,
+            hash: 0,
+            motion,
+        };
+        scene.camera = match (self.camera, self.cameras.first()) {
+            (Some(camera), _) => camera,
+            (None, Some((_, camera, node))) => {
+                scene.motion.camera.node = Some(*node);
+                *camera
+            }
+            (None, None) => {
+                let (min, max) = scene.bounds();
+                scene.repairs.push("there is no camera: one is placed that sees the whole scene".into());
+                Camera::framing(min, max)
+            }
+        };
+        if scene.camera.near <= 0.0 {
+            let extent = scene.extent();
+            scene.camera.near = if extent > 0.0 { extent * 1e-4 } else { 1e-3 };
+        }
+        // What has tracks is at 0 s where its tracks say.
+        let start = scene.at(0.0);
+        (scene.camera, scene.lights) = (start.camera, start.lights);
+        scene.hash = hash(&scene);
+        Ok(scene)
+    }
+}
+
+impl NodeAnimation {
+    /// The time of the last key \[s\].
+    fn end(&self) -> f32 {
+        let ends = [
+            self.translation.as_ref().map(|t| t.end()),
+            self.rotation.as_ref().map(|t| t.end()),
+            self.scale.as_ref().map(|t| t.end()),
+        ];
+        ends.into_iter().flatten().fold(0.0, f32::max)
+    }
+}
+
+#[derive(Default)]
+struct Flat {
+    vertices: Vec<Vertex>,
+    indices: Vec<u32>,
+    instances: Vec<Instance>,
+}
+
+impl Flat {
+    /// Adds a mesh in world space; what it hands back is there for a mesh that moves.
+    fn add(
+        &mut self,
+        placed: &Placed,
+        world: &Affine3A,
+        moves: bool,
+        repairs: &mut Vec<String>,
+    ) -> Option<MovingMesh> {
+        let (first_vertex, first_index) = (self.vertices.len(), self.indices.len());
+        let instance = self.instances.len() as u32;
+        let normals = Normals::new(world);
+        let mut dropped = 0;
+        for primitive in &placed.mesh.primitives {
+            let base = self.vertices.len() as u32;
+            let material = placed.first_material + primitive.material;
+            let mut bad = vec![false; primitive.positions.len()];
+            for (i, position) in primitive.positions.iter().enumerate() {
+                let mut position = world.transform_point3(*position);
+                if !usable(position) {
+                    (bad[i], position) = (true, Vec3::ZERO);
+                }
+                let uv = primitive.uvs[i];
+                self.vertices.push(Vertex {
+                    position: position.into(),
+                    material,
+                    normal: normals.to_world(primitive.normals[i]).into(),
+                    instance,
+                    uv: if uv.is_finite() { uv.into() } else { [0.0; 2] },
+                    pad: [0.0; 2],
+                });
+            }
+            for triangle in primitive.indices.chunks_exact(3) {
+                if triangle.iter().any(|i| bad[*i as usize]) {
+                    dropped += 1;
+                    continue;
+                }
+                let [a, b, c] = [triangle[0], triangle[1], triangle[2]].map(|i| base + i);
+                self.indices.extend(if normals.mirrors { [a, c, b] } else { [a, b, c] });
+            }
+        }
+        if dropped > 0 {
+            repairs.push(format!(
+                "`{}`: {dropped} triangles are left out: their vertices are not finite, or beyond 10¹⁸ m",
+                placed.name
+            ));
+        }
+        self.instances.push(Instance {
+            name: placed.name.clone(),
+            first_vertex: first_vertex as u32,
+            vertex_count: (self.vertices.len() - first_vertex) as u32,
+            first_index: first_index as u32,
+            index_count: (self.indices.len() - first_index) as u32,
+            moves,
+        });
+        moves.then(|| MovingMesh {
+            instance,
+            node: placed.node,
+            positions: placed.mesh.primitives.iter().flat_map(|p| p.positions.iter().copied()).collect(),
+            normals: placed.mesh.primitives.iter().flat_map(|p| p.normals.iter().copied()).collect(),
+        })
+    }
+}
+
+fn bounds(flat: &Flat) -> (Vec3, Vec3) {
+    let corners = flat.indices.iter().map(|i| Vec3::from(flat.vertices[*i as usize].position));
+    corners.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+}
+
+fn hash(scene: &Scene) -> u128 {
+    let mut hash = Xxh3::new();
+    hash.update(cast_slice(&scene.vertices));
+    hash.update(cast_slice(&scene.indices));
+    for texture in &scene.textures {
+        hash.update(&texture.pixels);
+    }
+    // Rust writes floats so that they read back the same, hence the same text is the same value.
+    hash.update(format!("{:?}{:?}{:?}", scene.materials, scene.textures, scene.lights).as_bytes());
+    hash.update(format!("{:?}{:?}{:?}", scene.camera, scene.frames_per_second, scene.motion).as_bytes());
+    hash.digest128()
+}

@@ -1,0 +1,136 @@
+//! What the makers build with: quads and surfaces, collected by material.
+
+use glam::{Vec2, Vec3};
+
+use crate::material::Material;
+use crate::model::{Mesh, Model, Node, Primitive};
+
+/// Which material.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct MaterialId(u32);
+
+/// Geometry in the making: one node with one mesh, one primitive a material.
+#[derive(Default)]
+pub(super) struct Builder {
+    materials: Vec<Material>,
+    primitives: Vec<Primitive>,
+}
+
+impl Builder {
+    pub(super) fn material(&mut self, material: Material) -> MaterialId {
+        let id = self.materials.len() as u32;
+        self.materials.push(material);
+        self.primitives.push(Primitive { material: id, ..Primitive::default() });
+        MaterialId(id)
+    }
+
+    /// A flat quad; its corners go counter-clockwise seen from the side it faces.
+    pub(super) fn quad(&mut self, material: MaterialId, corners: [Vec3; 4]) {
+        // Both diagonals together, so that a quad with two corners in one place still has a normal.
+        let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or(Vec3::Y);
+        self.smooth_quad(material, corners, [normal; 4]);
+    }
+
+    /// A quad with a normal at each corner.
+    pub(super) fn smooth_quad(&mut self, material: MaterialId, corners: [Vec3; 4], normals: [Vec3; 4]) {
+        let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+        let primitive = &mut self.primitives[material.0 as usize];
+        let first = primitive.positions.len() as u32;
+        primitive.positions.extend(corners);
+        primitive.normals.extend(normals);
+        primitive.uvs.extend(uvs);
+        for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+            let [p, q, r] = [corners[a], corners[b], corners[c]];
+            if (q - p).cross(r - p) != Vec3::ZERO {
+                primitive.indices.extend([a, b, c].map(|i| first + i as u32));
+            }
+        }
+    }
+
+    /// A box with its faces outwards.
+    pub(super) fn cuboid(&mut self, material: MaterialId, min: Vec3, max: Vec3) {
+        let corner =
+            |x: usize, y: usize, z: usize| Vec3::new([min.x, max.x][x], [min.y, max.y][y], [min.z, max.z][z]);
+        let c = corner;
+        self.quad(material, [c(0, 0, 1), c(1, 0, 1), c(1, 1, 1), c(0, 1, 1)]);
+        self.quad(material, [c(1, 0, 0), c(0, 0, 0), c(0, 1, 0), c(1, 1, 0)]);
+        self.quad(material, [c(1, 0, 1), c(1, 0, 0), c(1, 1, 0), c(1, 1, 1)]);
+        self.quad(material, [c(0, 0, 0), c(0, 0, 1), c(0, 1, 1), c(0, 1, 0)]);
+        self.quad(material, [c(0, 1, 1), c(1, 1, 1), c(1, 1, 0), c(0, 1, 0)]);
+        self.quad(material, [c(0, 0, 0), c(1, 0, 0), c(1, 0, 1), c(0, 0, 1)]);
+    }
+
+    /// A smooth surface over a grid of `columns`×`rows` cells: `point` gives position and normal for
+    /// (u, v) in 0..=1 each. The normal decides which side is the outer one.
+    pub(super) fn surface(
+        &mut self,
+        material: MaterialId,
+        columns: usize,
+        rows: usize,
+        point: impl Fn(f32, f32) -> (Vec3, Vec3),
+    ) {
+        let primitive = &mut self.primitives[material.0 as usize];
+        let first = primitive.positions.len() as u32;
+        for row in 0..=rows {
+            for column in 0..=columns {
+                let uv = Vec2::new(column as f32 / columns as f32, row as f32 / rows as f32);
+                let (position, normal) = point(uv.x, uv.y);
+                primitive.positions.push(position);
+                primitive.normals.push(normal.normalize_or(Vec3::Y));
+                primitive.uvs.push(uv);
+            }
+        }
+        let at = |column: usize, row: usize| first + (row * (columns + 1) + column) as u32;
+        for row in 0..rows {
+            for column in 0..columns {
+                let [a, b] = [at(column, row), at(column + 1, row)];
+                let [c, d] = [at(column + 1, row + 1), at(column, row + 1)];
+                // The diagonals of the four quarters meet in the middle, so that the creases of a groin
+                // vault, which run along the diagonals of its bay, are edges.
+                let rising = (column < columns / 2) == (row < rows / 2);
+                let pair = if rising { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                for [i, j, k] in pair {
+                    let [p, q, r] = [i, j, k].map(|i| primitive.positions[i as usize]);
+                    let [n, m, o] = [i, j, k].map(|i| primitive.normals[i as usize]);
+                    let facing = (q - p).cross(r - p).dot(n + m + o);
+                    if facing > 0.0 {
+                        primitive.indices.extend([i, j, k]);
+                    } else if facing < 0.0 {
+                        primitive.indices.extend([i, k, j]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// A body of revolution about the vertical through `foot`: its outline is points of (radius, height),
+    /// going up, with edges between them; `sides` quads around.
+    pub(super) fn lathe(&mut self, material: MaterialId, foot: Vec3, outline: &[[f32; 2]], sides: usize) {
+        for pair in outline.windows(2) {
+            let [[r0, y0], [r1, y1]] = [pair[0], pair[1]];
+            let slope = Vec2::new(y1 - y0, r0 - r1);
+            self.surface(material, sides, 1, |u, v| {
+                // The seam's two ends are to be the same point, also in the last digit.
+                let angle = if u == 1.0 { 0.0 } else { u * std::f32::consts::TAU };
+                let (sin, cos) = angle.sin_cos();
+                let (radius, height) = (r0 + (r1 - r0) * v, y0 + (y1 - y0) * v);
+                (
+                    foot + Vec3::new(radius * cos, height, radius * sin),
+                    Vec3::new(slope.x * cos, slope.y, slope.x * sin),
+                )
+            });
+        }
+    }
+
+    /// The model, with one node of this name.
+    pub(super) fn finish(self, name: &str) -> Model {
+        let mut primitives = self.primitives;
+        primitives.retain(|primitive| !primitive.indices.is_empty());
+        Model {
+            materials: self.materials,
+            meshes: vec![Mesh { name: name.into(), primitives }],
+            nodes: vec![Node { name: name.into(), mesh: Some(0), ..Node::default() }],
+            ..Model::default()
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! glTF 2.0, `.glb` and `.gltf`, to a [`Model`].
+//!
+//! The `gltf` crate reads the JSON; its own validation and accessor readers are not used, as they panic on
+//! indices and ranges that are wrong. Here every index is looked up and every range checked, and what is
+//! wrong is told with its place. Read: nodes, meshes, materials (metallic-roughness, KHR_materials_specular,
+//! KHR_materials_emissive_strength), textures, perspective cameras, KHR_lights_punctual, and the first
+//! animation's translations, rotations and scales. All surfaces are taken as two-sided.
+
+mod accessor;
+mod materials;
+mod meshes;
+mod nodes;
+
+use std::borrow::Cow;
+use std::fmt::Display;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use gltf::buffer;
+use gltf::json::{self, Root};
+
+use self::materials::Materials;
+use crate::error::SceneError;
+use crate::model::Model;
+
+/// Extensions whose content is used.
+const READ: [&str; 4] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_specular",
+    // Integer positions and the like: accessors are read so in any case.
+    "KHR_mesh_quantization",
+];
+
+/// A model, and the files besides the first that it came from.
+pub(crate) struct Imported {
+    pub(crate) model: Model,
+    pub(crate) files: Vec<PathBuf>,
+}
+
+/// Reads a `.glb` or `.gltf` file, with the buffers and images that it names.
+pub(crate) fn import(path: &Path) -> Result<Imported, SceneError> {
+    let bytes = fs::read(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => {
+            SceneError::NotFound { spec: path.display().to_string(), nearest: Vec::new() }
+        }
+        _ => SceneError::Unreadable { path: path.into(), error },
+    })?;
+    let (json, blob) = split(path, &bytes)?;
+    let root: Root = json::deserialize::from_slice(&json)
+        .map_err(|e| wrong(path, "JSON", format!("{e}; expected a glTF 2.0 document")))?;
+    let mut importer =
+        Importer { path, root: &root, buffers: Vec::new(), files: Vec::new(), repairs: Vec::new() };
+    importer.check_extensions()?;
+    importer.read_buffers(blob)?;
+    let Materials { materials, textures, uv_sets } = importer.materials()?;
+    let mut model = Model { materials, textures, ..Model::default() };
+    model.meshes = importer.meshes(&uv_sets, &mut model.materials)?;
+    importer.nodes(&mut model)?;
+    model.repairs = importer.repairs;
+    Ok(Imported { model, files: importer.files })
+}
+
+/// The JSON, and the binary chunk of a `.glb`.
+type Chunks<'a> = (Cow<'a, [u8]>, Option<Cow<'a, [u8]>>);
+
+fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, SceneError> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok((bytes.into(), None));
+    }
+    let length = bytes.get(8..12).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
+    match length {
+        Some(length @ 12..) if length as usize <= bytes.len() => {}
+        _ => {
+            let told = length.map_or("none".into(), |n| format!("{n}"));
+            let problem =
+                format!("the file has {} bytes, its header tells of {told}: it is cut off", bytes.len());
+            return Err(wrong(path, "GLB header", problem));
+        }
+    }
+    let glb = gltf::Glb::from_slice(bytes).map_err(|e| wrong(path, "GLB chunks", e))?;
+    Ok((glb.json, glb.bin))
+}
+
+fn wrong(path: &Path, place: impl Into<String>, problem: impl Display) -> SceneError {
+    SceneError::Gltf { file: path.into(), place: place.into(), problem: problem.to_string() }
+}
+
+/// A file being read.
+pub(super) struct Importer<'a> {
+    path: &'a Path,
+    root: &'a Root,
+    buffers: Vec<Vec<u8>>,
+    files: Vec<PathBuf>,
+    repairs: Vec<String>,
+}
+
+impl<'a> Importer<'a> {
+    fn wrong(&self, place: impl Into<String>, problem: impl Display) -> SceneError {
+        wrong(self.path, place, problem)
+    }
+
+    /// The object at `index` of a list of the document.
+    fn get<T>(&self, list: &'a [T], index: usize, what: &str, place: &str) -> Result<&'a T, SceneError> {
+        list.get(index)
+            .ok_or_else(|| self.wrong(place, format!("there is no {what} {index}: there are {}", list.len())))
+    }
+
+    fn check_extensions(&mut self) -> Result<(), SceneError> {
+        let unknown = |name: &&String| !READ.contains(&name.as_str());
+        if let Some(name) = self.root.extensions_required.iter().find(unknown) {
+            let problem =
+                format!("the file requires {name}, which is not supported (supported: {})", READ.join(", "));
+            return Err(self.wrong("extensionsRequired", problem));
+        }
+        for name in self.root.extensions_used.iter().filter(unknown) {
+            self.repairs.push(format!("the extension {name} is not supported: what it adds is left out"));
+        }
+        Ok(())
+    }
+
+    fn read_buffers(&mut self, mut blob: Option<Cow<'a, [u8]>>) -> Result<(), SceneError> {
+        for (index, buffer) in self.root.buffers.iter().enumerate() {
+            let place = format!("buffer {index}");
+            let bytes = match &buffer.uri {
+                Some(uri) => self.fetch(uri).map_err(|problem| self.wrong(&place, problem))?,
+                None => match blob.take() {
+                    Some(bytes) => bytes.into_owned(),
+                    None => {
+                        return Err(
+                            self.wrong(place, "it names no file, and there is no binary chunk for it")
+                        );
+                    }
+                },
+            };
+            let expected = buffer.byte_length.0;
+            if (bytes.len() as u64) < expected {
+                return Err(self.wrong(place, format!("expected {expected} bytes, found {}", bytes.len())));
+            }
+            self.buffers.push(bytes);
+        }
+        Ok(())
+    }
+
+    /// What a URI of the file holds: embedded data, or a file beside it.
+    fn fetch(&mut self, uri: &str) -> Result<Vec<u8>, String> {
+        let shown: String = uri.chars().take(80).collect();
+        // The `gltf` crate panics on escapes that make no UTF-8.
+        let file = unescaped(uri).ok_or_else(|| format!("its URI `{shown}` is not UTF-8"))?;
+        let base = self.path.parent().unwrap_or(Path::new(""));
+        let data = buffer::Data::from_source(buffer::Source::Uri(uri), Some(base))
+            .map_err(|error| format!("`{shown}` cannot be read: {error}"))?;
+        if !uri.starts_with("data:") {
+            self.files.push(base.join(file));
+        }
+        Ok(data.0)
+    }
+
+    /// The bytes of a buffer view.
+    fn view(&self, index: usize, place: &str) -> Result<&[u8], SceneError> {
+        let view = self.get(&self.root.buffer_views, index, "buffer view", place)?;
+        let buffer = self.buffers.get(view.buffer.value()).ok_or_else(|| {
+            let problem =
+                format!("there is no buffer {}: there are {}", view.buffer.value(), self.buffers.len());
+            self.wrong(format!("buffer view {index}"), problem)
+        })?;
+        let start = view.byte_offset.unwrap_or_default().0;
+        let end = start.checked_add(view.byte_length.0).filter(|end| *end <= buffer.len() as u64);
+        match end {
+            Some(end) => Ok(&buffer[start as usize..end as usize]),
+            None => Err(self.wrong(
+                format!("buffer view {index}"),
+                format!(
+                    "bytes {start} to {start} + {} reach beyond buffer {} of {} bytes",
+                    view.byte_length.0,
+                    view.buffer.value(),
+                    buffer.len()
+                ),
+            )),
+        }
+    }
+}
+
+/// A URI with its `%xx` escapes replaced, where that makes UTF-8.
+fn unescaped(uri: &str) -> Option<String> {
+    let (mut out, mut rest) = (Vec::with_capacity(uri.len()), uri.as_bytes());
+    while let [byte, tail @ ..] = rest {
+        let escaped = (*byte == b'%')
+            .then(|| tail.get(..2).and_then(|hex| std::str::from_utf8(hex).ok()))
+            .flatten()
+            .and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        out.push(escaped.unwrap_or(*byte));
+        rest = if escaped.is_some() { &tail[2..] } else { tail };
+    }
+    String::from_utf8(out).ok()
+}

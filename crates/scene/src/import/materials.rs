@@ -1,0 +1,229 @@
+//! Materials, textures, images.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::{Vec3, Vec4};
+use gltf::json::material::AlphaMode;
+use gltf::json::texture::{Sampler, WrappingMode};
+use gltf::json::validation::Checked;
+use image::{ImageReader, Limits};
+use rayon::prelude::*;
+
+use super::Importer;
+use crate::error::SceneError;
+use crate::material::{Encoding, Material, Texture, Wrap};
+
+/// Wider or higher images are refused; GPUs promise no more.
+const MAX_IMAGE_SIZE: u32 = 16384;
+
+/// A texture of the document, as a material means it.
+type Key = (usize, Encoding);
+
+/// Where a material keeps the index of one of its textures.
+type Slot = fn(&mut Material) -> &mut Option<u32>;
+
+/// The materials, their textures, and for each material the set of texture coordinates it goes by.
+pub(super) struct Materials {
+    pub(super) materials: Vec<Material>,
+    pub(super) textures: Vec<Texture>,
+    pub(super) uv_sets: Vec<u32>,
+}
+
+/// A use of a texture: where its index is to go once it is known.
+struct Use {
+    material: usize,
+    key: Key,
+    slot: Slot,
+}
+
+impl Importer<'_> {
+    /// All materials, and the textures they use.
+    pub(super) fn materials(&mut self) -> Result<Materials, SceneError> {
+        let (mut materials, mut uses, mut uv_sets) = (Vec::new(), Vec::new(), Vec::new());
+        for (index, material) in self.root.materials.iter().enumerate() {
+            let name = material.name.clone().unwrap_or_else(|| format!("material {index}"));
+            let pbr = &material.pbr_metallic_roughness;
+            let extensions = material.extensions.as_ref();
+            let strength =
+                extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |s| s.emissive_strength.0);
+            let specular = extensions.and_then(|e| e.specular.as_ref());
+            let specular =
+                specular.map_or(Vec3::ONE, |s| Vec3::from(s.specular_color_factor.0) * s.specular_factor.0);
+            let alpha_cutoff = match material.alpha_mode {
+                Checked::Valid(AlphaMode::Mask) => Some(material.alpha_cutoff.map_or(0.5, |c| c.0)),
+                Checked::Valid(AlphaMode::Blend) => {
+                    self.repairs.push(format!("material `{name}` blends by alpha: it is taken as opaque"));
+                    None
+                }
+                _ => None,
+            };
+            let read = Material {
+                base_color: Vec4::from(pbr.base_color_factor.0),
+                emission: Vec3::from(material.emissive_factor.0) * strength,
+                specular: (0.04 * specular).min(Vec3::ONE),
+                metallic: pbr.metallic_factor.0,
+                roughness: pbr.roughness_factor.0,
+                normal_scale: material.normal_texture.as_ref().map_or(1.0, |t| t.scale),
+                alpha_cutoff,
+                name,
+                ..Material::default()
+            };
+            let slots: [(_, _, Slot); 4] = [
+                (pbr.base_color_texture.as_ref().map(|t| (t.index, t.tex_coord)), Encoding::Srgb, |m| {
+                    &mut m.base_color_texture
+                }),
+                (material.emissive_texture.as_ref().map(|t| (t.index, t.tex_coord)), Encoding::Srgb, |m| {
+                    &mut m.emission_texture
+                }),
+                (
+                    pbr.metallic_roughness_texture.as_ref().map(|t| (t.index, t.tex_coord)),
+                    Encoding::Linear,
+                    |m| &mut m.metallic_roughness_texture,
+                ),
+                (material.normal_texture.as_ref().map(|t| (t.index, t.tex_coord)), Encoding::Linear, |m| {
+                    &mut m.normal_texture
+                }),
+            ];
+            let mut sets = Vec::new();
+            for (texture, encoding, slot) in slots {
+                if let Some((texture, set)) = texture {
+                    sets.push(set);
+                    uses.push(Use { material: index, key: (texture.value(), encoding), slot });
+                }
+            }
+            if sets.windows(2).any(|pair| pair[0] != pair[1]) {
+                let name = &read.name;
+                let set = sets[0];
+                self.repairs.push(format!(
+                    "material `{name}` has textures in several sets of coordinates: set {set} is taken for all"
+                ));
+            }
+            uv_sets.push(sets.first().copied().unwrap_or(0));
+            materials.push(self.clamped(read));
+        }
+        let (textures, indices) = self.textures(&uses, &materials)?;
+        for usage in uses {
+            *(usage.slot)(&mut materials[usage.material]) = indices.get(&usage.key).copied();
+        }
+        Ok(Materials { materials, textures, uv_sets })
+    }
+
+    /// Brings numbers into the ranges that glTF gives them, and says so.
+    fn clamped(&mut self, material: Material) -> Material {
+        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
+        let [r, g, b, a] = material.base_color.to_array().map(unit);
+        let emission = material.emission.to_array().map(|x| if x.is_finite() { x.max(0.0) } else { 0.0 });
+        let clamped = Material {
+            base_color: Vec4::new(r, g, b, a),
+            emission: emission.into(),
+            specular: material.specular.to_array().map(unit).into(),
+            metallic: unit(material.metallic),
+            roughness: unit(material.roughness),
+            normal_scale: if material.normal_scale.is_finite() { material.normal_scale } else { 1.0 },
+            ..material.clone()
+        };
+        if clamped != material {
+            self.repairs
+                .push(format!("material `{}` has factors out of range: they are clamped", material.name));
+        }
+        clamped
+    }
+
+    /// The textures that are used, and where each stands. What cannot be read is left out and stated.
+    fn textures(
+        &mut self,
+        uses: &[Use],
+        materials: &[Material],
+    ) -> Result<(Vec<Texture>, BTreeMap<Key, u32>), SceneError> {
+        let mut sources: BTreeMap<Key, (usize, [Wrap; 2])> = BTreeMap::new();
+        let (mut seen, mut encoded) = (BTreeSet::new(), Vec::new());
+        for usage in uses {
+            let name = &materials[usage.material].name;
+            let texture =
+                self.get(&self.root.textures, usage.key.0, "texture", &format!("material `{name}`"))?;
+            let place = format!("texture {}", usage.key.0);
+            let wrap = match texture.sampler {
+                Some(sampler) => {
+                    let Sampler { wrap_s, wrap_t, .. } =
+                        self.get(&self.root.samplers, sampler.value(), "sampler", &place)?;
+                    [wrap_s, wrap_t].map(|wrap| match wrap {
+                        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
+                        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+                        _ => Wrap::Repeat,
+                    })
+                }
+                None => [Wrap::Repeat; 2],
+            };
+            let image = texture.source.value();
+            sources.insert(usage.key, (image, wrap));
+            if seen.insert(image) {
+                match self.encoded_image(image, &place)? {
+                    Ok(bytes) => encoded.push((image, bytes)),
+                    Err(problem) => self.without(image, &problem),
+                }
+            }
+        }
+        let decoded: Vec<_> = encoded.into_par_iter().map(|(image, bytes)| (image, decode(&bytes))).collect();
+        let mut pixels = BTreeMap::new();
+        for (image, result) in decoded {
+            match result {
+                Ok(decoded) => {
+                    pixels.insert(image, decoded);
+                }
+                Err(problem) => self.without(image, &problem),
+            }
+        }
+        let (mut textures, mut indices) = (Vec::new(), BTreeMap::new());
+        for (key, (image, wrap)) in sources {
+            let Some(decoded) = pixels.get(&image) else { continue };
+            indices.insert(key, textures.len() as u32);
+            textures.push(Texture {
+                name: self.image_name(image),
+                width: decoded.width(),
+                height: decoded.height(),
+                pixels: decoded.as_raw().clone(),
+                encoding: key.1,
+                wrap,
+            });
+        }
+        Ok((textures, indices))
+    }
+
+    fn image_name(&self, image: usize) -> String {
+        let json = self.root.images.get(image);
+        let named =
+            json.and_then(|i| i.name.clone().or_else(|| i.uri.clone().filter(|u| !u.starts_with("data:"))));
+        named.unwrap_or_else(|| format!("image {image}"))
+    }
+
+    fn without(&mut self, image: usize, problem: &str) {
+        let name = self.image_name(image);
+        self.repairs.push(format!("texture image `{name}` is taken as white: {problem}"));
+    }
+
+    /// The bytes of an image as they stand in the file; the inner error is one that can be repaired.
+    fn encoded_image(&mut self, index: usize, place: &str) -> Result<Result<Vec<u8>, String>, SceneError> {
+        let image = self.get(&self.root.images, index, "image", place)?;
+        if let Some(view) = image.buffer_view {
+            return Ok(Ok(self.view(view.value(), &format!("image {index}"))?.to_vec()));
+        }
+        Ok(match &image.uri {
+            Some(uri) => self.fetch(uri),
+            None => Err("it names neither a file nor a buffer view".into()),
+        })
+    }
+}
+
+fn decode(bytes: &[u8]) -> Result<image::RgbaImage, String> {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_IMAGE_SIZE);
+    limits.max_image_height = Some(MAX_IMAGE_SIZE);
+    let mut reader =
+        ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
+    reader.limits(limits);
+    let decoded = reader.decode().map_err(|e| e.to_string())?;
+    if decoded.width() == 0 || decoded.height() == 0 {
+        return Err("it has no pixels".into());
+    }
+    Ok(decoded.into_rgba8())
+}

@@ -1,0 +1,38 @@
+//! Scenes: meshes, materials, lights, cameras, and how they move.
+//!
+//! ```text
+//! scenes/*.ron ─describe─▶ Description ┐
+//! *.glb, *.gltf ─import─▶ Model        ├─assemble─▶ Scene ─at(time)─▶ Pose
+//! made by code ─────────▶ Model        ┘              └─traits─▶ frame_graph::Traits
+//! ```
+//!
+//! A [`Scene`] is flat: one array of vertices in world space and one of indices, ready for upload. Lengths
+//! are metres, angles radians, times seconds; colours are linear Rec. 709; the world is right-handed with
+//! +Y up. Photometric units of glTF's KHR_lights_punctual are read as radiometric ones, channel by channel:
+//! candela as W/sr, lux as W/m².
+//!
+//! Bad input gives a [`SceneError`] that says where and what was expected, or a repair that
+//! [`Scene::repairs`] states; never a panic. Nothing here needs a GPU.
+
+mod animation;
+mod assemble;
+mod built_in;
+mod camera;
+mod description;
+mod error;
+mod files;
+mod import;
+mod light;
+mod load;
+mod material;
+mod model;
+mod scene;
+
+pub use built_in::names as built_in_names;
+pub use camera::Camera;
+pub use error::SceneError;
+pub use files::SceneFiles;
+pub use light::{Light, LightKind};
+pub use load::{about, load};
+pub use material::{Encoding, Material, Texture, Wrap};
+pub use scene::{Changes, Instance, MovedVertices, Pose, Scene, Vertex};

@@ -1,0 +1,140 @@
+//! Materials and textures, in the metallic-roughness model of glTF 2.0.
+
+use glam::{Vec3, Vec4};
+
+/// What a surface is made of. Textures multiply the factor beside them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The name in its file.
+    pub name: String,
+    /// Albedo of a dielectric, reflectance at normal incidence of a metal; alpha last. Linear, 0..=1.
+    pub base_color: Vec4,
+    /// Index into [`Scene::textures`](crate::Scene::textures); sRGB.
+    pub base_color_texture: Option<u32>,
+    /// Radiance that the surface emits to every side \[W/(m² sr)\], RGB.
+    pub emission: Vec3,
+    /// Index of a texture; sRGB.
+    pub emission_texture: Option<u32>,
+    /// Reflectance at normal incidence of the dielectric part (F₀), RGB: 0.04 unless KHR_materials_specular
+    /// says other.
+    pub specular: Vec3,
+    /// The share that is metal, 0..=1: its diffuse albedo is `base_color · (1 − metallic)`, its F₀ is
+    /// `base_color`.
+    pub metallic: f32,
+    /// Perceived roughness, 0..=1; the microfacet distribution's α is its square.
+    pub roughness: f32,
+    /// Index of a texture: roughness in green, metallic in blue; linear.
+    pub metallic_roughness_texture: Option<u32>,
+    /// Index of a texture of tangent-space normals; linear.
+    pub normal_texture: Option<u32>,
+    /// What the x and y of a tangent-space normal are multiplied by.
+    pub normal_scale: f32,
+    /// Where given, what has less alpha than this is not there.
+    pub alpha_cutoff: Option<f32>,
+}
+
+impl Default for Material {
+    /// A white Lambertian surface.
+    fn default() -> Self {
+        Material {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            emission: Vec3::ZERO,
+            emission_texture: None,
+            specular: Vec3::splat(0.04),
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            alpha_cutoff: None,
+        }
+    }
+}
+
+impl Material {
+    /// A Lambertian surface of this albedo.
+    pub(crate) fn matte(name: &str, albedo: [f32; 3]) -> Material {
+        Material { name: name.into(), base_color: Vec3::from(albedo).extend(1.0), ..Material::default() }
+    }
+
+    /// Whether the surface reflects other than as a Lambertian one. A dielectric of roughness 1 counts as
+    /// Lambertian: its specular part is spread over the whole hemisphere.
+    pub fn is_glossy(&self) -> bool {
+        self.metallic > 0.0 || (self.roughness < 1.0 && self.specular.max_element() > 0.0)
+    }
+
+    /// Whether the surface emits light.
+    pub fn is_emissive(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
+
+    /// Whether it has any texture.
+    pub fn is_textured(&self) -> bool {
+        self.textures().into_iter().any(|t| t.is_some())
+    }
+
+    fn textures(&self) -> [Option<u32>; 4] {
+        [self.base_color_texture, self.emission_texture, self.metallic_roughness_texture, self.normal_texture]
+    }
+
+    /// Moves the texture indices, for a material that comes after `offset` textures of other models.
+    pub(crate) fn offset_textures(&mut self, offset: u32) {
+        for texture in [
+            &mut self.base_color_texture,
+            &mut self.emission_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.normal_texture,
+        ]
+        .into_iter()
+        .flatten()
+        {
+            *texture += offset;
+        }
+    }
+}
+
+/// How a texture's stored numbers are to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Encoding {
+    /// Colours in sRGB; alpha linear.
+    Srgb,
+    /// As they stand.
+    Linear,
+}
+
+/// What a texture holds outside 0..1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The same again.
+    Repeat,
+    /// The same again, mirrored every second time.
+    Mirror,
+    /// The edge's colour.
+    Clamp,
+}
+
+/// An image for materials.
+#[derive(Clone, PartialEq)]
+pub struct Texture {
+    /// The name in its file.
+    pub name: String,
+    /// Columns, ≥ 1.
+    pub width: u32,
+    /// Rows, ≥ 1; row 0 is at v = 0.
+    pub height: u32,
+    /// RGBA, 8 bits each, row by row: 4 · width · height bytes.
+    pub pixels: Vec<u8>,
+    /// How to read them.
+    pub encoding: Encoding,
+    /// What is outside, along u and v.
+    pub wrap: [Wrap; 2],
+}
+
+impl std::fmt::Debug for Texture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Texture { name, width, height, encoding, wrap, .. } = self;
+        write!(f, "Texture({name:?}, {width}×{height}, {encoding:?}, {wrap:?})")
+    }
+}

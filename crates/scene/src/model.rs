@@ -1,0 +1,117 @@
+//! What an importer or a generator hands over: geometry in its own space, and the nodes that place it.
+
+use glam::{Affine3A, Quat, Vec2, Vec3};
+
+use crate::animation::Track;
+use crate::light::LightKind;
+use crate::material::{Material, Texture};
+
+/// Geometry with materials, in its own space, and a tree of nodes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Model {
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
+    pub(crate) meshes: Vec<Mesh>,
+    /// Parents stand before their children.
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) cameras: Vec<NodeCamera>,
+    pub(crate) lights: Vec<NodeLight>,
+    /// What was repaired or left out.
+    pub(crate) repairs: Vec<String>,
+    /// Whether no triangles at all is as it should be.
+    pub(crate) may_be_empty: bool,
+}
+
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Mesh {
+    pub(crate) name: String,
+    pub(crate) primitives: Vec<Primitive>,
+}
+
+/// Triangles of one material. All arrays of vertices have one length; every index is below it, and the
+/// number of indices is a multiple of three. Numbers need not be finite.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Primitive {
+    pub(crate) positions: Vec<Vec3>,
+    /// Unit vectors.
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) uvs: Vec<Vec2>,
+    pub(crate) indices: Vec<u32>,
+    pub(crate) material: u32,
+}
+
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Node {
+    pub(crate) name: String,
+    pub(crate) parent: Option<usize>,
+    /// To the parent's space, where nothing moves it.
+    pub(crate) rest: Affine3A,
+    pub(crate) animation: Option<NodeAnimation>,
+    pub(crate) mesh: Option<usize>,
+}
+
+/// Movement of a node; what has no track keeps its part of `base`.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NodeAnimation {
+    pub(crate) base: Transform,
+    pub(crate) translation: Option<Track<Vec3>>,
+    pub(crate) rotation: Option<Track<Quat>>,
+    pub(crate) scale: Option<Track<Vec3>>,
+}
+
+/// First scale, then turn, then move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Transform {
+    pub(crate) translation: Vec3,
+    pub(crate) rotation: Quat,
+    pub(crate) scale: Vec3,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Transform { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE }
+    }
+}
+
+impl Transform {
+    pub(crate) fn affine(&self) -> Affine3A {
+        Affine3A::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
+
+    pub(crate) fn from_affine(affine: &Affine3A) -> Transform {
+        let (scale, rotation, translation) = affine.to_scale_rotation_translation();
+        Transform { translation, rotation, scale }
+    }
+}
+
+impl Node {
+    /// To the parent's space at `time` \[s\].
+    pub(crate) fn local(&self, time: f32) -> Affine3A {
+        let Some(animation) = &self.animation else { return self.rest };
+        let base = animation.base;
+        Transform {
+            translation: animation.translation.as_ref().map_or(base.translation, |t| t.at(time)),
+            rotation: animation.rotation.as_ref().map_or(base.rotation, |t| t.at(time)),
+            scale: animation.scale.as_ref().map_or(base.scale, |t| t.at(time)),
+        }
+        .affine()
+    }
+}
+
+/// A camera at a node, looking along its −z, with its +y up.
+#[derive(Clone, Debug)]
+pub(crate) struct NodeCamera {
+    pub(crate) name: String,
+    pub(crate) node: usize,
+    pub(crate) vertical_fov: f32,
+    pub(crate) near: f32,
+}
+
+/// A light at a node, shining along its −z.
+#[derive(Clone, Debug)]
+pub(crate) struct NodeLight {
+    pub(crate) name: String,
+    pub(crate) node: usize,
+    pub(crate) kind: LightKind,
+    pub(crate) intensity: Vec3,
+}

@@ -1,0 +1,11 @@
+//! Tests of scenes: what loads, what moves, what is refused and how.
+
+mod broken;
+mod built_in;
+mod camera_and_light;
+mod common;
+mod description;
+mod gltf;
+mod movement;
+mod references;
+mod sampling;

@@ -1,0 +1,113 @@
+//! A composed text with its origins, and errors in it told at the user's own lines.
+
+use crate::directive::Define;
+use crate::line_map::{LineMap, span};
+use frame_graph::{Diagnostic, Label, Source, Span};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What a file and its imports ask of who loads it, found without looking at the WGSL.
+#[derive(Clone, Debug, Default)]
+pub struct Outline {
+    /// The options, in the order they are declared in.
+    pub options: Vec<ShaderOption>,
+    /// Names of the interfaces that are imported.
+    pub interfaces: BTreeSet<String>,
+    /// Paths of all files that take part.
+    pub files: Vec<String>,
+}
+
+/// An `#option`: a choice between variants.
+#[derive(Clone, Debug)]
+pub struct ShaderOption {
+    /// The name in `#if`, and of the WGSL constant where the values are numbers or truths.
+    pub name: String,
+    /// The value where the request gives none.
+    pub default: Define,
+    /// The only values it takes; empty where any of its type will do.
+    pub one_of: Vec<Define>,
+    /// The comment behind it.
+    pub doc: String,
+    /// The declaration.
+    pub place: Span,
+    /// What conditions compare it with: with the default, the values that make a difference.
+    pub(crate) compared: BTreeSet<Define>,
+}
+
+impl ShaderOption {
+    /// The values that make variants: both truths; all of `one_of`; or else the default and whatever a
+    /// condition compares with.
+    pub fn values(&self) -> Vec<Define> {
+        if matches!(self.default, Define::Bool(_)) {
+            return vec![Define::Bool(false), Define::Bool(true)];
+        }
+        if !self.one_of.is_empty() {
+            return self.one_of.clone();
+        }
+        let mut values = self.compared.clone();
+        values.insert(self.default.clone());
+        values.into_iter().collect()
+    }
+}
+
+/// A composed text.
+#[derive(Clone, Debug)]
+pub(crate) struct Composed {
+    pub(crate) text: String,
+    pub(crate) map: LineMap,
+    pub(crate) outline: Outline,
+    /// For each file, how it came in; the first is the one asked for.
+    pub(crate) origins: BTreeMap<String, Option<Import>>,
+    /// The values of all options.
+    pub(crate) values: BTreeMap<String, Define>,
+    pub(crate) main: Arc<Source>,
+}
+
+/// A line that brings in a file.
+#[derive(Clone, Debug)]
+pub(crate) struct Import {
+    pub(crate) place: Span,
+    /// The interface, where the path stands in the request.
+    pub(crate) interface: Option<String>,
+}
+
+impl Composed {
+    /// An error at ranges of the composed text, told at the user's own lines, with how the file came in.
+    pub(crate) fn diagnostic(
+        &self,
+        code: &'static str,
+        message: impl Into<String>,
+        labels: impl IntoIterator<Item = (Range<u32>, String)>,
+        notes: impl IntoIterator<Item = String>,
+    ) -> Diagnostic {
+        let mut labels: Vec<Label> = labels
+            .into_iter()
+            .filter_map(|(range, message)| Some(Label { span: self.map.span(range)?, message }))
+            .collect();
+        if labels.is_empty() {
+            labels.push(Label { span: span(&self.main, 0..0), message: String::new() });
+        }
+        let mut notes: Vec<String> = notes.into_iter().collect();
+        notes.extend(import_chain(&self.origins, &labels[0].span.source.name));
+        if !self.values.is_empty() {
+            let values: Vec<String> =
+                self.values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+            notes.push(format!("in the variant {}", values.join(", ")));
+        }
+        Diagnostic { code, message: message.into(), labels, notes }
+    }
+}
+
+/// How `file` came in, from import to import; `None` for the file asked for.
+pub(crate) fn import_chain(origins: &BTreeMap<String, Option<Import>>, file: &str) -> Option<String> {
+    let mut note = String::new();
+    let mut file = file;
+    while let Some(Some(Import { place, interface })) = origins.get(file) {
+        let what = if note.is_empty() { format!("`{file}` is") } else { ", which is".to_owned() };
+        let role = interface.as_ref().map_or(String::new(), |name| format!(" as interface \"{name}\""));
+        note.push_str(&format!("{what} imported{role} by {place}"));
+        file = &place.source.name;
+    }
+    (!note.is_empty()).then_some(note)
+}

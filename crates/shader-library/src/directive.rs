@@ -1,0 +1,403 @@
+//! The `#` lines of the dialect: their grammar, and the values of options.
+
+use crate::codes;
+use frame_graph::Value;
+use std::fmt;
+use std::ops::Range;
+
+/// The value of an option, which selects a variant of a shader.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Define {
+    /// `true` or `false`.
+    Bool(bool),
+    /// A whole number.
+    Int(i64),
+    /// A word.
+    Text(String),
+}
+
+impl Define {
+    /// What the type is called in errors.
+    pub(crate) fn type_name(&self) -> &'static str {
+        match self {
+            Define::Bool(_) => "true or false",
+            Define::Int(_) => "a whole number",
+            Define::Text(_) => "a word",
+        }
+    }
+
+    pub(crate) fn same_type(&self, other: &Define) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+}
+
+impl fmt::Display for Define {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Define::Bool(b) => write!(f, "{b}"),
+            Define::Int(n) => write!(f, "{n}"),
+            Define::Text(t) => f.write_str(t),
+        }
+    }
+}
+
+impl From<bool> for Define {
+    fn from(b: bool) -> Self {
+        Define::Bool(b)
+    }
+}
+
+impl From<u32> for Define {
+    fn from(n: u32) -> Self {
+        Define::Int(n.into())
+    }
+}
+
+impl From<&str> for Define {
+    fn from(text: &str) -> Self {
+        Define::Text(text.to_owned())
+    }
+}
+
+impl TryFrom<&Value> for Define {
+    /// The value, which is of real numbers, and no option is.
+    type Error = Value;
+
+    fn try_from(value: &Value) -> Result<Self, Value> {
+        match value {
+            Value::Bool(b) => Ok(Define::Bool(*b)),
+            Value::U32(n) => Ok(Define::Int((*n).into())),
+            Value::I32(n) => Ok(Define::Int((*n).into())),
+            Value::Text(t) => Ok(Define::Text(t.clone())),
+            Value::F32(_) | Value::Vector(_) => Err(value.clone()),
+        }
+    }
+}
+
+/// An error at a range of the file being read.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    pub(crate) code: &'static str,
+    pub(crate) range: Range<usize>,
+    pub(crate) message: String,
+    /// What is said at the place itself.
+    pub(crate) label: String,
+    pub(crate) notes: Vec<String>,
+}
+
+impl Fault {
+    pub(crate) fn new(code: &'static str, range: Range<usize>, message: impl Into<String>) -> Self {
+        Fault { code, range, message: message.into(), label: String::new(), notes: Vec::new() }
+    }
+
+    pub(crate) fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    pub(crate) fn note(mut self, note: impl Into<String>) -> Self {
+        self.notes.push(note.into());
+        self
+    }
+}
+
+/// A thing with its place in the file.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed<T> {
+    pub(crate) value: T,
+    pub(crate) range: Range<usize>,
+}
+
+/// A `#` line.
+#[derive(Debug)]
+pub(crate) enum Directive {
+    Import(Placed<String>),
+    Interface(Placed<String>),
+    Option { name: Placed<String>, default: Placed<Define>, one_of: Vec<Placed<Define>>, doc: String },
+    If(Condition),
+    Elif(Condition),
+    Else,
+    Endif,
+}
+
+/// What stands behind `#if`.
+#[derive(Debug)]
+pub(crate) enum Condition {
+    /// The option is true.
+    Is(Placed<String>),
+    /// The option has, or has not, the value.
+    Compare {
+        name: Placed<String>,
+        equal: bool,
+        value: Placed<Define>,
+    },
+    Not(Box<Condition>),
+    All(Vec<Condition>),
+    Any(Vec<Condition>),
+}
+
+/// The value of an option that a condition names, given what it is compared with.
+pub(crate) type OptionValue<'a> =
+    dyn FnMut(&Placed<String>, Option<&Placed<Define>>) -> Result<Define, Fault> + 'a;
+
+impl Condition {
+    /// Whether it holds. Every part of `&&` and `||` is looked at, so that an error in any is found in
+    /// every variant.
+    pub(crate) fn holds(&self, option: &mut OptionValue<'_>) -> Result<bool, Fault> {
+        Ok(match self {
+            Condition::Is(name) => match option(name, None)? {
+                Define::Bool(b) => b,
+                other => {
+                    let message = format!("`{}` is {}, not true or false", name.value, other.type_name());
+                    return Err(Fault::new(codes::CONDITION, name.range.clone(), message)
+                        .note(format!("compare it: `{} == {other}`", name.value)));
+                }
+            },
+            Condition::Compare { name, equal, value } => {
+                (option(name, Some(value))? == value.value) == *equal
+            }
+            Condition::Not(inner) => !inner.holds(option)?,
+            Condition::All(parts) => {
+                parts.iter().try_fold(true, |all, part| Ok(part.holds(option)? && all))?
+            }
+            Condition::Any(parts) => {
+                parts.iter().try_fold(false, |any, part| Ok(part.holds(option)? || any))?
+            }
+        })
+    }
+}
+
+/// Reads the directive in `line`, which starts at byte `at` of the file.
+pub(crate) fn parse(line: &str, at: usize) -> Result<Directive, Fault> {
+    let indent = line.len() - line.trim_start().len();
+    let mut tokens = Tokens { line, at, pos: indent + 1, depth: 0 };
+    let name = tokens.next()?;
+    let directive = match name.value {
+        Token::Word("import") => match tokens.next()? {
+            Placed { value: Token::Quoted(path), range } => {
+                Directive::Import(Placed { value: path.to_owned(), range })
+            }
+            Placed { value: Token::Word("interface"), .. } => match tokens.next()? {
+                Placed { value: Token::Quoted(name), range } => {
+                    Directive::Interface(Placed { value: name.to_owned(), range })
+                }
+                other => {
+                    return Err(
+                        other.expected("the interface's name, as in `#import interface \"visibility\"`")
+                    );
+                }
+            },
+            other => return Err(other.expected("a path in quotes, as in `#import \"random.wgsl\"`")),
+        },
+        Token::Word("option") => tokens.option()?,
+        Token::Word("if") => Directive::If(tokens.any()?),
+        Token::Word("elif") => Directive::Elif(tokens.any()?),
+        Token::Word("else") => Directive::Else,
+        Token::Word("endif") => Directive::Endif,
+        Token::Word(other) => {
+            let known = ["import", "option", "if", "elif", "else", "endif"];
+            let fault = Fault::new(codes::DIRECTIVE, name.range, format!("there is no `#{other}`"));
+            return Err(match crate::files::nearest(other, known) {
+                Some(near) => fault.note(format!("did you mean `#{near}`?")),
+                None => fault.note("there are #import, #option, #if, #elif, #else, #endif"),
+            });
+        }
+        _ => return Err(name.expected("one of import, option, if, elif, else, endif")),
+    };
+    match tokens.next()? {
+        Placed { value: Token::End, .. } => Ok(directive),
+        other => Err(other.expected("the end of the line")),
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Token<'a> {
+    Word(&'a str),
+    Int(i64),
+    Quoted(&'a str),
+    Symbol(&'static str),
+    /// The end of the line; with the text of the comment there.
+    End,
+}
+
+impl Placed<Token<'_>> {
+    fn expected(self, what: &str) -> Fault {
+        let found = match self.value {
+            Token::Word(word) => format!("`{word}`"),
+            Token::Int(n) => format!("`{n}`"),
+            Token::Quoted(text) => format!("\"{text}\""),
+            Token::Symbol(symbol) => format!("`{symbol}`"),
+            Token::End => "the end of the line".to_owned(),
+        };
+        Fault::new(codes::DIRECTIVE, self.range, format!("expected {what}")).label(format!("found {found}"))
+    }
+}
+
+/// Deep enough for any condition a person writes, and shallow enough for any stack.
+const MAX_DEPTH: u32 = 32;
+
+struct Tokens<'a> {
+    line: &'a str,
+    /// Where the line starts in the file.
+    at: usize,
+    pos: usize,
+    depth: u32,
+}
+
+impl<'a> Tokens<'a> {
+    fn next(&mut self) -> Result<Placed<Token<'a>>, Fault> {
+        let rest = self.line[self.pos..].trim_start();
+        let start = self.line.len() - rest.len();
+        let (token, len) = Self::token(rest).map_err(|(len, message)| {
+            Fault::new(codes::DIRECTIVE, self.at + start..self.at + start + len, message)
+        })?;
+        if token == Token::End {
+            // The end of the line is where its last character ends, not past the newline.
+            let end = self.at + self.line[..start].trim_end().len();
+            return Ok(Placed { value: token, range: end..end });
+        }
+        self.pos = start + len;
+        Ok(Placed { value: token, range: self.at + start..self.at + start + len })
+    }
+
+    fn token(rest: &'a str) -> Result<(Token<'a>, usize), (usize, String)> {
+        let Some(first) = rest.chars().next() else { return Ok((Token::End, 0)) };
+        if rest.starts_with("//") {
+            return Ok((Token::End, 0));
+        }
+        for symbol in ["==", "!=", "&&", "||", "!", "(", ")", "[", "]", ","] {
+            if rest.starts_with(symbol) {
+                return Ok((Token::Symbol(symbol), symbol.len()));
+            }
+        }
+        let word = |rest: &str| {
+            rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '-')).unwrap_or(rest.len())
+        };
+        match first {
+            '"' => match rest[1..].find(['"', '\n']) {
+                Some(end) if rest.as_bytes()[1 + end] == b'"' => {
+                    Ok((Token::Quoted(&rest[1..1 + end]), end + 2))
+                }
+                _ => Err((rest.trim_end().len(), "a quote that does not end on its line".to_owned())),
+            },
+            '0'..='9' | '-' => {
+                let len = word(rest);
+                match rest[..len].parse() {
+                    Ok(number) => Ok((Token::Int(number), len)),
+                    Err(_) => Err((len, format!("`{}` is not a whole number", &rest[..len]))),
+                }
+            }
+            c if c.is_alphabetic() || c == '_' => {
+                let len = word(rest);
+                Ok((Token::Word(&rest[..len]), len))
+            }
+            c => Err((c.len_utf8(), format!("`{}` means nothing here", c.escape_debug()))),
+        }
+    }
+
+    fn peek(&mut self) -> Result<Placed<Token<'a>>, Fault> {
+        let pos = self.pos;
+        let token = self.next();
+        self.pos = pos;
+        token
+    }
+
+    fn accept(&mut self, symbol: &str) -> Result<bool, Fault> {
+        let found = matches!(self.peek()?.value, Token::Symbol(s) if s == symbol);
+        if found {
+            self.next()?;
+        }
+        Ok(found)
+    }
+
+    fn name(&mut self) -> Result<Placed<String>, Fault> {
+        match self.next()? {
+            Placed { value: Token::Word(word), range }
+                if !word.contains('-') && word != "true" && word != "false" =>
+            {
+                Ok(Placed { value: word.to_owned(), range })
+            }
+            other => Err(other.expected("the name of an option")),
+        }
+    }
+
+    fn value(&mut self) -> Result<Placed<Define>, Fault> {
+        let token = self.next()?;
+        let value = match token.value {
+            Token::Word("true") => Define::Bool(true),
+            Token::Word("false") => Define::Bool(false),
+            Token::Word(text) | Token::Quoted(text) => Define::Text(text.to_owned()),
+            Token::Int(number) => Define::Int(number),
+            _ => return Err(token.expected("a value: true, false, a whole number or a word")),
+        };
+        Ok(Placed { value, range: token.range })
+    }
+
+    /// `#option NAME default [one_of [a, b]]`
+    fn option(&mut self) -> Result<Directive, Fault> {
+        let name = self.name()?;
+        let default = self.value()?;
+        let mut one_of = Vec::new();
+        if self.peek()?.value == Token::Word("one_of") {
+            self.next()?;
+            if !self.accept("[")? {
+                return Err(self.next()?.expected("`[`, as in `one_of [1, 4, 9]`"));
+            }
+            loop {
+                one_of.push(self.value()?);
+                if self.accept("]")? {
+                    break;
+                }
+                if !self.accept(",")? {
+                    return Err(self.next()?.expected("`,` or `]`"));
+                }
+            }
+        }
+        let doc = self.line[self.pos..].trim().trim_start_matches('/').trim().to_owned();
+        Ok(Directive::Option { name, default, one_of, doc })
+    }
+
+    fn any(&mut self) -> Result<Condition, Fault> {
+        let mut parts = vec![self.all()?];
+        while self.accept("||")? {
+            parts.push(self.all()?);
+        }
+        Ok(Condition::Any(parts))
+    }
+
+    fn all(&mut self) -> Result<Condition, Fault> {
+        let mut parts = vec![self.one()?];
+        while self.accept("&&")? {
+            parts.push(self.one()?);
+        }
+        Ok(Condition::All(parts))
+    }
+
+    fn one(&mut self) -> Result<Condition, Fault> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            let range = self.peek()?.range;
+            return Err(Fault::new(codes::DIRECTIVE, range, "this condition is nested too deeply"));
+        }
+        let condition = if self.accept("!")? {
+            Condition::Not(Box::new(self.one()?))
+        } else if self.accept("(")? {
+            let inner = self.any()?;
+            if !self.accept(")")? {
+                return Err(self.next()?.expected("`)`"));
+            }
+            inner
+        } else {
+            let name = self.name()?;
+            if self.accept("==")? {
+                Condition::Compare { name, equal: true, value: self.value()? }
+            } else if self.accept("!=")? {
+                Condition::Compare { name, equal: false, value: self.value()? }
+            } else {
+                Condition::Is(name)
+            }
+        };
+        self.depth -= 1;
+        Ok(condition)
+    }
+}

@@ -1,0 +1,163 @@
+//! Where WGSL comes from: folders on disk, texts in memory, and one laid over the other.
+
+use frame_graph::{Files, Source};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A source of files that may be read from several threads; anything that is [`Files`] and can be shared is one.
+///
+/// Paths are relative to a root, with `/` between folders: `passes/gather/gather.wgsl`.
+pub trait ShaderFiles: Files + Send + Sync {}
+
+impl<T: Files + Send + Sync + ?Sized> ShaderFiles for T {}
+
+/// Texts in memory, replaced as one likes: what is embedded in a program, or edited in an editor.
+#[derive(Debug, Default)]
+pub struct MemoryFiles(Mutex<BTreeMap<String, Arc<Source>>>);
+
+impl MemoryFiles {
+    /// The files of these paths and texts.
+    pub fn new<P: Into<String>, T: Into<String>>(files: impl IntoIterator<Item = (P, T)>) -> Self {
+        let memory = MemoryFiles::default();
+        for (path, text) in files {
+            memory.set(path, text);
+        }
+        memory
+    }
+
+    /// Adds a file, or replaces its text. [`Library::invalidate`](crate::Library::invalidate) is the caller's.
+    pub fn set(&self, path: impl Into<String>, text: impl Into<String>) {
+        let name = path.into();
+        self.lock().insert(name.clone(), Source::new(name, text));
+    }
+
+    /// Takes a file away.
+    pub fn remove(&self, path: &str) {
+        self.lock().remove(path);
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, Arc<Source>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Files for MemoryFiles {
+    fn read(&self, path: &str) -> Option<Arc<Source>> {
+        self.lock().get(path).cloned()
+    }
+
+    fn list(&self) -> Vec<String> {
+        self.lock().keys().cloned().collect()
+    }
+}
+
+/// Files under a folder. Bytes that are not UTF-8 are shown as the replacement character, so that the error
+/// is about the text and not that there is no file.
+#[derive(Clone, Debug)]
+pub struct DiskFiles {
+    root: PathBuf,
+}
+
+impl DiskFiles {
+    /// The files under `root`.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        DiskFiles { root: root.into() }
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+}
+
+impl Files for DiskFiles {
+    fn read(&self, path: &str) -> Option<Arc<Source>> {
+        let inside = normalise(path).filter(|inside| inside == path)?;
+        let bytes = std::fs::read(self.root.join(&inside)).ok()?;
+        Some(Source::new(inside, String::from_utf8_lossy(&bytes)))
+    }
+
+    /// Hidden folders and `target` are left out.
+    fn list(&self) -> Vec<String> {
+        let mut paths = files_under(&self.root)
+            .into_iter()
+            .filter_map(|path| {
+                let inside = path.strip_prefix(&self.root).ok()?.to_str()?;
+                Some(inside.replace('\\', "/"))
+            })
+            .collect::<Vec<_>>();
+        paths.sort();
+        paths
+    }
+}
+
+/// All files under `root`, without hidden folders and `target`, in no order. Links are not followed.
+pub(crate) fn files_under(root: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut folders = vec![root.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let hidden = name.to_string_lossy().starts_with('.') || name == "target";
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() && !hidden => folders.push(entry.path()),
+                Ok(kind) if kind.is_file() => files.push(entry.path()),
+                _ => {}
+            }
+        }
+    }
+    files
+}
+
+/// Several sources of files; of two files of one path the first source's is read.
+pub struct Overlay(pub Vec<Arc<dyn ShaderFiles>>);
+
+impl Files for Overlay {
+    fn read(&self, path: &str) -> Option<Arc<Source>> {
+        self.0.iter().find_map(|files| files.read(path))
+    }
+
+    fn list(&self) -> Vec<String> {
+        self.0.iter().flat_map(|files| files.list()).collect::<BTreeSet<_>>().into_iter().collect()
+    }
+}
+
+/// `path` without `.` and `..`; `None` where it leads out of the root.
+pub(crate) fn normalise(path: &str) -> Option<String> {
+    let mut parts = Vec::new();
+    for part in path.split(['/', '\\']) {
+        match part {
+            "" | "." => {}
+            ".." => {
+                parts.pop()?;
+            }
+            part => parts.push(part),
+        }
+    }
+    Some(parts.join("/"))
+}
+
+/// The path `path` in `folder`; `None` where it leads out of the root.
+pub(crate) fn join(folder: &str, path: &str) -> Option<String> {
+    normalise(&format!("{folder}/{path}")).filter(|joined| !joined.is_empty())
+}
+
+/// The folder that holds `path`; empty for the root.
+pub(crate) fn folder(path: &str) -> &str {
+    path.rsplit_once('/').map_or("", |(folder, _)| folder)
+}
+
+/// The name nearest to `name`, where one is near enough to be meant.
+pub(crate) fn nearest<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let most = match name.chars().count() {
+        0 | 1 => 0,
+        length => (length / 3).max(1),
+    };
+    names
+        .into_iter()
+        .map(|other| (strsim::damerau_levenshtein(name, other), other))
+        .filter(|(distance, _)| *distance <= most)
+        .min()
+        .map(|(_, other)| other)
+}

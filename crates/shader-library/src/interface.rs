@@ -1,0 +1,204 @@
+//! What a shader binds, takes and gives: all that a pass and an executor need to know of it.
+
+use crate::layout::StructLayout;
+use frame_graph::Value;
+
+/// What a shader binds, takes and gives.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShaderInterface {
+    /// The resources, in the order of their names, which is that of their bindings.
+    pub globals: Vec<Global>,
+    /// The entry points, in the order of the text.
+    pub entries: Vec<Entry>,
+    /// The struct named `Settings`, if there is one.
+    pub settings: Option<StructLayout>,
+    /// The overrides, in the order of the text.
+    pub overrides: Vec<Override>,
+    /// All structs that have a layout in memory, in the order of the text.
+    pub structs: Vec<StructLayout>,
+}
+
+impl ShaderInterface {
+    /// The resource of this name, with its index.
+    pub fn global(&self, name: &str) -> Option<(usize, &Global)> {
+        self.globals.iter().enumerate().find(|(_, global)| global.name == name)
+    }
+
+    /// The entry point of this name.
+    pub fn entry(&self, name: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.name == name)
+    }
+
+    /// The struct of this name.
+    pub fn layout(&self, name: &str) -> Option<&StructLayout> {
+        self.structs.iter().find(|layout| layout.name == name)
+    }
+}
+
+/// A resource.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Global {
+    /// The name of the variable: what it is bound by.
+    pub name: String,
+    /// The binding in group 0, given by the order of names.
+    pub binding: u32,
+    /// What it is.
+    pub kind: GlobalKind,
+}
+
+/// The kind of a resource.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GlobalKind {
+    /// `var<uniform>`
+    Uniform {
+        /// What is in the buffer.
+        layout: TypeLayout,
+    },
+    /// `var<storage>`
+    Storage {
+        /// Declared `read_write`.
+        writable: bool,
+        /// What is in the buffer.
+        layout: TypeLayout,
+    },
+    /// A texture to sample or load from.
+    Texture {
+        /// Its dimension.
+        dimension: Dimension,
+        /// What a texel is.
+        sample: Sample,
+        /// With several samples a texel.
+        multisampled: bool,
+    },
+    /// A texture to store to, load from, or both.
+    StorageTexture {
+        /// Its dimension.
+        dimension: Dimension,
+        /// The format as WGSL writes it: `rgba16float`.
+        format: &'static str,
+        /// Loads, stores, or both.
+        access: Access,
+    },
+    /// A sampler.
+    Sampler {
+        /// `sampler_comparison`
+        comparison: bool,
+    },
+}
+
+/// The dimension of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the names are WebGPU's")]
+pub enum Dimension {
+    D1,
+    D2,
+    D2Array,
+    D3,
+    Cube,
+    CubeArray,
+}
+
+/// What a texel is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Sample {
+    /// `texture_…<f32>`
+    Float {
+        /// Some entry point samples it with a sampler, so its format must be filterable if that sampler is.
+        sampled: bool,
+    },
+    /// `texture_…<u32>`
+    Uint,
+    /// `texture_…<i32>`
+    Sint,
+    /// `texture_depth_…`
+    Depth,
+}
+
+/// What is done to a storage texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Access {
+    /// `read`
+    Read,
+    /// `write`
+    Write,
+    /// `read_write`
+    ReadWrite,
+    /// `atomic`
+    Atomic,
+}
+
+/// What is in a buffer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TypeLayout {
+    /// The type as WGSL writes it: `array<Light>`.
+    pub ty: String,
+    /// Bytes of the part whose size is fixed; 0 for an array sized at run time.
+    pub size: u32,
+    /// Of an array, or of the array sized at run time that ends the struct: an element's type, and the bytes
+    /// from one to the next.
+    pub element: Option<(String, u32)>,
+    /// The number of elements is that of the buffer.
+    pub runtime_sized: bool,
+}
+
+impl TypeLayout {
+    /// The least size of a buffer bound here, in bytes: one element at least.
+    pub fn min_size(&self) -> u64 {
+        let element = self.element.as_ref().filter(|_| self.runtime_sized).map_or(0, |(_, stride)| *stride);
+        u64::from(self.size) + u64::from(element)
+    }
+}
+
+/// The stage of an entry point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the names are WebGPU's")]
+pub enum Stage {
+    Compute,
+    Vertex,
+    Fragment,
+}
+
+/// An entry point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The function's name.
+    pub name: String,
+    /// The stage.
+    pub stage: Stage,
+    /// Invocations of a workgroup, with overrides at their defaults; zeros outside of compute, and where an
+    /// override has no default.
+    pub workgroup_size: [u32; 3],
+    /// Indices of the resources that it or what it calls uses, in order.
+    pub globals: Vec<usize>,
+    /// Of a vertex shader its attributes, of a fragment shader what it takes from the vertex shader.
+    pub inputs: Vec<Location>,
+    /// Of a fragment shader its colours, of a vertex shader what it hands on.
+    pub outputs: Vec<Location>,
+    /// A fragment shader that writes `frag_depth`.
+    pub writes_depth: bool,
+}
+
+/// A value at a `@location`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    /// The number.
+    pub location: u32,
+    /// The name of the parameter or member; empty for a result without one.
+    pub name: String,
+    /// The type as WGSL writes it: `vec4<f32>`.
+    pub ty: String,
+}
+
+/// An `override`: a constant given when the GPU pipeline is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Override {
+    /// The name; empty where it has none but an `@id`.
+    pub name: String,
+    /// What the pipeline's constants name it by: the `@id` where it has one, else the name.
+    pub key: String,
+    /// The type as WGSL writes it.
+    pub ty: String,
+    /// The value where the pipeline gives none; `None` where it must, or where the default is worked out
+    /// from more than numbers, other overrides and arithmetic.
+    pub default: Option<Value>,
+}

@@ -1,0 +1,196 @@
+//! Structs as both sides see them: the layout, a check that they agree, and bytes from named values.
+
+use frame_graph::Value;
+use std::fmt::Write as _;
+
+/// A struct in memory.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct StructLayout {
+    /// The struct's name.
+    pub name: String,
+    /// The members, in order.
+    pub members: Vec<MemberLayout>,
+    /// Size in bytes, with the padding at the end; of an array at the end that is sized at run time, nothing.
+    pub size: u32,
+}
+
+/// A member of a struct.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct MemberLayout {
+    /// The member's name.
+    pub name: String,
+    /// The type as WGSL writes it in full: `vec3<f32>`.
+    pub ty: String,
+    /// Bytes from the start of the struct.
+    pub offset: u32,
+    /// Size in bytes, without padding.
+    pub size: u32,
+}
+
+/// The size of the member that `_member` borrows; for [`struct_layout!`](crate::struct_layout).
+pub const fn member_size<S, M>(_member: fn(&S) -> &M) -> u32 {
+    size_of::<M>() as u32
+}
+
+/// The [`StructLayout`] of a `repr(C)` struct, with the WGSL type of each member; padding is left out:
+///
+/// ```
+/// #[repr(C)]
+/// struct VirtualLight { position: [f32; 3], area: f32, flux: [f32; 3], _pad: f32 }
+///
+/// let layout = shader_library::struct_layout!(VirtualLight {
+///     position: "vec3<f32>", area: "f32", flux: "vec3<f32>",
+/// });
+/// assert_eq!((layout.members[2].offset, layout.members[2].size, layout.size), (16, 12, 32));
+/// ```
+#[macro_export]
+macro_rules! struct_layout {
+    ($name:ident { $($member:ident: $ty:expr),* $(,)? }) => {
+        $crate::StructLayout {
+            name: ::std::stringify!($name).to_owned(),
+            members: ::std::vec![$($crate::MemberLayout {
+                name: ::std::stringify!($member).to_owned(),
+                ty: ::std::string::ToString::to_string($ty),
+                offset: ::std::mem::offset_of!($name, $member) as u32,
+                size: $crate::member_size(|s: &$name| &s.$member),
+            }),*],
+            size: ::std::mem::size_of::<$name>() as u32,
+        }
+    };
+}
+
+impl StructLayout {
+    /// Whether both have the same members of the same types at the same places.
+    pub(crate) fn agrees(&self, other: &StructLayout) -> bool {
+        let rows = |layout: &StructLayout| -> Vec<MemberLayout> {
+            layout.members.iter().map(|m| MemberLayout { ty: full_type(&m.ty), ..m.clone() }).collect()
+        };
+        self.size == other.size && rows(self) == rows(other)
+    }
+}
+
+/// A type without spaces and short names: `vec3f` is `vec3<f32>`.
+fn full_type(ty: &str) -> String {
+    let ty: String = ty.chars().filter(|c| !c.is_whitespace()).collect();
+    let short = ["vec", "mat"].iter().any(|prefix| ty.starts_with(prefix)) && !ty.contains('<');
+    let scalar = match ty.as_bytes().last() {
+        Some(b'f') => "f32",
+        Some(b'u') => "u32",
+        Some(b'i') => "i32",
+        _ => return ty,
+    };
+    if short { format!("{}<{scalar}>", &ty[..ty.len() - 1]) } else { ty }
+}
+
+/// The two declarations side by side, with a mark where they differ.
+pub(crate) fn side_by_side(shader: &StructLayout, cpu: &StructLayout) -> String {
+    let cell = |layout: &StructLayout, i: usize| -> String {
+        layout
+            .members
+            .get(i)
+            .map_or(String::new(), |m| format!("{:>4} {:>4}  {}: {}", m.offset, m.size, m.name, m.ty))
+    };
+    let rows = shader.members.len().max(cpu.members.len());
+    let left: Vec<String> = (0..rows).map(|i| cell(shader, i)).collect();
+    let width = left.iter().map(|cell| cell.chars().count()).max().unwrap_or(0).max(24);
+    let heads = [("the shader", "the CPU"), ("  at size  member", "  at size  member")];
+    let mut table = heads.map(|(left, right)| format!("  {left:<width$} | {right}\n")).concat();
+    for (i, left) in left.iter().enumerate() {
+        let same = match (shader.members.get(i), cpu.members.get(i)) {
+            (Some(a), Some(b)) => {
+                (&a.name, a.offset, a.size, full_type(&a.ty)) == (&b.name, b.offset, b.size, full_type(&b.ty))
+            }
+            _ => false,
+        };
+        let row = format!("{} {left:<width$} | {}", if same { ' ' } else { '>' }, cell(cpu, i));
+        let _ = writeln!(table, "{}", row.trim_end());
+    }
+    let mark = if shader.size == cpu.size { ' ' } else { '>' };
+    let total = |layout: &StructLayout| format!("     {:>4}  in all", layout.size);
+    let _ = write!(table, "{mark} {:<width$} | {}", total(shader), total(cpu));
+    table
+}
+
+/// Why a struct could not be filled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the struct `{name}` cannot be filled:{}", .problems.iter().map(|p| format!("\n  {p}")).collect::<String>())]
+pub struct WriteError {
+    /// The struct.
+    pub name: String,
+    /// Members for which there is no value.
+    pub missing: Vec<String>,
+    /// One line for each member that has no value, or one of another type.
+    pub problems: Vec<String>,
+}
+
+/// The bytes of a uniform, filled member by member with the values of the members' names. Truths are 0 and 1
+/// in integers; whole numbers fit into floats. Padding is zero.
+///
+/// # Errors
+/// All members that have no value, a value of another type, or a type that no value has.
+pub fn write_struct(
+    layout: &StructLayout,
+    get: &dyn Fn(&str) -> Option<Value>,
+) -> Result<Vec<u8>, WriteError> {
+    let mut bytes = vec![0; layout.size as usize];
+    let (mut missing, mut problems) = (Vec::new(), Vec::new());
+    for member in &layout.members {
+        let Some(value) = get(&member.name) else {
+            missing.push(member.name.clone());
+            problems.push(format!("`{}: {}` has no value", member.name, member.ty));
+            continue;
+        };
+        let written = words(&member.ty, &value).filter(|words| words.len() * 4 == member.size as usize);
+        let start = member.offset as usize;
+        let place = bytes.get_mut(start..start.saturating_add(member.size as usize));
+        match (written, place) {
+            (Some(words), Some(place)) => {
+                for (to, word) in place.chunks_exact_mut(4).zip(words) {
+                    to.copy_from_slice(&word);
+                }
+            }
+            _ => problems.push(format!("`{}: {}` cannot hold {value}", member.name, member.ty)),
+        }
+    }
+    if problems.is_empty() {
+        Ok(bytes)
+    } else {
+        Err(WriteError { name: layout.name.clone(), missing, problems })
+    }
+}
+
+/// A value as 32-bit words of a WGSL type; `None` where it is not one of the type.
+fn words(ty: &str, value: &Value) -> Option<Vec<[u8; 4]>> {
+    let ty = full_type(ty);
+    let (scalar, count) =
+        match ty.strip_prefix("vec").and_then(|rest| rest.strip_suffix('>')?.split_once('<')) {
+            Some((count, scalar)) => (scalar, count.parse::<usize>().ok()?),
+            None => (ty.as_str(), 1),
+        };
+    let word = |value: &Value| -> Option<[u8; 4]> {
+        Some(match (scalar, value) {
+            ("f32", value) => value.as_f32()?.to_le_bytes(),
+            ("u32" | "i32", Value::Bool(b)) => u32::from(*b).to_le_bytes(),
+            ("u32", value) => value.as_u32()?.to_le_bytes(),
+            ("i32", Value::I32(n)) => n.to_le_bytes(),
+            ("i32", Value::U32(n)) => i32::try_from(*n).ok()?.to_le_bytes(),
+            _ => return None,
+        })
+    };
+    match value {
+        Value::Vector(components) if count > 1 && components.len() == count => {
+            components.iter().map(|&x| word(&component(scalar, x)?)).collect()
+        }
+        _ if count == 1 => Some(vec![word(value)?]),
+        _ => None,
+    }
+}
+
+/// A component of a vector in the type of the vector's components; `None` where it is none of them.
+fn component(scalar: &str, x: f32) -> Option<Value> {
+    match scalar {
+        "f32" => Some(Value::F32(x)),
+        "u32" => (x.fract() == 0.0 && (0.0..4294967296.0).contains(&x)).then_some(Value::U32(x as u32)),
+        _ => (x.fract() == 0.0 && (-2147483648.0..2147483648.0).contains(&x)).then_some(Value::I32(x as i32)),
+    }
+}

@@ -1,0 +1,40 @@
+//! WGSL from files, without a GPU: composed from imports and variants, validated and reflected by naga, each
+//! error on the user's own line. The dialect is described in this crate's README.
+//!
+//! ```text
+//! Request ─compose─▶ text + line map ─naga─▶ module, bindings by name ─reflect─▶ Shader { ShaderInterface }
+//! ```
+//!
+//! [`Library::load`] goes the whole way and keeps what it made; [`Watcher`] tells which files changed, and
+//! [`Library::invalidate`] which requests they touched.
+
+mod codes;
+mod compile;
+mod compose;
+mod composed;
+mod directive;
+mod files;
+mod interface;
+mod layout;
+mod library;
+mod line_map;
+mod reflect;
+mod scan;
+mod settings;
+mod shader;
+mod watch;
+
+pub use composed::{Outline, ShaderOption};
+pub use directive::Define;
+pub use files::{DiskFiles, MemoryFiles, Overlay, ShaderFiles};
+pub use interface::{
+    Access, Dimension, Entry, Global, GlobalKind, Location, Override, Sample, ShaderInterface, Stage,
+    TypeLayout,
+};
+pub use layout::{MemberLayout, StructLayout, WriteError, member_size, write_struct};
+pub use library::{Library, MAX_VARIANTS, Request};
+pub use shader::Shader;
+pub use watch::{WatchError, Watcher};
+
+/// naga, so that users name its types in the version of this crate.
+pub use naga;

@@ -1,0 +1,175 @@
+//! Requests for shaders, and what was made of them.
+
+use crate::codes;
+use crate::compose::compose;
+use crate::composed::Outline;
+use crate::directive::Define;
+use crate::files::ShaderFiles;
+use crate::shader::Shader;
+use frame_graph::{Diagnostic, Diagnostics};
+use naga::valid::Capabilities;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// One variant of one shader.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Request {
+    /// The path of the file.
+    pub path: String,
+    /// Values of the options that the file and its imports declare; the others have their defaults.
+    pub defines: BTreeMap<String, Define>,
+    /// For each name in `#import interface "name"`, the path of the module. Names that the shader does not
+    /// import are left alone: whoever wires passes gives all it has.
+    pub modules: BTreeMap<String, String>,
+}
+
+impl Request {
+    /// The file at `path` with all options at their defaults.
+    pub fn new(path: impl Into<String>) -> Self {
+        Request { path: path.into(), ..Request::default() }
+    }
+
+    /// With an option's value.
+    pub fn define(mut self, name: impl Into<String>, value: impl Into<Define>) -> Self {
+        self.defines.insert(name.into(), value.into());
+        self
+    }
+
+    /// With the module of an interface.
+    pub fn module(mut self, interface: impl Into<String>, path: impl Into<String>) -> Self {
+        self.modules.insert(interface.into(), path.into());
+        self
+    }
+}
+
+/// The most variants that [`Library::variants`] lists.
+pub const MAX_VARIANTS: usize = 64;
+
+/// Shaders by request, each made once and kept until one of its files changes.
+pub struct Library {
+    files: Arc<dyn ShaderFiles>,
+    roots: Vec<String>,
+    capabilities: Capabilities,
+    made: Mutex<BTreeMap<Request, Made>>,
+}
+
+struct Made {
+    shader: Result<Arc<Shader>, Diagnostics>,
+    /// The paths that were looked for, found or not.
+    touched: BTreeSet<String>,
+}
+
+impl Library {
+    /// What WebGPU itself allows and every adapter has: no 64-bit types, no `f16`, no subgroups, no texture
+    /// atomics, no immediates.
+    pub const PORTABLE: Capabilities = Capabilities::MULTISAMPLED_SHADING
+        .union(Capabilities::CUBE_ARRAY_TEXTURES)
+        .union(Capabilities::SHADER_FLOAT16_IN_FLOAT32);
+
+    /// A library of `files`, whose imports are looked for beside the importing file and then at the root of
+    /// all files, validated for [`Library::PORTABLE`].
+    pub fn new(files: Arc<dyn ShaderFiles>) -> Self {
+        Library { files, roots: vec![String::new()], capabilities: Self::PORTABLE, made: Mutex::default() }
+    }
+
+    /// Looks for imports in these folders instead, in this order, after the folder of the importing file.
+    /// The empty path is the root of all files.
+    pub fn with_roots<P: Into<String>>(mut self, roots: impl IntoIterator<Item = P>) -> Self {
+        self.roots = roots.into_iter().map(Into::into).collect();
+        self
+    }
+
+    /// Validates for a device that can do other than [`Library::PORTABLE`].
+    pub fn with_capabilities(mut self, capabilities: Capabilities) -> Self {
+        self.capabilities = capabilities;
+        self
+    }
+
+    /// The files.
+    pub fn files(&self) -> &Arc<dyn ShaderFiles> {
+        &self.files
+    }
+
+    /// The shader asked for: composed, validated and reflected, or made before.
+    ///
+    /// # Errors
+    /// Whatever is wrong in the file or its imports, at the user's own lines. Errors are kept as shaders are.
+    pub fn load(&self, request: &Request) -> Result<Arc<Shader>, Diagnostics> {
+        if let Some(made) = self.lock().get(request) {
+            return made.shader.clone();
+        }
+        let (touched, composed) = compose(&*self.files, &self.roots, request, false);
+        let shader = composed.and_then(|composed| Shader::new(composed, self.capabilities)).map(Arc::new);
+        if let Err(errors) = &shader {
+            tracing::debug!(path = request.path, errors = errors.0.len(), "shader refused");
+        }
+        self.lock().insert(request.clone(), Made { shader: shader.clone(), touched });
+        shader
+    }
+
+    /// What the request's file and its imports declare and ask for. Needs no module for any interface.
+    ///
+    /// # Errors
+    /// As [`Library::load`], but for what only WGSL's own grammar and types show.
+    pub fn outline(&self, request: &Request) -> Result<Outline, Diagnostics> {
+        compose(&*self.files, &self.roots, request, true).1.map(|composed| composed.outline)
+    }
+
+    /// All variants of a request: each combination of the values that make a difference
+    /// ([`ShaderOption::values`](crate::ShaderOption::values)) of the options it leaves open. Loading each
+    /// of them proves the file.
+    ///
+    /// # Errors
+    /// As [`Library::outline`]; and where there are more than [`MAX_VARIANTS`].
+    pub fn variants(&self, request: &Request) -> Result<Vec<Request>, Diagnostics> {
+        let mut variants = Vec::new();
+        let mut open = vec![request.clone()];
+        while let Some(request) = open.pop() {
+            let outline = self.outline(&request)?;
+            // Options are declared before they are asked for: fixing the first open one never hides another
+            // that is fixed already.
+            let Some(option) =
+                outline.options.iter().find(|option| !request.defines.contains_key(&option.name))
+            else {
+                variants.push(request);
+                continue;
+            };
+            let values = option.values();
+            if variants.len() + open.len() + values.len() > MAX_VARIANTS {
+                let names: Vec<&str> = outline.options.iter().map(|option| option.name.as_str()).collect();
+                return Err(Diagnostics(vec![Diagnostic {
+                    code: codes::VARIANTS,
+                    message: format!("`{}` has more than {MAX_VARIANTS} variants", request.path),
+                    labels: vec![frame_graph::Label { span: option.place.clone(), message: String::new() }],
+                    notes: vec![
+                        format!("its options are {}", names.join(", ")),
+                        "choices that need no other code are cheaper as `override` or as settings".to_owned(),
+                    ],
+                }]));
+            }
+            open.extend(
+                values.into_iter().rev().map(|value| request.clone().define(option.name.clone(), value)),
+            );
+        }
+        Ok(variants)
+    }
+
+    /// Forgets what was made from any of these paths, or had looked for one of them in vain, and says which
+    /// requests that were; the next [`Library::load`] makes them anew.
+    pub fn invalidate<P: AsRef<str>>(&self, paths: &[P]) -> Vec<Request> {
+        let mut made = self.lock();
+        let stale: Vec<Request> = made
+            .iter()
+            .filter(|(_, made)| paths.iter().any(|path| made.touched.contains(path.as_ref())))
+            .map(|(request, _)| request.clone())
+            .collect();
+        for request in &stale {
+            made.remove(request);
+        }
+        stale
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<Request, Made>> {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

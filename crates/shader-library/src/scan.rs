@@ -1,0 +1,195 @@
+//! Scans of WGSL for what naga does not keep: comments, doc comments with their places, and braces.
+
+use std::ops::Range;
+
+/// A struct in the text.
+#[derive(Debug)]
+pub(crate) struct FoundStruct {
+    /// Where its name stands.
+    pub(crate) name: Range<usize>,
+    /// Its members.
+    pub(crate) members: Vec<FoundMember>,
+}
+
+#[derive(Debug)]
+pub(crate) struct FoundMember {
+    pub(crate) name: String,
+    /// Where the name stands.
+    pub(crate) range: Range<usize>,
+    pub(crate) doc: Doc,
+}
+
+/// The text of `///` comments, and where each byte of it stands.
+#[derive(Debug, Default)]
+pub(crate) struct Doc {
+    pub(crate) text: String,
+    places: Vec<usize>,
+}
+
+impl Doc {
+    fn push(&mut self, line: &str, at: usize) {
+        if !self.text.is_empty() {
+            self.text.push(' ');
+            self.places.push(at);
+        }
+        self.text.push_str(line);
+        self.places.extend(at..at + line.len());
+    }
+
+    /// Where a range of the doc text stands.
+    pub(crate) fn place(&self, range: Range<usize>) -> Range<u32> {
+        let start = self.places.get(range.start).or(self.places.last()).copied().unwrap_or(0);
+        let end =
+            range.end.checked_sub(1).and_then(|last| self.places.get(last)).map_or(start, |last| last + 1);
+        start as u32..end.max(start) as u32
+    }
+}
+
+/// What a scan looks at.
+#[derive(Debug, PartialEq)]
+enum Lexeme<'a> {
+    Word(&'a str),
+    Doc(&'a str),
+    Symbol(char),
+}
+
+/// The text's words, symbols and doc comments, without other comments and space, with their places.
+fn lexemes(text: &str) -> impl Iterator<Item = (Lexeme<'_>, usize)> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        loop {
+            let rest = &text[at..];
+            let first = rest.chars().next()?;
+            let start = at;
+            if rest.starts_with("//") {
+                let end = rest.find('\n').unwrap_or(rest.len());
+                at += end;
+                match rest[..end].strip_prefix("///") {
+                    Some(doc) if !doc.starts_with('/') => {
+                        let indent = doc.len() - doc.trim_start().len();
+                        return Some((Lexeme::Doc(doc.trim()), start + 3 + indent));
+                    }
+                    _ => continue,
+                }
+            }
+            if rest.starts_with("/*") {
+                let mut depth = 0;
+                let bytes = rest.as_bytes();
+                let mut i = 0;
+                while i < bytes.len() {
+                    let step = match bytes.get(i..i + 2) {
+                        Some(b"/*") => {
+                            depth += 1;
+                            2
+                        }
+                        Some(b"*/") => {
+                            depth -= 1;
+                            2
+                        }
+                        _ => 1,
+                    };
+                    i += step;
+                    if depth == 0 {
+                        break;
+                    }
+                }
+                at += i;
+                continue;
+            }
+            if first.is_alphabetic() || first == '_' {
+                let len = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+                at += len;
+                return Some((Lexeme::Word(&rest[..len]), start));
+            }
+            at += first.len_utf8();
+            if !first.is_whitespace() {
+                return Some((Lexeme::Symbol(first), start));
+            }
+        }
+    })
+}
+
+/// Finds `struct name`, with the doc comments of its members. The text is one that naga accepts.
+pub(crate) fn find_struct(text: &str, name: &str) -> Option<FoundStruct> {
+    let mut lexemes = lexemes(text).peekable();
+    let at = loop {
+        if lexemes.next()?.0 == Lexeme::Word("struct")
+            && let Some((Lexeme::Word(found), at)) = lexemes.peek()
+            && *found == name
+        {
+            break *at;
+        }
+    };
+    let mut members = Vec::new();
+    let mut doc = Doc::default();
+    // Depth inside `<>`, `()` and `[]`; a member's name stands at depth 0 before its `:`.
+    let mut depth = 0_i32;
+    let mut word = None;
+    let mut in_type = false;
+    for (lexeme, at) in lexemes.skip_while(|(lexeme, _)| *lexeme != Lexeme::Symbol('{')).skip(1) {
+        match lexeme {
+            Lexeme::Symbol('}') => break,
+            Lexeme::Symbol('<' | '(' | '[') => depth += 1,
+            Lexeme::Symbol('>' | ')' | ']') => depth -= 1,
+            Lexeme::Symbol(',') if depth == 0 => in_type = false,
+            Lexeme::Symbol(':') if depth == 0 => {
+                if let Some((name, at)) = word.take() {
+                    let name: &str = name;
+                    let range = at..at + name.len();
+                    members.push(FoundMember { name: name.to_owned(), range, doc: std::mem::take(&mut doc) });
+                    in_type = true;
+                }
+            }
+            Lexeme::Symbol(_) => {}
+            Lexeme::Word(found) => word = Some((found, at)).filter(|_| depth == 0 && !in_type),
+            Lexeme::Doc(line) => doc.push(line, at),
+        }
+    }
+    Some(FoundStruct { name: at..at + name.len(), members })
+}
+
+/// The first `{` that is not closed before another file begins, or the text ends; `same_file` says whether
+/// two bytes are of one file.
+pub(crate) fn unclosed_brace(text: &str, same_file: impl Fn(usize, usize) -> bool) -> Option<usize> {
+    let mut open: Vec<usize> = Vec::new();
+    for (lexeme, at) in lexemes(text) {
+        match lexeme {
+            Lexeme::Symbol('{') => open.push(at),
+            Lexeme::Symbol('}') => match open.pop() {
+                Some(brace) if !same_file(brace, at) => return Some(brace),
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+    open.first().copied()
+}
+
+/// Where the text is inside block comments, line by line.
+#[derive(Default)]
+pub(crate) struct Comments {
+    /// Starts of the comments that are open; WGSL's block comments nest.
+    pub(crate) open: Vec<usize>,
+}
+
+impl Comments {
+    /// Takes in the next line, which starts at byte `start`.
+    pub(crate) fn scan(&mut self, line: &str, start: usize) {
+        let bytes = line.as_bytes();
+        let mut i = 0;
+        while i + 1 < bytes.len() {
+            match &bytes[i..i + 2] {
+                b"//" if self.open.is_empty() => return,
+                b"/*" => self.open.push(start + i),
+                b"*/" => {
+                    self.open.pop();
+                }
+                _ => {
+                    i += 1;
+                    continue;
+                }
+            }
+            i += 2;
+        }
+    }
+}

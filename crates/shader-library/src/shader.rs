@@ -1,0 +1,118 @@
+//! One variant of one shader: composed, validated, bound by name, reflected.
+
+use crate::codes;
+use crate::compile::compile;
+use crate::composed::{Composed, Outline};
+use crate::interface::ShaderInterface;
+use crate::layout::{StructLayout, WriteError, side_by_side, write_struct};
+use crate::reflect::reflect;
+use crate::{scan, settings};
+use frame_graph::{Diagnostics, Setting, Span, Value};
+use naga::Module;
+use naga::valid::{Capabilities, ModuleInfo};
+use std::ops::Range;
+use xxhash_rust::xxh3::xxh3_128;
+
+/// A shader that is valid, and what is known of it.
+#[derive(Debug)]
+pub struct Shader {
+    /// The module, its resources bound in group 0 as [`ShaderInterface::globals`] says.
+    pub module: Module,
+    /// What validation found.
+    pub info: ModuleInfo,
+    /// What it binds, takes and gives.
+    pub interface: ShaderInterface,
+    /// Hash of the composed text and the bindings: equal shaders have equal ones, on any machine.
+    pub hash: u128,
+    composed: Composed,
+}
+
+impl Shader {
+    pub(crate) fn new(composed: Composed, capabilities: Capabilities) -> Result<Self, Diagnostics> {
+        let (module, info) = compile(&composed, capabilities)?;
+        let interface = reflect(&module, &info).map_err(|(span, message)| {
+            let label = span.to_range().map(|range| (range.start as u32..range.end as u32, String::new()));
+            Diagnostics::from(composed.diagnostic(codes::INVALID, message, label, []))
+        })?;
+        let mut hashed = composed.text.clone();
+        for global in &interface.globals {
+            hashed.push_str(&format!("\n{} {}", global.binding, global.name));
+        }
+        let hash = xxh3_128(hashed.as_bytes());
+        Ok(Shader { module, info, interface, hash, composed })
+    }
+
+    /// The composed WGSL.
+    pub fn text(&self) -> &str {
+        &self.composed.text
+    }
+
+    /// Paths of all files that took part.
+    pub fn files(&self) -> &[String] {
+        &self.composed.outline.files
+    }
+
+    /// The options and interfaces of its files.
+    pub fn outline(&self) -> &Outline {
+        &self.composed.outline
+    }
+
+    /// The place in the user's file of a range of bytes of [`Shader::text`].
+    pub fn place(&self, range: Range<u32>) -> Option<Span> {
+        self.composed.map.span(range)
+    }
+
+    /// The settings declared by the doc comments of `struct Settings`, in the order of its members; members
+    /// without a declaration are for the pass to fill. Empty where there is no such struct.
+    ///
+    /// # Errors
+    /// Each declaration that cannot be read, at its place.
+    pub fn settings(&self) -> Result<Vec<Setting>, Diagnostics> {
+        match &self.interface.settings {
+            Some(layout) => settings::read(&self.composed, layout),
+            None => Ok(Vec::new()),
+        }
+    }
+
+    /// The bytes of `struct Settings` (see [`write_struct`]), where a setting that is one of several words is
+    /// written as the index of its word. `get` is asked for settings and plain members alike.
+    ///
+    /// # Errors
+    /// Members without a value, or with one that they cannot hold. Empty where there is no such struct.
+    pub fn write_settings(&self, get: &dyn Fn(&str) -> Option<Value>) -> Result<Vec<u8>, WriteError> {
+        let Some(layout) = &self.interface.settings else { return Ok(Vec::new()) };
+        // Declarations with errors are told by `settings`; here they are plain members.
+        let declared = self.settings().unwrap_or_default();
+        write_struct(layout, &|name| {
+            let value = get(name)?;
+            let words = declared
+                .iter()
+                .find(|setting| setting.name == name)
+                .map_or(&[][..], |setting| &setting.one_of);
+            match (&value, words.iter().position(|word| *word == value)) {
+                (Value::Text(_), Some(index)) => Some(Value::U32(index as u32)),
+                _ => Some(value),
+            }
+        })
+    }
+
+    /// Checks that each struct of the shader that the CPU declares too is declared alike. `expected` is the
+    /// CPU's side, from [`struct_layout!`](crate::struct_layout), and `place` where that stands, for the error.
+    /// Structs that the shader lacks are not missed.
+    ///
+    /// # Errors
+    /// Each struct that differs, both layouts side by side.
+    pub fn check_layout(&self, expected: &[StructLayout], place: &str) -> Result<(), Diagnostics> {
+        let mut errors = Vec::new();
+        for cpu in expected {
+            let Some(shader) = self.interface.layout(&cpu.name).filter(|shader| !shader.agrees(cpu)) else {
+                continue;
+            };
+            let label = scan::find_struct(&self.composed.text, &cpu.name)
+                .map(|found| (found.name.start as u32..found.name.end as u32, "declared here".to_owned()));
+            let message = format!("the struct `{}` differs from the CPU's in {place}", cpu.name);
+            errors.push(self.composed.diagnostic(codes::LAYOUT, message, label, [side_by_side(shader, cpu)]));
+        }
+        if errors.is_empty() { Ok(()) } else { Err(Diagnostics(errors)) }
+    }
+}

@@ -1,0 +1,148 @@
+//! Settings declared in WGSL.
+
+use crate::{library, shader};
+use frame_graph::{Setting, Value, ValueType};
+use shader_library::Request;
+
+const SETTINGS: &str = "
+struct Other { /** no */ exposure: u32 }
+/* struct Settings { not: this } */
+struct Settings {
+    /// Brightness of the picture; more is brighter,
+    /// and values in [0, 1] are dark [sic].
+    /// [default: 1.0, min: 0.0,
+    ///  max: 4.0, unit: \"EV\"].
+    exposure: f32,
+    // The framework fills this.
+    seed: u32,
+    /// Taps. [default: 4, one_of: [1, 4, 9]]
+    @align(16) taps: u32,
+    /// Shift in texels [px]. [default: -2, min: -8]
+    shift: i32,
+    /// [bool, default: true] Whether it is on.
+    on: u32,
+    /// How. [default: \"reinhard\", one_of: [\"none\", \"reinhard\", \"aces\"]]
+    curve: u32, /// Tint. [default: (1, 0.5, 1e-3), min: 0]
+    tint: vec3<f32>,
+    table: array<vec4<f32>, 2>,
+}
+var<uniform> settings: Settings;
+@compute @workgroup_size(1) fn main() { _ = settings.exposure; }
+";
+
+#[test]
+fn declarations_are_read() {
+    let setting = |name: &str, ty, default, doc: &str| Setting {
+        name: name.to_owned(),
+        ty,
+        default,
+        min: None,
+        max: None,
+        one_of: Vec::new(),
+        unit: String::new(),
+        doc: doc.to_owned(),
+    };
+    let doc = "Brightness of the picture; more is brighter, and values in [0, 1] are dark [sic].";
+    let text = |text: &str| Value::Text(text.to_owned());
+    let expected = [
+        Setting {
+            min: Some(0.0),
+            max: Some(4.0),
+            unit: "EV".to_owned(),
+            ..setting("exposure", ValueType::F32, Value::F32(1.0), doc)
+        },
+        Setting {
+            one_of: [1, 4, 9].map(Value::U32).to_vec(),
+            ..setting("taps", ValueType::U32, Value::U32(4), "Taps.")
+        },
+        Setting {
+            min: Some(-8.0),
+            ..setting("shift", ValueType::I32, Value::I32(-2), "Shift in texels [px].")
+        },
+        setting("on", ValueType::Bool, Value::Bool(true), "Whether it is on."),
+        Setting {
+            one_of: ["none", "reinhard", "aces"].map(text).to_vec(),
+            ..setting("curve", ValueType::Text, text("reinhard"), "How.")
+        },
+        Setting {
+            min: Some(0.0),
+            ..setting("tint", ValueType::Vector(3), Value::Vector(vec![1.0, 0.5, 1e-3]), "Tint.")
+        },
+    ];
+    assert_eq!(shader(SETTINGS).settings().unwrap(), expected);
+}
+
+#[test]
+fn a_shader_without_settings_has_none() {
+    let shader = shader("@compute @workgroup_size(1) fn main() {}");
+    assert_eq!(shader.settings().unwrap(), []);
+    assert_eq!(shader.write_settings(&|_| None).unwrap(), []);
+}
+
+#[test]
+fn words_are_written_as_their_index() {
+    let text = SETTINGS.replace("    table: array<vec4<f32>, 2>,\n", "");
+    let shader = shader(&text);
+    let layout = shader.interface.settings.clone().unwrap();
+    let bytes = shader
+        .write_settings(&|name| match name {
+            "seed" => Some(Value::U32(7)),
+            "curve" => Some(Value::Text("aces".to_owned())),
+            other => shader.settings().unwrap().into_iter().find(|s| s.name == other).map(|s| s.default),
+        })
+        .unwrap();
+    let word = |name: &str| {
+        let at = layout.members.iter().find(|m| m.name == name).unwrap().offset as usize;
+        u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap())
+    };
+    assert_eq!([word("curve"), word("seed"), word("on"), word("taps")], [2, 7, 1, 4]);
+    let refused = shader.write_settings(&|_| Some(Value::Text("filmic".to_owned()))).unwrap_err();
+    assert!(refused.problems.iter().any(|p| p == "`curve: u32` cannot hold \"filmic\""), "{refused}");
+}
+
+#[test]
+fn broken_declarations() {
+    let members = [
+        "[defualt: 1.0] a: f32",
+        "[default 1.0] b: f32",
+        "[default: 1.0 c: f32",
+        "[default: 1.0, min: 2.0] d: f32",
+        "[min: 2.0] e: f32",
+        "[default: 1.5] f: u32",
+        "[default: -1] g: u32",
+        "[default: true] h: u32",
+        "[default: 1.0, unit: px] i: f32",
+        "[default: 1.0, unit: 3] j: f32",
+        "[default: 3, one_of: [1, 2]] k: u32",
+        "[default: 3, one_of: 3] l: u32",
+        "[default: 1.0, min: 3, max: 2] m: f32",
+        "[default: (1, 2)] n: vec3<f32>",
+        "[default: 1] o: mat3x3<f32>",
+        "[default: 1, bool] p: i32",
+        "[default: 1.0] and [default: 2.0] q: f32",
+        "[default: 1.0, default: 2.0] r: f32",
+        "[default: 1.0, default] s: f32",
+        "[default: 1e99] t: f32",
+        "[default: \"x] u: u32",
+        "[default: inf] v: f32",
+        "[default: ] w: f32",
+        "[default: 1.0, , ] x: f32",
+        "[range: 1.0] y: f32",
+        "[default: \"a\", one_of: [\"a\", 2]] z: u32",
+        "[default: true, bool, min: 0] zz: u32",
+    ];
+    let mut text = "struct Settings {\n".to_owned();
+    for member in members {
+        let (doc, declaration) = member.rsplit_once(' ').unwrap();
+        let (doc, name) = doc.rsplit_once(' ').unwrap();
+        text.push_str(&format!("    /// Ä. {doc}\n    {name} {declaration},\n"));
+    }
+    text.push_str("}\nvar<uniform> s: Settings;\n@compute @workgroup_size(1) fn main() { _ = s.a; }\n");
+    let files = [("main.wgsl", "#import \"settings.wgsl\"\n"), ("settings.wgsl", &text)];
+    let shader = library(&files).load(&Request::new("main.wgsl")).unwrap_or_else(|errors| panic!("{errors}"));
+    let errors = shader.settings().unwrap_err();
+    assert_eq!(errors.0.len(), members.len(), "{errors}");
+    insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
+        insta::assert_snapshot!("settings", errors.to_string());
+    });
+}

@@ -1,0 +1,23 @@
+// The picture for a screen.
+
+#import "tonemap.wgsl"
+
+struct Settings {
+    view_size: vec2<u32>,
+    exposure: f32,
+    white: f32,
+}
+
+var<uniform> settings: Settings;
+/// `image`, as composite.wgsl left it.
+var radiance: texture_2d<f32>;
+var display: texture_storage_2d<rgba8unorm, write>;
+
+@compute @workgroup_size(8, 8)
+fn show(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= settings.view_size) {
+        return;
+    }
+    let seen = textureLoad(radiance, id.xy, 0).rgb;
+    textureStore(display, id.xy, vec4(displayed(seen, settings.exposure, settings.white), 1.0));
+}

@@ -1,0 +1,117 @@
+//! Adds up what the camera receives, and maps it to a screen.
+
+use pass::{
+    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, optional, output,
+    setting::{self, SettingExt},
+};
+
+pub mod twin;
+
+/// The pass.
+pub const PASS: &dyn Pass = &Composite;
+
+/// Direct light + albedo/π × indirect irradiance + glossy light + emission.
+#[derive(Debug)]
+pub struct Composite;
+
+const LIGHT: &str = "passes/composite/composite.wgsl";
+const SCREEN: &str = "passes/composite/display.wgsl";
+
+/// The curves, as `tonemap` and the shader's option name them.
+const TONEMAPS: [&str; 5] = ["reinhard", "reinhard-simple", "aces", "filmic", "none"];
+
+impl Pass for Composite {
+    fn info(&self) -> Info {
+        Info {
+            kind: "composite",
+            about: "The picture: direct, indirect and glossy light and emission, linear and for a screen.",
+            paper: "tone mapping: Reinhard et al. 2002, Eq. 3-4; Hable 2010; Narkowicz 2015",
+            shaders: &[LIGHT, SCREEN],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![
+            setting::choice(
+                "tonemap",
+                &TONEMAPS,
+                "The curve from radiance to `display`; `image` stays linear.",
+            ),
+            setting::f32("exposure", 0.0, "Brightness of `display`: each step doubles it.")
+                .range(-40.0, 40.0)
+                .unit("EV"),
+            setting::f32(
+                "white",
+                4.0,
+                "The least exposed luminance that `display` shows as white, with `reinhard` and `filmic`. \
+                 Bright parts keep their detail as it grows; the picture loses contrast.",
+            )
+            .range(0.01, 1e6)
+            .unit("W/(m² sr)"),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![
+                input("view", "GBuffer", "The surfaces: albedo, and emission where it has it."),
+                optional("direct", "Radiance", "Direct light."),
+                optional("indirect", "Irradiance", "Indirect irradiance, reflected here by the albedo."),
+                optional("glossy", "Radiance", "Indirect light that surfaces reflect other than evenly."),
+            ],
+            outputs: vec![
+                output("image", "Radiance", "All light."),
+                output(
+                    "indirect_radiance",
+                    "Radiance",
+                    "Neither direct nor emitted: albedo/π × irradiance + glossy.",
+                ),
+                output("display", "Display", "All light, for a screen."),
+            ],
+            externals: Externals::NONE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let size = outputs.input("view").and_then(|view| view.size());
+        for input in outputs.inputs.iter().filter(|input| input.name != "view") {
+            if let (Some((w, h)), Some((width, height))) = (input.size(), size)
+                && (w, h) != (width, height)
+            {
+                let message = format!("`{}` is {w}×{h}, but the G-buffer is {width}×{height}", input.name);
+                return Err(KindError::input(&input.name, message)
+                    .help("a filter that takes the G-buffer brings it to its size"));
+            }
+        }
+        let texture = |port: &str, format| {
+            OutputDesc::one(port, ResourceDesc::texture_2d(format, Extent::like("view")))
+        };
+        Ok(vec![
+            texture("image", Format::Rgba32Float),
+            texture("indirect_radiance", Format::Rgba32Float),
+            texture("display", Format::Rgba8Unorm),
+        ])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let connected = |port: &str| Define::Bool(cx.connected(port));
+        let emission =
+            cx.port("view").is_some_and(|view| view.members.iter().any(|(name, _)| &**name == "emission"));
+        let defines = [
+            ("DIRECT", connected("direct")),
+            ("INDIRECT", connected("indirect")),
+            ("GLOSSY", connected("glossy")),
+            ("EMISSION", Define::Bool(emission)),
+            ("INDIRECT_RADIANCE", connected("indirect_radiance")),
+        ];
+        let size = cx.size("view");
+        let mut recording = Recording::one(Compute::per_texel(cx.shader(LIGHT, &defines), "composite", size));
+        if cx.connected("display") {
+            let curve = Define::Text(cx.settings.text("tonemap").into());
+            let show = Compute::per_texel(cx.shader(SCREEN, &[("TONEMAP", curve)]), "show", size);
+            recording = recording.then(show.bind("radiance", "image"));
+        }
+        Ok(recording)
+    }
+}

@@ -1,0 +1,115 @@
+//! The pass on a GPU, against the twin.
+
+use composite::twin::{Rgb, composite, displayed};
+use half::f16;
+use pass::{Format, ResourceDesc};
+use pass_test::Stand;
+
+const WIDTH: u32 = 13;
+const HEIGHT: u32 = 9;
+const PIXELS: usize = (WIDTH * HEIGHT) as usize;
+
+/// Light over many magnitudes, the same in every run; the last pixels are the extremes.
+fn light(seed: u32) -> Vec<Rgb> {
+    let number = |i: u32| f64::from((seed + i).wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24);
+    let mut all: Vec<Rgb> =
+        (0..PIXELS as u32).map(|i| [0, 1, 2].map(|k| 10f64.powf(6.0 * number(3 * i + k) - 4.0))).collect();
+    all[PIXELS - 4] = [0.0; 3];
+    all[PIXELS - 3] = [1e30; 3];
+    all[PIXELS - 2] = [1e-30; 3];
+    all
+}
+
+fn floats(texels: &[Rgb], alpha: f32) -> Vec<u8> {
+    let texel = |t: &Rgb| [t[0] as f32, t[1] as f32, t[2] as f32, alpha].map(f32::to_le_bytes).concat();
+    texels.iter().flat_map(texel).collect()
+}
+
+fn texture(format: Format) -> ResourceDesc {
+    ResourceDesc::texture_2d(format, (WIDTH, HEIGHT))
+}
+
+/// A G-buffer of depth 1, but for the first pixel, which sees nothing.
+fn view(albedo: &[Rgb], emission: &[Rgb]) -> Vec<(&'static str, ResourceDesc, Vec<u8>)> {
+    let depth: Vec<u8> = (0..PIXELS).flat_map(|i| f32::from(i != 0).to_le_bytes()).collect();
+    let half = |t: &Rgb| [t[0], t[1], t[2], 1.0].map(|x| f16::from_f64(x).to_le_bytes()).concat();
+    vec![
+        ("depth", texture(Format::R32Float), depth),
+        ("normal", texture(Format::Rgba16Float), Vec::new()),
+        ("albedo", texture(Format::Rgba16Float), albedo.iter().flat_map(half).collect()),
+        ("emission", texture(Format::Rgba32Float), floats(emission, 0.0)),
+    ]
+}
+
+fn radiance(texels: &[Rgb]) -> Vec<(&'static str, ResourceDesc, Vec<u8>)> {
+    vec![("", texture(Format::Rgba32Float), floats(texels, 1.0))]
+}
+
+#[test]
+fn light_is_added_as_the_twin_adds_it() {
+    let (direct, irradiance, glossy, emission) = (light(1), light(2), light(3), light(4));
+    let albedo = vec![[0.25, 0.5, 0.75]; PIXELS];
+    let stand = Stand::new(composite::PASS).frame(WIDTH, HEIGHT);
+    let outputs = stand
+        .input("view", "GBuffer", &[], view(&albedo, &emission))
+        .input("direct", "Radiance", &[], radiance(&direct))
+        .input("indirect", "Irradiance", &[], radiance(&irradiance))
+        .input("glossy", "Radiance", &[], radiance(&glossy))
+        .run();
+    let Some(outputs) = outputs else { return };
+    let (image, indirect): (Vec<[f32; 4]>, Vec<[f32; 4]>) =
+        (outputs.read("image"), outputs.read("indirect_radiance"));
+    for i in 0..PIXELS {
+        let all = composite(direct[i], albedo[i], irradiance[i], glossy[i], emission[i]);
+        let reflected = composite([0.0; 3], albedo[i], irradiance[i], glossy[i], [0.0; 3]);
+        for k in 0..3 {
+            assert!((f64::from(image[i][k]) / all[k] - 1.0).abs() < 1e-5 || all[k] == 0.0, "{i} {image:?}");
+            let found = f64::from(indirect[i][k]);
+            assert!((found / reflected[k] - 1.0).abs() < 1e-5 || reflected[k] == 0.0, "{i}: {found}");
+        }
+        assert_eq!((image[i][3], indirect[i][3]), if i == 0 { (0.0, 0.0) } else { (1.0, 1.0) });
+    }
+}
+
+#[test]
+fn every_curve_shows_what_the_twin_shows() {
+    let mut direct = light(5);
+    direct[PIXELS - 1] = [0.0, f64::NAN, 0.0];
+    for tonemap in ["reinhard", "reinhard-simple", "aces", "filmic", "none"] {
+        let black = vec![[0.0; 3]; PIXELS];
+        let outputs = Stand::new(composite::PASS)
+            .frame(WIDTH, HEIGHT)
+            .set("tonemap", tonemap)
+            .set("exposure", 1.5f32)
+            .set("white", 6.0f32)
+            .input("view", "GBuffer", &[], view(&black, &black))
+            .input("direct", "Radiance", &[], radiance(&direct))
+            .run();
+        let Some(outputs) = outputs else { return };
+        let display: Vec<[u8; 4]> = outputs.read("display");
+        for (i, found) in display.iter().enumerate() {
+            let expected = displayed(tonemap, direct[i], 1.5, 6.0);
+            for k in 0..3 {
+                // Half a step for rounding, and a little for the GPU's pow.
+                let error = (f64::from(found[k]) - expected[k] * 255.0).abs();
+                assert!(error < 0.6, "{tonemap} of {:?}: {found:?} for {expected:?}", direct[i]);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_input_of_another_size_is_refused() {
+    let stand = Stand::new(composite::PASS).frame(WIDTH, HEIGHT);
+    let small = vec![("", ResourceDesc::texture_2d(Format::Rgba32Float, (4, 4)), Vec::new())];
+    let black = vec![[0.0; 3]; PIXELS];
+    let stand =
+        stand.input("view", "GBuffer", &[], view(&black, &black)).input("direct", "Radiance", &[], small);
+    if pass_test::gpu().is_none() {
+        return;
+    }
+    let refusal =
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| stand.run().is_some())).unwrap_err();
+    let refusal = refusal.downcast_ref::<String>().cloned().unwrap_or_default();
+    assert!(refusal.contains("`direct` is 4×4, but the G-buffer is 13×9"), "{refusal}");
+}

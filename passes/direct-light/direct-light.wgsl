@@ -1,0 +1,174 @@
+// Direct light from every light of the scene, shadowed by the maps that are rendered from it.
+//
+// Visibility is percentage-closer filtering (Reeves, Salesin & Cook 1987) with the bias of a receiver plane: each
+// tap is compared with where the plane through the receiver is seen in that texel (after Isidoro 2006).
+
+#option SPECULAR false // whether the G-buffer has the member `specular`
+
+#import "camera.wgsl"
+#import "color.wgsl"
+#import "lights.wgsl"
+#import "scene.wgsl"
+
+struct Settings {
+    direct_size: vec2<u32>,
+    pcf: u32,
+    bias: f32,
+}
+
+var<uniform> settings: Settings;
+var view_depth: texture_2d<f32>;
+var view_normal: texture_2d<f32>;
+var view_albedo: texture_2d<f32>;
+#if SPECULAR
+var view_specular: texture_2d<f32>;
+#endif
+var rsm_position: texture_2d_array<f32>;
+var direct: texture_storage_2d<rgba32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= settings.direct_size) {
+        return;
+    }
+    let depth = textureLoad(view_depth, id.xy, 0).x;
+    if depth == 0.0 {
+        textureStore(direct, id.xy, vec4(0.0));
+        return;
+    }
+    let at = position_from_depth(id.xy, depth);
+    let normal = textureLoad(view_normal, id.xy, 0).xyz;
+    let albedo = textureLoad(view_albedo, id.xy, 0).rgb;
+    var radiance = vec3(0.0);
+    for (var i = 0u; i < scene_lights.count; i++) {
+        let light = scene_lights.lights[i];
+        let incident = incident_light(light, at);
+        let irradiance = incident.irradiance * dot(normal, -incident.direction);
+        // A light that is behind the surface, too far off its axis or dark needs no look at its map.
+        if !any(irradiance > vec3(0.0)) {
+            continue;
+        }
+        var reflected = albedo / PI;
+#if SPECULAR
+        let specular = textureLoad(view_specular, id.xy, 0);
+        let towards_camera = -normalize(view_ray(vec2<f32>(id.xy) + 0.5));
+        reflected += ggx(normal, -incident.direction, towards_camera, specular.rgb, specular.a);
+#endif
+        radiance += reflected * irradiance * visibility(layer_that_sees(light, at), at, normal);
+    }
+    textureStore(direct, id.xy, vec4(radiance, 1.0));
+}
+
+struct Incident {
+    /// The way the light travels, unit.
+    direction: vec3<f32>,
+    /// On a plane across it [W/m²].
+    irradiance: vec3<f32>,
+}
+
+fn incident_light(light: Light, at: vec3<f32>) -> Incident {
+    if light.kind == LIGHT_DIRECTIONAL {
+        return Incident(light.direction, light.intensity);
+    }
+    let offset = at - light.position;
+    // A light that lies on a surface would shine on it without bound: nearer than this it stays as bright.
+    let nearest = 1e-6 * scene_info.extent;
+    let distance = max(length(offset), nearest);
+    let direction = offset / distance;
+    return Incident(direction, light_intensity(light, direction) / distance / distance);
+}
+
+/// Index of the layer of a light that sees a point: of a point light's six, that along whose axis it lies farthest.
+fn layer_that_sees(light: Light, at: vec3<f32>) -> u32 {
+    var best = light.first_layer;
+    for (var i = 1u; i < light.layers; i++) {
+        let candidate = light.first_layer + i;
+        if dot(at - light.position, along(candidate)) > dot(at - light.position, along(best)) {
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+/// The axis of a layer, away from the light.
+fn along(layer: u32) -> vec3<f32> {
+    return -scene_light_layers[layer].world_from_layer[2].xyz;
+}
+
+/// How steep a plane may rise from texel to texel, in sides of a texel: seen nearly edge on it would rise without
+/// bound, and what stands in front of it would be taken for itself.
+const STEEPEST: f32 = 8.0;
+
+/// The share of a layer's light that reaches a point.
+fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
+    let layer = scene_light_layers[index];
+    let axes = mat3x3(layer.world_from_layer[0].xyz, layer.world_from_layer[1].xyz, layer.world_from_layer[2].xyz);
+    let receiver = (at - layer.world_from_layer[3].xyz) * axes;
+    let n = normal * axes;
+    let distance = -receiver.z;
+    let perspective = layer.kind != LIGHT_DIRECTIONAL;
+    if perspective && distance <= 0.0 {
+        return 0.0;
+    }
+    let size = vec2<f32>(textureDimensions(rsm_position));
+    // Half the map's width and height, and the longer side of a texel, at the receiver [m].
+    let half_extent = layer.half_extent * select(1.0, distance, perspective);
+    let texel = 2.0 * max(half_extent.x / size.x, half_extent.y / size.y);
+    let cosine = select(n.z, -dot(n, normalize(receiver)), perspective);
+    let slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1.0 / STEEPEST), STEEPEST);
+    let bias = settings.bias * texel * (1.0 + slope);
+
+    // Taps stand on texel centres; the window of `pcf` texels cuts the outermost, which count in part. So each of
+    // the pcf² taps is a bilinear one, and the share changes without steps.
+    let centre = (receiver.xy / half_extent * vec2(0.5, -0.5) + 0.5) * size - 0.5;
+    let first = floor(centre) - f32(settings.pcf / 2u);
+    let part = centre - floor(centre);
+    let reach = STEEPEST * texel * f32(settings.pcf / 2u + 1u);
+    var lit = 0.0;
+    for (var y = 0u; y <= settings.pcf; y++) {
+        let weight_y = select(1.0, 1.0 - part.y, y == 0u) * select(1.0, part.y, y == settings.pcf);
+        for (var x = 0u; x <= settings.pcf; x++) {
+            let weight_x = select(1.0, 1.0 - part.x, x == 0u) * select(1.0, part.x, x == settings.pcf);
+            let tap = clamp(first + vec2(f32(x), f32(y)), vec2(0.0), size - 1.0);
+            let plane = ((tap + 0.5) / size * 2.0 - 1.0) * vec2(1.0, -1.0) * layer.half_extent;
+            let expected = clamp(plane_distance(receiver, n, plane, perspective), distance - reach, distance + reach);
+            let seen = textureLoad(rsm_position, vec2<u32>(tap), index, 0).w;
+            // Where the map is empty nothing stands in the way.
+            lit += weight_x * weight_y * select(0.0, 1.0, seen == 0.0 || seen >= expected - bias);
+        }
+    }
+    return lit / f32(settings.pcf * settings.pcf);
+}
+
+/// Distance along the layer's axis [m] at which the plane through `receiver` across `n` is met by the ray through
+/// `tap`, a point of the image plane. All in the layer's space. A plane seen from its back or edge is as far as the
+/// receiver.
+fn plane_distance(receiver: vec3<f32>, n: vec3<f32>, tap: vec2<f32>, perspective: bool) -> f32 {
+    if perspective {
+        let facing = dot(n, vec3(tap, -1.0));
+        return select(-receiver.z, dot(n, receiver) / facing, facing < 0.0);
+    }
+    return select(-receiver.z, dot(n.xy, tap - receiver.xy) / n.z - receiver.z, n.z > 0.0);
+}
+
+#if SPECULAR
+/// Microfacet reflection [1/sr]: GGX with the height-correlated Smith term (Heitz 2014) and Schlick's Fresnel.
+/// All directions leave the surface, unit.
+fn ggx(normal: vec3<f32>, to_light: vec3<f32>, to_camera: vec3<f32>, f0: vec3<f32>, roughness: f32) -> vec3<f32> {
+    let nl = dot(normal, to_light);
+    // A shading normal at a silhouette may turn from the camera; the surface is seen all the same.
+    let nv = max(dot(normal, to_camera), 1e-3);
+    // A mirror shows a light without extent nowhere, or without bound: it is kept this rough.
+    let a = max(roughness * roughness, 1e-3);
+    let a2 = a * a;
+    let half_way = normalize(to_light + to_camera);
+    let nh = clamp(dot(normal, half_way), 0.0, 1.0);
+    // 1 − nh² by the cross product, which does not cancel near the peak.
+    let sine = cross(normal, half_way);
+    let spread = a2 * nh * nh + dot(sine, sine);
+    let distribution = a2 / (PI * spread * spread);
+    let shadowing = 0.5 / (nl * sqrt(a2 + (1.0 - a2) * nv * nv) + nv * sqrt(a2 + (1.0 - a2) * nl * nl));
+    let fresnel = f0 + (1.0 - f0) * pow(1.0 - clamp(dot(to_light, half_way), 0.0, 1.0), 5.0);
+    return distribution * shadowing * fresnel;
+}
+#endif

@@ -1,0 +1,78 @@
+//! Direct light, shadowed by the maps that are rendered from the lights.
+
+use pass::{
+    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, Value, input, output,
+    setting::{self, SettingExt},
+};
+
+pub mod twin;
+
+/// The pass.
+pub const PASS: &dyn Pass = &DirectLight;
+
+/// Shades the G-buffer by every light of the scene.
+#[derive(Debug)]
+pub struct DirectLight;
+
+const SHADER: &str = "passes/direct-light/direct-light.wgsl";
+
+impl Pass for DirectLight {
+    fn info(&self) -> Info {
+        Info {
+            kind: "direct-light",
+            about: "Direct light of all lights, with shadows filtered from the maps that the lights see.",
+            paper: "ISM §6; percentage-closer filtering: Reeves, Salesin & Cook 1987",
+            shaders: &[SHADER],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let pcf = setting::u32(
+            "pcf",
+            5,
+            "Side of the window that shadows are filtered over: 5 makes 25 taps. Edges soften, and time \
+             grows with its square.",
+        );
+        Ok(vec![
+            Setting { one_of: [1, 3, 5, 7, 9].map(Value::U32).to_vec(), ..pcf }.unit("texels"),
+            setting::f32(
+                "bias",
+                0.5,
+                "How far behind the map a surface may lie and still be lit, on top of its own slope. Specks \
+                 on lit surfaces fade as it grows; shadows come loose from what casts them.",
+            )
+            .range(0.0, 100.0)
+            .unit("texels"),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![
+                input("view", "GBuffer", "The surfaces to light."),
+                input(
+                    "rsm",
+                    "ReflectiveShadowMap",
+                    "What the lights see; its positions are the shadow maps.",
+                ),
+            ],
+            outputs: vec![output("direct", "Radiance", "Direct light, reflected towards the camera.")],
+            externals: Externals::CAMERA.and(Externals::LIGHTS).and(Externals::SCENE),
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        Ok(vec![OutputDesc::one(
+            "direct",
+            ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")),
+        )])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let specular =
+            cx.port("view").is_some_and(|view| view.members.iter().any(|(name, _)| name == "specular"));
+        let shader = cx.shader(SHADER, &[("SPECULAR", Define::Bool(specular))]);
+        Ok(Recording::one(Compute::per_texel(shader, "direct_light", cx.size("direct"))))
+    }
+}

@@ -1,0 +1,123 @@
+//! The shader is valid; the twin against closed forms.
+
+mod gpu;
+
+use direct_light::twin::{Map, Vec3, ggx};
+use std::f64::consts::PI;
+use std::path::Path;
+use std::sync::Arc;
+
+#[test]
+fn every_variant_is_valid() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let library =
+        pass::Library::new(Arc::new(shader_library::DiskFiles::new(root))).with_roots(["shaders", ""]);
+    for path in direct_light::PASS.info().shaders {
+        for variant in library.variants(&pass::Request::new(*path)).unwrap() {
+            library.load(&variant).unwrap_or_else(|errors| panic!("{variant:?}\n{errors}"));
+        }
+    }
+}
+
+const TOWARDS: Vec3 = [0.0, 0.0, 1.0];
+
+/// A map of a wall at distance 2 whose left half is hidden by a screen at distance 1.
+fn screened(perspective: bool) -> Map {
+    let mut map = Map::of_plane(64, [1.0; 2], perspective, [0.0, 0.0, -2.0], TOWARDS);
+    for (i, distance) in map.distances.iter_mut().enumerate() {
+        if i % 64 < 32 {
+            *distance = 1.0;
+        }
+    }
+    map
+}
+
+fn cosine_to_layer(receiver: Vec3, normal: Vec3) -> f64 {
+    let dot = |a: Vec3, b: Vec3| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    -dot(receiver, normal) / dot(receiver, receiver).sqrt()
+}
+
+#[test]
+fn a_plane_never_shadows_itself() {
+    for perspective in [true, false] {
+        for i in 0..400 {
+            let angle = f64::from(i) * 0.37;
+            let tilt = f64::from(i % 20) / 20.0 * 1.2;
+            let normal = [tilt.sin() * angle.cos(), tilt.sin() * angle.sin(), tilt.cos()];
+            let at = [0.3, -0.2, -3.0];
+            let map = Map::of_plane(64, [1.0; 2], perspective, at, normal);
+            for k in 0..40 {
+                let image = [f64::from(k % 7) * 0.1 - 0.3, f64::from(k / 7) * 0.1 - 0.3];
+                let distance = direct_light::twin::plane_distance(at, normal, image, perspective);
+                let scale = if perspective { distance } else { 1.0 };
+                let receiver = [image[0] * scale, image[1] * scale, -distance];
+                // Seen too much on edge, a plane rises more than the limit, and the bias has to do.
+                let cosine = if perspective { cosine_to_layer(receiver, normal) } else { normal[2] };
+                if cosine < 0.3 {
+                    continue;
+                }
+                let lit = map.visibility(receiver, normal, 5, 1e-9);
+                assert!((lit - 1.0).abs() < 1e-9, "{perspective} {normal:?} at {receiver:?}: {lit}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_screen_shadows_what_is_behind_it_with_a_smooth_edge() {
+    for (perspective, pcf) in [(true, 1), (true, 5), (false, 3), (false, 9)] {
+        let map = screened(perspective);
+        let scale = if perspective { 2.0 } else { 1.0 };
+        let lit = |x: f64| map.visibility([x * scale, 0.0, -2.0], TOWARDS, pcf, 0.5);
+        let window = f64::from(pcf + 1) / 64.0;
+        assert_eq!(lit(-window), 0.0);
+        assert!((lit(window) - 1.0).abs() < 1e-12);
+        assert!((lit(0.0) - 0.5).abs() < 1e-9, "{}", lit(0.0));
+        let mut last = 0.0;
+        for i in -100..=100 {
+            let now = lit(f64::from(i) / 100.0 * window);
+            assert!(now >= last - 1e-12 && now - last < 0.03, "no smooth rise from {last} to {now}");
+            last = now;
+        }
+    }
+}
+
+#[test]
+fn what_is_in_front_of_the_screen_is_lit() {
+    assert!((screened(true).visibility([-0.3, 0.0, -0.9], TOWARDS, 5, 0.5) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn an_empty_map_hides_nothing_and_a_spot_sends_nothing_back() {
+    let empty = Map { size: 8, half_extent: [1.0; 2], perspective: true, distances: vec![0.0; 64] };
+    assert!((empty.visibility([0.1, 0.1, -5.0], TOWARDS, 5, 0.5) - 1.0).abs() < 1e-12);
+    assert_eq!(empty.visibility([0.1, 0.1, 5.0], TOWARDS, 5, 0.5), 0.0);
+}
+
+/// ∫ f cosθ dω over the hemisphere: what is reflected of light from one side. It stays below 1, and what is
+/// missing is scattered twice or more, which one microfacet does not follow.
+#[test]
+fn the_glossy_part_reflects_no_more_than_it_receives() {
+    for roughness in [0.3, 0.6, 1.0] {
+        for degrees in [0.0f64, 40.0, 70.0] {
+            let camera = [degrees.to_radians().sin(), 0.0, degrees.to_radians().cos()];
+            let (rings, spokes) = (600, 600);
+            let mut albedo = 0.0;
+            for i in 0..rings * spokes {
+                // Evenly over the disc, so each stands for π / n of the projected solid angle.
+                let r2 = (f64::from(i / spokes) + 0.5) / f64::from(rings);
+                let turn = (f64::from(i % spokes) + 0.5) / f64::from(spokes) * 2.0 * PI;
+                let light = [r2.sqrt() * turn.cos(), r2.sqrt() * turn.sin(), (1.0 - r2).sqrt()];
+                albedo += ggx(TOWARDS, light, camera, 1.0, roughness) * PI / f64::from(rings * spokes);
+            }
+            assert!(albedo < 1.001, "roughness {roughness} at {degrees}°: {albedo}");
+            if roughness == 1.0 && degrees == 0.0 {
+                // With α = 1 and the camera above: D = 1/π, G/(4 cos cos′) = 1/(2 (1 + cos)); ∫ = 1 − ln 2.
+                assert!((albedo - (1.0 - 2f64.ln())).abs() < 1e-3, "{albedo}");
+            }
+            if roughness == 0.3 && degrees < 50.0 {
+                assert!(albedo > 0.95, "a smooth mirror keeps its light: {albedo}");
+            }
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! What the kind reads from a shader, and what it says of a wrong one.
+
+mod gpu;
+
+use frame_graph::port::{InputDesc, OutputOverride};
+use fullscreen::PASS;
+use pass::{
+    Clear, Extent, Externals, Format, KindError, Library, OutputContext, OutputDesc, Ports, RecordContext,
+    ResourceDesc, Setting, Settings, Step, Traits, Usage, Use, UseContext, Value,
+};
+use shader_library::{DiskFiles, MemoryFiles, Overlay};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A use of the kind: its shader's text, its links, and what it says with `out:`.
+struct Case {
+    library: Library,
+    inputs: Vec<String>,
+    outputs: BTreeMap<String, OutputOverride>,
+}
+
+impl Case {
+    fn new(wgsl: &str, inputs: &[&str]) -> Case {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let own = MemoryFiles::new([("own.wgsl", wgsl)]);
+        let files = Overlay(vec![Arc::new(own), Arc::new(DiskFiles::new(root))]);
+        let library = Library::new(Arc::new(files)).with_roots(["shaders", ""]);
+        Case { library, inputs: inputs.iter().map(ToString::to_string).collect(), outputs: BTreeMap::new() }
+    }
+
+    fn out(mut self, port: &str, interface: Option<&str>, format: Option<Format>) -> Case {
+        let said =
+            OutputOverride { interface: interface.map(Into::into), format, ..OutputOverride::default() };
+        self.outputs.insert(port.into(), said);
+        self
+    }
+
+    fn cx(&self) -> UseContext<'_> {
+        let use_ = Use {
+            kind: "fullscreen",
+            shader: Some("own.wgsl"),
+            inputs: &self.inputs,
+            outputs: &self.outputs,
+        };
+        UseContext { use_, shaders: &self.library }
+    }
+
+    fn settings(&self) -> Result<Vec<Setting>, KindError> {
+        PASS.settings(&self.cx())
+    }
+
+    fn ports(&self) -> Result<Ports, KindError> {
+        PASS.ports(&self.cx(), &Settings::default())
+    }
+
+    fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, KindError> {
+        let (settings, traits) = (Settings::default(), Traits::default());
+        let context = OutputContext {
+            use_: self.cx().use_,
+            settings: &settings,
+            inputs,
+            frame: (64, 48),
+            traits: &traits,
+        };
+        PASS.outputs(&self.cx(), &context)
+    }
+
+    /// The message and help of the refusal.
+    fn refusal(&self) -> String {
+        let error = self
+            .settings()
+            .and_then(|_| self.ports())
+            .and_then(|_| self.outputs(&[]).map(|_| ()))
+            .unwrap_err();
+        format!(
+            "{} | {} | {}",
+            error.input.unwrap_or_default(),
+            error.message,
+            error.help.unwrap_or_default()
+        )
+    }
+}
+
+fn picture(name: &str, size: (u32, u32)) -> InputDesc {
+    InputDesc {
+        name: name.into(),
+        interface: "Radiance".into(),
+        members: vec![("".into(), ResourceDesc::texture_2d(Format::Rgba32Float, size))],
+        facts: Arc::default(),
+    }
+}
+
+const RED: &str = "@fragment fn red() -> @location(0) vec4<f32> { return vec4(1.0, 0.0, 0.0, 1.0); }";
+
+#[test]
+fn the_example_has_one_input_one_setting_and_a_display() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/examples");
+    let wgsl = std::fs::read_to_string(root.join("vignette.wgsl")).unwrap();
+    let ron = std::fs::read_to_string(root.join("vignette.ron")).unwrap();
+    assert!(wgsl.lines().count() + ron.lines().count() <= 25, "an effect is at most 25 lines");
+
+    let case = Case::new(&wgsl, &[]).out("result", Some("Display"), None);
+    let settings = case.settings().unwrap();
+    assert_eq!(settings.len(), 1);
+    assert_eq!((&*settings[0].name, settings[0].default.clone()), ("strength", Value::F32(0.5)));
+    let ports = case.ports().unwrap();
+    assert_eq!((&*ports.inputs[0].name, &*ports.inputs[0].interface), ("picture", "Texture"));
+    assert_eq!((&*ports.outputs[0].name, &*ports.outputs[0].interface), ("result", "Display"));
+    assert_eq!(ports.externals, Externals::NONE);
+    let outputs = case.outputs(&[picture("picture", (32, 16))]).unwrap();
+    let expected = ResourceDesc::texture_2d(Format::Rgba8Unorm, Extent::like("picture"));
+    assert_eq!(outputs[0].members[0].1, expected);
+}
+
+#[test]
+fn a_shader_without_inputs_fills_the_frame() {
+    let outputs = Case::new(RED, &[]).outputs(&[]).unwrap();
+    assert_eq!(outputs[0].members[0].1, ResourceDesc::texture_2d(Format::Rgba16Float, Extent::FRAME));
+}
+
+#[test]
+fn a_link_fills_the_globals_that_begin_with_its_name() {
+    let wgsl = "#import \"camera.wgsl\"
+        var view_depth: texture_2d<f32>;
+        var view_normal: texture_2d<f32>;
+        var view: texture_2d<f32>;
+        var<storage, read> weights: array<f32>;
+        struct Result { @location(1) second: f32, @location(0) first: vec2<f32> }
+        @fragment fn edges(@builtin(position) at: vec4<f32>) -> Result {
+            let pixel = vec2<u32>(at.xy);
+            let depth = textureLoad(view_depth, pixel, 0).x + textureLoad(view_normal, pixel, 0).x + weights[0];
+            return Result(depth + textureLoad(view, pixel, 0).x, position_from_depth(pixel, depth).xy);
+        }";
+    let case = Case::new(wgsl, &["view"]);
+    let ports = case.ports().unwrap();
+    let inputs: Vec<_> = ports.inputs.iter().map(|p| (p.name.to_string(), p.interface.to_string())).collect();
+    assert_eq!(inputs, [("view".into(), "Any".into()), ("weights".into(), "Buffer".into())]);
+    assert_eq!(ports.externals, Externals::CAMERA);
+    let outputs = case.outputs(&[]).unwrap();
+    let formats: Vec<_> = outputs.iter().map(|o| (o.port.to_string(), o.members[0].1.clone())).collect();
+    let frame = |format| ResourceDesc::texture_2d(format, Extent::FRAME);
+    assert_eq!(
+        formats,
+        [("first".into(), frame(Format::Rg16Float)), ("second".into(), frame(Format::R16Float))]
+    );
+}
+
+#[test]
+fn results_named_alike_make_an_interface_in_its_own_formats() {
+    let wgsl = "struct Result {
+            @location(0) seen_depth: f32,
+            @location(1) seen_normal: vec4<f32>,
+            @location(2) seen_albedo: vec4<f32>,
+        }
+        @fragment fn surface() -> Result { return Result(1.0, vec4(0.0), vec4(0.5)); }";
+    let case = Case::new(wgsl, &[]).out("seen", Some("GBuffer"), None);
+    let outputs = case.outputs(&[]).unwrap();
+    let members: Vec<_> =
+        outputs[0].members.iter().map(|(name, desc, _)| (name.to_string(), desc.clone())).collect();
+    let frame = |format| ResourceDesc::texture_2d(format, Extent::FRAME);
+    let expected =
+        [("depth", Format::R32Float), ("normal", Format::Rgba16Float), ("albedo", Format::Rgba16Float)];
+    assert_eq!(members, expected.map(|(name, format)| (name.to_owned(), frame(format))));
+    let lacking =
+        Case::new(&wgsl.replace("seen_normal", "seen_bump"), &[]).out("seen", Some("GBuffer"), None);
+    assert!(lacking.refusal().contains("`seen_bump` is no member of a `GBuffer`"), "{}", lacking.refusal());
+}
+
+#[test]
+fn storage_that_it_writes_is_an_output_beside_its_results() {
+    let wgsl = "var<storage, read_write> histogram: array<atomic<u32>, 256>;
+        var view_depth: texture_2d<f32>;
+        @fragment fn count(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+            atomicAdd(&histogram[u32(at.x)], 1u);
+            return textureLoad(view_depth, vec2<u32>(at.xy), 0);
+        }";
+    let outputs = Case::new(wgsl, &["view"]).outputs(&[]).unwrap();
+    let found: Vec<_> = outputs.iter().map(|o| (o.port.to_string(), o.members[0].2)).collect();
+    let cleared = Usage::ClearFirst(Clear::Zero);
+    assert_eq!(found, [("result".into(), Usage::Overwrites), ("histogram".into(), cleared)]);
+    assert_eq!(outputs[1].members[0].1, ResourceDesc::buffer(1024));
+}
+
+#[test]
+fn it_records_one_draw_with_choices_as_numbers_and_the_scenes_variant() {
+    let wgsl = "#option TEXTURED false
+        struct Settings {
+            /// Kernel. [default: \"soft\", one_of: [\"soft\", \"hard\"]]
+            kernel: u32,
+        }
+        var<uniform> settings: Settings;
+        @fragment fn effect() -> @location(0) vec4<f32> { return vec4(f32(settings.kernel)); }";
+    let case = Case::new(wgsl, &[]);
+    let settings = Settings(BTreeMap::from([("kernel".into(), Value::Text("hard".into()))]));
+    let traits = Traits(BTreeMap::from([("textured".into(), Value::Bool(true))]));
+    let recording = PASS
+        .record(&RecordContext {
+            name: "effect",
+            use_: case.cx().use_,
+            settings: &settings,
+            inputs: &[],
+            outputs: &[],
+            frame: (64, 48),
+            traits: &traits,
+            shaders: &case.library,
+        })
+        .unwrap();
+    let [Step::Raster(draw)] = recording.steps.as_slice() else { panic!("one draw: {recording:?}") };
+    assert_eq!(draw.values, [("kernel".to_owned(), Value::U32(1))]);
+    assert_eq!(draw.fragment.as_deref(), Some("effect"));
+    assert_eq!(draw.targets[0].resource, "result");
+    assert_eq!(draw.shader.defines["TEXTURED"], pass::Define::Bool(true));
+    let shader = case.library.load(&draw.shader).unwrap();
+    assert!(shader.interface.entry("fullscreen").is_some());
+}
+
+#[test]
+fn refusals_say_what_is_wrong_and_what_to_do() {
+    let with = |line: &str| format!("{line}\n{RED}");
+    let cases: &[(String, &[&str], &str)] = &[
+        ("fn f() {}".into(), &[], "has no @fragment entry point"),
+        (with(&RED.replace("red", "blue")), &[], "2 @fragment entry points: `blue`, `red`"),
+        ("@fragment fn f() -> @location(0) vec4<f32> { return 1; }".into(), &[], "own.wgsl:1:"),
+        (
+            "@fragment fn f(@location(0) uv: vec2<f32>) -> @location(0) vec4<f32> { return vec4(uv, uv); }"
+                .into(),
+            &[],
+            "the pixel is @builtin(position)",
+        ),
+        (
+            "@fragment fn f() -> @location(1) vec4<f32> { return vec4(1.0); }".into(),
+            &[],
+            "@location(1) but not @location(0)",
+        ),
+        ("@fragment fn f() {}".into(), &[], "`f` has no result to draw"),
+        (with("var smooth_sampler: sampler;"), &[], "`smooth_sampler` is a sampler"),
+        (with("var<uniform> scale: f32;"), &[], "`scale` is a uniform"),
+        (with("var colour: texture_2d<f32>;"), &["color"], "color | the shader has no global `color`"),
+        (
+            with("var<storage, read_write> sums: array<f32>;"),
+            &["sums"],
+            "sums | `sums` is written by the shader",
+        ),
+    ];
+    for (wgsl, inputs, expected) in cases {
+        let refusal = Case::new(wgsl, inputs).refusal();
+        assert!(refusal.contains(expected), "{wgsl}\n{refusal}");
+    }
+    let outs: [(&str, Option<&str>, Option<Format>, &str); 4] = [
+        (
+            "results",
+            None,
+            None,
+            "`out:` speaks of `results`, which the shader does not write | it writes `result`",
+        ),
+        ("result", Some("Radience"), None, "is no interface | there are `GBuffer`"),
+        ("result", Some("GBuffer"), None, "its members would be written as `result_depth`"),
+        (
+            "result",
+            None,
+            Some(Format::R32Uint),
+            "`result` is vec4<f32>, which a texture of r32uint does not hold",
+        ),
+    ];
+    for (port, interface, format, expected) in outs {
+        let refusal = Case::new(RED, &[]).out(port, interface, format).refusal();
+        assert!(refusal.contains(expected), "{refusal}");
+    }
+}

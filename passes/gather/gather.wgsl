@@ -1,0 +1,144 @@
+// Sums the irradiance of the virtual lights at the pixels of a G-buffer. [ISM §4, after Segovia et al. 2006]
+//
+// The pixels are split into n×m interleaved sub-images, and each sub-image takes one of n·m subsets of the lights.
+// A workgroup is 8×8 pixels of one sub-image, so all of it reads the same lights and near texels of their maps.
+//
+// irradiance: rgba32float [W/m²]; in alpha the luminance of what the clamp removed [W/m²].
+
+#option VISIBILITY false // whether something says which lights are seen
+#option VISIBILITY_FILTER single one_of [single, pcf] // for visibility-atlas.wgsl, where that is the module
+
+#import "camera.wgsl"
+#import "color.wgsl"
+#import "scene.wgsl"
+#import "virtual-lights.wgsl"
+#if VISIBILITY
+#import interface "visibility"
+#endif
+
+struct Settings {
+    view_size: vec2<u32>,
+    interleave_x: u32,
+    interleave_y: u32,
+    /// 1 where a subset is a run of the lights, 0 where it is every n·m-th.
+    runs: u32,
+    clamp: f32,
+    // For the module of the port `visibility`.
+    visibility_tile: u32,
+    visibility_columns: u32,
+    visibility_bias: f32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> lights: VirtualLights;
+var view_depth: texture_2d<f32>;
+var view_normal: texture_2d<f32>;
+var irradiance: texture_storage_2d<rgba32float, write>;
+
+const STAGED: u32 = 64u;
+var<workgroup> staged: array<VirtualLight, STAGED>;
+
+/// Lights of a subset: number k is `first + k * stride`.
+struct Subset {
+    first: u32,
+    count: u32,
+    stride: u32,
+}
+
+/// Subset s of `subsets`. Every light is in exactly one, also where the count is no multiple.
+fn subset(s: u32, subsets: u32, count: u32) -> Subset {
+    if settings.runs != 0u {
+        let first = s * count / subsets;
+        return Subset(first, (s + 1u) * count / subsets - first, 1u);
+    }
+    return Subset(s, (count + subsets - 1u - s) / subsets, subsets);
+}
+
+/// World position [m] of what a pixel of the view sees; the view may be smaller than the frame.
+fn view_position(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
+    let at = (vec2<f32>(pixel) + 0.5) * camera.size / vec2<f32>(settings.view_size);
+    return camera.position + view_ray(at) * depth;
+}
+
+/// Irradiance [W/m²] that one light gives without shadows, and in w the luminance of what the clamp removes.
+fn unshadowed(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
+    let offset = at - light.position;
+    // Nearer than positions are rounded a distance says nothing, and the light's direction neither.
+    let rounding = 1e-6 * scene_info.extent;
+    let distance2 = max(dot(offset, offset), rounding * rounding);
+    let cosines = max(-dot(normal, offset), 0.0) * max(dot(light.normal, offset), 0.0) / distance2;
+    let closest = settings.clamp * scene_info.extent;
+    let kept = cosines / (PI * max(distance2, closest * closest) + light.area);
+    var removed = 0.0;
+    if distance2 < closest * closest {
+        removed = luminance(light.flux) * (cosines / (PI * distance2 + light.area) - kept);
+    }
+    return vec4(light.flux * kept, removed);
+}
+
+/// What a thread gathers for: a pixel, and what it has so far.
+struct Receiver {
+    pixel: vec2<u32>,
+    seen: bool,
+    at: vec3<f32>,
+    normal: vec3<f32>,
+    sum: vec4<f32>,
+}
+
+/// Pixels of a thread along each side of a square, 8 apart: each light is read once for all of them.
+const SPAN: u32 = 2u;
+
+@compute @workgroup_size(8, 8)
+fn gather(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+    @builtin(local_invocation_index) local_index: u32,
+) {
+    let interleave = vec2(settings.interleave_x, settings.interleave_y);
+    let subsets = interleave.x * interleave.y;
+    // Workgroups along a sub-image; those of the widest, for all alike.
+    let side = 8u * SPAN;
+    let groups = ((settings.view_size + interleave - 1u) / interleave + side - 1u) / side;
+    let image = group.xy / groups;
+    let corner = group.xy % groups * side + local.xy;
+    var receivers: array<Receiver, SPAN * SPAN>;
+    for (var r = 0u; r < SPAN * SPAN; r++) {
+        let pixel = (corner + 8u * vec2(r % SPAN, r / SPAN)) * interleave + image;
+        receivers[r].pixel = pixel;
+        let inside = min(pixel, settings.view_size - 1u);
+        let depth = textureLoad(view_depth, inside, 0).x;
+        receivers[r].seen = depth > 0.0;
+        receivers[r].at = view_position(inside, depth);
+        receivers[r].normal = normalize(textureLoad(view_normal, inside, 0).xyz);
+    }
+    let own = subset(image.y * interleave.x + image.x, subsets, min(lights.count, arrayLength(&lights.lights)));
+    for (var begin = 0u; begin < own.count; begin += STAGED) {
+        if begin + local_index < own.count {
+            staged[local_index] = lights.lights[own.first + (begin + local_index) * own.stride];
+        }
+        workgroupBarrier();
+        let end = min(own.count - begin, STAGED);
+        for (var i = 0u; i < end; i++) {
+            let light = staged[i];
+            for (var r = 0u; r < SPAN * SPAN; r++) {
+                let at = receivers[r].at;
+                let normal = receivers[r].normal;
+                var given = unshadowed(light, at, normal);
+#if VISIBILITY
+                if any(given > vec4(0.0)) {
+                    given *= visibility(own.first + (begin + i) * own.stride, light, at, normal);
+                }
+#endif
+                receivers[r].sum += given;
+            }
+        }
+        workgroupBarrier();
+    }
+    for (var r = 0u; r < SPAN * SPAN; r++) {
+        if all(receivers[r].pixel < settings.view_size) {
+            // A subset stands for all lights: the mean over the sub-images is the sum.
+            let sum = select(vec4(0.0), receivers[r].sum * f32(subsets), receivers[r].seen);
+            textureStore(irradiance, receivers[r].pixel, sum);
+        }
+    }
+}

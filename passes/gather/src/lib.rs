@@ -1,0 +1,121 @@
+//! Sums the irradiance of virtual lights at the camera's pixels, interleaved.
+
+pub mod twin;
+
+use pass::setting::{self, SettingExt};
+use pass::{
+    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value,
+};
+
+/// The kind `gather`.
+pub const PASS: &dyn Pass = &Gather;
+
+/// Diffuse illumination by virtual lights.
+pub struct Gather;
+
+/// Pixels of a thread along each side; as in the shader.
+const SPAN: u32 = 2;
+
+const SHADER: &str = "passes/gather/gather.wgsl";
+
+impl Pass for Gather {
+    fn info(&self) -> Info {
+        Info {
+            kind: "gather",
+            about: "Sums the irradiance of virtual lights at the camera's pixels, interleaved.",
+            paper: "ISM §4",
+            shaders: &[SHADER],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let interleave = |name, along| {
+            setting::u32(
+                name,
+                4,
+                &format!(
+                    "Sub-images {along}; each pixel takes one of interleave_x · interleave_y subsets of the lights. \
+                     Time falls, and the noise that a filter must remove rises with it; 1 × 1 takes all lights. ISM \
+                     Tab. 1 uses 4 and 8."
+                ),
+            )
+            .range(1.0, 16.0)
+        };
+        Ok(vec![
+            interleave("interleave_x", "along a row"),
+            interleave("interleave_y", "along a column"),
+            setting::choice(
+                "subsets",
+                &["runs", "strides"],
+                "Which lights a sub-image takes: a run of neighbours in their order, or every n·m-th. Runs of a \
+                 Halton sequence are even; strides of it share digits, and so lie in strips. Strides suit lights \
+                 that are sorted by place.",
+            ),
+            setting::f32(
+                "clamp",
+                0.01,
+                "Distance below which a light's geometry term grows no more, as a fraction of the scene's extent; 0 \
+                 is no bound. Bright spots near lights shrink with it, and energy near corners is lost: alpha says \
+                 how much. 0.01 is of the order of the distance between 1,024 lights on a lit tenth of the scene.",
+            )
+            .range(0.0, 1.0),
+            setting::choice(
+                "visibility_filter",
+                &["single", "pcf"],
+                "Lookup of depth maps: one texel, or four texels weighted bilinearly, which is smoother and slower.",
+            ),
+            setting::f32(
+                "visibility_bias",
+                1.5,
+                "Slack of the depth test of maps, in widths of a texel along the receiver's plane. Surfaces shadow \
+                 themselves less and light leaks more with it.",
+            )
+            .at_least(0.0)
+            .unit("px"),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![
+                pass::input("view", "GBuffer", "Where the light is gathered."),
+                pass::input("lights", "VirtualLights", "What gives it."),
+                pass::optional("visibility", "Visibility", "Which lights are seen; without it, all."),
+            ],
+            outputs: vec![pass::output("irradiance", "Irradiance", "Diffuse irradiance, noisy where interleaved.")],
+            externals: Externals::SCENE.and(Externals::CAMERA),
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let interleave = |name| Value::U32(cx.settings.u32(name));
+        Ok(vec![
+            OutputDesc::one("irradiance", ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")))
+                .fact("interleave_x", interleave("interleave_x"))
+                .fact("interleave_y", interleave("interleave_y")),
+        ])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let size = cx.size("view");
+        let threads = |pixels: u32, sub_images: u32| pixels.div_ceil(sub_images).div_ceil(SPAN * 8) * 8 * sub_images;
+        let grid =
+            [threads(size.0, cx.settings.u32("interleave_x")), threads(size.1, cx.settings.u32("interleave_y")), 1];
+        let shader = cx.shader(
+            SHADER,
+            &[
+                ("VISIBILITY", Define::Bool(cx.connected("visibility"))),
+                ("VISIBILITY_FILTER", Define::from(cx.settings.text("visibility_filter"))),
+            ],
+        );
+        let runs = u32::from(cx.settings.text("subsets") == "runs");
+        Ok(Recording::one(
+            Compute::new(shader, "gather", Threads::Grid(grid))
+                .value("runs", Value::U32(runs))
+                // Not every kind of visibility has maps.
+                .value("visibility_tile", Value::U32(cx.fact("visibility", "tile")))
+                .value("visibility_columns", Value::U32(cx.fact("visibility", "columns"))),
+        ))
+    }
+}

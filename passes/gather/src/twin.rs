@@ -1,0 +1,41 @@
+//! The algorithm in plain f64: same names as gather.wgsl.
+
+/// A vector of three.
+pub type Vec3 = [f64; 3];
+
+fn dot(a: Vec3, b: Vec3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// A virtual light of one channel.
+#[derive(Clone, Copy, Debug)]
+pub struct VirtualLight {
+    /// [m]
+    pub position: Vec3,
+    /// Unit.
+    pub normal: Vec3,
+    /// Φ [W].
+    pub flux: f64,
+    /// A [m²].
+    pub area: f64,
+}
+
+/// Irradiance [W/m²] that one light gives without shadows, and what the clamp removes.
+pub fn unshadowed(light: &VirtualLight, at: Vec3, normal: Vec3, clamp: f64, extent: f64) -> (f64, f64) {
+    let offset = [0, 1, 2].map(|i| light.position[i] - at[i]);
+    let distance2 = dot(offset, offset).max((1e-6 * extent).powi(2));
+    let toward = offset.map(|x| x / distance2.sqrt());
+    let cosines = dot(normal, toward).max(0.0) * (-dot(light.normal, toward)).max(0.0);
+    let of = |distance2: f64| light.flux * cosines / (std::f64::consts::PI * distance2 + light.area);
+    let kept = of(distance2.max((clamp * extent).powi(2)));
+    (kept, of(distance2) - kept)
+}
+
+/// Indices of the lights of subset `s` of `subsets`, in runs or in strides.
+pub fn subset(s: u32, subsets: u32, count: u32, runs: bool) -> Vec<u32> {
+    if runs {
+        (s * count / subsets..(s + 1) * count / subsets).collect()
+    } else {
+        (s..count).step_by(subsets as usize).collect()
+    }
+}

@@ -1,0 +1,268 @@
+//! Irradiance against closed forms, and the way lights are shared out among sub-images.
+
+use gather::twin::{VirtualLight, subset, unshadowed};
+use glam::Vec3;
+use pass_test::{Outputs, Stand};
+use std::f64::consts::PI;
+
+const EXTENT: f64 = 2.828_427_124_746_19; // of the scene `plane`, a square of 2 m
+
+/// A view of the plane y = 0 from 2 m above it.
+struct View {
+    width: u32,
+    height: u32,
+    fov: f32,
+}
+
+impl View {
+    fn stand(&self, lights: &[VirtualLight]) -> Stand<'static> {
+        self.stand_at_depth(lights, 2.0)
+    }
+
+    fn stand_at_depth(&self, lights: &[VirtualLight], depth: f32) -> Stand<'static> {
+        let pixels = (self.width * self.height) as usize;
+        let camera = scene::Camera {
+            position: Vec3::new(0.0, 2.0, 0.0),
+            target: Vec3::ZERO,
+            up: Vec3::NEG_Z,
+            vertical_fov: self.fov,
+            near: 0.01,
+        };
+        let half = |x: f32| half::f16::from_f32(x).to_bits();
+        let normals = [half(0.0), half(1.0), half(0.0), 0].repeat(pixels);
+        let texture = |format| pass::ResourceDesc::texture_2d(format, (self.width, self.height));
+        let packed: Vec<[f32; 12]> = lights
+            .iter()
+            .map(|light| {
+                let ([x, y, z], [u, v, w], flux) = (light.position, light.normal, light.flux);
+                [x, y, z, light.area, u, v, w, 0.0, flux, 2.0 * flux, 0.0, 0.0].map(|x| x as f32)
+            })
+            .collect();
+        let (_, bytes) = pass_test::counted(&packed);
+        // A buffer has room for one light even where there is none.
+        let desc = pass_test::buffer(16 + 48 * packed.len().max(1) as u64);
+        Stand::new(gather::PASS)
+            .frame(self.width, self.height)
+            .scene("plane")
+            .camera(camera)
+            .input(
+                "view",
+                "GBuffer",
+                &[],
+                vec![
+                    ("depth", texture(pass::Format::R32Float), bytemuck::cast_slice(&vec![depth; pixels]).to_vec()),
+                    ("normal", texture(pass::Format::Rgba16Float), bytemuck::cast_slice(&normals).to_vec()),
+                ],
+            )
+            .input("lights", "VirtualLights", &[("count", packed.len() as u32)], vec![("", desc, bytes)])
+    }
+
+    /// Where a pixel looks.
+    fn position(&self, x: u32, y: u32) -> [f64; 3] {
+        let tan = (f64::from(self.fov) / 2.0).tan() * 2.0;
+        let (w, h) = (f64::from(self.width), f64::from(self.height));
+        [((2.0 * f64::from(x) + 1.0) / w - 1.0) * tan * w / h, 0.0, ((2.0 * f64::from(y) + 1.0) / h - 1.0) * tan]
+    }
+
+    fn pixels(&self) -> impl Iterator<Item = (u32, u32)> {
+        (0..self.width * self.height).map(|i| (i % self.width, i / self.width))
+    }
+}
+
+const DOWN: [f64; 3] = [0.0, -1.0, 0.0];
+const UP: [f64; 3] = [0.0, 1.0, 0.0];
+
+fn read(outputs: &Outputs) -> Vec<[f32; 4]> {
+    outputs.read("irradiance")
+}
+
+/// Lights above the plane, looking down at an angle.
+fn lights(count: usize) -> Vec<VirtualLight> {
+    (0..count)
+        .map(|i| {
+            let [u, v, w] = [0.754_877, 0.569_840, 0.411_403].map(|step| (i as f64 * step).fract());
+            let (sin, cos) = (2.0 * PI * v).sin_cos();
+            VirtualLight {
+                position: [u - 0.5, 0.3 + v, w - 0.5],
+                normal: [0.6 * sin, -0.8, 0.6 * cos],
+                flux: 0.5 + w,
+                area: if i % 3 == 0 { 0.1 * u } else { 0.0 },
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn one_light_over_a_plane_gives_the_closed_form() {
+    let view = View { width: 21, height: 13, fov: 1.0 };
+    let light = VirtualLight { position: [0.3, 0.7, -0.2], normal: DOWN, flux: 5.0, area: 0.0 };
+    for area in [0.0, 0.04] {
+        let light = VirtualLight { area, ..light };
+        let outputs = view.stand(&[light]).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+        let Some(outputs) = outputs else { return };
+        for ((x, y), got) in view.pixels().zip(read(&outputs)) {
+            let at = view.position(x, y);
+            let d2 = (at[0] - 0.3).powi(2) + 0.49 + (at[2] + 0.2).powi(2);
+            // Both cosines are height over distance.
+            let wanted = 5.0 * 0.49 / d2 / (PI * d2 + area);
+            for (channel, factor) in [(0, 1.0), (1, 2.0), (2, 0.0)] {
+                let got = f64::from(got[channel]);
+                assert!((got - factor * wanted).abs() <= 1e-4 * wanted, "({x}, {y}): {got} for {}", factor * wanted);
+            }
+            assert_eq!(got[3], 0.0, "nothing is removed");
+        }
+    }
+}
+
+#[test]
+fn a_disc_of_lights_gives_the_form_factor_of_a_disc() {
+    // A Lambertian disc of radius a at height h gives its middle M a² / (a² + h²), M = Φ / area.
+    let (a, h) = (0.5, 0.8);
+    let disc: Vec<VirtualLight> = (0..4096)
+        .map(|i| {
+            let radius = a * ((f64::from(i) + 0.5) / 4096.0).sqrt();
+            let (sin, cos) = (f64::from(i) * PI * (3.0 - 5f64.sqrt())).sin_cos();
+            let position = [radius * cos, h, radius * sin];
+            VirtualLight { position, normal: DOWN, flux: 1.0 / 4096.0, area: 0.0 }
+        })
+        .collect();
+    let view = View { width: 1, height: 1, fov: 0.5 };
+    let outputs = view.stand(&disc).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+    let Some(outputs) = outputs else { return };
+    let wanted = 1.0 / (PI * a * a) * a * a / (a * a + h * h);
+    let got = f64::from(read(&outputs)[0][0]);
+    // Spiral points integrate over the disc to 1/N.
+    assert!((got - wanted).abs() < 1e-3 * wanted, "{got} for {wanted}");
+}
+
+#[test]
+fn every_light_is_in_exactly_one_subset() {
+    for runs in [false, true] {
+        for (subsets, count) in [(1, 7), (16, 64), (16, 61), (16, 5), (256, 1000), (9, 0)] {
+            let mut all: Vec<u32> = (0..subsets).flat_map(|s| subset(s, subsets, count, runs)).collect();
+            all.sort_unstable();
+            assert_eq!(all, (0..count).collect::<Vec<u32>>(), "{count} lights in {subsets} subsets");
+        }
+    }
+}
+
+#[test]
+fn each_sub_image_sums_its_subset() {
+    // Odd frames, one smaller than the interleaving, more lights a subset than are staged at once, and fewer
+    // lights than subsets.
+    for (width, height, n, m, count) in [(21, 13, 4, 4, 61), (37, 19, 1, 2, 300), (1, 1, 16, 16, 3), (5, 3, 3, 5, 7)] {
+        for subsets in ["runs", "strides"] {
+            let view = View { width, height, fov: 0.8 };
+            let lights = lights(count);
+            let outputs = view
+                .stand(&lights)
+                .set("interleave_x", n)
+                .set("interleave_y", m)
+                .set("subsets", subsets)
+                .set("clamp", 0.2)
+                .run();
+            let Some(outputs) = outputs else { return };
+            for ((x, y), got) in view.pixels().zip(read(&outputs)) {
+                let own = subset(y % m * n + x % n, n * m, count as u32, subsets == "runs");
+                let terms = own.iter().map(|i| unshadowed(&lights[*i as usize], view.position(x, y), UP, 0.2, EXTENT));
+                let (kept, removed) = terms.fold((0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1));
+                let scale = f64::from(n * m);
+                // The luminance of (1, 2, 0).
+                let removed = removed * (0.2126 + 2.0 * 0.7152);
+                for (got, wanted) in [(got[0], kept), (got[1], 2.0 * kept), (got[3], removed)] {
+                    let (got, wanted) = (f64::from(got), scale * wanted);
+                    let tolerance = 1e-4 * wanted.max(scale * kept);
+                    assert!((got - wanted).abs() <= tolerance, "({x}, {y}) of {width}×{height}: {got} for {wanted}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_mean_over_the_sub_images_is_the_sum_over_all_lights() {
+    // A view so narrow that all pixels see one place.
+    let view = View { width: 12, height: 12, fov: 1e-5 };
+    let lights = lights(100);
+    let all = view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).run();
+    let interleaved = view.stand(&lights).set("interleave_x", 4).set("interleave_y", 3).run();
+    let (Some(all), Some(interleaved)) = (all, interleaved) else { return };
+    let mean = |outputs: &Outputs| read(outputs).iter().map(|e| f64::from(e[0])).sum::<f64>() / 144.0;
+    let (all, interleaved) = (mean(&all), mean(&interleaved));
+    assert!((all - interleaved).abs() < 1e-4 * all, "{interleaved} for {all}");
+}
+
+#[test]
+fn extremes_stay_finite() {
+    let view = View { width: 3, height: 3, fov: 1.0 };
+    let on_the_receiver = VirtualLight { position: view.position(1, 1), normal: UP, flux: 1e9, area: 0.0 };
+    let facing = VirtualLight { position: [0.0, 1e-12, 0.0], normal: DOWN, ..on_the_receiver };
+    let behind = VirtualLight { position: [0.0, -1.0, 0.0], normal: UP, ..on_the_receiver };
+    for lights in [vec![on_the_receiver], vec![facing], vec![behind], Vec::new()] {
+        let outputs = view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+        let Some(outputs) = outputs else { return };
+        for value in read(&outputs).into_iter().flatten() {
+            assert!(value.is_finite() && value >= 0.0, "{value} of {lights:?}");
+        }
+    }
+}
+
+#[test]
+fn pixels_that_see_nothing_are_black() {
+    let view = View { width: 4, height: 4, fov: 1.0 };
+    let light = VirtualLight { position: [0.0, 1.0, 0.0], normal: DOWN, flux: 1.0, area: 0.0 };
+    let Some(outputs) = view.stand_at_depth(&[light], 0.0).run() else { return };
+    assert!(read(&outputs).iter().all(|e| *e == [0.0; 4]), "nothing is lit");
+}
+
+/// Runs one light over the plane with an atlas of one map of 8², filled with one distance.
+fn with_map(stored: f32, filter: &str) -> Option<Vec<[f32; 4]>> {
+    let view = View { width: 9, height: 9, fov: 0.6 };
+    let light = VirtualLight { position: [0.1, 1.0, 0.0], normal: DOWN, flux: 1.0, area: 0.0 };
+    let atlas = pass::ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8));
+    let outputs = view
+        .stand(&[light])
+        .set("interleave_x", 1)
+        .set("interleave_y", 1)
+        .set("visibility_filter", filter)
+        .set("visibility_bias", 0.1)
+        .input(
+            "visibility",
+            "Visibility",
+            &[("tile", 8), ("columns", 1)],
+            vec![("atlas", atlas, bytemuck::cast_slice(&[stored; 64]).to_vec())],
+        )
+        .text_fact("module", "shaders/visibility-atlas.wgsl")
+        .run();
+    outputs.map(|outputs| read(&outputs))
+}
+
+#[test]
+fn a_map_shadows_what_is_behind_its_distance() {
+    for filter in ["single", "pcf"] {
+        let (Some(open), Some(closed)) = (with_map(3.0e38, filter), with_map(0.5, filter)) else { return };
+        assert!(open.iter().all(|e| e[0] > 0.0), "nothing is in the way");
+        assert!(closed.iter().all(|e| e[0] == 0.0), "something is half way to the plane");
+        // At 1.02 m the map lets the places near the foot of the light through, whose distance is 1 m and a little.
+        let Some(edge) = with_map(1.02, filter) else { return };
+        let lit = edge.iter().filter(|e| e[0] > 0.0).count();
+        assert!(lit > 0 && lit < edge.len(), "{lit} pixels are lit");
+        for (edge, open) in edge.iter().zip(&open) {
+            assert!(edge[0] == 0.0 || edge[0] == open[0], "one distance everywhere makes no penumbra");
+        }
+    }
+}
+
+#[test]
+fn the_module_of_no_visibility_is_the_same_as_none() {
+    let view = View { width: 5, height: 5, fov: 0.6 };
+    let lights = lights(20);
+    let none = view.stand(&lights).run();
+    let module = view
+        .stand(&lights)
+        .input("visibility", "Visibility", &[], Vec::new())
+        .text_fact("module", "shaders/visibility-none.wgsl")
+        .run();
+    let (Some(none), Some(module)) = (none, module) else { return };
+    assert_eq!(read(&none), read(&module));
+}

@@ -1,0 +1,64 @@
+// What the camera sees at each pixel: depth, normal and material.
+
+#option SPECULAR false // whether the G-buffer has the member `specular`
+
+#import "camera.wgsl"
+#import "surface.wgsl"
+
+struct Seen {
+    @builtin(position) @invariant clip: vec4<f32>,
+    /// From the camera, in world space [m]: small numbers, so that their differences between pixels are exact.
+    @location(0) offset: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    @location(3) @interpolate(flat) material: u32,
+}
+
+struct Texel {
+    @location(0) depth: f32,
+    @location(1) normal: vec4<f32>,
+    @location(2) albedo: vec4<f32>,
+#if SPECULAR
+    @location(3) specular: vec4<f32>,
+#endif
+}
+
+@vertex
+fn project(vertex: Attributes) -> Seen {
+    let clip = camera.clip_from_world * vec4(vertex.position, 1.0);
+    return Seen(clip, vertex.position - camera.position, vertex.normal, vertex.uv, vertex.material);
+}
+
+@fragment
+fn geometry(seen: Seen) -> Texel {
+    let change = change_of(seen);
+    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
+    if !surface_exists(seen.material, at.coverage) {
+        discard;
+    }
+    // From a pixel to the right and from there down turns away from whoever looks, whatever the surface.
+    let towards = cross(change.position_y, change.position_x);
+    var texel: Texel;
+    texel.depth = -dot(seen.offset, camera.world_from_view[2].xyz);
+    texel.normal = vec4(shading_normal(seen.material, seen.normal, towards, seen.uv, change), 0.0);
+    texel.albedo = vec4(at.albedo, 1.0);
+#if SPECULAR
+    texel.specular = vec4(at.specular, at.roughness);
+#endif
+    return texel;
+}
+
+/// Drawn by itself: WebGPU promises 32 bytes a pixel for the targets of one draw, and those of `geometry` take 28.
+@fragment
+fn emission(seen: Seen) -> @location(0) vec4<f32> {
+    let change = change_of(seen);
+    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
+    if !surface_exists(seen.material, at.coverage) {
+        discard;
+    }
+    return vec4(at.emission, 1.0);
+}
+
+fn change_of(seen: Seen) -> Change {
+    return Change(dpdx(seen.offset), dpdy(seen.offset), dpdx(seen.uv), dpdy(seen.uv));
+}

@@ -1,0 +1,109 @@
+//! The geometry buffer: what the camera sees at each pixel.
+
+use pass::{
+    Define, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass,
+    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, Usage,
+    UseContext, Value, output, setting,
+};
+
+pub mod twin;
+
+/// The pass.
+pub const PASS: &dyn Pass = &Gbuffer;
+
+/// Rasterises the scene from the camera.
+#[derive(Debug)]
+pub struct Gbuffer;
+
+const GEOMETRY: &str = "passes/gbuffer/gbuffer.wgsl";
+const MOTION: &str = "passes/gbuffer/motion.wgsl";
+
+impl Pass for Gbuffer {
+    fn info(&self) -> Info {
+        Info {
+            kind: "gbuffer",
+            about: "What the camera sees: depth, normal and material at each pixel.",
+            paper: "",
+            shaders: &[GEOMETRY, MOTION],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![setting::bool(
+            "motion",
+            false,
+            "Whether the G-buffer has the member `motion`. One more draw over the frame; \
+             the scene is taken to be at rest.",
+        )])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: Vec::new(),
+            outputs: vec![output("view", "GBuffer", "What the camera sees.")],
+            externals: Externals::SCENE.and(Externals::CAMERA),
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let has = |name: &str| outputs.traits.0.get(name).and_then(Value::as_bool).unwrap_or(false);
+        let members = [
+            ("depth", Format::R32Float, true),
+            ("normal", Format::Rgba16Float, true),
+            ("albedo", Format::Rgba16Float, true),
+            ("specular", Format::Rgba16Float, has("glossy")),
+            ("emission", Format::Rgba32Float, has("emissive")),
+            ("motion", Format::Rg32Float, outputs.settings.bool("motion")),
+        ];
+        let texture = |format| ResourceDesc::texture_2d(format, Extent::FRAME);
+        let members = members.into_iter().filter(|(_, _, present)| *present);
+        let view = OutputDesc {
+            port: "view".into(),
+            scratch: false,
+            members: members
+                .map(|(name, format, _)| (name.into(), texture(format), Usage::Overwrites))
+                .collect(),
+            facts: Default::default(),
+        };
+        Ok(vec![view, OutputDesc::scratch("nearest", texture(Format::Depth32Float))])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let has = |member: &str| {
+            cx.port("view").is_some_and(|view| view.members.iter().any(|(name, _)| name == member))
+        };
+        let draw = |path: &str, defines: &[(&str, Define)], fragment: &str, members: &[&str]| Raster {
+            shader: cx.shader(path, defines),
+            vertex: "project".into(),
+            fragment: Some(fragment.into()),
+            targets: members.iter().map(|member| Target::clear(&format!("view.{member}"))).collect(),
+            depth: Some(DepthTarget { resource: "nearest".into(), layer: 0, clear: 0.0, less: false }),
+            draw: Draw::Scene,
+            values: Vec::new(),
+            constants: Vec::new(),
+            bind: Vec::new(),
+        };
+        let specular = has("specular");
+        let defines =
+            [("TEXTURED", Define::Bool(cx.trait_bool("textured"))), ("SPECULAR", Define::Bool(specular))];
+        let members: &[&str] = if specular {
+            &["depth", "normal", "albedo", "specular"]
+        } else {
+            &["depth", "normal", "albedo"]
+        };
+        let mut steps = vec![Step::Raster(draw(GEOMETRY, &defines, "geometry", members))];
+        if has("emission") {
+            steps.push(Step::Raster(draw(GEOMETRY, &defines, "emission", &["emission"])));
+        }
+        if has("motion") {
+            let motion = draw(MOTION, &[], "motion", &["motion"]);
+            steps.push(Step::Raster(Raster {
+                vertex: "fullscreen".into(),
+                draw: Draw::Fullscreen,
+                depth: None,
+                ..motion
+            }));
+        }
+        Ok(Recording { steps })
+    }
+}

@@ -1,0 +1,154 @@
+//! The pass on a GPU, against rays through the same pixels.
+
+use gbuffer::twin::{Camera, Vec3, cross, dot, unit};
+use half::f16;
+use pass_test::Stand;
+use scene::Scene;
+
+const WIDTH: u32 = 45;
+const HEIGHT: u32 = 30;
+
+struct NoFiles;
+
+impl scene::SceneFiles for NoFiles {
+    fn read(&self, path: &str) -> Option<std::sync::Arc<frame_graph::Source>> {
+        let text = std::fs::read_to_string(pass_test::root().join("scenes").join(path)).ok()?;
+        Some(frame_graph::Source::new(path, text))
+    }
+
+    fn list(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+fn load(name: &str) -> Scene {
+    scene::load(name, &NoFiles).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn camera(scene: &Scene) -> Camera {
+    let axes = scene.camera.view().inverse();
+    let axis = |i: usize| axes.col(i).truncate().as_dvec3().to_array();
+    let tangent = f64::from(scene.camera.vertical_fov * 0.5).tan();
+    Camera {
+        axes: [axis(0), axis(1), axis(2)],
+        position: scene.camera.position.as_dvec3().to_array(),
+        half_extent: [tangent * f64::from(WIDTH) / f64::from(HEIGHT), tangent],
+        size: [f64::from(WIDTH), f64::from(HEIGHT)],
+    }
+}
+
+/// What a ray through a pixel's centre meets first: distance along the axis, geometric normal on the camera's side,
+/// and material.
+fn trace(scene: &Scene, camera: &Camera, pixel: [u32; 2]) -> Option<(f64, Vec3, usize)> {
+    let ray = camera.view_ray(pixel.map(|p| f64::from(p) + 0.5));
+    let sub = |a: Vec3, b: Vec3| std::array::from_fn(|i| a[i] - b[i]);
+    let triangles = scene.indices.chunks_exact(3);
+    let hits =
+        triangles.filter_map(|corners| {
+            let vertex = |i: usize| &scene.vertices[corners[i] as usize];
+            let [a, b, c] = [0, 1, 2].map(|i| vertex(i).position.map(f64::from));
+            let (u, v, from) = (sub(b, a), sub(c, a), sub(camera.position, a));
+            let (p, q) = (cross(ray, v), cross(from, u));
+            let det = dot(u, p);
+            let (x, y, t) = (dot(from, p) / det, dot(ray, q) / det, dot(v, q) / det);
+            let normal = unit(cross(u, v));
+            let towards = if dot(normal, ray) < 0.0 { normal } else { normal.map(|n| -n) };
+            (det != 0.0 && x >= 0.0 && y >= 0.0 && x + y <= 1.0 && t > f64::from(scene.camera.near))
+                .then_some((t, towards, vertex(0).material as usize))
+        });
+    hits.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+struct Seen {
+    depth: Vec<f32>,
+    normal: Vec<[f16; 4]>,
+    albedo: Vec<[f16; 4]>,
+}
+
+fn run(scene: &Scene) -> Option<Seen> {
+    let outputs = Stand::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT).run()?;
+    let depth = outputs.read("view.depth");
+    Some(Seen { depth, normal: outputs.read("view.normal"), albedo: outputs.read("view.albedo") })
+}
+
+/// Flat-shaded, so that the shading normal is the geometric one.
+#[test]
+fn it_sees_what_rays_see() {
+    for name in ["cornell-box", "plane"] {
+        let scene = load(name);
+        let Some(seen) = run(&scene) else { return };
+        let camera = camera(&scene);
+        let mut wrong = 0;
+        for i in 0..WIDTH * HEIGHT {
+            let found = trace(&scene, &camera, [i % WIDTH, i / WIDTH]);
+            let i = i as usize;
+            let Some((depth, normal, material)) = found else {
+                wrong += u32::from(seen.depth[i] != 0.0);
+                continue;
+            };
+            let near = (f64::from(seen.depth[i]) / depth - 1.0).abs() < 1e-4;
+            let n = seen.normal[i].map(f64::from);
+            let facing = dot([n[0], n[1], n[2]], normal) > 0.999;
+            let base = scene.materials[material].base_color.to_array();
+            let coloured = (0..3).all(|k| (seen.albedo[i][k].to_f32() - base[k]).abs() < 1e-3);
+            wrong += u32::from(!(near && facing && coloured));
+        }
+        // An edge may fall to the other side of a pixel's centre.
+        assert!(wrong <= WIDTH * HEIGHT / 200, "{name}: {wrong} pixels differ");
+    }
+}
+
+#[test]
+fn winding_changes_nothing() {
+    let scene = load("cornell-box");
+    let mut turned = scene.clone();
+    turned.indices.chunks_exact_mut(3).step_by(2).for_each(|corners| corners.swap(1, 2));
+    let mut mirrored = scene.clone();
+    mirrored.vertices.iter_mut().for_each(|vertex| vertex.normal = vertex.normal.map(|n| -n));
+    let Some(seen) = run(&scene) else { return };
+    for other in [turned, mirrored] {
+        let Some(again) = run(&other) else { return };
+        let differs = |i: &usize| {
+            (0..3).any(|k| (seen.normal[*i][k].to_f32() - again.normal[*i][k].to_f32()).abs() > 1e-3)
+        };
+        let wrong = (0..seen.normal.len()).filter(differs).count();
+        assert!(wrong <= seen.normal.len() / 200, "{wrong} normals differ");
+    }
+}
+
+#[test]
+fn members_are_those_of_the_scene() {
+    let mut scene = load("cornell-box-lamp");
+    // Up at the lamp, which from its own place the camera sees nearly on edge.
+    scene.camera.position = glam::vec3(0.278, 0.25, 0.1);
+    scene.camera.target = glam::vec3(0.278, 0.548, 0.28);
+    let stand = Stand::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT);
+    let Some(outputs) = stand.scene_trait("glossy", true).set("motion", true).run() else { return };
+    let emission: Vec<[f32; 4]> = outputs.read("view.emission");
+    let specular: Vec<[f16; 4]> = outputs.read("view.specular");
+    let motion: Vec<[f32; 2]> = outputs.read("view.motion");
+    let camera = camera(&scene);
+    let (mut wrong, mut lamp) = (0, 0);
+    for i in 0..WIDTH * HEIGHT {
+        let found = trace(&scene, &camera, [i % WIDTH, i / WIDTH]);
+        let material = found.map(|(_, _, material)| &scene.materials[material]);
+        let expected = material.map_or([0.0; 3], |m| m.emission.to_array());
+        lamp += u32::from(expected[0] > 0.0);
+        let i = i as usize;
+        let same = (0..3).all(|k| (emission[i][k] - expected[k]).abs() <= 1e-5 * expected[k].abs());
+        let rough = material.is_none_or(|m| {
+            (specular[i][0].to_f32() - m.specular.x).abs() < 1e-3 && specular[i][3].to_f32() == m.roughness
+        });
+        wrong += u32::from(!same || !rough);
+        // The camera was where it is.
+        assert!(motion[i].iter().all(|m| m.abs() < 1e-2), "pixel {i} moved by {:?}", motion[i]);
+    }
+    assert!(lamp > 5, "the lamp is in the picture");
+    assert!(wrong <= WIDTH * HEIGHT / 200, "{wrong} pixels differ");
+}
+
+#[test]
+fn an_empty_scene_is_seen_nowhere() {
+    let Some(seen) = run(&load("empty")) else { return };
+    assert!(seen.depth.iter().all(|depth| *depth == 0.0));
+}

@@ -1,0 +1,89 @@
+// Averages irradiance over a window of pixels that see the same surface. [ISM §4; ACRSM §5.3.3]
+//
+// The window has the size of the interleaving, and so each subset of the lights in it exactly once. An even window
+// has no middle pixel: it takes one pixel more and gives its two outermost rows and columns, which have the same
+// subsets, half a weight each. Where the window passes the edge of the image it goes on one period further
+// inside, to pixels of the same subset.
+//
+// filtered: rgba32float [W/m²], all four channels averaged alike.
+
+#import "camera.wgsl"
+
+struct Settings {
+    view_size: vec2<u32>,
+    /// Window [px].
+    width: u32,
+    height: u32,
+    alpha: f32,
+    beta: f32,
+}
+
+var<uniform> settings: Settings;
+var view_depth: texture_2d<f32>;
+var view_normal: texture_2d<f32>;
+var irradiance: texture_2d<f32>;
+var filtered: texture_storage_2d<rgba32float, write>;
+
+/// World direction through the centre of a pixel of the view, with length 1 along the viewing axis.
+fn pixel_ray(pixel: vec2<f32>) -> vec3<f32> {
+    return view_ray((pixel + 0.5) * camera.size / vec2<f32>(settings.view_size));
+}
+
+/// Weight of an offset along one side of a window of so many pixels.
+fn window_weight(offset: i32, window: u32) -> f32 {
+    return select(1.0, 0.5, window % 2u == 0u && u32(abs(offset)) * 2u == window);
+}
+
+/// A coordinate brought back into the image by one period; still outside where the image is narrower.
+fn inside(at: i32, size: u32, period: u32) -> i32 {
+    return at + select(0, i32(period), at < 0) - select(0, i32(period), at >= i32(size));
+}
+
+@compute @workgroup_size(8, 8)
+fn blur(@builtin(global_invocation_id) id: vec3<u32>) {
+    let pixel = id.xy;
+    if any(pixel >= settings.view_size) {
+        return;
+    }
+    let depth = textureLoad(view_depth, pixel, 0).x;
+    if depth <= 0.0 {
+        textureStore(filtered, pixel, vec4(0.0));
+        return;
+    }
+    let normal = textureLoad(view_normal, pixel, 0).xyz;
+    // Rays change linearly over the image, and so does their part along the normal: height above the camera's
+    // plane of this orientation, per depth.
+    let ray = pixel_ray(vec2<f32>(pixel));
+    let slope = dot(normal, ray);
+    let slope_x = dot(normal, pixel_ray(vec2<f32>(pixel) + vec2(1.0, 0.0)) - ray);
+    let slope_y = dot(normal, pixel_ray(vec2<f32>(pixel) + vec2(0.0, 1.0)) - ray);
+    let reach = vec2(i32(settings.width), i32(settings.height)) / 2;
+    var sum = vec4(0.0);
+    var weights = 0.0;
+    for (var y = -reach.y; y <= reach.y; y++) {
+        let row = inside(i32(pixel.y) + y, settings.view_size.y, settings.height);
+        let row_slope = slope + slope_y * f32(row - i32(pixel.y));
+        let row_weight = window_weight(y, settings.height);
+        for (var x = -reach.x; x <= reach.x; x++) {
+            let column = inside(i32(pixel.x) + x, settings.view_size.x, settings.width);
+            // Negative numbers are large ones.
+            let other = vec2(u32(column), u32(row));
+            if any(other >= settings.view_size) {
+                continue;
+            }
+            let other_depth = textureLoad(view_depth, other, 0).x;
+            // Off the tangent plane, as a fraction of the depth: on a slanted floor the depth itself differs.
+            let off = other_depth * (row_slope + slope_x * f32(column - i32(pixel.x))) - depth * slope;
+            let along = dot(normal, textureLoad(view_normal, other, 0).xyz);
+            if other_depth <= 0.0 || abs(off) > settings.alpha * depth || along < settings.beta {
+                continue;
+            }
+            let weight = window_weight(x, settings.width) * row_weight;
+            sum += weight * textureLoad(irradiance, other, 0);
+            weights += weight;
+        }
+    }
+    // A normal's own length is 1 but for rounding, so that thresholds of 1 and 0 may reject even the pixel itself.
+    let alone = textureLoad(irradiance, pixel, 0);
+    textureStore(filtered, pixel, select(alone, sum / weights, weights > 0.0));
+}

@@ -1,0 +1,153 @@
+//! How much each texel of a reflective shadow map matters as a virtual light.
+
+pub mod twin;
+
+use pass::setting::{self, SettingExt};
+use pass::{
+    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, output,
+};
+
+/// The pass, for the catalog.
+pub const PASS: &dyn Pass = &ImportanceMap;
+
+/// See the crate.
+pub struct ImportanceMap;
+
+const VIEW_SAMPLES: &str = "passes/importance-map/view-samples.wgsl";
+const IMPORTANCE_MAP: &str = "passes/importance-map/importance-map.wgsl";
+const MIX: &str = "passes/importance-map/mix.wgsl";
+
+/// Side of the workgroups of importance-map.wgsl.
+const GROUP: u32 = 16;
+/// Bytes of struct ViewSample.
+const VIEW_SAMPLE_BYTES: u64 = 48;
+/// Bytes of struct Sums.
+const SUMS_BYTES: u64 = 16;
+
+impl Pass for ImportanceMap {
+    fn info(&self) -> Info {
+        Info {
+            kind: "importance-map",
+            about: "How much each texel of a reflective shadow map matters as a virtual light.",
+            paper: "TCAS §4.1, Eq. 1-2; ISM §4",
+            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP, MIX],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![
+            setting::choice(
+                "measure",
+                &["contribution", "flux"],
+                "What importance is. contribution: what the texel adds to samples of the view, visibility left out \
+                 (TCAS Eq. 1-2). flux: luminance of the flux that it reflects, whatever the camera sees (ISM §4).",
+            ),
+            setting::u32(
+                "view_samples",
+                256,
+                "Samples of the view P, for the measure contribution. Noise of the importance falls as P^-½, time \
+                 rises with P × texels of the map. TCAS §2 names 0.1 % of the pixels.",
+            )
+            .range(1.0, 65536.0),
+            setting::f32(
+                "min_distance",
+                0.01,
+                "Distance that a texel and a sample of the view have at least when their geometry term is taken. \
+                 Larger: fewer lights crowd where a sample happens to lie near a lit surface; too large: lights miss \
+                 corners, which are lit from near by.",
+            )
+            .range(1e-4, 1.0)
+            .unit("scene extents"),
+            setting::f32(
+                "defensive",
+                0.05,
+                "Share δ of the lights that is drawn by flux whatever the view, for the measure contribution. Bounds \
+                 the weight of a light by 1/δ times that of drawing by flux, and draws texels that no sample of the \
+                 view saw. Larger: fewer bright outliers, but more lights out of sight. 0: as in the paper.",
+            )
+            .range(0.0, 1.0),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError> {
+        let rsm = input("rsm", "ReflectiveShadowMap", "Each texel is a potential virtual light.");
+        let importance =
+            output("importance", "ImportanceMap", "f(v) of each texel; the mean is 1 where it is a mixture.");
+        Ok(if by_contribution(settings) {
+            Ports {
+                inputs: vec![rsm, input("view", "GBuffer", "What the lights are to be important for.")],
+                outputs: vec![importance],
+                externals: Externals::SCENE.and(Externals::CAMERA),
+            }
+        } else {
+            Ports { inputs: vec![rsm], outputs: vec![importance], externals: Externals::NONE }
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let texture = cx
+            .input("rsm")
+            .and_then(|rsm| rsm.member("flux"))
+            .and_then(ResourceDesc::texture)
+            .ok_or_else(|| KindError::input("rsm", "expected a member `flux`"))?;
+        let map = || ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("rsm"), texture.layers);
+        let mut outputs = vec![
+            OutputDesc::one("importance", map())
+                .fact("size", Value::U32(texture.size.0))
+                .fact("layers", Value::U32(texture.layers)),
+        ];
+        if by_contribution(cx.settings) {
+            let samples = VIEW_SAMPLE_BYTES * u64::from(cx.settings.u32("view_samples"));
+            outputs.push(OutputDesc::scratch("samples", ResourceDesc::buffer(samples)));
+        }
+        if mixes(cx.settings) {
+            let partial = SUMS_BYTES * u64::from(groups(texture.size, texture.layers));
+            outputs.push(OutputDesc::scratch("contribution", map()));
+            outputs.push(OutputDesc::scratch("partial_sums", ResourceDesc::buffer(partial)));
+            outputs.push(OutputDesc::scratch("sums", ResourceDesc::buffer(SUMS_BYTES)));
+        }
+        Ok(outputs)
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let layers = cx
+            .port("importance")
+            .and_then(|port| port.members.iter().find_map(|(_, desc)| desc.texture()))
+            .map_or(1, |texture| texture.layers);
+        let (width, height) = cx.size("importance");
+        let (contribution, mixed) = (by_contribution(cx.settings), mixes(cx.settings));
+        let texels = Threads::Grid([width, height, layers]);
+        let defines = [("CONTRIBUTION", Define::Bool(contribution)), ("SUMS", Define::Bool(mixed))];
+        let measure = Compute::new(cx.shader(IMPORTANCE_MAP, &defines), "measure", texels.clone());
+        if !contribution {
+            return Ok(Recording::one(measure));
+        }
+        let samples = Threads::Row(cx.settings.u32("view_samples"));
+        let pick = Recording::one(Compute::new(cx.shader(VIEW_SAMPLES, &[]), "pick", samples));
+        if !mixed {
+            return Ok(pick.then(measure));
+        }
+        let mix = |entry, threads| {
+            Compute::new(cx.shader(MIX, &[]), entry, threads)
+                .value("groups", Value::U32(groups((width, height), layers)))
+        };
+        Ok(pick
+            .then(measure.bind("importance", "contribution"))
+            .then(mix("add", Threads::Grid([1, 1, 1])).bind("sum", "sums"))
+            .then(mix("mix_with_flux", texels).bind("total", "sums")))
+    }
+}
+
+fn by_contribution(settings: &Settings) -> bool {
+    settings.text("measure") == "contribution"
+}
+
+fn mixes(settings: &Settings) -> bool {
+    by_contribution(settings) && settings.f32("defensive") > 0.0
+}
+
+/// Workgroups of importance-map.wgsl.
+fn groups(size: (u32, u32), layers: u32) -> u32 {
+    size.0.div_ceil(GROUP) * size.1.div_ceil(GROUP) * layers
+}

@@ -1,0 +1,9 @@
+// What the importance is a mixture of, summed over texels.
+
+#import "prefix-sum.wgsl"
+
+struct Sums {
+    contribution: Scaled,
+    /// Luminance of the reflected flux [W].
+    flux: Scaled,
+}

@@ -1,0 +1,52 @@
+// Pull: one level of the pyramid from the finer one. [ISM §3.2]
+
+#option FINEST true // whether the finer level is the maps themselves
+
+#import "combine.wgsl"
+#import "scene.wgsl"
+
+struct Settings {
+    /// Sides of a map at the two levels [px].
+    fine_side: u32,
+    coarse_side: u32,
+    /// Where the levels begin in the pyramid.
+    fine_begin: u32,
+    coarse_begin: u32,
+    /// 2^l of the finer level.
+    scale: f32,
+    pull_threshold: f32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> depth: array<u32>;
+var<storage, read_write> pyramid: array<f32>;
+
+fn fine(map: u32, texel: vec2<u32>) -> f32 {
+    let side = settings.fine_side;
+    let index = (map * side + texel.y) * side + texel.x;
+#if FINEST
+    // +∞ is a hole.
+    let value = min(bitcast<f32>(depth[index]), NOTHING);
+#else
+    let value = pyramid[settings.fine_begin + index];
+#endif
+    return select(NOTHING, value, all(texel < vec2(side)));
+}
+
+/// One thread a coarse texel; z is the map.
+@compute @workgroup_size(8, 8)
+fn pull(@builtin(global_invocation_id) id: vec3<u32>) {
+    let side = settings.coarse_side;
+    if any(id.xy >= vec2(side)) {
+        return;
+    }
+    let corner = id.xy * 2u;
+    let values = vec4(
+        fine(id.z, corner),
+        fine(id.z, corner + vec2(1u, 0u)),
+        fine(id.z, corner + vec2(0u, 1u)),
+        fine(id.z, corner + vec2(1u, 1u)),
+    );
+    let threshold = settings.pull_threshold * scene_info.extent * settings.scale;
+    pyramid[settings.coarse_begin + (id.z * side + id.y) * side + id.x] = pulled(values, threshold);
+}

@@ -1,0 +1,155 @@
+//! Fills the holes of splatted depth maps through an image pyramid.
+
+pub mod twin;
+
+use pass::setting::{self, SettingExt};
+use pass::{
+    Blend, Compute, Define, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc, Pass,
+    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, Threads, UseContext, Value,
+};
+
+/// The kind `pull-push`.
+pub const PASS: &dyn Pass = &PullPush;
+
+/// Hole filling by pull and push with rejection of outliers.
+pub struct PullPush;
+
+const PULL: &str = "passes/pull-push/pull.wgsl";
+const PUSH: &str = "passes/pull-push/push.wgsl";
+const FILL: &str = "passes/pull-push/fill.wgsl";
+
+/// The greatest side of a texture, and the most workgroups along a dimension: WebGPU's defaults.
+const MAX_SIDE: u32 = 8192;
+const MAX_GROUPS: u32 = 65_535;
+
+/// `NOTHING` of shaders/paraboloid.wgsl.
+const NOTHING: f64 = 3.0e38;
+
+/// The levels of the maps' pyramids: one buffer, level 1 first.
+#[derive(Clone, Copy)]
+struct Pyramid {
+    tile: u32,
+    count: u32,
+}
+
+impl Pyramid {
+    /// Side of a map at a level [px].
+    fn side(self, level: u32) -> u32 {
+        self.tile.div_ceil(1 << level)
+    }
+
+    /// Where a level begins; level 0 is not in it.
+    fn begin(self, level: u32) -> u32 {
+        (1..level).map(|finer| self.count * self.side(finer).pow(2)).sum()
+    }
+
+    /// A step between a level and the coarser one, with a thread a texel of level `threads`.
+    fn step(self, finer: u32, threads: u32, shader: pass::Request, entry: &str) -> Compute {
+        let side = self.side(threads);
+        let begin = |level| Value::U32(self.begin(level));
+        Compute::new(shader, entry, Threads::Grid([side, side, self.count]))
+            .value("fine_side", Value::U32(self.side(finer)))
+            .value("coarse_side", Value::U32(self.side(finer + 1)))
+            .value("fine_begin", begin(finer))
+            .value("coarse_begin", begin(finer + 1))
+            .value("scale", Value::F32((1 << finer) as f32))
+    }
+}
+
+impl Pass for PullPush {
+    fn info(&self) -> Info {
+        Info {
+            kind: "pull-push",
+            about: "Fills the holes of splatted depth maps through an image pyramid.",
+            paper: "ISM §3.2",
+            shaders: &[PULL, PUSH, FILL],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![
+            setting::u32(
+                "levels",
+                2,
+                "Levels of the pyramid above the maps. 0 leaves holes as they are. Larger holes close, and small \
+                 openings with them.",
+            )
+            .range(0.0, 4.0),
+            setting::f32(
+                "pull_threshold",
+                0.05,
+                "Distances are averaged that differ from the nearest by less than this fraction of the scene's \
+                 extent, doubled with each level. More is smoother and mixes surfaces.",
+            )
+            .at_least(0.0),
+            setting::f32(
+                "push_threshold",
+                0.05,
+                "Distances that differ from the coarser level by more than this fraction of the scene's extent, \
+                 doubled with each level, are replaced. Less closes more leaks and thickens thin occluders.",
+            )
+            .at_least(0.0),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![pass::input("depth", "DepthAtlas", "The maps, with holes.")],
+            outputs: vec![pass::output("visibility", "Visibility", "The maps, filled.")],
+            externals: Externals::SCENE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let [tile, count] =
+            ["tile", "count"].map(|fact| cx.fact("depth", fact).and_then(Value::as_u32).unwrap_or(1).max(1));
+        // The narrowest atlas: where texels lie row by row, those of a map are near each other.
+        let columns = count.div_ceil((MAX_SIDE / tile).max(1));
+        if count > MAX_GROUPS || columns * tile > MAX_SIDE {
+            return Err(KindError::input(
+                "depth",
+                format!("{count} maps of {tile}² are more than an atlas of {MAX_SIDE}² holds, or than {MAX_GROUPS}"),
+            )
+            .help("take smaller maps, or fewer virtual lights"));
+        }
+        let size = Extent::Fixed(columns * tile, count.div_ceil(columns) * tile);
+        let mut visibility = OutputDesc::one("visibility", ResourceDesc::texture_2d(Format::R32Float, size))
+            .fact("module", Value::Text("shaders/visibility-atlas.wgsl".into()))
+            .fact("tile", Value::U32(tile))
+            .fact("columns", Value::U32(columns));
+        visibility.members[0].0 = "atlas".into();
+        let texels = Pyramid { tile, count }.begin(cx.settings.u32("levels") + 1);
+        let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));
+        Ok(vec![visibility, pyramid])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let levels = cx.settings.u32("levels");
+        let pyramid = Pyramid { tile: cx.fact("depth", "tile").max(1), count: cx.fact("depth", "count").max(1) };
+        let mut recording = Recording::default();
+        for finer in 0..levels {
+            let shader = cx.shader(PULL, &[("FINEST", Define::Bool(finer == 0))]);
+            recording = recording.then(pyramid.step(finer, finer + 1, shader, "pull"));
+        }
+        for finer in (1..levels).rev() {
+            recording = recording.then(pyramid.step(finer, finer, cx.shader(PUSH, &[]), "push"));
+        }
+        recording.steps.push(Step::Raster(Raster {
+            shader: cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]),
+            vertex: "cover".into(),
+            fragment: Some("fill".into()),
+            targets: vec![Target {
+                resource: "visibility.atlas".into(),
+                layer: 0,
+                load: Load::Clear([NOTHING; 4]),
+                blend: Blend::Replace,
+            }],
+            depth: None,
+            draw: Draw::Vertices { vertices: 6, instances: pyramid.count },
+            values: vec![("coarse_side".into(), Value::U32(pyramid.side(1)))],
+            constants: Vec::new(),
+            bind: vec![("level_1".into(), "pyramid".into())],
+        }));
+        Ok(recording)
+    }
+}

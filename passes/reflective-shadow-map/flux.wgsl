@@ -1,0 +1,64 @@
+// The flux [W] that each texel's part of the surface reflects: albedo × what the light sends into the texel.
+
+#import "lights.wgsl"
+
+var rsm_position: texture_2d_array<f32>;
+var albedo: texture_2d_array<f32>;
+var rsm_flux: texture_storage_2d_array<rgba32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn flux(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= textureDimensions(rsm_position)) {
+        return;
+    }
+    var reflected = vec3(0.0);
+    if textureLoad(rsm_position, id.xy, id.z, 0).w > 0.0 {
+        reflected = textureLoad(albedo, id.xy, id.z, 0).rgb * incident_flux(id);
+    }
+    textureStore(rsm_flux, id.xy, id.z, vec4(reflected, 0.0));
+}
+
+/// What the light sends through a texel [W].
+fn incident_flux(texel: vec3<u32>) -> vec3<f32> {
+    let layer = scene_light_layers[texel.z];
+    let light = scene_lights.lights[layer.light];
+    // Corners on the image plane at distance 1, y up; for a directional light, in metres.
+    let low = corner(texel.xy, layer.half_extent);
+    let high = corner(texel.xy + 1u, layer.half_extent);
+    if layer.kind == LIGHT_DIRECTIONAL {
+        let sides = abs(high - low);
+        return light.intensity * (sides.x * sides.y);
+    }
+    let middle = 0.5 * (low + high);
+    let ray = layer.world_from_layer * vec4(middle, -1.0, 0.0);
+    return light_intensity(light, normalize(ray.xyz)) * solid_angle(low, high);
+}
+
+fn corner(at: vec2<u32>, half_extent: vec2<f32>) -> vec2<f32> {
+    return (vec2<f32>(at) / vec2<f32>(textureDimensions(rsm_position)) * 2.0 - 1.0) * vec2(1.0, -1.0) * half_extent;
+}
+
+/// Solid angle [sr] of a rectangle on the plane at distance 1, given two opposite corners: that of its two
+/// triangles. Exact for any rectangle, so the texels of six faces make 4π for maps of any size.
+fn solid_angle(low: vec2<f32>, high: vec2<f32>) -> f32 {
+    let a = vec3(low, 1.0);
+    let b = vec3(high.x, low.y, 1.0);
+    let c = vec3(high, 1.0);
+    let d = vec3(low.x, high.y, 1.0);
+    let sides = abs(high - low);
+    let volume = sides.x * sides.y;
+    return triangle_solid_angle(a, b, c, volume) + triangle_solid_angle(a, c, d, volume);
+}
+
+/// Van Oosterom & Strackee 1983, Eq. 8. `volume` is |a · (b × c)|, which the caller knows without cancellation.
+fn triangle_solid_angle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, volume: f32) -> f32 {
+    let la = length(a);
+    let lb = length(b);
+    let lc = length(c);
+    let t = volume / (la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+    // Built-in arc tangents are off by some 1e-6, which is much for the texel of a large map: there, a series.
+    if t < 0.03125 {
+        return 2.0 * t * (1.0 - t * t * (1.0 / 3.0 - t * t * 0.2));
+    }
+    return 2.0 * atan(t);
+}

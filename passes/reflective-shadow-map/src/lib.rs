@@ -1,0 +1,120 @@
+//! Reflective shadow maps: what the lights see, and how much of their light it reflects.
+
+use pass::{
+    Compute, Define, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, OutputContext,
+    OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
+    Threads, Usage, UseContext, Value, output,
+    setting::{self, SettingExt},
+};
+
+pub mod twin;
+
+/// The pass.
+pub const PASS: &dyn Pass = &ReflectiveShadowMap;
+
+/// Rasterises the scene from each layer of each light, then works out the reflected flux of every texel.
+#[derive(Debug)]
+pub struct ReflectiveShadowMap;
+
+const SURFACES: &str = "passes/reflective-shadow-map/surfaces.wgsl";
+const FLUX: &str = "passes/reflective-shadow-map/flux.wgsl";
+
+/// The scene's layers: one for a spot or directional light, six for a point light.
+fn light_layers(traits: &pass::Traits) -> u32 {
+    traits.0.get("light_layers").and_then(Value::as_u32).unwrap_or(0)
+}
+
+impl Pass for ReflectiveShadowMap {
+    fn info(&self) -> Info {
+        Info {
+            kind: "reflective-shadow-map",
+            about: "What the lights see: position, normal and reflected flux. One layer for a spot or \
+                    directional light, six for a point light.",
+            paper: "Dachsbacher & Stamminger 2005, §3.1",
+            shaders: &[SURFACES, FLUX],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![
+            setting::u32(
+                "size",
+                512,
+                "Side of a layer. Shadows sharpen and virtual lights have more places to stand as it grows; \
+                 time and memory grow with its square.",
+            )
+            .range(1.0, 8192.0)
+            .unit("px"),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: Vec::new(),
+            outputs: vec![output("rsm", "ReflectiveShadowMap", "What the lights see.")],
+            externals: Externals::SCENE.and(Externals::LIGHTS),
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let size = outputs.settings.u32("size");
+        let extent = Extent::Fixed(size, size);
+        let lit = light_layers(outputs.traits);
+        let layers = lit.max(1);
+        let array = |format| ResourceDesc::texture_2d_array(format, extent.clone(), layers);
+        // Without lights nothing is drawn: one layer that sees nothing.
+        let usage = if lit == 0 { Usage::ClearFirst(pass::Clear::Zero) } else { Usage::Overwrites };
+        let rsm = OutputDesc {
+            port: "rsm".into(),
+            scratch: false,
+            members: vec![
+                ("position".into(), array(Format::Rgba32Float), usage),
+                ("normal".into(), array(Format::Rgba16Float), usage),
+                ("flux".into(), array(Format::Rgba32Float), usage),
+            ],
+            facts: Default::default(),
+        };
+        let mut all = vec![rsm.fact("size", Value::U32(size)).fact("layers", Value::U32(layers))];
+        if lit > 0 {
+            all.push(OutputDesc::scratch("albedo", array(Format::Rgba16Float)));
+            all.push(OutputDesc::scratch("nearest", ResourceDesc::texture_2d(Format::Depth32Float, extent)));
+        }
+        Ok(all)
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let layers = light_layers(cx.traits);
+        let size = cx.settings.u32("size");
+        let shader = cx.shader(SURFACES, &[("TEXTURED", Define::Bool(cx.trait_bool("textured")))]);
+        let mut steps: Vec<Step> = (0..layers)
+            .map(|layer| {
+                let target = |resource: &str| Target { layer, ..Target::clear(resource) };
+                Step::Raster(Raster {
+                    shader: shader.clone(),
+                    vertex: "project".into(),
+                    fragment: Some("surfaces".into()),
+                    // With the flux it would be more than the 32 bytes a texel that WebGPU promises.
+                    targets: vec![target("rsm.position"), target("rsm.normal"), target("albedo")],
+                    depth: Some(DepthTarget {
+                        resource: "nearest".into(),
+                        layer: 0,
+                        clear: 0.0,
+                        less: false,
+                    }),
+                    draw: Draw::Scene,
+                    values: vec![("layer".into(), Value::U32(layer))],
+                    constants: Vec::new(),
+                    bind: Vec::new(),
+                })
+            })
+            .collect();
+        if layers > 0 {
+            steps.push(Step::Compute(Compute::new(
+                cx.shader(FLUX, &[]),
+                "flux",
+                Threads::Grid([size, size, layers]),
+            )));
+        }
+        Ok(Recording { steps })
+    }
+}

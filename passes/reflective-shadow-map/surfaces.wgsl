@@ -1,0 +1,48 @@
+// One layer of a reflective shadow map: the surfaces that a light sees (Dachsbacher & Stamminger 2005, §3.1).
+
+#import "lights.wgsl"
+#import "surface.wgsl"
+
+struct Settings {
+    /// The layer drawn.
+    layer: u32,
+}
+
+var<uniform> settings: Settings;
+
+struct Seen {
+    @builtin(position) clip: vec4<f32>,
+    /// From the layer's origin, in world space [m].
+    @location(0) offset: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    @location(3) @interpolate(flat) material: u32,
+}
+
+struct Texel {
+    @location(0) position: vec4<f32>,
+    @location(1) normal: vec4<f32>,
+    @location(2) albedo: vec4<f32>,
+}
+
+@vertex
+fn project(vertex: Attributes) -> Seen {
+    let clip = scene_light_layers[settings.layer].clip_from_world * vec4(vertex.position, 1.0);
+    let offset = vertex.position - scene_light_layers[settings.layer].world_from_layer[3].xyz;
+    return Seen(clip, offset, vertex.normal, vertex.uv, vertex.material);
+}
+
+@fragment
+fn surfaces(seen: Seen) -> Texel {
+    let change = Change(dpdx(seen.offset), dpdy(seen.offset), dpdx(seen.uv), dpdy(seen.uv));
+    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
+    if !surface_exists(seen.material, at.coverage) {
+        discard;
+    }
+    // From a texel to the right and from there down turns away from the light, whatever the surface.
+    let towards = cross(change.position_y, change.position_x);
+    let normal = shading_normal(seen.material, seen.normal, towards, seen.uv, change);
+    let world_from_layer = scene_light_layers[settings.layer].world_from_layer;
+    let along = -dot(seen.offset, world_from_layer[2].xyz);
+    return Texel(vec4(world_from_layer[3].xyz + seen.offset, along), vec4(normal, 0.0), vec4(at.albedo, 1.0));
+}

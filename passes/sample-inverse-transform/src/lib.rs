@@ -1,0 +1,127 @@
+//! Virtual lights drawn in proportion to an importance map by the inverse transform method.
+
+pub mod twin;
+
+use pass::setting::{self, SettingExt};
+use pass::{
+    Compute, Define, Extent, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
+    Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, output,
+};
+
+/// The pass, for the catalog.
+pub const PASS: &dyn Pass = &SampleInverseTransform;
+
+/// See the crate.
+pub struct SampleInverseTransform;
+
+const CUMULATE: &str = "passes/sample-inverse-transform/cumulate.wgsl";
+const DRAW: &str = "passes/sample-inverse-transform/draw.wgsl";
+
+/// Threads of a workgroup that sums a segment: SCAN_SIZE of shaders/prefix-sum.wgsl.
+const SCAN_SIZE: u32 = 256;
+
+impl Pass for SampleInverseTransform {
+    fn info(&self) -> Info {
+        Info {
+            kind: "sample-inverse-transform",
+            about: "Virtual lights drawn in proportion to an importance map by the inverse transform method.",
+            paper: "TCAS §4.2",
+            shaders: &[CUMULATE, DRAW],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let count = "Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.";
+        let dimensions = "Random numbers a light. 3: layer, row and column have one each. 2: the number that picks \
+                          the layer is renormalised and picks the row too (Shirley & Wang 1991); flicker between \
+                          frames is higher (TCAS Fig. 8).";
+        Ok(vec![
+            setting::u32("count", 1024, count).range(1.0, 2_097_152.0),
+            Setting {
+                one_of: vec![Value::U32(3), Value::U32(2)],
+                ..setting::u32("dimensions", 3, dimensions)
+            },
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![
+                input("rsm", "ReflectiveShadowMap", "The texels that are drawn from."),
+                input("importance", "ImportanceMap", "What the probability of a texel is proportional to."),
+            ],
+            outputs: vec![output(
+                "lights",
+                "VirtualLights",
+                "N lights; none where the importance is 0 everywhere.",
+            )],
+            ..Ports::default()
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let count = cx.settings.u32("count");
+        let shape = |name: &str| {
+            let texture =
+                cx.input(name).and_then(|input| input.members.iter().find_map(|(_, desc)| desc.texture()));
+            texture
+                .map(|t| (t.size, t.layers))
+                .ok_or_else(|| KindError::input(name, "expected a texture array"))
+        };
+        let ((width, height), layers) = shape("importance")?;
+        let (rsm, rsm_layers) = shape("rsm")?;
+        if (rsm, rsm_layers) != ((width, height), layers) {
+            return Err(KindError::input(
+                "importance",
+                format!(
+                    "the importance map has {width}×{height} texels in {layers} layers, the reflective shadow map {}×{} in {rsm_layers}",
+                    rsm.0, rsm.1
+                ),
+            )
+            .help("both must come from the same lights: link the map that the importance was made from"));
+        }
+        let cdf = |entries: u32| ResourceDesc::buffer(4 * u64::from(entries));
+        let totals = |segments: u32| ResourceDesc::buffer(8 * u64::from(segments));
+        Ok(vec![
+            // The header of struct VirtualLights, and 48 bytes a light.
+            OutputDesc::one("lights", ResourceDesc::buffer(16 + 48 * u64::from(count)))
+                .fact("count", Value::U32(count)),
+            OutputDesc::scratch(
+                "row_cdf",
+                ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("importance"), layers),
+            ),
+            OutputDesc::scratch("row_totals", totals(height * layers)),
+            OutputDesc::scratch("column_cdf", cdf(height * layers)),
+            OutputDesc::scratch("layer_totals", totals(layers)),
+            OutputDesc::scratch("layer_cdf", cdf(layers)),
+            OutputDesc::scratch("total", totals(1)),
+        ])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let (_, height) = cx.size("row_cdf");
+        let layers = cx
+            .port("row_cdf")
+            .and_then(|port| port.members.iter().find_map(|(_, desc)| desc.texture()))
+            .map_or(1, |texture| texture.layers);
+        let rows = Compute::new(
+            cx.shader(CUMULATE, &[("ROWS", Define::Bool(true))]),
+            "cumulate",
+            Threads::Grid([SCAN_SIZE, height, layers]),
+        )
+        .bind("totals", "row_totals");
+        let run = |length: u32, segments: u32| {
+            let threads = Threads::Grid([SCAN_SIZE, segments, 1]);
+            Compute::new(cx.shader(CUMULATE, &[("ROWS", Define::Bool(false))]), "cumulate", threads)
+                .value("segment_length", Value::U32(length))
+        };
+        let columns = run(height, layers)
+            .bind("parts", "row_totals")
+            .bind("cdf", "column_cdf")
+            .bind("totals", "layer_totals");
+        let maps =
+            run(layers, 1).bind("parts", "layer_totals").bind("cdf", "layer_cdf").bind("totals", "total");
+        let draw = Compute::new(cx.shader(DRAW, &[]), "draw", Threads::Row(cx.settings.u32("count")));
+        Ok(Recording::one(rows).then(columns).then(maps).then(draw))
+    }
+}

@@ -1,0 +1,116 @@
+//! `cumulate.wgsl` and `draw.wgsl` in double precision, which needs no scaling by powers of two.
+
+/// The sums of TCAS §4.2: along rows, along the last column, over maps.
+#[derive(Clone, Debug)]
+pub struct Cdf {
+    /// Width and height of a map.
+    pub size: (u32, u32),
+    /// `[layers][height][width]`
+    pub rows: Vec<f64>,
+    /// `[layers][height]`
+    pub columns: Vec<f64>,
+    /// `[layers]`
+    pub layers: Vec<f64>,
+}
+
+/// A texel with the probability of drawing it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texel {
+    /// Layer of the importance map.
+    pub layer: u32,
+    /// Row.
+    pub row: u32,
+    /// Column.
+    pub column: u32,
+    /// Product of the three stages.
+    pub probability: f64,
+}
+
+/// One stage of the search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Which entry.
+    pub index: u32,
+    /// Width of its interval over the total.
+    pub probability: f64,
+    /// Where in the interval the number fell, in [0, 1).
+    pub rest: f64,
+}
+
+/// What can be summed as a weight: NaN and what is negative count as 0, infinity as the greatest number.
+pub fn weight_of(x: f32) -> f64 {
+    if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 }
+}
+
+/// Sums of runs of `length` values, and each run's total.
+pub fn cumulate(values: &[f64], length: u32) -> (Vec<f64>, Vec<f64>) {
+    let mut sums = Vec::with_capacity(values.len());
+    let mut totals = Vec::new();
+    for run in values.chunks_exact(length as usize) {
+        let mut sum = 0.0;
+        sums.extend(run.iter().map(|value| {
+            sum += value;
+            sum
+        }));
+        totals.push(sum);
+    }
+    (sums, totals)
+}
+
+impl Cdf {
+    /// Of an importance map `[layers][height][width]`.
+    pub fn new(importance: &[f32], size: (u32, u32)) -> Cdf {
+        let weights: Vec<f64> = importance.iter().map(|&f| weight_of(f)).collect();
+        let (rows, totals) = cumulate(&weights, size.0);
+        let (columns, totals) = cumulate(&totals, size.1);
+        let (layers, _) = cumulate(&totals, totals.len() as u32);
+        Cdf { size, rows, columns, layers }
+    }
+
+    /// The texel that these numbers draw with 2 or 3 `dimensions`; `None` where the importance is 0 everywhere.
+    pub fn draw(&self, numbers: [f64; 3], dimensions: u32) -> Option<Texel> {
+        if self.layers.last().is_none_or(|total| *total == 0.0) {
+            return None;
+        }
+        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
+        let layer = choose(&self.layers, numbers[0]);
+        let (for_row, for_column) =
+            if dimensions == 2 { (layer.rest, numbers[1]) } else { (numbers[1], numbers[2]) };
+        let first = layer.index as usize * height;
+        let row = choose(&self.columns[first..first + height], for_row);
+        let first = (first + row.index as usize) * width;
+        let column = choose(&self.rows[first..first + width], for_column);
+        Some(Texel {
+            layer: layer.index,
+            row: row.index,
+            column: column.index,
+            probability: layer.probability * row.probability * column.probability,
+        })
+    }
+}
+
+/// The first entry whose sum exceeds number · total; total must not be 0.
+pub fn choose(sums: &[f64], number: f64) -> Choice {
+    let total = sums[sums.len() - 1];
+    let sought = (number * total).min(total.next_down());
+    let index = sums.partition_point(|sum| *sum <= sought);
+    let before = if index > 0 { sums[index - 1] } else { 0.0 };
+    let width = sums[index] - before;
+    Choice {
+        index: index as u32,
+        probability: (width / total).max(1.0 / 16_777_216.0),
+        rest: ((sought - before) / width).clamp(0.0, 1.0_f64.next_down()),
+    }
+}
+
+/// Sums of a workgroup in single precision and in the shader's order (Sklansky 1960), so that what the order
+/// promises can be tested without a GPU: no sum falls, and none rises at a value of zero.
+pub fn prefix_sum(values: &mut [f32]) {
+    let mut width = 1;
+    while width < values.len() {
+        for thread in (0..values.len()).filter(|thread| thread & width != 0) {
+            values[thread] += values[(thread & !(width - 1)) - 1];
+        }
+        width *= 2;
+    }
+}

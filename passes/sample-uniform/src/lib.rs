@@ -1,0 +1,51 @@
+//! Virtual lights drawn uniformly from the texels of a reflective shadow map.
+
+pub mod twin;
+
+use pass::setting::{self, SettingExt};
+use pass::{
+    Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc,
+    Setting, Settings, Threads, UseContext, Value, input, output,
+};
+
+/// The pass, for the catalog.
+pub const PASS: &dyn Pass = &SampleUniform;
+
+/// See the crate.
+pub struct SampleUniform;
+
+impl Pass for SampleUniform {
+    fn info(&self) -> Info {
+        Info {
+            kind: "sample-uniform",
+            about: "Virtual lights drawn uniformly from the texels of a reflective shadow map.",
+            paper: "TCAS §6.2",
+            shaders: &["passes/sample-uniform/sample-uniform.wgsl"],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let count = "Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.";
+        Ok(vec![setting::u32("count", 1024, count).range(1.0, 2_097_152.0)])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![input("rsm", "ReflectiveShadowMap", "The texels that are drawn from.")],
+            outputs: vec![output("lights", "VirtualLights", "N lights; those from empty texels are dark.")],
+            ..Ports::default()
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let count = cx.settings.u32("count");
+        // The header of struct VirtualLights, and 48 bytes a light.
+        let desc = ResourceDesc::buffer(16 + 48 * u64::from(count));
+        Ok(vec![OutputDesc::one("lights", desc).fact("count", Value::U32(count))])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let shader = cx.shader("passes/sample-uniform/sample-uniform.wgsl", &[]);
+        Ok(Recording::one(Compute::new(shader, "sample", Threads::Row(cx.settings.u32("count")))))
+    }
+}

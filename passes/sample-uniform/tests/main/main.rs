@@ -1,0 +1,144 @@
+//! Uniform sampling: every texel alike, and the flux of the map.
+
+#[path = "../../../sample-inverse-transform/tests/main/random.rs"]
+#[allow(dead_code, reason = "only a part is used here")]
+mod random;
+
+use bytemuck::{Pod, Zeroable};
+use pass::{Format, ResourceDesc};
+use pass_test::Stand;
+use sample_uniform::{PASS, twin};
+
+const SIZE: (u32, u32) = (16, 10);
+
+#[test]
+fn all_variants_of_the_shaders_are_valid() {
+    let library = pass_test::shaders();
+    for path in PASS.info().shaders {
+        for request in library.variants(&pass::request(path, &[])).unwrap_or_else(|e| panic!("{e:#?}")) {
+            library.load(&request).unwrap_or_else(|e| panic!("{request:?}: {e:#?}"));
+        }
+    }
+}
+
+#[test]
+fn every_texel_is_drawn_alike() {
+    for layers in [1, 2, 6] {
+        let texels = SIZE.0 * SIZE.1 * layers;
+        let mut seen = vec![0_u32; texels as usize];
+        for i in 0..100 * texels {
+            let (layer, x, y) = twin::texel(random::halton3(i + 1, 3), SIZE, layers);
+            seen[((layer * SIZE.1 + y) * SIZE.0 + x) as usize] += 1;
+        }
+        // A sequence of low discrepancy: far within the ±30 of independent numbers.
+        assert!(seen.iter().all(|n| n.abs_diff(100) <= 15), "{layers} layers: {seen:?}");
+    }
+}
+
+#[test]
+fn numbers_next_to_one_stay_in_the_map() {
+    assert_eq!(twin::texel([1.0_f64.next_down(); 3], SIZE, 6), (5, SIZE.0 - 1, SIZE.1 - 1));
+    assert_eq!(twin::texel([1.0; 3], (1, 1), 1), (0, 0, 0));
+}
+
+#[test]
+fn virtual_lights_carry_the_flux_of_the_map() {
+    const COUNT: u32 = 4096;
+    for layers in [1, 2, 6] {
+        let texels = SIZE.0 * SIZE.1 * layers;
+        let flux = |i: u32| random::unit_float(random::hash(i)).powi(4);
+        let reflected: f64 = (0..texels).map(flux).sum();
+        let second_moment = f64::from(texels) * (0..texels).map(|i| flux(i).powi(2)).sum::<f64>();
+        let deviation = ((second_moment - reflected * reflected) / f64::from(COUNT)).sqrt();
+        for seed in [0, 9] {
+            let carried: f64 = (0..COUNT)
+                .map(|i| {
+                    let (layer, x, y) = twin::texel(random::halton3(i + 1, seed), SIZE, layers);
+                    flux((layer * SIZE.1 + y) * SIZE.0 + x) * twin::weight(SIZE, layers, COUNT)
+                })
+                .sum();
+            let error = (carried - reflected).abs();
+            assert!(error < 4.0 * deviation, "{layers} layers, seed {seed}: {error} of {deviation}");
+        }
+    }
+}
+
+/// struct VirtualLight.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+struct Light {
+    position: [f32; 3],
+    area: f32,
+    normal: [f32; 3],
+    texel: u32,
+    flux: [f32; 3],
+    pad: f32,
+}
+
+/// Lights drawn from a map whose texel i lies at (i, 0, 0) and reflects (1, g(i), 0) W; every third saw nothing.
+fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<Light>> {
+    let array = |format| ResourceDesc::texture_2d_array(format, size, layers);
+    let bytes = |texel: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
+        let seen = |i: u32| if i.is_multiple_of(3) { [0.0; 4] } else { texel(i) };
+        (0..size.0 * size.1 * layers).flat_map(|i| bytemuck::bytes_of(&seen(i)).to_vec()).collect()
+    };
+    let members = vec![
+        ("position", array(Format::Rgba32Float), bytes(&|i| [i as f32, 0.0, 0.0, 1.0])),
+        ("normal", array(Format::Rgba32Float), bytes(&|_| [0.0, 0.6, 0.8, 0.0])),
+        ("flux", array(Format::Rgba32Float), bytes(&|i| [1.0, green(i) as f32, 0.0, 0.0])),
+    ];
+    let stand =
+        Stand::new(PASS).set("count", count).seed(seed).input("rsm", "ReflectiveShadowMap", &[], members);
+    Some(stand.run()?.read_counted("lights"))
+}
+
+fn green(texel: u32) -> f64 {
+    random::unit_float(random::hash(texel)).powi(4)
+}
+
+#[test]
+fn lights_are_those_of_the_twin_and_carry_the_flux_of_the_map() {
+    const COUNT: u32 = 4096;
+    for layers in [1, 2, 6] {
+        for seed in [0, 4] {
+            let Some(lights) = draw(SIZE, layers, COUNT, seed) else { return };
+            assert_eq!(lights.len(), COUNT as usize);
+            let weight = twin::weight(SIZE, layers, COUNT) as f32;
+            let mut elsewhere = 0;
+            for (j, light) in (0..).zip(&lights) {
+                let numbers = random::halton3(j + 1, pass::pass_seed(seed, "sample-uniform"));
+                let (layer, x, y) = twin::texel(numbers, SIZE, layers);
+                elsewhere += u32::from(light.texel != (layer * SIZE.1 + y) * SIZE.0 + x);
+                let texel = light.texel;
+                if texel.is_multiple_of(3) {
+                    let dark = Light { normal: [0.0, 0.0, 1.0], texel, ..Light::zeroed() };
+                    assert_eq!(*light, dark);
+                } else {
+                    assert_eq!(light.position, [texel as f32, 0.0, 0.0]);
+                    assert!((light.flux[0] / weight - 1.0).abs() < 1e-6, "{light:?}");
+                }
+            }
+            // A number within rounding of a texel's edge may fall to either side.
+            assert!(elsewhere <= 2, "{elsewhere} lights are at another texel");
+
+            let texels = SIZE.0 * SIZE.1 * layers;
+            let seen = || (0..texels).filter(|i| !i.is_multiple_of(3)).map(green);
+            let reflected: f64 = seen().sum();
+            let second_moment = f64::from(texels) * seen().map(|flux| flux * flux).sum::<f64>();
+            let deviation = ((second_moment - reflected * reflected) / f64::from(COUNT)).sqrt();
+            let carried: f64 = lights.iter().map(|light| f64::from(light.flux[1])).sum();
+            let error = (carried - reflected).abs();
+            assert!(error < 4.0 * deviation, "{layers} layers, seed {seed}: {error} of {deviation}");
+        }
+    }
+}
+
+#[test]
+fn one_texel_and_one_light() {
+    let Some(dark) = draw((1, 1), 1, 1, 0) else { return };
+    assert_eq!((dark.len(), dark[0].flux), (1, [0.0; 3]));
+    // More lights than texels: of two, the second saw something.
+    let two = draw((2, 1), 1, 100, 0).unwrap_or_default();
+    let carried: f32 = two.iter().map(|light| light.flux[0]).sum();
+    assert!((carried - 1.0).abs() < 0.05, "{carried} of 1 W");
+}

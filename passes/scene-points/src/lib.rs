@@ -1,0 +1,58 @@
+//! Samples of the scene's surfaces, evenly by area.
+
+pub mod twin;
+
+use pass::setting::{self, SettingExt};
+use pass::{
+    Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
+    ResourceDesc, Setting, Settings, Threads, UseContext, Value, output,
+};
+
+/// The pass, for the catalog.
+pub const PASS: &dyn Pass = &ScenePoints;
+
+/// See the crate.
+pub struct ScenePoints;
+
+/// Bytes of struct Point.
+const POINT_BYTES: u64 = 32;
+
+impl Pass for ScenePoints {
+    fn info(&self) -> Info {
+        Info {
+            kind: "scene-points",
+            about: "Samples of the scene's surfaces, evenly by area and in an order of which every part is even.",
+            paper: "ISM §3.1",
+            shaders: &["passes/scene-points/scene-points.wgsl"],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let count = "Number of points, 32 bytes each; all maps share them. More: fewer holes in the shadow maps; time \
+                     and memory rise with it. Beyond 4,194,304 the adapter must bind buffers of more than 128 MiB.";
+        Ok(vec![setting::u32("count", 262_144, count).range(1.0, 8_388_608.0)])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            outputs: vec![output(
+                "points",
+                "Points",
+                "Every run of 2^m that starts at a multiple of 2^m is even by itself.",
+            )],
+            externals: Externals::SCENE,
+            ..Ports::default()
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let count = cx.settings.u32("count");
+        let desc = ResourceDesc::buffer(POINT_BYTES * u64::from(count));
+        Ok(vec![OutputDesc::one("points", desc).fact("count", Value::U32(count))])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let shader = cx.shader("passes/scene-points/scene-points.wgsl", &[]);
+        Ok(Recording::one(Compute::new(shader, "place", Threads::Row(cx.settings.u32("count")))))
+    }
+}

@@ -1,0 +1,119 @@
+//! The shader against the twin, on a GPU.
+
+#[path = "../../../sample-inverse-transform/tests/main/random.rs"]
+#[allow(dead_code, reason = "only a part is used here")]
+mod random;
+
+use bytemuck::{Pod, Zeroable};
+use frame_graph::Source;
+use pass_test::Stand;
+use random::{hash2, unit_float};
+use scene::{Scene, SceneFiles, Vertex};
+use scene_points::{PASS, twin};
+use std::sync::Arc;
+
+/// struct Point.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+struct Point {
+    position: [f32; 3],
+    triangle: u32,
+    normal: [f32; 3],
+    barycentric: u32,
+}
+
+struct BuiltIn;
+
+impl SceneFiles for BuiltIn {
+    fn read(&self, path: &str) -> Option<Arc<Source>> {
+        let text = std::fs::read_to_string(pass_test::root().join("scenes").join(path)).ok()?;
+        Some(Arc::new(Source { name: path.to_owned(), text }))
+    }
+
+    fn list(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+fn load(name: &str) -> Scene {
+    scene::load(name, &BuiltIn).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Triangles with these corners.
+fn soup(corners: &[[f32; 3]]) -> Scene {
+    let mut scene = load("plane");
+    scene.vertices =
+        corners.iter().map(|position| Vertex { position: *position, ..scene.vertices[0] }).collect();
+    scene.indices = (0..corners.len() as u32).collect();
+    scene
+}
+
+fn run(scene: Scene, count: u32, seed: u32) -> Option<Vec<Point>> {
+    Some(Stand::new(PASS).with_scene(scene).set("count", count).seed(seed).run()?.read("points"))
+}
+
+/// Compares with the twin; lengths relative to the largest coordinate.
+fn compare(scene: Scene, count: u32, seed: u32) {
+    let Some(points) = run(scene.clone(), count, seed) else { return };
+    assert_eq!(points.len(), count as usize);
+    let table = scene.area_table();
+    let largest =
+        scene.vertices.iter().flat_map(|v| v.position).fold(0.0, |m: f64, x| m.max(f64::from(x.abs())));
+    let seed = pass::pass_seed(seed, "scene-points");
+    let corner = |triangle: u32, k: u32| {
+        scene.vertices[scene.indices[(3 * triangle + k) as usize] as usize].position.map(f64::from)
+    };
+    for (i, point) in (0..).zip(&points) {
+        let twin = twin::place(twin::numbers(i, [hash2(seed, 0), hash2(seed, 1)]), &table, corner);
+        assert_eq!(point.triangle, twin.triangle, "point {i}");
+        let barycentric = [point.barycentric & 0xffff, point.barycentric >> 16];
+        assert!(barycentric[0] + barycentric[1] <= 65535, "point {i}: {barycentric:?}");
+        for (found, expected) in std::iter::zip(barycentric, twin.barycentric) {
+            // Single precision may round to the neighbour.
+            assert!(found.abs_diff(expected) <= 1, "point {i}: {point:?} {twin:?}");
+        }
+        for c in 0..3 {
+            let off = (f64::from(point.position[c]) - twin.position[c]).abs();
+            assert!(off < 4e-5 * largest, "point {i}: {point:?} {twin:?}");
+            let off = (f64::from(point.normal[c]) - twin.normal[c]).abs();
+            assert!(off < 1e-4, "point {i}: {point:?} {twin:?}");
+        }
+    }
+}
+
+#[test]
+fn points_are_those_of_the_twin() {
+    compare(load("cornell-box"), 20_000, 0);
+    compare(load("atrium"), 20_000, 9);
+}
+
+#[test]
+fn triangles_of_any_shape_at_any_scale() {
+    for scale in [1e-3, 1.0, 1e6] {
+        let mut corners: Vec<[f32; 3]> =
+            (0..90).map(|i| [0, 1, 2].map(|c| scale * unit_float(hash2(i, c)) as f32)).collect();
+        // Two corners alike, first, in the middle and last: triangles without area.
+        for first in [0, 45, 87] {
+            corners[first + 1] = corners[first];
+        }
+        compare(soup(&corners), 5000, 1);
+    }
+}
+
+#[test]
+fn one_triangle_and_none() {
+    compare(soup(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), 1000, 0);
+    // A scene without area: numbers, but no normal.
+    let Some(points) = run(soup(&[[1.0; 3]; 6]), 10, 0) else { return };
+    assert!(points.iter().all(|point| point.position == [1.0; 3] && point.normal == [0.0; 3]), "{points:?}");
+    let points = run(load("empty"), 10, 0).unwrap_or_default();
+    assert_eq!(points, [Point::zeroed(); 10]);
+}
+
+#[test]
+fn a_seed_is_another_set_of_points() {
+    let set = |seed| run(load("plane"), 64, seed);
+    let Some(first) = set(1) else { return };
+    assert_eq!(Some(&first), set(1).as_ref());
+    assert_ne!(Some(&first), set(2).as_ref());
+}

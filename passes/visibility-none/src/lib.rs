@@ -1,0 +1,53 @@
+//! Says that every virtual light is seen from everywhere.
+
+use pass::{
+    Externals, Facts, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting,
+    Settings, UseContext, Value,
+};
+
+/// The kind `visibility-none`.
+pub const PASS: &dyn Pass = &VisibilityNone;
+
+/// No shadows: what the others are compared with, and exact in a scene without occluders.
+pub struct VisibilityNone;
+
+impl Pass for VisibilityNone {
+    fn info(&self) -> Info {
+        Info {
+            kind: "visibility-none",
+            about: "Says that every virtual light is seen from everywhere.",
+            paper: "",
+            shaders: &["shaders/visibility-none.wgsl"],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(Vec::new())
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![pass::optional(
+                "lights",
+                "VirtualLights",
+                "Not read: here so that the kind takes the place of one that renders maps of them.",
+            )],
+            outputs: vec![pass::output("visibility", "Visibility", "Nothing but the module that answers 1.")],
+            externals: Externals::NONE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let module = ("module".to_owned(), Value::Text("shaders/visibility-none.wgsl".into()));
+        Ok(vec![OutputDesc {
+            port: "visibility".into(),
+            scratch: false,
+            members: Vec::new(),
+            facts: Facts::from([module]),
+        }])
+    }
+
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+        Ok(Recording::default())
+    }
+}

@@ -1,0 +1,35 @@
+// The camera, and the way from a pixel to the world and back.
+//
+// View space is right-handed: x right, y up, the camera looks along -z. Depth here is the distance along the
+// viewing axis [m], positive in front of the camera; 0 marks a pixel that sees nothing.
+
+struct Camera {
+    /// Clip space from world space: reversed z, far plane at infinity.
+    clip_from_world: mat4x4<f32>,
+    /// The same in the frame before.
+    previous_clip_from_world: mat4x4<f32>,
+    /// World space of the view's axes: columns are right, up, back, and position.
+    world_from_view: mat4x4<f32>,
+    /// World space [m].
+    position: vec3<f32>,
+    /// Distance of the near plane [m].
+    near: f32,
+    /// Half the width and height of the image plane at distance 1.
+    half_extent: vec2<f32>,
+    /// Size of the frame [px].
+    size: vec2<f32>,
+}
+
+var<uniform> camera: Camera;
+
+/// World direction through a point of the image [px, y down], with length 1 along the viewing axis.
+fn view_ray(at_px: vec2<f32>) -> vec3<f32> {
+    let ndc = vec2(2.0, -2.0) * at_px / camera.size + vec2(-1.0, 1.0);
+    let plane = ndc * camera.half_extent;
+    return (camera.world_from_view * vec4(plane, -1.0, 0.0)).xyz;
+}
+
+/// World position [m] of what the centre of a pixel of the full frame sees at that depth.
+fn position_from_depth(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
+    return camera.position + view_ray(vec2<f32>(pixel) + 0.5) * depth;
+}

@@ -1,0 +1,13 @@
+// The number of the frame and its time. A pass that imports this runs in every frame.
+
+struct Frame {
+    /// Frames since the start.
+    index: u32,
+    /// Seconds since the start.
+    time: f32,
+    /// Seconds since the frame before.
+    step: f32,
+    pad: f32,
+}
+
+var<uniform> frame: Frame;

@@ -1,0 +1,62 @@
+// The lights of the scene, and the layers of the maps that are rendered from them.
+//
+// Candela and lux of KHR_lights_punctual are read as W/sr and W/m², per RGB channel.
+
+const LIGHT_SPOT: u32 = 0u;
+const LIGHT_POINT: u32 = 1u;
+const LIGHT_DIRECTIONAL: u32 = 2u;
+
+struct Light {
+    /// World space [m]; unused by a directional light.
+    position: vec3<f32>,
+    kind: u32,
+    /// The way the light travels along its axis, unit.
+    direction: vec3<f32>,
+    /// Cosine of the half angle beyond which a spot gives nothing; -1 for others.
+    cos_outer: f32,
+    /// [W/sr], or [W/m²] on a plane across the direction for a directional light.
+    intensity: vec3<f32>,
+    /// Cosine of the half angle within which a spot gives all.
+    cos_inner: f32,
+    first_layer: u32,
+    layers: u32,
+    pad0: u32,
+    pad1: u32,
+}
+
+/// One map of a light: one for a spot or a directional light, six for a point light.
+struct LightLayer {
+    clip_from_world: mat4x4<f32>,
+    /// World space of the layer's axes: columns are right, up, back, and position.
+    world_from_layer: mat4x4<f32>,
+    /// Half the width and height: of the image plane at distance 1 (spot, point), or in metres (directional).
+    half_extent: vec2<f32>,
+    /// Index of the light.
+    light: u32,
+    /// LIGHT_...
+    kind: u32,
+}
+
+struct SceneLights {
+    count: u32,
+    layers: u32,
+    pad0: u32,
+    pad1: u32,
+    lights: array<Light>,
+}
+
+var<storage, read> scene_lights: SceneLights;
+var<storage, read> scene_light_layers: array<LightLayer>;
+
+/// Intensity [W/sr] of a spot or point light towards a unit direction that leaves it. The falloff is that of
+/// KHR_lights_punctual: the square of a ramp in the cosine between the two angles.
+fn light_intensity(light: Light, leaving: vec3<f32>) -> vec3<f32> {
+    if light.kind != LIGHT_SPOT {
+        return light.intensity;
+    }
+    let cosine = dot(leaving, light.direction);
+    // Equal angles make a hard edge: the ramp's width is kept above what single precision can tell apart.
+    let ramp = (cosine - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-6);
+    let falloff = clamp(ramp, 0.0, 1.0);
+    return light.intensity * (falloff * falloff);
+}

@@ -1,0 +1,73 @@
+// Hemispheres in squares: the paraboloid map (Brabec et al. 2002), and atlases of such maps.
+//
+// In a light's frame the normal is z. A unit direction d of the hemisphere falls on d.xy / (1 + d.z), a point of
+// the unit disc; the disc is inscribed in the square [-1, 1]², which a tile of the atlas covers. x grows with the
+// column, y with the row. The twin is paraboloid.rs.
+
+/// What an atlas of distances holds where nothing is: more than any distance. Finite, because arithmetic with
+/// infinity differs between drivers.
+const NOTHING: f32 = 3.0e38;
+
+/// An orthonormal, right-handed frame whose z is a unit vector (Duff et al. 2017). World from local;
+/// `v * frame` goes back.
+fn frame_from_normal(n: vec3<f32>) -> mat3x3<f32> {
+    let side = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (side + n.z);
+    let b = n.x * n.y * a;
+    return mat3x3(
+        vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x),
+        vec3(b, side + n.y * n.y * a, -n.y),
+        n,
+    );
+}
+
+/// Point of the square for a unit direction; within the unit disc where z ≥ 0. Undefined straight down.
+fn paraboloid_from_direction(direction: vec3<f32>) -> vec2<f32> {
+    return direction.xy / (1.0 + direction.z);
+}
+
+/// Unit direction for a point of the square; below the horizon outside the unit disc.
+fn direction_from_paraboloid(at: vec2<f32>) -> vec3<f32> {
+    let r2 = dot(at, at);
+    return vec3(2.0 * at, 1.0 - r2) / (1.0 + r2);
+}
+
+/// Solid angle per area of the square [sr]: 4 / (1 + r²)². Over the disc it integrates to 2π.
+fn paraboloid_density(at: vec2<f32>) -> f32 {
+    let side = 2.0 / (1.0 + dot(at, at));
+    return side * side;
+}
+
+/// Area of a texel in the square, for tiles of that side [px].
+fn texel_area(tile: u32) -> f32 {
+    let side = 2.0 / f32(tile);
+    return side * side;
+}
+
+/// Position in a tile [px] of a point of the square.
+fn tile_position(at: vec2<f32>, tile: u32) -> vec2<f32> {
+    return (at * 0.5 + 0.5) * f32(tile);
+}
+
+/// Point of the square at the centre of a texel.
+fn texel_centre(texel: vec2<u32>, tile: u32) -> vec2<f32> {
+    return (vec2<f32>(texel) + 0.5) * (2.0 / f32(tile)) - 1.0;
+}
+
+/// Whether any of a texel is in the disc. The others are never looked up.
+fn texel_in_hemisphere(texel: vec2<u32>, tile: u32) -> bool {
+    let nearest = max(abs(texel_centre(texel, tile)) - 1.0 / f32(tile), vec2(0.0));
+    return dot(nearest, nearest) < 1.0;
+}
+
+/// Whether a point [m, in the light's frame] is an occluder and not the light's own surface, which lies in the
+/// light's plane but for two errors: the light's normal comes from a map of half floats (2⁻¹¹), and positions are
+/// rounded to a part of the scene's extent [m].
+fn above_horizon(local: vec3<f32>, extent: f32) -> bool {
+    return local.z > 1e-3 * length(local) + 1e-6 * extent;
+}
+
+/// First texel of the tile of a light in an atlas of so many columns.
+fn tile_origin(light: u32, columns: u32, tile: u32) -> vec2<u32> {
+    return vec2(light % columns, light / columns) * tile;
+}

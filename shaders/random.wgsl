@@ -1,0 +1,43 @@
+// Random numbers: hashes for independence, Halton's sequence for evenness. The seed of a pass is made from the
+// run's seed and the pass's name, so a seed is a picture.
+
+/// A permutation of 32 bits (PCG output hash, Jarzynski & Olano 2020).
+fn hash(value: u32) -> u32 {
+    let state = value * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+fn hash2(a: u32, b: u32) -> u32 {
+    return hash(a ^ hash(b + 0x9e3779b9u));
+}
+
+/// In [0, 1), from the upper 24 bits: 1 is never reached.
+fn unit_float(bits: u32) -> f32 {
+    return f32(bits >> 8u) * (1.0 / 16777216.0);
+}
+
+/// Element `index` of van der Corput's sequence of a prime base, in [0, 1) (Halton 1960). Digits are gathered
+/// in an integer and divided once, so the error is that of one rounding; exact while base^digits < 2³².
+fn radical_inverse(base: u32, index: u32) -> f32 {
+    var rest = index;
+    var reversed = 0u;
+    var scale = 1u;
+    let limit = 0xffffffffu / base;
+    while rest > 0u && scale <= limit {
+        reversed = reversed * base + rest % base;
+        scale *= base;
+        rest /= base;
+    }
+    return min(f32(reversed) / f32(scale), 0.99999994);
+}
+
+/// Element `index` of Halton's sequence in bases 2, 3, 5, shifted by the seed modulo 1; seed 0 is the plain one.
+fn halton3(index: u32, seed: u32) -> vec3<f32> {
+    let plain = vec3(radical_inverse(2u, index), radical_inverse(3u, index), radical_inverse(5u, index));
+    if seed == 0u {
+        return plain;
+    }
+    let shift = vec3(unit_float(hash2(seed, 0u)), unit_float(hash2(seed, 1u)), unit_float(hash2(seed, 2u)));
+    return min(fract(plain + shift), vec3(0.99999994));
+}

@@ -1,0 +1,28 @@
+// A virtual light from a texel of a reflective shadow map: for passes with a port `rsm`.
+
+#import "virtual-lights.wgsl"
+
+var rsm_position: texture_2d_array<f32>;
+var rsm_normal: texture_2d_array<f32>;
+var rsm_flux: texture_2d_array<f32>;
+
+/// A light of which nothing comes: for texels that saw nothing, and where no texel can be drawn. Its normal is
+/// a direction all the same, so that whoever builds a frame around it gets numbers.
+fn dark_light(texel: u32) -> VirtualLight {
+    return VirtualLight(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), texel, vec3(0.0), 0.0);
+}
+
+/// The point light at a texel, with `weight` times the flux that is reflected there [W].
+fn virtual_light_from_texel(layer: u32, x: u32, y: u32, weight: f32) -> VirtualLight {
+    let size = textureDimensions(rsm_position);
+    let texel = (layer * size.y + y) * size.x + x;
+    let position = textureLoad(rsm_position, vec2(x, y), layer, 0);
+    let normal = textureLoad(rsm_normal, vec2(x, y), layer, 0).xyz;
+    if position.w == 0.0 || dot(normal, normal) == 0.0 {
+        return dark_light(texel);
+    }
+    // A light of 1e30 W drawn against odds of 1e-20 would be infinite.
+    let flux = min(textureLoad(rsm_flux, vec2(x, y), layer, 0).rgb * weight, vec3(1e37));
+    // Half floats leave the normal's length off by up to 0.05 %.
+    return VirtualLight(position.xyz, 0.0, normalize(normal), texel, flux, 0.0);
+}

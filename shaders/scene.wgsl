@@ -1,0 +1,65 @@
+// Geometry, materials and textures of the scene, all in world space.
+
+struct SceneInfo {
+    /// Corner of the bounding box [m].
+    bounds_min: vec3<f32>,
+    /// Diagonal of the bounding box [m]: the length by which every epsilon scales.
+    extent: f32,
+    /// Opposite corner [m].
+    bounds_max: vec3<f32>,
+    /// Area of all triangles [m²].
+    area: f32,
+    triangles: u32,
+    vertices: u32,
+    materials: u32,
+    textures: u32,
+}
+
+struct Vertex {
+    /// World space [m].
+    position: vec3<f32>,
+    material: u32,
+    /// World space, unit.
+    normal: vec3<f32>,
+    instance: u32,
+    uv: vec2<f32>,
+    pad: vec2<f32>,
+}
+
+struct Material {
+    /// Linear Rec. 709; alpha is coverage.
+    base_color: vec4<f32>,
+    /// Emitted radiance [W/(m² sr)].
+    emission: vec3<f32>,
+    roughness: f32,
+    /// Reflectance at normal incidence of a dielectric.
+    specular: vec3<f32>,
+    metallic: f32,
+    /// Layers of the texture array; NO_TEXTURE for none.
+    base_color_texture: u32,
+    emission_texture: u32,
+    metallic_roughness_texture: u32,
+    normal_texture: u32,
+    /// Coverage below which a fragment is dropped; 0 keeps all.
+    alpha_cutoff: f32,
+    /// Factor of the x and y of normals from the texture.
+    normal_scale: f32,
+    pad1: f32,
+    pad2: f32,
+}
+
+const NO_TEXTURE: u32 = 0xffffffffu;
+
+var<uniform> scene_info: SceneInfo;
+var<storage, read> scene_vertices: array<Vertex>;
+/// Three a triangle.
+var<storage, read> scene_indices: array<u32>;
+var<storage, read> scene_materials: array<Material>;
+/// Cumulative triangle areas: triangle i is drawn by the 32-bit numbers in [table[i], table[i + 1]).
+var<storage, read> scene_area_table: array<u32>;
+/// Decoded from sRGB on load.
+var scene_textures: texture_2d_array<f32>;
+/// The same texels as they stand, for data that is not colour.
+var scene_textures_linear: texture_2d_array<f32>;
+/// Trilinear, repeating.
+var scene_sampler: sampler;

@@ -1,0 +1,123 @@
+// What the scene is made of at a point of its surface: a fragment, or a point of a triangle.
+//
+// Surfaces are two-sided. Materials are those of glTF's metallic-roughness model: the diffuse part is Lambertian
+// with reflectance base colour × (1 − metallic).
+
+#option TEXTURED false // whether any material of the scene has a texture
+
+#import "scene.wgsl"
+
+/// The vertices of `Draw::Scene`.
+struct Attributes {
+    /// World space [m].
+    @location(0) position: vec3<f32>,
+    /// World space, unit.
+    @location(1) normal: vec3<f32>,
+    @location(2) uv: vec2<f32>,
+    @location(3) material: u32,
+    @location(4) instance: u32,
+}
+
+/// How position and texture coordinates change: from a pixel to its neighbours on the right and below, or along
+/// two edges of a triangle.
+struct Change {
+    position_x: vec3<f32>,
+    position_y: vec3<f32>,
+    uv_x: vec2<f32>,
+    uv_y: vec2<f32>,
+}
+
+struct Surface {
+    /// Diffuse reflectance.
+    albedo: vec3<f32>,
+    /// Alpha; below the material's cutoff there is no surface.
+    coverage: f32,
+    /// Reflectance at normal incidence.
+    specular: vec3<f32>,
+    roughness: f32,
+    /// Emitted radiance [W/(m² sr)].
+    emission: vec3<f32>,
+}
+
+/// The surface at a point. Textures are filtered over `uv_x` and `uv_y`; with both zero, the finest level is read.
+fn surface(index: u32, uv: vec2<f32>, uv_x: vec2<f32>, uv_y: vec2<f32>) -> Surface {
+    let material = scene_materials[index];
+    var base = material.base_color;
+    var metallic = material.metallic;
+    var roughness = material.roughness;
+    var emission = material.emission;
+#if TEXTURED
+    if material.base_color_texture != NO_TEXTURE {
+        base *= textureSampleGrad(scene_textures, scene_sampler, uv, material.base_color_texture, uv_x, uv_y);
+    }
+    if material.metallic_roughness_texture != NO_TEXTURE {
+        let layer = material.metallic_roughness_texture;
+        let texel = textureSampleGrad(scene_textures_linear, scene_sampler, uv, layer, uv_x, uv_y);
+        roughness *= texel.g;
+        metallic *= texel.b;
+    }
+    if material.emission_texture != NO_TEXTURE {
+        emission *= textureSampleGrad(scene_textures, scene_sampler, uv, material.emission_texture, uv_x, uv_y).rgb;
+    }
+#endif
+    return Surface(base.rgb * (1.0 - metallic), base.a, mix(material.specular, base.rgb, metallic), roughness, emission);
+}
+
+/// Whether the surface is there: alpha is not below the material's cutoff.
+fn surface_exists(index: u32, coverage: f32) -> bool {
+    return coverage >= scene_materials[index].alpha_cutoff;
+}
+
+/// The normal for shading, unit, on the seen side: the interpolated one, bent by the material's normal map.
+///
+/// `towards` is the geometric normal on the seen side, of any length. It decides the side, since the winding of
+/// real scenes says nothing, and since an interpolated normal at a silhouette may turn away from who sees it.
+fn shading_normal(
+    index: u32, interpolated: vec3<f32>, towards: vec3<f32>, uv: vec2<f32>, change: Change,
+) -> vec3<f32> {
+    var normal = interpolated;
+    // Normals of unit length that nearly cancel between vertices have no direction of their own.
+    if dot(normal, normal) < 1e-8 {
+        normal = towards;
+    }
+    normal = unit(normal);
+    if dot(normal, towards) < 0.0 {
+        normal = -normal;
+    }
+#if TEXTURED
+    let layer = scene_materials[index].normal_texture;
+    if layer != NO_TEXTURE {
+        let texel = textureSampleGrad(scene_textures_linear, scene_sampler, uv, layer, change.uv_x, change.uv_y);
+        let scale = vec3(vec2(scene_materials[index].normal_scale), 1.0);
+        normal = bent_normal(normal, (texel.xyz * 2.0 - 1.0) * scale, change);
+    }
+#endif
+    return normal;
+}
+
+/// A tangent-space normal (glTF: x along u, y against v) in the frame that the changes of position and texture
+/// coordinates span about `normal` (Schüler 2006, without precomputed tangents).
+fn bent_normal(normal: vec3<f32>, tangent_space: vec3<f32>, change: Change) -> vec3<f32> {
+    let across_y = cross(change.position_y, normal);
+    let across_x = cross(normal, change.position_x);
+    // Its sign is the handedness of the two changes about the normal.
+    let turn = sign(dot(change.position_x, across_y));
+    let along_u = (across_y * change.uv_x.x + across_x * change.uv_y.x) * turn;
+    let along_v = (across_y * change.uv_x.y + across_x * change.uv_y.y) * turn;
+    let longest = sqrt(max(dot(along_u, along_u), dot(along_v, along_v)));
+    // Texture coordinates that do not change have no directions: the map says nothing there.
+    if longest == 0.0 {
+        return normal;
+    }
+    return unit((along_u * tangent_space.x - along_v * tangent_space.y) / longest + normal * tangent_space.z);
+}
+
+/// A vector of any length scaled to 1; zero stays zero. Scaled by its largest component first, so that the
+/// squares of pixels in a scene of millimetres do not vanish.
+fn unit(v: vec3<f32>) -> vec3<f32> {
+    let largest = max(max(abs(v.x), abs(v.y)), abs(v.z));
+    if largest == 0.0 {
+        return v;
+    }
+    return normalize(v / largest);
+}

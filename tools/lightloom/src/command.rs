@@ -1,0 +1,11 @@
+//! The commands, a module each.
+
+pub(crate) mod check;
+pub(crate) mod compare;
+pub(crate) mod diff;
+pub(crate) mod graph;
+pub(crate) mod lists;
+pub(crate) mod passes;
+pub(crate) mod render;
+pub(crate) mod rerun;
+pub(crate) mod resolve;

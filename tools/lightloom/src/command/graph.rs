@@ -1,0 +1,55 @@
+//! `lightloom graph`: the compiled graph as text, SVG, DOT or JSON.
+
+use crate::context::{Context, overrides, parse_size};
+use anyhow::{Context as _, Result, bail};
+use frame_graph::{CompileOptions, LinkContext, compile, link, resolve};
+use std::path::PathBuf;
+
+/// Draw the compiled graph of a pipeline.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  lightloom graph ism-invtm
+  lightloom graph ism-invtm atrium -o graph.svg")]
+pub(crate) struct Args {
+    /// A pipeline by name, or a .ron file
+    pipeline: String,
+    /// The scene whose traits decide switches [default: cornell-box]
+    scene: Option<String>,
+    /// .svg, .dot, .json or .txt; text on standard output where there is none
+    #[arg(short, long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Size of the frame in pixels
+    #[arg(long, default_value = "512x512", value_parser = parse_size)]
+    size: (u32, u32),
+    /// A value for a parameter or a pass's setting; any number of times
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Give every resource memory of its own
+    #[arg(long)]
+    no_sharing: bool,
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let catalog = &context.catalog;
+    let link_context = LinkContext { frame: args.size, traits: context.traits(args.scene.as_deref())? };
+    let resolved = resolve(&args.pipeline, catalog.pipelines(), &overrides(&args.set)?)?;
+    let graph = link(&resolved, &**catalog, &link_context)?;
+    let plan = compile(&graph, &CompileOptions { sharing: !args.no_sharing, ..CompileOptions::default() })?;
+    let Some(out) = &args.out else {
+        println!("{}", if context.json { plan.to_json() } else { plan.to_text() });
+        return Ok(());
+    };
+    let text = match out.extension().and_then(|extension| extension.to_str()) {
+        Some("svg") => plan.to_svg(),
+        Some("dot") => plan.to_dot(),
+        Some("json") => plan.to_json(),
+        Some("txt") => plan.to_text(),
+        _ => bail!("{}: expected a name that ends in .svg, .dot, .json or .txt", out.display()),
+    };
+    let temporary = out.with_extension("part");
+    std::fs::write(&temporary, text)
+        .and_then(|()| std::fs::rename(&temporary, out))
+        .with_context(|| format!("{} was not written", out.display()))?;
+    println!("{}", out.display());
+    Ok(())
+}

@@ -1,0 +1,109 @@
+//! `lightloom passes`: the kinds there are.
+
+use crate::context::Context;
+use crate::output;
+use anyhow::{Result, bail};
+use frame_graph::port::Kinds;
+use frame_graph::{Ports, Setting, Settings, Use};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+/// List the kinds of passes, or show one.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  lightloom passes gather")]
+pub(crate) struct Args {
+    /// A kind
+    kind: Option<String>,
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let Some(name) = &args.kind else {
+        if context.json {
+            let rows: Vec<Value> = catalog::PASSES.iter().map(|pass| json!({ "kind": pass.info().kind, "about": pass.info().about, "paper": pass.info().paper })).collect();
+            output::json(&Value::Array(rows));
+        } else {
+            for info in catalog::PASSES.iter().map(|pass| pass.info()) {
+                let paper = if info.paper.is_empty() { String::new() } else { format!(" [{}]", info.paper) };
+                println!("{:<26} {}{paper}", info.kind, info.about);
+            }
+        }
+        return Ok(());
+    };
+    let Some(pass) = catalog::find(name) else {
+        let names = context.catalog.names();
+        let nearest = names.iter().min_by_key(|kind| strsim::damerau_levenshtein(kind, name));
+        bail!("there is no kind `{name}`; did you mean `{}`?", nearest.map_or("", String::as_str));
+    };
+    let info = pass.info();
+    let outputs = BTreeMap::new();
+    let use_ = Use { kind: info.kind, shader: None, inputs: &[], outputs: &outputs };
+    if pass.takes_shader() {
+        println!("{}: {}\nports and settings are those of the WGSL file that `shader:` names", info.kind, info.about);
+        return Ok(());
+    }
+    let settings = context.catalog.settings(use_).map_err(|error| anyhow::anyhow!(error.message))?;
+    let defaults = Settings(settings.iter().map(|setting| (setting.name.clone(), setting.default.clone())).collect());
+    let ports = context.catalog.ports(use_, &defaults).map_err(|error| anyhow::anyhow!(error.message))?;
+    if context.json {
+        output::json(&as_json(info, &settings, &ports));
+    } else {
+        print!("{}", as_text(info, &settings, &ports));
+    }
+    Ok(())
+}
+
+fn range(setting: &Setting) -> String {
+    if !setting.one_of.is_empty() {
+        return setting.one_of.iter().map(ToString::to_string).collect::<Vec<_>>().join(" | ");
+    }
+    match (setting.min, setting.max) {
+        (Some(min), Some(max)) => format!("{min} to {max}"),
+        (Some(min), None) => format!("at least {min}"),
+        (None, Some(max)) => format!("at most {max}"),
+        (None, None) => String::new(),
+    }
+}
+
+fn as_text(info: pass::Info, settings: &[Setting], ports: &Ports) -> String {
+    let mut lines = vec![format!("{}: {}", info.kind, info.about)];
+    if !info.paper.is_empty() {
+        lines.push(format!("paper: {}", info.paper));
+    }
+    lines.push("inputs".to_owned());
+    for port in &ports.inputs {
+        let optional = if port.optional { " (optional)" } else { "" };
+        lines.push(format!("  {:<16} {:<22} {}{optional}", port.name, port.interface, port.doc));
+    }
+    lines.push("outputs".to_owned());
+    for port in &ports.outputs {
+        lines.push(format!("  {:<16} {:<22} {}", port.name, port.interface, port.doc));
+    }
+    lines.push("settings".to_owned());
+    for setting in settings {
+        let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
+        lines.push(format!("  {:<16} {} = {}{unit}  {}", setting.name, setting.ty, setting.default, range(setting)));
+        lines.push(format!("  {:<16} {}", "", setting.doc));
+    }
+    lines.join("\n") + "\n"
+}
+
+fn as_json(info: pass::Info, settings: &[Setting], ports: &Ports) -> Value {
+    json!({
+        "kind": info.kind,
+        "about": info.about,
+        "paper": info.paper,
+        "shaders": info.shaders,
+        "inputs": ports.inputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "optional": port.optional, "doc": port.doc })).collect::<Vec<_>>(),
+        "outputs": ports.outputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "doc": port.doc })).collect::<Vec<_>>(),
+        "settings": settings.iter().map(|setting| json!({
+            "name": setting.name,
+            "type": setting.ty.to_string(),
+            "default": setting.default.to_string(),
+            "min": setting.min,
+            "max": setting.max,
+            "one_of": setting.one_of.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "unit": setting.unit,
+            "doc": setting.doc,
+        })).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,198 @@
+//! `lightloom render`: headless pictures and sequences.
+
+use crate::context::{Context, overrides, parse_size};
+use crate::output::{self, bytes, progress};
+use anyhow::{Context as _, Result, bail};
+use frame_graph::CompileOptions;
+use metrics::{Display, FileFormat, Image, Tonemap};
+use renderer::{FrameOptions, Gpu, Provenance, Renderer};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Render a scene by a pipeline.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  lightloom render ism-invtm cornell-box -o box.png
+  lightloom render ism-invtm sponza.glb -o sponza.exr --size 1280x720 --set lights=2048 --time
+  lightloom render ism atrium -o walk/####.png --frames 60
+  lightloom render ism-invtm cornell-box -o lights.exr --output importance")]
+pub(crate) struct Args {
+    /// A pipeline by name, or a .ron file
+    pipeline: String,
+    /// A scene by name, or a .ron, .glb or .gltf file
+    scene: String,
+    /// The picture: .exr or .pfm (linear), .png (tone-mapped). In a sequence, #### is the frame's number
+    #[arg(short, long = "out", value_name = "FILE")]
+    out: PathBuf,
+    /// Size of the frame in pixels
+    #[arg(long, default_value = "512x512", value_parser = parse_size)]
+    size: (u32, u32),
+    /// How many frames to run
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    frames: u32,
+    /// Number of the first frame: where in the animation to begin
+    #[arg(long, default_value_t = 0)]
+    first_frame: u32,
+    /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// Output of the pipeline, or any resource as pass.port or pass.port.member
+    #[arg(long, default_value = "image")]
+    output: String,
+    /// Layer of a resource that is an array
+    #[arg(long, default_value_t = 0)]
+    layer: u32,
+    /// A value for a parameter or a pass's setting; any number of times
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Print the GPU time of each pass: the median of the frames after the first. Every pass runs in every frame
+    #[arg(long)]
+    time: bool,
+    /// Tone-mapping of PNG files: reinhard, reinhard:WHITE, clamp, aces
+    #[arg(long, default_value = "reinhard")]
+    tonemap: Tonemap,
+    /// Exposure of PNG files in EV
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// Give every resource memory of its own
+    #[arg(long)]
+    no_sharing: bool,
+    /// Fill what passes write with NaN first: pictures must not change
+    #[arg(long)]
+    poison: bool,
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let frames = args.frames;
+    let out = Sequence::new(&args.out, frames)?;
+    let scene = renderer::load_scene(&context.catalog, &args.scene)?;
+    for repair in &scene.repairs {
+        eprintln!("note: {repair}");
+    }
+    let mut renderer = Renderer::new(Gpu::open()?, context.catalog.clone(), scene, args.size)?;
+    renderer.set_seed(args.seed);
+    renderer.set_frame_index(args.first_frame);
+    let is_resource = args.output.contains('.');
+    let keep = if is_resource { vec![args.output.clone()] } else { Vec::new() };
+    renderer.set_compile_options(CompileOptions { sharing: !args.no_sharing, outputs: Vec::new(), keep })?;
+    renderer.set_pipeline(&args.pipeline, &overrides(&args.set)?)?;
+    renderer.set_frame_options(FrameOptions { timed: args.time, poison: args.poison });
+    let bar = progress(u64::from(frames), "rendering");
+    let start = Instant::now();
+    let mut times: Vec<Vec<f64>> = Vec::new();
+    let mut written = Vec::new();
+    for frame in 0..frames {
+        if args.time {
+            renderer.run_everything();
+        }
+        let report = renderer.frame()?;
+        times.push(report.times);
+        if out.wants(frame, frames) {
+            let picture = if is_resource { renderer.resource(&args.output, args.layer)? } else { renderer.output(&args.output)? };
+            let provenance = Provenance::new(&renderer, &args.scene, &args.output, args.first_frame);
+            let path = out.path(args.first_frame + frame);
+            write(&picture, &path, args, &provenance.to_json(), is_resource || args.output == "display")?;
+            written.push(path);
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    report(context, args, &renderer, &written, &times, start.elapsed().as_secs_f64())
+}
+
+/// Writes a picture; those that are display-referred already go into PNG as they are.
+fn write(picture: &Image, path: &Path, args: &Args, provenance: &str, as_is: bool) -> Result<()> {
+    let display = if as_is { Display::AS_IS } else { Display { tonemap: args.tonemap, exposure: args.exposure } };
+    picture.write(path, display, Some(provenance)).with_context(|| format!("the picture {} was not written", path.display()))
+}
+
+/// Where pictures go.
+struct Sequence {
+    pattern: PathBuf,
+    numbered: bool,
+}
+
+impl Sequence {
+    fn new(pattern: &Path, frames: u32) -> Result<Sequence> {
+        if FileFormat::of(pattern).is_none() {
+            bail!("{}: expected a name that ends in .exr, .png or .pfm", pattern.display());
+        }
+        if let Some(folder) = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).with_context(|| format!("the folder {} cannot be made", folder.display()))?;
+        }
+        let numbered = pattern.to_string_lossy().contains('#');
+        if numbered && frames == 1 {
+            eprintln!("note: {} is numbered, and one frame is rendered; --frames N makes a sequence", pattern.display());
+        }
+        Ok(Sequence { pattern: pattern.to_owned(), numbered })
+    }
+
+    /// A name without a number holds the last frame alone.
+    fn wants(&self, frame: u32, frames: u32) -> bool {
+        self.numbered || frame + 1 == frames
+    }
+
+    fn path(&self, number: u32) -> PathBuf {
+        let text = self.pattern.to_string_lossy();
+        let Some(first) = text.find('#') else { return self.pattern.clone() };
+        let width = text[first..].chars().take_while(|c| *c == '#').count();
+        PathBuf::from(format!("{}{number:0width$}{}", &text[..first], &text[first + width..]))
+    }
+}
+
+fn report(context: &Context, args: &Args, renderer: &Renderer, written: &[PathBuf], times: &[Vec<f64>], seconds: f64) -> Result<()> {
+    let Some(plan) = renderer.plan() else { return Ok(()) };
+    let rows: Vec<(String, f64)> = plan.passes.iter().enumerate().map(|(i, pass)| (pass.name.to_string(), median(times, i))).collect();
+    let clamped = clamped_share(renderer);
+    if context.json {
+        output::json(&json!({
+            "pictures": written,
+            "plan": plan.id.to_string(),
+            "adapter": renderer.gpu().describe(),
+            "seconds": seconds,
+            "passes": rows.iter().map(|(name, ms)| json!({ "pass": name, "gpu_ms": if args.time { Some(*ms) } else { None } })).collect::<Vec<_>>(),
+            "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
+            "clamped_energy": clamped,
+        }));
+        return Ok(());
+    }
+    if args.time {
+        println!("{:<40} {:>10}", "pass", "GPU ms");
+        for (name, ms) in &rows {
+            println!("{name:<40} {ms:>10.3}");
+        }
+        println!("{:<40} {:>10.3}", "all", rows.iter().map(|(_, ms)| ms).sum::<f64>());
+        println!("on {}; transients {} (unshared {}, bound {})", renderer.gpu().describe(), bytes(plan.memory.shared), bytes(plan.memory.unshared), bytes(plan.memory.bound));
+    }
+    if let Some(share) = clamped.filter(|share| *share > 0.0) {
+        println!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
+    }
+    for path in written.last() {
+        let shown = path.canonicalize().unwrap_or_else(|_| path.clone());
+        match written.len() {
+            1 => println!("{}", shown.display()),
+            n => println!("{n} pictures, the last {}", shown.display()),
+        }
+    }
+    Ok(())
+}
+
+/// The median over the frames after the first, in which drivers compile shaders.
+fn median(times: &[Vec<f64>], pass: usize) -> f64 {
+    let skip = usize::from(times.len() > 1);
+    let mut column: Vec<f64> = times.iter().skip(skip).filter_map(|row| row.get(pass).copied()).collect();
+    column.sort_by(f64::total_cmp);
+    column.get(column.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// The share of the irradiance that clamping removed, where the pipeline has an output `irradiance`.
+fn clamped_share(renderer: &Renderer) -> Option<f64> {
+    let picture = renderer.output("irradiance").ok()?;
+    let (mut kept, mut removed) = (0.0, 0.0);
+    for [r, g, b, clamped] in picture.pixels() {
+        kept += f64::from(metrics::luminance([*r, *g, *b]));
+        removed += f64::from(*clamped);
+    }
+    (kept + removed > 0.0).then(|| removed / (kept + removed))
+}

@@ -1,0 +1,65 @@
+//! `lightloom rerun`: a picture again, from the record that it carries.
+
+use crate::context::Context;
+use crate::output;
+use anyhow::{Context as _, Result, bail};
+use frame_graph::CompileOptions;
+use metrics::{Display, Image, Pair, read_provenance};
+use renderer::{Gpu, Provenance, Renderer};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Make a picture again from its own record, and say what differs.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  lightloom rerun box.exr -o again.exr")]
+pub(crate) struct Args {
+    /// An .exr or .png that Lightloom made
+    file: PathBuf,
+    /// Where to write the new picture; nowhere where not given
+    #[arg(short, long = "out", value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let file = args.file.display();
+    let Some(text) = read_provenance(&args.file)? else {
+        bail!("{file} carries no record of Lightloom: it was made by another program, or saved again by one");
+    };
+    let record = Provenance::from_json(&text).with_context(|| format!("the record in {file} cannot be read"))?;
+    let scene = renderer::load_scene(&context.catalog, &record.scene)?;
+    let mut renderer = Renderer::new(Gpu::open()?, context.catalog.clone(), scene, record.size)?;
+    renderer.set_seed(record.seed);
+    renderer.set_frame_index(record.first_frame);
+    let is_resource = record.output.contains('.');
+    let keep = if is_resource { vec![record.output.clone()] } else { Vec::new() };
+    renderer.set_compile_options(CompileOptions { sharing: true, outputs: Vec::new(), keep })?;
+    renderer.set_pipeline(&record.pipeline, &record.overrides())?;
+    for _ in record.first_frame..=record.frame {
+        renderer.frame()?;
+    }
+    let picture = if is_resource { renderer.resource(&record.output, 0)? } else { renderer.output(&record.output)? };
+    let now = Provenance::new(&renderer, &record.scene, &record.output, record.first_frame);
+    let mut differences = record.differences(&now);
+    // Only linear files hold every bit to compare.
+    let largest = if metrics::FileFormat::of(&args.file).is_some_and(|format| !format.is_display_referred()) {
+        let before = Image::read(&args.file)?;
+        let largest = Pair::new(&picture, &before)?.max_abs_difference();
+        if largest > 0.0 {
+            differences.push(format!("picture: the largest difference of a channel is {largest:e}"));
+        }
+        Some(largest)
+    } else {
+        None
+    };
+    if let Some(out) = &args.out {
+        picture.write(out, Display::default(), Some(&now.to_json()))?;
+    }
+    if context.json {
+        output::json(&json!({ "differences": differences, "largest_difference": largest }));
+    } else if differences.is_empty() {
+        println!("{}", if largest.is_some() { "the same, bit for bit" } else { "the same pipeline, shaders, scene and adapter" });
+    } else {
+        differences.iter().for_each(|line| println!("{line}"));
+    }
+    Ok(())
+}

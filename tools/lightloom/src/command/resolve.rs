@@ -1,0 +1,26 @@
+//! `lightloom resolve`: a pipeline without its inheritance.
+
+use crate::context::{Context, overrides};
+use anyhow::Result;
+use frame_graph::resolve;
+
+/// Print a pipeline flattened, each value with its origin.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  lightloom resolve ism-invtm --set lights=64")]
+pub(crate) struct Args {
+    /// A pipeline by name, or a .ron file
+    pipeline: String,
+    /// A value for a parameter or a pass's setting; any number of times
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let resolved = resolve(&args.pipeline, context.catalog.pipelines(), &overrides(&args.set)?)?;
+    if context.json {
+        crate::output::json(&serde_json::json!({ "ron": resolved.to_ron() }));
+    } else {
+        println!("{}", resolved.to_ron());
+    }
+    Ok(())
+}

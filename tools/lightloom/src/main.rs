@@ -1,0 +1,80 @@
+//! The command line of Lightloom.
+//!
+//! Exit codes: 0 done, 1 failed, 2 wrong use.
+
+mod command;
+mod context;
+mod output;
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Real-time global illumination by virtual lights, described in RON files.
+#[derive(Parser)]
+#[command(name = "lightloom", version, max_term_width = 100)]
+struct Cli {
+    /// Folder whose pipelines, shaders and scenes come before those built in [default: the tree one stands in]
+    #[arg(long, global = true, value_name = "DIR")]
+    root: Option<PathBuf>,
+    /// Print for programs: JSON on standard output
+    #[arg(long, global = true)]
+    json: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a scene by a pipeline into a picture, or a sequence of them
+    Render(command::render::Args),
+    /// Prove pipelines, their shaders and scenes, without a GPU
+    Check(command::check::Args),
+    /// Draw the compiled graph of a pipeline: order, sizes, memory, and why each pass is there or not
+    Graph(command::graph::Args),
+    /// Print a pipeline flattened, each value with its origin
+    Resolve(command::resolve::Args),
+    /// Print what two pipelines differ in
+    Diff(command::diff::Args),
+    /// Make a picture again from its own record, and say what differs
+    Rerun(command::rerun::Args),
+    /// Compare two pictures: RMSE, relMSE, ꟻLIP
+    Compare(command::compare::Args),
+    /// List the kinds of passes, or show one with its ports and settings
+    Passes(command::passes::Args),
+    /// List the pipelines
+    Pipelines(command::lists::Args),
+    /// List the scenes
+    Scenes(command::lists::Args),
+    /// List the graphics adapters; fails where there is none
+    Adapters(command::lists::Args),
+}
+
+fn main() -> ExitCode {
+    tracing_subscriber::fmt()
+        .with_env_filter(tracing_subscriber::EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into()))
+        .with_writer(std::io::stderr)
+        .init();
+    let cli = Cli::parse();
+    let context = context::Context::new(cli.root, cli.json);
+    let done = match &cli.command {
+        Command::Render(args) => command::render::run(&context, args),
+        Command::Check(args) => command::check::run(&context, args),
+        Command::Graph(args) => command::graph::run(&context, args),
+        Command::Resolve(args) => command::resolve::run(&context, args),
+        Command::Diff(args) => command::diff::run(&context, args),
+        Command::Rerun(args) => command::rerun::run(&context, args),
+        Command::Compare(args) => command::compare::run(&context, args),
+        Command::Passes(args) => command::passes::run(&context, args),
+        Command::Pipelines(_) => command::lists::pipelines(&context),
+        Command::Scenes(_) => command::lists::scenes(&context),
+        Command::Adapters(_) => command::lists::adapters(&context),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::failure(&error);
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! How results and failures are printed.
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Prints an error with its causes, each said once.
+pub(crate) fn failure(error: &anyhow::Error) {
+    let text = error.to_string();
+    // Diagnostics begin with their own word.
+    if text.starts_with("error") {
+        eprintln!("{}", text.trim_end());
+    } else {
+        eprintln!("error: {text}");
+    }
+    let mut said = text;
+    for cause in error.chain().skip(1) {
+        let cause = cause.to_string();
+        if !said.contains(&cause) {
+            eprintln!("  because: {cause}");
+        }
+        said = cause;
+    }
+}
+
+/// A bar for work of so many parts, on a terminal; for one part, none.
+pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
+    if parts <= 1 {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left");
+    ProgressBar::new(parts).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())).with_message(what.to_owned())
+}
+
+/// Prints JSON.
+pub(crate) fn json(value: &serde_json::Value) {
+    println!("{value:#}");
+}
+
+/// Bytes for people.
+pub(crate) fn bytes(n: u64) -> String {
+    match n {
+        0..1024 => format!("{n} B"),
+        1024..0x10_0000 => format!("{:.1} KiB", n as f64 / 1024.0),
+        0x10_0000..0x4000_0000 => format!("{:.1} MiB", n as f64 / f64::from(0x10_0000)),
+        _ => format!("{:.2} GiB", n as f64 / f64::from(0x4000_0000)),
+    }
+}

@@ -1,0 +1,45 @@
+//! Radiance times a gain: one dispatch over a texture.
+
+use pass::{
+    Compute, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
+    Recording, ResourceDesc, Setting, Settings, UseContext, input, output,
+    setting::{self, SettingExt},
+};
+
+pub mod twin;
+
+/// The pass.
+pub const PASS: &dyn Pass = &NewPass;
+
+/// Radiance times a gain.
+#[derive(Debug)]
+pub struct NewPass;
+
+const SHADER: &str = "tools/new-pass/new-pass.wgsl";
+
+impl Pass for NewPass {
+    fn info(&self) -> Info {
+        Info { kind: "new-pass", about: "Radiance times a gain.", paper: "", shaders: &[SHADER] }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![setting::f32("gain", 1.0, "What the radiance is multiplied by.").range(0.0, 1e6)])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![input("radiance", "Radiance", "What is multiplied.")],
+            outputs: vec![output("image", "Radiance", "The product.")],
+            externals: Externals::NONE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let image = ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("radiance"));
+        Ok(vec![OutputDesc::one("image", image)])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        Ok(Recording::one(Compute::per_texel(cx.shader(SHADER, &[]), "scale", cx.size("image"))))
+    }
+}
