@@ -25,11 +25,7 @@ pub fn frame_from_normal(n: Vec3) -> [Vec3; 3] {
     let side = if n[2] >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (side + n[2]);
     let b = n[0] * n[1] * a;
-    [
-        [1.0 + side * n[0] * n[0] * a, side * b, -side * n[0]],
-        [b, side + n[1] * n[1] * a, -n[1]],
-        n,
-    ]
+    [[1.0 + side * n[0] * n[0] * a, side * b, -side * n[0]], [b, side + n[1] * n[1] * a, -n[1]], n]
 }
 
 /// A vector in a frame: `v * frame` of the WGSL.

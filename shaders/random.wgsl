@@ -18,7 +18,7 @@ fn unit_float(bits: u32) -> f32 {
 }
 
 /// Element `index` of van der Corput's sequence of a prime base, in [0, 1) (Halton 1960). Digits are gathered
-/// in an integer and divided once, so the error is that of one rounding; exact while base^digits < 2³².
+/// in an integer and divided once, so the error is that of three roundings; exact while base^digits < 2³².
 fn radical_inverse(base: u32, index: u32) -> f32 {
     var rest = index;
     var reversed = 0u;

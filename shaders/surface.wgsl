@@ -60,7 +60,10 @@ fn surface(index: u32, uv: vec2<f32>, uv_x: vec2<f32>, uv_y: vec2<f32>) -> Surfa
         emission *= textureSampleGrad(scene_textures, scene_sampler, uv, material.emission_texture, uv_x, uv_y).rgb;
     }
 #endif
-    return Surface(base.rgb * (1.0 - metallic), base.a, mix(material.specular, base.rgb, metallic), roughness, emission);
+    // A dielectric of roughness 1 counts as Lambertian, here as in the trait `glossy`.
+    let dielectric = select(material.specular, vec3(0.0), roughness >= 1.0);
+    let specular = mix(dielectric, base.rgb, metallic);
+    return Surface(base.rgb * (1.0 - metallic), base.a, specular, roughness, emission);
 }
 
 /// Whether the surface is there: alpha is not below the material's cutoff.

@@ -60,8 +60,9 @@ fn view_position(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
     return camera.position + view_ray(at) * depth;
 }
 
-/// Irradiance [W/m²] that one light gives without shadows, and in w the luminance of what the clamp removes.
-fn unshadowed(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec4<f32> {
+/// Geometry term of a light without its visibility [1/m²]: cosθ cosθ' / (π d² + A), as the clamp leaves it, and what
+/// the clamp removes.
+fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
     let offset = at - light.position;
     // Nearer than positions are rounded a distance says nothing, and the light's direction neither.
     let rounding = 1e-6 * scene_info.extent;
@@ -69,11 +70,8 @@ fn unshadowed(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec4<f32
     let cosines = max(-dot(normal, offset), 0.0) * max(dot(light.normal, offset), 0.0) / distance2;
     let closest = settings.clamp * scene_info.extent;
     let kept = cosines / (PI * max(distance2, closest * closest) + light.area);
-    var removed = 0.0;
-    if distance2 < closest * closest {
-        removed = luminance(light.flux) * (cosines / (PI * distance2 + light.area) - kept);
-    }
-    return vec4(light.flux * kept, removed);
+    let whole = cosines / (PI * distance2 + light.area);
+    return vec2(kept, whole - kept);
 }
 
 /// What a thread gathers for: a pixel, and what it has so far.
@@ -96,14 +94,16 @@ fn gather(
 ) {
     let interleave = vec2(settings.interleave_x, settings.interleave_y);
     let subsets = interleave.x * interleave.y;
-    // Workgroups along a sub-image; those of the widest, for all alike.
+    // Workgroups along a sub-image; those of the widest, for all alike. One sub-image is done after the other, so
+    // that the maps of one subset of the lights are in the caches.
     let side = 8u * SPAN;
     let groups = ((settings.view_size + interleave - 1u) / interleave + side - 1u) / side;
-    let image = group.xy / groups;
-    let corner = group.xy % groups * side + local.xy;
+    let image = group.y / groups.y;
+    let first = vec2(image % interleave.x, image / interleave.x);
+    let corner = vec2(group.x, group.y % groups.y) * side + local.xy;
     var receivers: array<Receiver, SPAN * SPAN>;
     for (var r = 0u; r < SPAN * SPAN; r++) {
-        let pixel = (corner + 8u * vec2(r % SPAN, r / SPAN)) * interleave + image;
+        let pixel = (corner + 8u * vec2(r % SPAN, r / SPAN)) * interleave + first;
         receivers[r].pixel = pixel;
         let inside = min(pixel, settings.view_size - 1u);
         let depth = textureLoad(view_depth, inside, 0).x;
@@ -111,7 +111,7 @@ fn gather(
         receivers[r].at = view_position(inside, depth);
         receivers[r].normal = normalize(textureLoad(view_normal, inside, 0).xyz);
     }
-    let own = subset(image.y * interleave.x + image.x, subsets, min(lights.count, arrayLength(&lights.lights)));
+    let own = subset(image, subsets, min(lights.count, arrayLength(&lights.lights)));
     for (var begin = 0u; begin < own.count; begin += STAGED) {
         if begin + local_index < own.count {
             staged[local_index] = lights.lights[own.first + (begin + local_index) * own.stride];
@@ -120,16 +120,17 @@ fn gather(
         let end = min(own.count - begin, STAGED);
         for (var i = 0u; i < end; i++) {
             let light = staged[i];
+            let flux_luminance = luminance(light.flux);
             for (var r = 0u; r < SPAN * SPAN; r++) {
                 let at = receivers[r].at;
                 let normal = receivers[r].normal;
-                var given = unshadowed(light, at, normal);
+                var terms = geometry(light, at, normal);
 #if VISIBILITY
-                if any(given > vec4(0.0)) {
-                    given *= visibility(own.first + (begin + i) * own.stride, light, at, normal);
+                if terms.x > 0.0 {
+                    terms *= visibility(own.first + (begin + i) * own.stride, light, at, normal);
                 }
 #endif
-                receivers[r].sum += given;
+                receivers[r].sum += vec4(light.flux * terms.x, flux_luminance * terms.y);
             }
         }
         workgroupBarrier();

@@ -5,7 +5,8 @@
 // subsets, half a weight each. Where the window passes the edge of the image it goes on one period further
 // inside, to pixels of the same subset.
 //
-// filtered: rgba32float [W/m²], all four channels averaged alike.
+// filtered: rgba32float [W/m²], all four channels averaged alike. Separated, this runs twice: over a window of one
+// row, and over one of a column.
 
 #import "camera.wgsl"
 

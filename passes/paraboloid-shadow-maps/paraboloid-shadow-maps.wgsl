@@ -152,7 +152,8 @@ fn hit(in: Cover) -> Hit {
         discard;
     }
     let distance = dot(normal, in.a) / along;
-    if !(distance < NOTHING) || !above_horizon(direction * distance, scene_info.extent) {
+    // Rays of texels that only touch the disc point below the horizon, and may meet the triangle backwards.
+    if !(distance > 0.0 && distance < NOTHING) || !above_horizon(direction * distance, scene_info.extent) {
         discard;
     }
     return Hit(distance, scene_info.extent / (scene_info.extent + distance));

@@ -32,8 +32,9 @@ struct Tile {
 fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) -> Tile {
     // Bit v of each: the coordinate of vertex v, in two triangles that share a diagonal.
     let corner = (vec2(0x32u, 0x2cu) >> vec2(vertex)) & vec2(1u);
-    let origin = tile_origin(map, settings.visibility_columns, settings.visibility_tile);
-    let at = vec2<f32>(origin + corner * settings.visibility_tile) / vec2<f32>(settings.visibility_size);
+    let tile = settings.visibility_tile;
+    let origin = tile_origin(map, settings.visibility_columns, tile);
+    let at = vec2<f32>(origin + corner * tile) / vec2<f32>(settings.visibility_size);
     return Tile(vec4(at * vec2(2.0, -2.0) + vec2(-1.0, 1.0), 0.0, 1.0), map, origin);
 }
 

@@ -301,11 +301,7 @@ impl Executor {
             return Err(ExecutorError::Pass { pass: "of this frame".to_owned(), message });
         }
         let times = match timers {
-            Some(timers) if timed => {
-                let mut times = timers.read(&self.gpu)?;
-                times.iter_mut().zip(&schedule.runs).filter(|(_, ran)| !**ran).for_each(|(time, _)| *time = 0.0);
-                times
-            }
+            Some(timers) if timed => timers.read(&self.gpu, &schedule.runs)?,
             _ => Vec::new(),
         };
         loaded.schedule = schedule;

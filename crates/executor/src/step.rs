@@ -36,6 +36,11 @@ pub(crate) struct StepContext<'a> {
 /// Queries to write at the begin and the end of a step.
 pub(crate) type StepQueries<'a> = Option<(&'a wgpu::QuerySet, Option<u32>, Option<u32>)>;
 
+/// Whether a step is the first or the last of its pass, and so writes a timestamp.
+fn edge((_, begin, end): &(&wgpu::QuerySet, Option<u32>, Option<u32>)) -> bool {
+    begin.is_some() || end.is_some()
+}
+
 impl LoadedStep {
     /// Makes the pipeline; the flag says whether it was not there before.
     pub(crate) fn new(gpu: &Gpu, pipelines: &mut Pipelines, plan: &Plan, pass: &PlannedPass, linked: LinkedStep) -> Result<(LoadedStep, bool), ExecutorError> {
@@ -123,7 +128,7 @@ impl LoadedStep {
                 let mut pass = open.take().unwrap_or_else(|| {
                     let descriptor = wgpu::ComputePassDescriptor {
                         label: Some(&self.label),
-                        timestamp_writes: queries.map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
+                        timestamp_writes: queries.filter(edge).map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
                             query_set,
                             beginning_of_pass_write_index: begin,
                             end_of_pass_write_index: end,
@@ -219,7 +224,7 @@ impl LoadedStep {
             label: Some(&self.label),
             color_attachments: &colors,
             depth_stencil_attachment: depth,
-            timestamp_writes: queries.map(|(query_set, begin, end)| wgpu::RenderPassTimestampWrites {
+            timestamp_writes: queries.filter(edge).map(|(query_set, begin, end)| wgpu::RenderPassTimestampWrites {
                 query_set,
                 beginning_of_pass_write_index: begin,
                 end_of_pass_write_index: end,

@@ -48,11 +48,23 @@ impl Timers {
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, self.resolved.size());
     }
 
-    /// Waits, and gives the milliseconds of each pass. Those of passes that did not run have no meaning.
-    pub(crate) fn read(&self, gpu: &Gpu) -> Result<Vec<f64>, ExecutorError> {
+    /// Waits, and gives the milliseconds of each pass; 0 for those that did not run.
+    ///
+    /// A pass lasts from the end of the one before it to its own end: so the times add up to the frame's, and
+    /// they are right on lavapipe too, which may execute the timestamp at a pass's begin only at its end.
+    pub(crate) fn read(&self, gpu: &Gpu, ran: &[bool]) -> Result<Vec<f64>, ExecutorError> {
         let bytes = crate::readback::map(gpu, &self.readable, "timestamps")?;
-        let ticks: Vec<u64> = bytes.chunks_exact(8).map(|b| u64::from_le_bytes(b.try_into().unwrap_or_default())).collect();
+        let ticks: Vec<u64> =
+            bytes.chunks_exact(8).map(|b| u64::from_le_bytes(b.try_into().unwrap_or_default())).collect();
         let period = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
-        Ok(ticks.chunks_exact(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period).collect())
+        let mut last = None;
+        let spans = ticks.chunks_exact(2).zip(ran).map(|(pair, ran)| {
+            if !ran {
+                return 0.0;
+            }
+            let begin = last.replace(pair[1]).unwrap_or(pair[0]);
+            pair[1].saturating_sub(begin) as f64 * period
+        });
+        Ok(spans.collect())
     }
 }

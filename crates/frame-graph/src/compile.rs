@@ -9,8 +9,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Source, Span};
 use crate::link::{Graph, GraphPass, Tap};
 use crate::name::Name;
 use crate::plan::{
-    AllocationId, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput, PlannedOutput, PlannedPass,
-    PlannedPort, PlannedResource, ResourceId,
+    AllocationId, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput, PlannedOutput,
+    PlannedPass, PlannedPort, PlannedResource, ResourceId,
 };
 use crate::port::{Externals, Usage};
 use crate::resource::Clear;
@@ -138,7 +138,9 @@ impl<'a> Work<'a> {
                 Some(i) => self.wanted.push(i as u32),
                 None => {
                     let names = self.graph.outputs.iter().map(|output| &*output.name);
-                    errors.push(asked("output", name, "the pipeline has no output").suggest("outputs", name, names));
+                    errors.push(
+                        asked("output", name, "the pipeline has no output").suggest("outputs", name, names),
+                    );
                 }
             }
         }
@@ -190,22 +192,30 @@ impl<'a> Work<'a> {
         let ports = || {
             let members = |p: &'a crate::link::GraphPort| {
                 let port = p.port.as_str();
-                p.members.iter().map(move |(m, _, _)| if m.is_empty() { port.to_owned() } else { format!("{port}.{m}") })
+                p.members
+                    .iter()
+                    .map(move |(m, _, _)| if m.is_empty() { port.to_owned() } else { format!("{port}.{m}") })
             };
             found.outputs.iter().flat_map(members).collect::<Vec<_>>()
         };
         let unknown = || {
             let known = ports();
             let tail = &name[(pass.len() + 1).min(name.len())..];
-            asked("keep", name, "the pass has no resource for").suggest("resources", tail, known.iter().map(String::as_str))
+            asked("keep", name, "the pass has no resource for").suggest(
+                "resources",
+                tail,
+                known.iter().map(String::as_str),
+            )
         };
+        // Scratch comes after all ports, and can be kept by name alone.
+        let seen = found.outputs.iter().filter(|p| !p.interface.is_empty()).count();
         let at = match port {
             Some(port) => found.outputs.iter().position(|p| p.port == *port),
-            None => (found.outputs.len() == 1).then_some(0),
+            None => (seen == 1).then_some(0),
         };
         // `pass.member`, where the pass has one port.
         let (at, member) = match (at, port, member) {
-            (None, Some(port), None) if found.outputs.len() == 1 => (0, Some(port)),
+            (None, Some(port), None) if seen == 1 => (0, Some(port)),
             (Some(at), _, member) => (at, member),
             _ => return Err(unknown()),
         };
@@ -219,7 +229,8 @@ impl<'a> Work<'a> {
 
     /// Marks what is needed, through links of this frame and of the last.
     fn cull(&mut self) {
-        let mut open: Vec<u32> = (0..self.graph.passes.len() as u32).filter(|i| self.needed[*i as usize]).collect();
+        let mut open: Vec<u32> =
+            (0..self.graph.passes.len() as u32).filter(|i| self.needed[*i as usize]).collect();
         while let Some(i) = open.pop() {
             let graph = self.graph;
             let pass = &graph.passes[i as usize];
@@ -314,9 +325,11 @@ impl<'a> Work<'a> {
             let output = &graph.outputs[*i as usize];
             let port = &graph.passes[output.from.pass as usize].outputs[output.from.port as usize];
             let pass = &graph.passes[output.from.pass as usize].name;
+            let member = output.from.member.map_or("", |m| &*port.members[m as usize].0);
+            let dot = if member.is_empty() { "" } else { "." };
             plan.outputs.push(PlannedOutput {
                 name: output.name.clone(),
-                from: Name::from(format!("{pass}.{}", port.port)),
+                from: Name::from(format!("{pass}.{}{dot}{member}", port.port)),
                 interface: self.interface(&output.from),
                 members: self.members(&output.from, &ids),
             });
@@ -347,7 +360,9 @@ impl<'a> Work<'a> {
                     }
                     ids[r - 1] = plan.resources.len() as u32;
                     name.clear();
-                    for part in [&*pass.name, ".", &port.port, if member.is_empty() { "" } else { "." }, member] {
+                    for part in
+                        [&*pass.name, ".", &port.port, if member.is_empty() { "" } else { "." }, member]
+                    {
                         name.push_str(part);
                     }
                     let begin = at.unwrap_or(0);
@@ -491,7 +506,11 @@ impl<'a> Work<'a> {
             None if self.runs(i) => Fate::Kept { readers },
             None => Fate::Culled { readers },
         };
-        readers.into_iter().enumerate().map(|(i, readers)| (passes[i].name.clone(), fate(i, readers))).collect()
+        readers
+            .into_iter()
+            .enumerate()
+            .map(|(i, readers)| (passes[i].name.clone(), fate(i, readers)))
+            .collect()
     }
 }
 

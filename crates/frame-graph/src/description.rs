@@ -1,16 +1,19 @@
 //! A pipeline as its file says it, with the place of every value.
 
 mod form;
+mod passes;
 mod read;
+mod values;
 
 pub(crate) use form::{
-    At, Body, Dim, Entry, Group, InputDecl, Link, Off, OutDecl, OutputDecl, ParameterDecl, PassDecl, Past, Patch,
-    Set, SetValue, Size, Target, When,
+    At, Body, Dim, Entry, Group, InputDecl, Link, Off, OutDecl, OutputDecl, ParameterDecl, PassDecl, Past,
+    Patch, Set, SetValue, Size, Target, When,
 };
-pub(crate) use read::{out_overrides, within};
 pub(crate) use read::parse_file;
+pub(crate) use read::{out_overrides, within};
 
 use crate::diagnostic::{Diagnostics, Source};
+use crate::value::Value;
 use std::sync::Arc;
 
 /// A parsed pipeline file.
@@ -50,6 +53,13 @@ impl Description {
     /// The file of which this one is a variant.
     pub fn extends(&self) -> Option<&str> {
         self.extends.as_ref().map(|file| file.value.as_str())
+    }
+
+    /// What `set:` of a pass says, in order; parameters are left out.
+    pub fn settings(&self, pass: &str) -> Vec<(&str, &Value)> {
+        let entry = self.passes.iter().find(|entry| entry.name.value == *pass);
+        let set = entry.map_or(&[][..], |entry| &entry.decl.set);
+        set.iter().filter_map(|set| Some((&*set.name.value, set.value.get()?))).collect()
     }
 
     /// Whether it is a part, to be used with `Sub`: it has inputs.

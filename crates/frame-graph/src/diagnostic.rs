@@ -141,7 +141,8 @@ impl Diagnostics {
     /// The text shown to the user: each error with its code, file, line, column, the text with a caret, the
     /// other end where there is one, and advice.
     pub fn render(&self, color: bool) -> String {
-        let mut out = if color { term::termcolor::Buffer::ansi() } else { term::termcolor::Buffer::no_color() };
+        let mut out =
+            if color { term::termcolor::Buffer::ansi() } else { term::termcolor::Buffer::no_color() };
         let config = term::Config::default();
         for diagnostic in &self.0 {
             let mut files = SimpleFiles::new();

@@ -183,8 +183,7 @@ impl Parser<'_> {
 
     fn comparison(&mut self, depth: u32) -> Result<Expr, ExprError> {
         let left = self.unary(depth)?;
-        let ops =
-            [Op::Equal, Op::NotEqual, Op::LessEqual, Op::GreaterEqual, Op::Less, Op::Greater];
+        let ops = [Op::Equal, Op::NotEqual, Op::LessEqual, Op::GreaterEqual, Op::Less, Op::Greater];
         for op in ops {
             if self.eat(op.text()) {
                 return Ok(Self::binary(op, left, self.unary(depth)?));
@@ -196,7 +195,10 @@ impl Parser<'_> {
     fn deeper(&self, depth: u32) -> Result<u32, ExprError> {
         if depth >= MAX_DEPTH {
             let message = format!("this expression is nested more than {MAX_DEPTH} deep");
-            return Err(ExprError { code: &codes::NESTING, ..self.error(self.at.min(self.text.len()), message) });
+            return Err(ExprError {
+                code: &codes::NESTING,
+                ..self.error(self.at.min(self.text.len()), message)
+            });
         }
         Ok(depth + 1)
     }
@@ -364,9 +366,10 @@ impl Expr {
                 let message = format!("scenes have no trait `{name}`");
                 unknown(message, name, "traits of a scene", env.scene_names())
             }),
-            ExprKind::Connected(port) => env.connected(port).map(|_| Ty::Bool).ok_or_else(|| {
-                unknown(format!("there is no input `{port}`"), port, "inputs", env.ports())
-            }),
+            ExprKind::Connected(port) => env
+                .connected(port)
+                .map(|_| Ty::Bool)
+                .ok_or_else(|| unknown(format!("there is no input `{port}`"), port, "inputs", env.ports())),
             ExprKind::Not(inner) => inner.check(env, Ty::Bool).map(|()| Ty::Bool),
             ExprKind::Binary(Op::And | Op::Or, left, right) => {
                 left.check(env, Ty::Bool)?;

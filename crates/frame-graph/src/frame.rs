@@ -134,7 +134,9 @@ impl FrameState {
         let resets: Vec<Option<ResetCause>> = plan
             .histories
             .iter()
-            .map(|history| begun.or_else(|| change.events.iter().find(|e| history.reset.contains(e)).copied()))
+            .map(|history| {
+                begun.or_else(|| change.events.iter().find(|e| history.reset.contains(e)).copied())
+            })
             .collect();
         let mut runs = self.renew(plan, change, &resets, begun.is_some());
         self.restore(plan, &mut runs);
@@ -155,7 +157,13 @@ impl FrameState {
     }
 
     /// The version of what an input reads in this frame.
-    fn version(&self, plan: &Plan, resource: ResourceId, history: Option<HistoryId>, resets: &[Option<ResetCause>]) -> u64 {
+    fn version(
+        &self,
+        plan: &Plan,
+        resource: ResourceId,
+        history: Option<HistoryId>,
+        resets: &[Option<ResetCause>],
+    ) -> u64 {
         if let Some(history) = history {
             let at = history.0 as usize;
             return if resets[at].is_some() { INIT } else { self.histories[at].version };
@@ -178,7 +186,13 @@ impl FrameState {
     }
 
     /// Forwards: what has something new to read, and so makes something new.
-    fn renew(&mut self, plan: &Plan, change: &Change, resets: &[Option<ResetCause>], first: bool) -> Vec<bool> {
+    fn renew(
+        &mut self,
+        plan: &Plan,
+        change: &Change,
+        resets: &[Option<ResetCause>],
+        first: bool,
+    ) -> Vec<bool> {
         let changed = change.externals.and(Externals::FRAME);
         let mut runs = vec![first || change.all; plan.passes.len()];
         for pass in &change.passes {
@@ -189,7 +203,10 @@ impl FrameState {
         for (i, pass) in plan.passes.iter().enumerate() {
             let from = self.first_seen[i] as usize;
             runs[i] |= pass.externals.0 & changed.0 != 0
-                || self.reads(plan, i, resets).enumerate().any(|(at, version)| self.seen[from + at] != version);
+                || self
+                    .reads(plan, i, resets)
+                    .enumerate()
+                    .any(|(at, version)| self.seen[from + at] != version);
             if runs[i] {
                 self.clock += 1;
                 self.versions[i] = self.clock;
@@ -231,7 +248,9 @@ impl FrameState {
         }
         // Those before it in the list are written before it would be.
         let before = plan.allocations[allocation].resources.iter().take_while(|other| **other != id);
-        let written = |other: &ResourceId| plan.resources[other.0 as usize].producer.is_some_and(|p| runs[p.0 as usize]);
+        let written = |other: &ResourceId| {
+            plan.resources[other.0 as usize].producer.is_some_and(|p| runs[p.0 as usize])
+        };
         !before.into_iter().any(written)
     }
 

@@ -6,6 +6,65 @@
 //!
 //! Each arrow is one function. Nothing here knows a GPU, a shader, a scene or any particular pass: what a
 //! kind of pass offers comes through the [`Kinds`] trait, and what the scene holds through [`Traits`].
+//!
+//! # The files
+//!
+//! A pipeline is a RON file. All names are made of letters, digits, `-` and `_`; names of passes may have
+//! several parts, joined by `/`. `…?` is optional, `…*` any number of entries.
+//!
+//! ```text
+//! Pipeline(
+//!     about: "text"?,  paper: "ISM §3"?,
+//!     extends: "base.ron"?,                            // this file is a variant of that one
+//!     parameters: { "name": PARAMETER * }?,
+//!     inputs: { "name": "Interface" or Optional("Interface") * }?,   // this file is a part
+//!     passes: { "name": PASS or PART * },
+//!     outputs: { "name": "pass.port" * },
+//!     patch: [ PATCH * ]?,                             // only with `extends`
+//! )
+//! ```
+//!
+//! Paths of files are relative to the pipelines' folder.
+//!
+//! | form | is |
+//! |---|---|
+//! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `I32`, `F32`, `Bool`, `Text`. A variant gives only what differs |
+//! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)` |
+//! | PART | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, when: …?, off: …?)`: the passes of another file, named `part/pass` |
+//! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a part, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload]?)` |
+//! | VALUE | `true`, a number, text, `(x, y, z)`, or `"$parameter"`; text that begins with `$` is written with `$$` |
+//! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?)`, for kinds that take their ports from a shader |
+//! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`; any number may be `"$parameter"` (`"frame / $tile"`) |
+//! | OFF | `Black`, `Color(r, g, b, a)`, or `Input("port")`: what stands in place of the outputs when the switch is off |
+//! | PATCH | `Replace("pass", PASS)`, `Insert(name: "x", pass: PASS, between: ("a.port", "b.port"))`, `Set("path", VALUE)`, `Remove("pass")` |
+//!
+//! **Links.** The name of a pass alone means its only output of the interface that the input takes, else its only
+//! output. After the dot stands a port, or a member of the only port that has one of that name: `"view.depth"`.
+//! An input of the interface `Texture` or `Buffer` takes any single resource of that sort. `Prev` reads what the
+//! port held in the frame before, and may name any pass, also a later one or its own; `init` is what it holds where
+//! there is no past, and `reset` names the events that end it (all four, where it is left out).
+//!
+//! **Patches.** They are applied in order, after the entries of the file itself. `Replace` keeps the links of the
+//! old pass whose ports the new kind has, its `when` and its `off`, unless they are given anew. `Insert` puts a pass
+//! into a link; the link goes to its only required input that takes it; `"out.NAME"` stands for an output of the
+//! pipeline. `Remove` puts what `off:` says in place of a pass; without it, optional inputs that read it are left
+//! unlinked. `Set` takes a path: `parameter`, `pass.setting`, `part.parameter`, `part/pass.setting`. Values given
+//! from outside ([`Overrides`]) have the same paths and come last.
+//!
+//! **Switches.** `when:` is a closed expression over traits of the scene (`scene.glossy`), parameters (`$lights` or
+//! `lights`), `connected(input)`, truth values, numbers and `'text'`, with `!`, `&&`, `||`, `==`, `!=`, `<`, `<=`,
+//! `>`, `>=` and parentheses. Its types are checked, and so is all else in a pass that is off. What reads a pass that
+//! is off finds what `off:` says; without it, optional inputs are left unlinked and others are an error.
+//!
+//! **The flattened file.** [`Resolved::to_ron`] writes files without `extends`, `patch` and `Sub`. In them alone
+//! stand `Group(inputs: …, in: …, outputs: …, when: …, off: …)` for the border of a part, whose inputs are
+//! `"part/in.input"`; `Removed` in place of a pass; `keep: { … }` in a pass for links that are dropped where the kind
+//! has no such input; and `feed: "…"` for the link that an inserted pass takes.
+//!
+//! # Errors
+//!
+//! All errors of a file are told at once, each with a code (see [`codes`]), the place, both ends of a link, and the
+//! nearest name. Files that are broken, whatever their text, give errors and never a panic.
 
 pub mod codes;
 pub mod compile;

@@ -1,6 +1,8 @@
 //! From a flat description to a graph: switches, ports, interfaces, sizes.
 
 mod cycle;
+mod joints;
+mod needs;
 mod sizes;
 mod switches;
 mod uses;
@@ -15,7 +17,9 @@ use crate::resolve::{Node, Resolved};
 use crate::resource::{Clear, ResourceDesc};
 use crate::value::{Settings, Traits};
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use std::sync::Arc;
 use uses::UseOf;
 use wires::{End, Found, is_bare};
@@ -49,8 +53,8 @@ pub(crate) struct GraphPass {
     pub(crate) externals: Externals,
     pub(crate) depends_on: Externals,
     pub(crate) remembers: bool,
-    pub(crate) inputs: Vec<GraphInput>,
-    pub(crate) outputs: Vec<GraphPort>,
+    pub(crate) inputs: SmallVec<[GraphInput; 2]>,
+    pub(crate) outputs: GraphPorts,
     pub(crate) off: Option<GraphOff>,
 }
 
@@ -82,13 +86,16 @@ pub(crate) struct Tap {
     pub(crate) bare: bool,
 }
 
+/// The outputs of a pass, then its scratch: most have one.
+pub(crate) type GraphPorts = SmallVec<[GraphPort; 1]>;
+
 /// An output port, or scratch.
 #[derive(Clone, Debug)]
 pub(crate) struct GraphPort {
     pub(crate) port: Name,
     /// Empty for scratch.
     pub(crate) interface: Name,
-    pub(crate) members: Vec<(Name, ResourceDesc, Usage)>,
+    pub(crate) members: SmallVec<[(Name, ResourceDesc, Usage); 1]>,
     pub(crate) facts: Arc<Facts>,
 }
 
@@ -131,11 +138,11 @@ struct Linker<'a> {
     kinds: &'a dyn Kinds,
     interfaces: &'a [Interface],
     context: &'a LinkContext,
-    uses: Vec<Option<UseOf>>,
+    uses: Rc<Vec<Option<UseOf>>>,
     /// Wires as if everything were on.
-    wires: Vec<Vec<Wire<'a>>>,
+    wires: Vec<Wires<'a>>,
     /// Wires with what is off taken out; empty where nothing can be off.
-    live: Vec<Vec<Wire<'a>>>,
+    live: Vec<Wires<'a>>,
     /// Whether a node is on; known from the beginning where it has no switch.
     on: Vec<Option<bool>>,
     /// Why nodes are off, where their own switches say so.
@@ -147,6 +154,9 @@ struct Linker<'a> {
     bad_borders: Vec<Place>,
     errors: Vec<Diagnostic>,
 }
+
+/// The wires of a pass: most have few.
+type Wires<'a> = SmallVec<[Wire<'a>; 2]>;
 
 /// A link that has been followed to its end.
 #[derive(Clone, Copy, Debug)]
@@ -166,7 +176,7 @@ impl<'a> Linker<'a> {
             kinds,
             interfaces: kinds.interfaces(),
             context,
-            uses: Vec::with_capacity(resolved.nodes.len()),
+            uses: Rc::default(),
             wires: Vec::with_capacity(resolved.nodes.len()),
             live: Vec::new(),
             on: Vec::with_capacity(resolved.nodes.len()),
@@ -229,7 +239,7 @@ impl<'a> Linker<'a> {
         if self.live.is_empty() { &self.wires[node] } else { &self.live[node] }
     }
 
-    fn graph(self, mut ports: Vec<Vec<GraphPort>>, order: &[u32]) -> Graph {
+    fn graph(self, mut ports: Vec<GraphPorts>, order: &[u32]) -> Graph {
         const NONE: u32 = u32::MAX;
         // Parts are no passes: passes get indices of their own.
         let mut index = vec![NONE; self.nodes.len()];
@@ -272,7 +282,7 @@ impl<'a> Linker<'a> {
                 depends_on: used.ports.externals,
                 remembers: false,
                 inputs: inputs.collect(),
-                outputs: Vec::new(),
+                outputs: SmallVec::new(),
                 off: if is_on { None } else { Some(self.off(i)) },
             });
         }

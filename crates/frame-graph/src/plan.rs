@@ -164,7 +164,7 @@ pub struct History {
 pub struct PlannedOutput {
     /// Name in the pipeline.
     pub name: Name,
-    /// `pass.port` that it comes from.
+    /// `pass.port`, or `pass.port.member`, that it comes from.
     pub from: Name,
     /// Interface of that port.
     pub interface: Name,
@@ -268,7 +268,13 @@ impl Plan {
             let tail = resource.name.rsplit('/').next().unwrap_or("");
             let port = tail.split('.').nth(1).unwrap_or("").to_owned();
             let past = input.history.is_some();
-            Some(DrawnLink { producer: resource.producer, constant: *first, input: input.port.clone(), port, past })
+            Some(DrawnLink {
+                producer: resource.producer,
+                constant: *first,
+                input: input.port.clone(),
+                port,
+                past,
+            })
         };
         pass.inputs.iter().filter_map(link).collect()
     }

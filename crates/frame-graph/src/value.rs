@@ -77,7 +77,11 @@ impl Setting {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let shown = value.to_string();
         let Some(value) = value.convert(self.ty) else {
-            return Err(Misfit::Type(format!("`{}` is {}, and {shown} is not", self.name, self.ty.with_article())));
+            return Err(Misfit::Type(format!(
+                "`{}` is {}, and {shown} is not",
+                self.name,
+                self.ty.with_article()
+            )));
         };
         let out = |x: f64| self.min.is_some_and(|min| x < min) || self.max.is_some_and(|max| x > max);
         let outside = match &value {
@@ -255,6 +259,8 @@ impl Settings {
 
     fn typed<'a, T>(&'a self, name: &str, read: impl Fn(&'a Value) -> Option<T>) -> T {
         let value = self.0.get(name);
-        value.and_then(read).unwrap_or_else(|| panic!("the pass asks for a setting `{name}` that it does not declare so (found {value:?})"))
+        value.and_then(read).unwrap_or_else(|| {
+            panic!("the pass asks for a setting `{name}` that it does not declare so (found {value:?})")
+        })
     }
 }

@@ -47,7 +47,7 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "Points",
-        doc: "Samples of the scene's surfaces, evenly by area and in an order of which every part is even. Facts: `count`.",
+        doc: "Samples of the scene's surfaces, evenly by area and in an order of which every part is even; the normal is zero where the triangle has no area. Facts: `count`.",
         members: &[required("", "buffer: [count] Point of shaders/points.wgsl")],
     },
     Interface {
@@ -57,7 +57,7 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "Visibility",
-        doc: "Whether a virtual light is seen from a point. Facts: `module`, the WGSL that answers `fn visibility(light: u32, from: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`; for an atlas `tile` [px], `columns`.",
+        doc: "Whether a virtual light is seen from a point. Facts: `module`, the WGSL that answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`; for an atlas `tile` [px], `columns`.",
         members: &[optional("atlas", "r32float: paraboloid maps of the distance [m], one tile a virtual light, row by row; a large number where nothing is")],
     },
     Interface {

@@ -332,7 +332,7 @@ impl StepLinker<'_> {
                 known.insert(format!("{}_layers", port.name), Value::U32(texture.layers));
             }
             for (fact, value) in port.facts.iter().filter(|(_, value)| value.as_text().is_none()) {
-                known.insert(format!("{}_{fact}", port.name), value.clone());
+                known.entry(format!("{}_{fact}", port.name)).or_insert_with(|| value.clone());
             }
         }
         known.extend(self.planned.settings.0.iter().map(|(name, value)| (name.clone(), self.in_shader(name, value))));

@@ -38,7 +38,7 @@ impl Pass for DirectLight {
             Setting { one_of: [1, 3, 5, 7, 9].map(Value::U32).to_vec(), ..pcf }.unit("texels"),
             setting::f32(
                 "bias",
-                0.5,
+                0.25,
                 "How far behind the map a surface may lie and still be lit, on top of its own slope. Specks \
                  on lit surfaces fade as it grows; shadows come loose from what casts them.",
             )

@@ -57,7 +57,7 @@ struct Group<'a> {
 }
 
 impl Reflected {
-    /// Loads the shader of a use; `kind` says what stage it is for.
+    /// Loads the shader of a use, whose file is `path`, and finds its entry point of the stage.
     pub fn new(
         cx: &UseContext<'_>,
         request: &Request,

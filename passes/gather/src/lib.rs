@@ -83,7 +83,11 @@ impl Pass for Gather {
                 pass::input("lights", "VirtualLights", "What gives it."),
                 pass::optional("visibility", "Visibility", "Which lights are seen; without it, all."),
             ],
-            outputs: vec![pass::output("irradiance", "Irradiance", "Diffuse irradiance, noisy where interleaved.")],
+            outputs: vec![pass::output(
+                "irradiance",
+                "Irradiance",
+                "Diffuse irradiance, noisy where interleaved.",
+            )],
             externals: Externals::SCENE.and(Externals::CAMERA),
         })
     }
@@ -91,17 +95,20 @@ impl Pass for Gather {
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let interleave = |name| Value::U32(cx.settings.u32(name));
         Ok(vec![
-            OutputDesc::one("irradiance", ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")))
-                .fact("interleave_x", interleave("interleave_x"))
-                .fact("interleave_y", interleave("interleave_y")),
+            OutputDesc::one(
+                "irradiance",
+                ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")),
+            )
+            .fact("interleave_x", interleave("interleave_x"))
+            .fact("interleave_y", interleave("interleave_y")),
         ])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let size = cx.size("view");
-        let threads = |pixels: u32, sub_images: u32| pixels.div_ceil(sub_images).div_ceil(SPAN * 8) * 8 * sub_images;
-        let grid =
-            [threads(size.0, cx.settings.u32("interleave_x")), threads(size.1, cx.settings.u32("interleave_y")), 1];
+        let [n, m] = ["interleave_x", "interleave_y"].map(|name| cx.settings.u32(name));
+        let groups = |pixels: u32, sub_images: u32| pixels.div_ceil(sub_images).div_ceil(SPAN * 8);
+        let grid = [groups(size.0, n) * 8, groups(size.1, m) * n * m * 8, 1];
         let shader = cx.shader(
             SHADER,
             &[

@@ -20,15 +20,14 @@ pub struct VirtualLight {
     pub area: f64,
 }
 
-/// Irradiance [W/m²] that one light gives without shadows, and what the clamp removes.
-pub fn unshadowed(light: &VirtualLight, at: Vec3, normal: Vec3, clamp: f64, extent: f64) -> (f64, f64) {
-    let offset = [0, 1, 2].map(|i| light.position[i] - at[i]);
+/// Geometry term of a light without its visibility [1/m²], as the clamp leaves it, and what the clamp removes.
+pub fn geometry(light: &VirtualLight, at: Vec3, normal: Vec3, clamp: f64, extent: f64) -> (f64, f64) {
+    let offset = [0, 1, 2].map(|i| at[i] - light.position[i]);
     let distance2 = dot(offset, offset).max((1e-6 * extent).powi(2));
-    let toward = offset.map(|x| x / distance2.sqrt());
-    let cosines = dot(normal, toward).max(0.0) * (-dot(light.normal, toward)).max(0.0);
-    let of = |distance2: f64| light.flux * cosines / (std::f64::consts::PI * distance2 + light.area);
-    let kept = of(distance2.max((clamp * extent).powi(2)));
-    (kept, of(distance2) - kept)
+    let cosines = (-dot(normal, offset)).max(0.0) * dot(light.normal, offset).max(0.0) / distance2;
+    let term = |distance2: f64| cosines / (std::f64::consts::PI * distance2 + light.area);
+    let kept = term(distance2.max((clamp * extent).powi(2)));
+    (kept, term(distance2) - kept)
 }
 
 /// Indices of the lights of subset `s` of `subsets`, in runs or in strides.

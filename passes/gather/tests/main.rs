@@ -1,6 +1,6 @@
 //! Irradiance against closed forms, and the way lights are shared out among sub-images.
 
-use gather::twin::{VirtualLight, subset, unshadowed};
+use gather::twin::{VirtualLight, geometry, subset};
 use glam::Vec3;
 use pass_test::{Outputs, Stand};
 use std::f64::consts::PI;
@@ -50,7 +50,11 @@ impl View {
                 "GBuffer",
                 &[],
                 vec![
-                    ("depth", texture(pass::Format::R32Float), bytemuck::cast_slice(&vec![depth; pixels]).to_vec()),
+                    (
+                        "depth",
+                        texture(pass::Format::R32Float),
+                        bytemuck::cast_slice(&vec![depth; pixels]).to_vec(),
+                    ),
                     ("normal", texture(pass::Format::Rgba16Float), bytemuck::cast_slice(&normals).to_vec()),
                 ],
             )
@@ -61,7 +65,11 @@ impl View {
     fn position(&self, x: u32, y: u32) -> [f64; 3] {
         let tan = (f64::from(self.fov) / 2.0).tan() * 2.0;
         let (w, h) = (f64::from(self.width), f64::from(self.height));
-        [((2.0 * f64::from(x) + 1.0) / w - 1.0) * tan * w / h, 0.0, ((2.0 * f64::from(y) + 1.0) / h - 1.0) * tan]
+        [
+            ((2.0 * f64::from(x) + 1.0) / w - 1.0) * tan * w / h,
+            0.0,
+            ((2.0 * f64::from(y) + 1.0) / h - 1.0) * tan,
+        ]
     }
 
     fn pixels(&self) -> impl Iterator<Item = (u32, u32)> {
@@ -98,7 +106,8 @@ fn one_light_over_a_plane_gives_the_closed_form() {
     let light = VirtualLight { position: [0.3, 0.7, -0.2], normal: DOWN, flux: 5.0, area: 0.0 };
     for area in [0.0, 0.04] {
         let light = VirtualLight { area, ..light };
-        let outputs = view.stand(&[light]).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+        let outputs =
+            view.stand(&[light]).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
         let Some(outputs) = outputs else { return };
         for ((x, y), got) in view.pixels().zip(read(&outputs)) {
             let at = view.position(x, y);
@@ -107,7 +116,11 @@ fn one_light_over_a_plane_gives_the_closed_form() {
             let wanted = 5.0 * 0.49 / d2 / (PI * d2 + area);
             for (channel, factor) in [(0, 1.0), (1, 2.0), (2, 0.0)] {
                 let got = f64::from(got[channel]);
-                assert!((got - factor * wanted).abs() <= 1e-4 * wanted, "({x}, {y}): {got} for {}", factor * wanted);
+                assert!(
+                    (got - factor * wanted).abs() <= 1e-4 * wanted,
+                    "({x}, {y}): {got} for {}",
+                    factor * wanted
+                );
             }
             assert_eq!(got[3], 0.0, "nothing is removed");
         }
@@ -150,7 +163,9 @@ fn every_light_is_in_exactly_one_subset() {
 fn each_sub_image_sums_its_subset() {
     // Odd frames, one smaller than the interleaving, more lights a subset than are staged at once, and fewer
     // lights than subsets.
-    for (width, height, n, m, count) in [(21, 13, 4, 4, 61), (37, 19, 1, 2, 300), (1, 1, 16, 16, 3), (5, 3, 3, 5, 7)] {
+    for (width, height, n, m, count) in
+        [(21, 13, 4, 4, 61), (37, 19, 1, 2, 300), (1, 1, 16, 16, 3), (5, 3, 3, 5, 7)]
+    {
         for subsets in ["runs", "strides"] {
             let view = View { width, height, fov: 0.8 };
             let lights = lights(count);
@@ -164,7 +179,11 @@ fn each_sub_image_sums_its_subset() {
             let Some(outputs) = outputs else { return };
             for ((x, y), got) in view.pixels().zip(read(&outputs)) {
                 let own = subset(y % m * n + x % n, n * m, count as u32, subsets == "runs");
-                let terms = own.iter().map(|i| unshadowed(&lights[*i as usize], view.position(x, y), UP, 0.2, EXTENT));
+                let terms = own.iter().map(|i| {
+                    let light = &lights[*i as usize];
+                    let (kept, removed) = geometry(light, view.position(x, y), UP, 0.2, EXTENT);
+                    (light.flux * kept, light.flux * removed)
+                });
                 let (kept, removed) = terms.fold((0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1));
                 let scale = f64::from(n * m);
                 // The luminance of (1, 2, 0).
@@ -172,7 +191,10 @@ fn each_sub_image_sums_its_subset() {
                 for (got, wanted) in [(got[0], kept), (got[1], 2.0 * kept), (got[3], removed)] {
                     let (got, wanted) = (f64::from(got), scale * wanted);
                     let tolerance = 1e-4 * wanted.max(scale * kept);
-                    assert!((got - wanted).abs() <= tolerance, "({x}, {y}) of {width}×{height}: {got} for {wanted}");
+                    assert!(
+                        (got - wanted).abs() <= tolerance,
+                        "({x}, {y}) of {width}×{height}: {got} for {wanted}"
+                    );
                 }
             }
         }
@@ -199,7 +221,8 @@ fn extremes_stay_finite() {
     let facing = VirtualLight { position: [0.0, 1e-12, 0.0], normal: DOWN, ..on_the_receiver };
     let behind = VirtualLight { position: [0.0, -1.0, 0.0], normal: UP, ..on_the_receiver };
     for lights in [vec![on_the_receiver], vec![facing], vec![behind], Vec::new()] {
-        let outputs = view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+        let outputs =
+            view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
         let Some(outputs) = outputs else { return };
         for value in read(&outputs).into_iter().flatten() {
             assert!(value.is_finite() && value >= 0.0, "{value} of {lights:?}");

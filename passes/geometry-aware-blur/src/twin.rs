@@ -2,7 +2,7 @@
 
 /// Weight of an offset along one side of a window of so many pixels.
 pub fn window_weight(offset: i32, window: u32) -> f64 {
-    if window % 2 == 0 && offset.unsigned_abs() * 2 == window { 0.5 } else { 1.0 }
+    if window.is_multiple_of(2) && offset.unsigned_abs() * 2 == window { 0.5 } else { 1.0 }
 }
 
 /// A coordinate brought back into the image by one period; still outside where the image is narrower.

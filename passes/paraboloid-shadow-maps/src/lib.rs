@@ -4,8 +4,9 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Blend, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc, Pass,
-    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, UseContext, Value,
+    Blend, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc,
+    Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, UseContext,
+    Value,
 };
 
 /// The kind `paraboloid-shadow-maps`.
@@ -34,9 +35,13 @@ impl Pass for ParaboloidShadowMaps {
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
         Ok(vec![
-            setting::u32("map", 64, "Side of a map (ISM compares with 256). Shadows sharpen and time grows with it.")
-                .range(1.0, 8192.0)
-                .unit("px"),
+            setting::u32(
+                "map",
+                64,
+                "Side of a map (ISM compares with 256). Shadows sharpen and time grows with it.",
+            )
+            .range(1.0, 8192.0)
+            .unit("px"),
         ])
     }
 
@@ -59,8 +64,11 @@ impl Pass for ParaboloidShadowMaps {
         let columns = count.div_ceil(MAX_SIDE / tile);
         if columns * tile > MAX_SIDE {
             let most = (MAX_SIDE / tile).pow(2);
-            return Err(KindError::setting("map", format!("{count} maps of {tile}² do not fit in {MAX_SIDE}² texels"))
-                .help(format!("take smaller maps, or at most {most} virtual lights")));
+            return Err(KindError::setting(
+                "map",
+                format!("{count} maps of {tile}² do not fit in {MAX_SIDE}² texels"),
+            )
+            .help(format!("take smaller maps, or at most {most} virtual lights")));
         }
         let size = Extent::Fixed(columns * tile, count.div_ceil(columns) * tile);
         let mut visibility =

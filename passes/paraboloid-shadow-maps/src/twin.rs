@@ -30,7 +30,8 @@ pub fn grown(bounds: Box, p: Vec3, q: Vec3, extent: f64) -> Box {
     let curvature = if length(n) < 1e-6 { 1.0 } else { n[2].abs() / length(n) };
     let (from, to) = (paraboloid_from_direction(p), paraboloid_from_direction(q));
     let half_chord2 = 0.25 * ((to[0] - from[0]).powi(2) + (to[1] - from[1]).powi(2));
-    let sagitta = half_chord2 * curvature / (1.0 + (1.0 - half_chord2 * curvature * curvature).max(0.0).sqrt());
+    let sagitta =
+        half_chord2 * curvature / (1.0 + (1.0 - half_chord2 * curvature * curvature).max(0.0).sqrt());
     let low = [0, 1].map(|i| bounds.0[i].min(from[i].min(to[i]) - sagitta));
     let high = [0, 1].map(|i| bounds.1[i].max(from[i].max(to[i]) + sagitta));
     (low, high)
@@ -76,14 +77,16 @@ pub fn hit(direction: Vec3, [a, b, c]: [Vec3; 3], extent: f64) -> Option<f64> {
         return None;
     }
     let distance = dot(normal, a) / along;
-    above_horizon(scale(direction, distance), extent).then_some(distance)
+    (distance > 0.0 && above_horizon(scale(direction, distance), extent)).then_some(distance)
 }
 
 /// The map of a light: row by row the distance [m], infinite where nothing is.
 pub fn map(triangles: &[[Vec3; 3]], light: Vec3, light_normal: Vec3, tile: u32, extent: f64) -> Vec<f64> {
     let frame = frame_from_normal(light_normal);
-    let local: Vec<[Vec3; 3]> =
-        triangles.iter().map(|corners| corners.map(|corner| into_frame(sub(corner, light), &frame))).collect();
+    let local: Vec<[Vec3; 3]> = triangles
+        .iter()
+        .map(|corners| corners.map(|corner| into_frame(sub(corner, light), &frame)))
+        .collect();
     (0..tile * tile)
         .map(|i| {
             let direction = direction_from_paraboloid(texel_centre([i % tile, i / tile], tile));

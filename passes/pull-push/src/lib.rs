@@ -4,8 +4,9 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Blend, Compute, Define, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc, Pass,
-    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, Threads, UseContext, Value,
+    Blend, Compute, Define, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext,
+    OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
+    Threads, UseContext, Value,
 };
 
 /// The kind `pull-push`.
@@ -125,7 +126,8 @@ impl Pass for PullPush {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let levels = cx.settings.u32("levels");
-        let pyramid = Pyramid { tile: cx.fact("depth", "tile").max(1), count: cx.fact("depth", "count").max(1) };
+        let pyramid =
+            Pyramid { tile: cx.fact("depth", "tile").max(1), count: cx.fact("depth", "count").max(1) };
         let mut recording = Recording::default();
         for finer in 0..levels {
             let shader = cx.shader(PULL, &[("FINEST", Define::Bool(finer == 0))]);

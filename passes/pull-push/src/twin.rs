@@ -49,7 +49,8 @@ pub fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f
         return own;
     }
     let close = values.iter().filter(|(value, _)| (value - reference).abs() <= 2.0 * threshold);
-    let (sum, weights) = close.fold((0.0, 0.0), |(sum, weights), (value, weight)| (sum + value * weight, weights + weight));
+    let (sum, weights) =
+        close.fold((0.0, 0.0), |(sum, weights), (value, weight)| (sum + value * weight, weights + weight));
     let pushed = sum / weights;
     if (own - pushed).abs() > threshold { pushed } else { own }
 }

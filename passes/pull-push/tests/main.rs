@@ -74,13 +74,22 @@ fn surfaces_that_lie_close_together_are_kept() {
 #[test]
 fn both_sides_of_a_silhouette_keep_their_depth() {
     // The edge lies between blocks, so no coarse texel has both surfaces.
-    let edge = level(64, |x, y| if noise(x, y) < 0.5 { HOLE } else if x < 32 { 1.0 } else { 6.0 });
+    let edge = level(64, |x, y| {
+        if noise(x, y) < 0.5 {
+            HOLE
+        } else if x < 32 {
+            1.0
+        } else {
+            6.0
+        }
+    });
     let filled = pull_push(&edge, 2, 0.05, 0.05);
     for (i, depth) in filled.depth.iter().enumerate() {
         // A block of the finest level without any point takes its neighbour's depth, on either side.
         assert!(*depth == 1.0 || *depth == 6.0, "texel {i} is between the surfaces: {depth}");
     }
-    let kept = edge.depth.iter().zip(&filled.depth).filter(|(own, _)| own.is_finite()).all(|(own, new)| own == new);
+    let kept =
+        edge.depth.iter().zip(&filled.depth).filter(|(own, _)| own.is_finite()).all(|(own, new)| own == new);
     assert!(kept, "what was splatted is not an outlier");
 }
 
@@ -109,7 +118,8 @@ fn the_gpu_agrees_with_the_twin() {
     let extent = 8f64.sqrt();
     for (side, levels) in [(1, 2), (2, 1), (3, 2), (5, 0), (8, 4), (64, 2), (65, 3), (130, 2)] {
         let maps: Vec<Level> = (0..3).map(|salt| rough(side, salt)).collect();
-        let bits: Vec<u32> = maps.iter().flat_map(|map| &map.depth).map(|depth| (*depth as f32).to_bits()).collect();
+        let bits: Vec<u32> =
+            maps.iter().flat_map(|map| &map.depth).map(|depth| (*depth as f32).to_bits()).collect();
         let bytes = bytemuck::cast_slice(&bits).to_vec();
         let outputs = Stand::new(pull_push::PASS)
             .scene("plane")
@@ -130,7 +140,10 @@ fn the_gpu_agrees_with_the_twin() {
                 let (x, y) = (m % columns * side + i % side, m / columns * side + i / side);
                 let got = f64::from(atlas[y * columns * side + x]);
                 let wanted = wanted.min(3.0e38);
-                assert!((got - wanted).abs() <= 1e-5 * wanted, "map {m} of {side}², {levels} levels, texel {i}: {got} for {wanted}");
+                assert!(
+                    (got - wanted).abs() <= 1e-5 * wanted,
+                    "map {m} of {side}², {levels} levels, texel {i}: {got} for {wanted}"
+                );
             }
         }
     }

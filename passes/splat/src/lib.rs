@@ -4,8 +4,8 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Externals, Extent, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
-    Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value,
+    Compute, Define, Extent, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value,
 };
 
 /// The kind `splat`.
@@ -63,7 +63,11 @@ impl Pass for Splat {
         Ok(Ports {
             inputs: vec![
                 pass::input("points", "Points", "What is splatted."),
-                pass::input("lights", "VirtualLights", "From where: a map a light, over the hemisphere of its normal."),
+                pass::input(
+                    "lights",
+                    "VirtualLights",
+                    "From where: a map a light, over the hemisphere of its normal.",
+                ),
             ],
             outputs: vec![pass::output("depth", "DepthAtlas", "The maps, with holes.")],
             externals: Externals::SCENE,
@@ -78,7 +82,11 @@ impl Pass for Splat {
             let most = MAX_BYTES / 4 / u64::from(tile).pow(2);
             return Err(KindError::setting(
                 "map",
-                format!("{count} maps of {tile}² take {} MiB; a buffer holds at most {}", bytes >> 20, MAX_BYTES >> 20),
+                format!(
+                    "{count} maps of {tile}² take {} MiB; a buffer holds at most {}",
+                    bytes >> 20,
+                    MAX_BYTES >> 20
+                ),
             )
             .help(format!("take smaller maps, or at most {most} virtual lights")));
         }

@@ -4,8 +4,8 @@
 pub mod paraboloid;
 
 use paraboloid::{
-    Vec2, Vec3, above_horizon, dot, frame_from_normal, into_frame, paraboloid_density, paraboloid_from_direction, scale, sub,
-    texel_area, tile_position,
+    Vec2, Vec3, above_horizon, dot, frame_from_normal, into_frame, paraboloid_density,
+    paraboloid_from_direction, scale, sub, texel_area, tile_position,
 };
 
 /// Points a map by ISM §5.2: P ≈ ¼ N_res N_vpl with N_res = π/4 n² (ISM §3.3), for each of the N_vpl maps.
@@ -40,7 +40,13 @@ pub struct Shape {
 }
 
 /// The splat of a point, seen from a light with that position and unit normal; `None` behind its plane.
-pub fn splat(point: Vec3, point_normal: Vec3, light: Vec3, light_normal: Vec3, shape: &Shape) -> Option<Splat> {
+pub fn splat(
+    point: Vec3,
+    point_normal: Vec3,
+    light: Vec3,
+    light_normal: Vec3,
+    shape: &Shape,
+) -> Option<Splat> {
     let frame = frame_from_normal(light_normal);
     let offset = sub(point, light);
     let local = into_frame(offset, &frame);
@@ -52,7 +58,11 @@ pub fn splat(point: Vec3, point_normal: Vec3, light: Vec3, light_normal: Vec3, s
     let centre = paraboloid_from_direction(scale(local, 1.0 / distance));
     let texel = paraboloid_density(centre) * texel_area(shape.tile);
     let side = shape.splat_scale * (shape.area * facing / texel).sqrt() / distance;
-    Some(Splat { position: tile_position(centre, shape.tile), side: side.clamp(1.0, shape.max_splat), distance })
+    Some(Splat {
+        position: tile_position(centre, shape.tile),
+        side: side.clamp(1.0, shape.max_splat),
+        distance,
+    })
 }
 
 impl Splat {

@@ -2,8 +2,8 @@
 
 use pass_test::Stand;
 use splat::twin::paraboloid::{
-    Vec3, direction_from_paraboloid, dot, frame_from_normal, paraboloid_density, paraboloid_from_direction, scale,
-    texel_area, texel_centre, texel_in_hemisphere,
+    Vec3, direction_from_paraboloid, dot, frame_from_normal, paraboloid_density, paraboloid_from_direction,
+    scale, texel_area, texel_centre, texel_in_hemisphere,
 };
 use splat::twin::{Shape, map, points_per_map, splat};
 use std::f64::consts::PI;
@@ -109,7 +109,8 @@ fn what_lies_in_the_plane_of_the_light_or_behind_it_is_left_out() {
 fn every_splat_covers_a_texel_of_its_own_map() {
     for tile in [1, 2, 3, 64] {
         for direction in sphere(3_000).filter(|direction| direction[2] > 0.01) {
-            let splat = splat(direction, direction, [0.0; 3], UP, &shape(tile, 1e-9)).expect("it is in front");
+            let splat =
+                splat(direction, direction, [0.0; 3], UP, &shape(tile, 1e-9)).expect("it is in front");
             let (low, high) = splat.texels(tile);
             for i in 0..2 {
                 assert!(low[i] < high[i] && high[i] <= tile, "{direction:?} in a map of {tile}");
@@ -144,7 +145,9 @@ fn the_gpu_agrees_with_the_twin() {
     // The scene `plane`: 4 m², and a diagonal of √8 m. Two maps of different points, and a third without a light.
     let cloud: Vec<(Vec3, Vec3)> = sphere(900)
         .enumerate()
-        .map(|(i, normal)| (scale(normal, 0.3 + 1.7 * (i as f64 * 0.618).fract()), frame_from_normal(normal)[i % 3]))
+        .map(|(i, normal)| {
+            (scale(normal, 0.3 + 1.7 * (i as f64 * 0.618).fract()), frame_from_normal(normal)[i % 3])
+        })
         .collect();
     let lights: [(Vec3, Vec3); 2] = [([0.1, -0.2, 0.05], [0.48, 0.6, 0.64]), ([0.0; 3], [0.0, 0.0, -1.0])];
     for (tile, per_map, max_splat) in [(1, 400, 8.0), (3, 400, 2.0), (64, 700, 8.0), (33, 900, 64.0)] {
@@ -154,7 +157,9 @@ fn the_gpu_agrees_with_the_twin() {
             .collect();
         let packed: Vec<[f32; 12]> = lights
             .iter()
-            .map(|(p, n)| [p[0], p[1], p[2], 0.0, n[0], n[1], n[2], 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32))
+            .map(|(p, n)| {
+                [p[0], p[1], p[2], 0.0, n[0], n[1], n[2], 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32)
+            })
             .collect();
         let (desc, bytes) = pass_test::counted(&packed);
         let outputs = Stand::new(splat::PASS)
@@ -173,9 +178,13 @@ fn the_gpu_agrees_with_the_twin() {
         let Some(outputs) = outputs else { return };
         let depth: Vec<f32> = outputs.read::<u32>("depth").into_iter().map(f32::from_bits).collect();
         let texels = (tile * tile) as usize;
-        assert!(depth[2 * texels..3 * texels].iter().all(|depth| *depth == f32::INFINITY), "no light, no splat");
+        assert!(
+            depth[2 * texels..3 * texels].iter().all(|depth| *depth == f32::INFINITY),
+            "no light, no splat"
+        );
 
-        let shape = Shape { tile, area: 4.0 / f64::from(per_map), extent: 8f64.sqrt(), splat_scale: 1.0, max_splat };
+        let shape =
+            Shape { tile, area: 4.0 / f64::from(per_map), extent: 8f64.sqrt(), splat_scale: 1.0, max_splat };
         for (m, (position, normal)) in lights.iter().enumerate() {
             let subset: Vec<(Vec3, Vec3)> =
                 (0..per_map as usize).map(|i| cloud[(m * per_map as usize + i) % 900]).collect();
@@ -201,7 +210,12 @@ fn surfels_store_the_distance_of_their_plane() {
         .set("map", 32)
         .set("kernel", "surfel")
         .set("max_splat", 11.0)
-        .input("points", "Points", &[("count", 1)], vec![("", pass_test::buffer(32), bytemuck::cast_slice(&points).to_vec())])
+        .input(
+            "points",
+            "Points",
+            &[("count", 1)],
+            vec![("", pass_test::buffer(32), bytemuck::cast_slice(&points).to_vec())],
+        )
         .input("lights", "VirtualLights", &[("count", 1)], vec![("", desc, bytes)])
         .run();
     let Some(outputs) = outputs else { return };

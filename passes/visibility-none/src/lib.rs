@@ -1,8 +1,8 @@
 //! Says that every virtual light is seen from everywhere.
 
 use pass::{
-    Externals, Facts, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting,
-    Settings, UseContext, Value,
+    Externals, Facts, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
+    Setting, Settings, UseContext, Value,
 };
 
 /// The kind `visibility-none`.

@@ -1,8 +1,8 @@
 //! Radiance times a gain: one dispatch over a texture.
 
 use pass::{
-    Compute, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
-    Recording, ResourceDesc, Setting, Settings, UseContext, input, output,
+    Compute, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, output,
     setting::{self, SettingExt},
 };
 

@@ -22,10 +22,12 @@ fn the_gpu_agrees_with_the_twin() {
         (0..width * height).map(f32::from).map(|i| [i, 1e30 * i, -1e-30 * i, i % 2.0]).collect();
     let bytes = radiance.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     let texture = ResourceDesc::texture_2d(Format::Rgba32Float, (width.into(), height.into()));
-    let stand = Stand::new(PASS)
-        .set("gain", 2.5f32)
-        .frame(width.into(), height.into())
-        .input("radiance", "Radiance", &[], vec![("", texture, bytes)]);
+    let stand = Stand::new(PASS).set("gain", 2.5f32).frame(width.into(), height.into()).input(
+        "radiance",
+        "Radiance",
+        &[],
+        vec![("", texture, bytes)],
+    );
     let Some(outputs) = stand.run() else { return };
 
     let image: Vec<[f32; 4]> = outputs.read("image");
@@ -34,7 +36,10 @@ fn the_gpu_agrees_with_the_twin() {
         let expected = twin::scale([r, g, b].map(f64::from), 2.5);
         for (&on_gpu, exact) in texel.iter().zip(expected) {
             // One product, rounded once.
-            assert!((f64::from(on_gpu) - exact).abs() <= f64::from(f32::EPSILON) * exact.abs(), "{on_gpu} {exact}");
+            assert!(
+                (f64::from(on_gpu) - exact).abs() <= f64::from(f32::EPSILON) * exact.abs(),
+                "{on_gpu} {exact}"
+            );
         }
         assert_eq!(texel[3], seen);
     }

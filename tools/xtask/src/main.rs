@@ -1,2 +1,66 @@
-//! xtask
-fn main() {}
+//! The command line of the chores.
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+use xtask::gpu::Consent;
+use xtask::{bless, demo, new_pass, test, tidy, tree};
+
+/// Chores of the tree.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Build Lightloom and render the Cornell box
+    Demo {
+        /// Install a Vulkan driver without asking where there is no GPU
+        #[arg(short, long)]
+        yes: bool,
+    },
+    /// Build and run all tests
+    Test {
+        /// Install a Vulkan driver without asking where there is no GPU
+        #[arg(short, long)]
+        yes: bool,
+    },
+    /// Make a pass that compiles and is tested: a folder under passes/ and its line in the catalog
+    NewPass {
+        /// Its name in RON and of its folder, in kebab-case
+        name: String,
+    },
+    /// Check the rules of the tree that no compiler knows
+    Tidy,
+    /// Take what the tests of a package make now as its snapshots and images
+    Bless {
+        /// Name of the package
+        package: String,
+        /// Only tests whose name contains this
+        filter: Option<String>,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(command: Command) -> Result<()> {
+    let root = tree::root();
+    match command {
+        Command::Demo { yes } => demo::run(&root, Consent::new(yes)),
+        Command::Test { yes } => test::run(&root, Consent::new(yes)),
+        Command::NewPass { name } => new_pass::run(&root, &name),
+        Command::Tidy => tidy::run(&root),
+        Command::Bless { package, filter } => bless::run(&root, &package, filter.as_deref()),
+    }
+}

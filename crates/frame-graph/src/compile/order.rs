@@ -5,12 +5,17 @@
 //! its sources.
 
 use super::Work;
+use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// The order with the lowest peak of transient memory; of equal ones, the file's own.
 pub(super) fn order(work: &Work<'_>, file: Vec<u32>) -> Vec<u32> {
     let mut best = (peak(work, &file), file);
+    // No order needs less than the pass that needs most while it runs.
+    if best.0 <= floor(work, &best.1) {
+        return best.1;
+    }
     for other in [by_bytes(work), by_depth(work)] {
         let peak = peak(work, &other);
         if peak < best.0 {
@@ -90,12 +95,16 @@ fn by_bytes(work: &Work<'_>) -> Vec<u32> {
     let mut left: Vec<u32> = work.resources.iter().map(|r| r.readers).collect();
     // Bytes that are alive after the pass and were not before, for transients.
     let cost = |pass: u32, left: &[u32]| -> i64 {
-        let made = work.of_pass(pass as usize).map(|r| &work.resources[r]).filter(|r| !r.persistent && r.readers > 0);
+        let made = work
+            .of_pass(pass as usize)
+            .map(|r| &work.resources[r])
+            .filter(|r| !r.persistent && r.readers > 0);
         let made: i64 = made.map(|r| r.bytes as i64).sum();
         let mut freed = 0;
         for input in &work.graph.passes[pass as usize].inputs {
             if input.past.is_none() && input.constant.is_none() {
-                let last = work.of_tap(&input.from).filter(|r| left[*r] == 1 && !work.resources[*r].persistent);
+                let last =
+                    work.of_tap(&input.from).filter(|r| left[*r] == 1 && !work.resources[*r].persistent);
                 freed += last.map(|r| work.resources[r].bytes as i64).sum::<i64>();
             }
         }
@@ -170,6 +179,23 @@ fn by_depth(work: &Work<'_>) -> Vec<u32> {
     order
 }
 
+/// The most transient bytes that any one pass reads and writes.
+fn floor(work: &Work<'_>, order: &[u32]) -> u64 {
+    let transient = |r: usize| if work.resources[r].persistent { 0 } else { work.resources[r].bytes };
+    let needs = |pass: &u32| {
+        let inputs = &work.graph.passes[*pass as usize].inputs;
+        let mut read: SmallVec<[usize; 8]> = inputs
+            .iter()
+            .filter(|i| i.past.is_none() && i.constant.is_none())
+            .flat_map(|i| work.of_tap(&i.from))
+            .collect();
+        read.sort_unstable();
+        read.dedup();
+        read.into_iter().chain(work.of_pass(*pass as usize)).map(transient).sum::<u64>()
+    };
+    order.iter().map(needs).max().unwrap_or(0)
+}
+
 /// The largest sum of transient bytes alive at once.
 fn peak(work: &Work<'_>, order: &[u32]) -> u64 {
     let mut left: Vec<u32> = work.resources.iter().map(|r| r.readers).collect();
@@ -179,7 +205,8 @@ fn peak(work: &Work<'_>, order: &[u32]) -> u64 {
         let made = work.of_pass(*pass as usize);
         alive += made.clone().filter(transient).map(|r| work.resources[r].bytes).sum::<u64>();
         peak = peak.max(alive);
-        alive -= made.filter(transient).filter(|r| left[*r] == 0).map(|r| work.resources[r].bytes).sum::<u64>();
+        alive -=
+            made.filter(transient).filter(|r| left[*r] == 0).map(|r| work.resources[r].bytes).sum::<u64>();
         for input in &work.graph.passes[*pass as usize].inputs {
             if input.past.is_none() && input.constant.is_none() {
                 for r in work.of_tap(&input.from) {

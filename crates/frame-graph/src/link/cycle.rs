@@ -95,7 +95,12 @@ impl Linker<'_> {
     }
 
     /// The shortest loop through a wire.
-    fn tell_loop(&self, best: (usize, usize, usize), inside: &[(usize, usize, usize)], size: usize) -> Diagnostic {
+    fn tell_loop(
+        &self,
+        best: (usize, usize, usize),
+        inside: &[(usize, usize, usize)],
+        size: usize,
+    ) -> Diagnostic {
         let (reader, producer, _) = best;
         // From the reader forwards to the producer, by breadth: `via` is the wire by which a pass was reached.
         let mut via: Vec<Option<(usize, usize, usize)>> = vec![None; self.nodes.len()];
@@ -122,11 +127,17 @@ impl Linker<'_> {
         path.reverse();
         let text = |(reader, producer, at): &(usize, usize, usize)| {
             let wire = &self.wires[*reader][*at];
-            let port = self.uses[*producer].as_ref().map_or("", |u| &*u.names.outputs[wire.end.port as usize].0);
+            let port =
+                self.uses[*producer].as_ref().map_or("", |u| &*u.names.outputs[wire.end.port as usize].0);
             let input = self.uses[*reader].as_ref().map_or("", |u| &*u.names.inputs[wire.input as usize].0);
-            (format!("{}.{port}", self.nodes[*producer].name), format!("{}.{input}", self.nodes[*reader].name))
+            (
+                format!("{}.{port}", self.nodes[*producer].name),
+                format!("{}.{input}", self.nodes[*reader].name),
+            )
         };
-        let link = |(reader, _, at): &(usize, usize, usize)| -> &Link { self.link_of(*reader, &self.wires[*reader][*at]) };
+        let link = |(reader, _, at): &(usize, usize, usize)| -> &Link {
+            self.link_of(*reader, &self.wires[*reader][*at])
+        };
         let (from, to) = text(&best);
         let mut names = vec![&*self.nodes[reader].name];
         names.extend(path.iter().map(|(r, _, _)| &*self.nodes[*r].name));

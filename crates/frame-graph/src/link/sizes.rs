@@ -1,13 +1,14 @@
 //! Works out the resources of every output: formats, sizes, facts.
 
 use super::wires::{End, is_bare};
-use super::{GraphPort, Linker};
+use super::{GraphPort, GraphPorts, Linker};
 use crate::codes;
 use crate::description::{Body, Off};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::name::Name;
 use crate::port::{Facts, InputDesc, KindError, OutputContext, OutputDesc};
 use crate::resource::{Extent, Format, ResourceDesc, SampleKind, TextureDesc};
+use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock};
 
 /// Longest side of a texture that any device allows, in texels.
@@ -34,9 +35,9 @@ enum Unknown {
 impl<'a> Linker<'a> {
     /// The resources of every pass's outputs, in the order of data. What reads the past of a later pass takes
     /// further rounds, until nothing changes.
-    pub(super) fn find_sizes(&mut self, order: &[u32]) -> Vec<Vec<GraphPort>> {
+    pub(super) fn find_sizes(&mut self, order: &[u32]) -> Vec<GraphPorts> {
         let count = self.nodes.len();
-        let mut ports: Vec<Option<Vec<GraphPort>>> = vec![None; count];
+        let mut ports: Vec<Option<GraphPorts>> = vec![None; count];
         let mut descs: Vec<InputDesc> = Vec::new();
         // Passes that read the past of what comes later, or of what waits: these are asked again.
         let mut waiting = false;
@@ -63,7 +64,7 @@ impl<'a> Linker<'a> {
     }
 
     /// Asks again until nothing changes.
-    fn settle(&mut self, order: &[u32], ports: &mut [Option<Vec<GraphPort>>], descs: &mut Vec<InputDesc>) {
+    fn settle(&mut self, order: &[u32], ports: &mut [Option<GraphPorts>], descs: &mut Vec<InputDesc>) {
         for round in 0..MAX_ROUNDS {
             let last = round + 1 == MAX_ROUNDS;
             let mut changed = false;
@@ -110,13 +111,16 @@ impl<'a> Linker<'a> {
             }
             Unknown::Waits(error) if settled => {
                 let past = self.wires_now(node).iter().find(|wire| wire.end.past.is_some());
-                let message = format!("the size of `{}` depends on itself through the past", self.nodes[node].name);
+                let message =
+                    format!("the size of `{}` depends on itself through the past", self.nodes[node].name);
                 let mut told = Diagnostic::new(&codes::SIZE_LOOP, message)
                     .label(self.span(self.nodes[node].place), "of this pass");
                 if let Some(wire) = past {
                     told = told.label(self.span(self.link_of(node, wire).place), "read from here");
                 }
-                told = told.note(error.message).note("let the size follow another input, the frame, or a number");
+                told = told
+                    .note(error.message)
+                    .note("let the size follow another input, the frame, or a number");
                 self.errors.push(told);
             }
             Unknown::Waits(_) => {}
@@ -124,7 +128,7 @@ impl<'a> Linker<'a> {
     }
 
     /// Fills `descs` with the connected inputs of a pass; `false` where one has no size yet.
-    fn describe_inputs(&self, node: usize, ports: &[Option<Vec<GraphPort>>], descs: &mut Vec<InputDesc>) -> bool {
+    fn describe_inputs(&self, node: usize, ports: &[Option<GraphPorts>], descs: &mut Vec<InputDesc>) -> bool {
         let Some(used) = &self.uses[node] else { return true };
         // A pass that is off is described as if all were on: the shape of what stands in its place.
         let wires = if self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] };
@@ -152,7 +156,9 @@ impl<'a> Linker<'a> {
             desc.name.push_str(name);
             desc.interface.clear();
             desc.interface.push_str(&port.interface);
-            desc.facts.clone_from(&port.facts);
+            if !Arc::ptr_eq(&desc.facts, &port.facts) {
+                desc.facts = Arc::clone(&port.facts);
+            }
             desc.members.clear();
             let bare = is_bare(wanted, &wire.end);
             let chosen = self.member(&port.interface, wire.end.member);
@@ -178,10 +184,12 @@ impl<'a> Linker<'a> {
     }
 
     /// Asks the kind for its outputs and works their sizes out.
-    fn describe(&self, node: usize, whole: bool, descs: &mut Vec<InputDesc>) -> Result<Vec<GraphPort>, Unknown> {
+    fn describe(&self, node: usize, whole: bool, descs: &mut Vec<InputDesc>) -> Result<GraphPorts, Unknown> {
         let waits = |error: KindError| if whole { Unknown::Refused(error) } else { Unknown::Waits(error) };
-        let (Some(used), decl) = (&self.uses[node], &self.nodes[node].decl) else { return Ok(Vec::new()) };
-        let Some(use_) = used.ask(decl) else { return Ok(Vec::new()) };
+        let (Some(used), decl) = (&self.uses[node], &self.nodes[node].decl) else {
+            return Ok(GraphPorts::new());
+        };
+        let Some(use_) = used.ask(decl) else { return Ok(GraphPorts::new()) };
         let context = OutputContext {
             use_,
             settings: &used.settings,
@@ -190,8 +198,9 @@ impl<'a> Linker<'a> {
             traits: &self.context.traits,
         };
         let outputs = self.kinds.outputs(&context).map_err(waits)?;
-        let mut found: Vec<GraphPort> = Vec::with_capacity(outputs.len());
-        let mut scratch: Vec<GraphPort> = Vec::new();
+        let mut found = GraphPorts::new();
+        let mut scratch = GraphPorts::new();
+        let mut in_order = true;
         for output in outputs {
             let place = found.len();
             let declared = &used.names.outputs;
@@ -199,22 +208,34 @@ impl<'a> Linker<'a> {
             let port = match declared.get(place) {
                 _ if output.scratch => None,
                 Some((port, _)) if *port == output.port => Some(place),
-                _ => declared.iter().position(|(port, _)| *port == output.port),
+                _ => {
+                    in_order = false;
+                    declared.iter().position(|(port, _)| *port == output.port)
+                }
             };
             let (name, interface) = match port {
                 Some(port) => declared[port].clone(),
                 None if output.scratch => (Name::from(&output.port), Name::EMPTY),
-                None => return Err(self.defect(node, format!("describes an output `{}` that it does not have", output.port))),
+                None => {
+                    return Err(self.defect(
+                        node,
+                        format!("describes an output `{}` that it does not have", output.port),
+                    ));
+                }
             };
             let is_scratch = output.scratch;
             let described = self.describe_port(node, name, interface, output, whole, descs)?;
             if is_scratch { scratch.push(described) } else { found.push(described) }
         }
-        if let Some((missing, _)) = used.names.outputs.iter().find(|(n, _)| found.iter().all(|p| p.port != *n)) {
-            return Err(self.defect(node, format!("does not describe its output `{missing}`")));
-        }
-        let in_order = found.iter().zip(&used.names.outputs).all(|(port, (name, _))| port.port == *name);
-        if !in_order {
+        if !in_order || found.len() != used.names.outputs.len() {
+            let missing =
+                used.names.outputs.iter().find(|(name, _)| found.iter().all(|port| port.port != *name));
+            if let Some((missing, _)) = missing {
+                return Err(self.defect(node, format!("does not describe its output `{missing}`")));
+            }
+            if found.len() > used.names.outputs.len() {
+                return Err(self.defect(node, "describes an output twice".to_owned()));
+            }
             found.sort_by_key(|port| used.names.outputs.iter().position(|(name, _)| port.port == *name));
         }
         found.extend(scratch);
@@ -232,29 +253,40 @@ impl<'a> Linker<'a> {
     ) -> Result<GraphPort, Unknown> {
         let facts = if output.facts.is_empty() { Arc::clone(&NO_FACTS) } else { Arc::new(output.facts) };
         let known = self.interfaces.iter().find(|i| i.name == interface.as_str());
-        let mut members = Vec::with_capacity(output.members.len());
+        // One resource without a name, as most ports have, needs no search.
+        let plain = known.is_none_or(|i| matches!(i.members, [only] if only.name.is_empty()));
+        let plain = plain && matches!(&output.members[..], [(name, _, _)] if name.is_empty());
+        let mut members = SmallVec::new();
         for (member, desc, usage) in output.members {
-            let name = match known.and_then(|i| i.members.iter().find(|m| m.name == member)) {
-                Some(member) => Name::new(member.name),
-                None if member.is_empty() && known.is_none() => Name::EMPTY,
-                None if interface.is_empty() => Name::from(member),
-                None => {
-                    return Err(self.defect(node, format!("describes a member `{member}` that `{interface}` lacks")));
-                }
-            };
+            let name =
+                match known.filter(|_| !plain).and_then(|i| i.members.iter().find(|m| m.name == member)) {
+                    Some(member) => Name::new(member.name),
+                    None if plain => Name::EMPTY,
+                    None if interface.is_empty() => Name::from(member),
+                    None => {
+                        return Err(self.defect(
+                            node,
+                            format!("describes a member `{member}` that `{interface}` lacks"),
+                        ));
+                    }
+                };
             let desc = self.work_out(node, &port, desc, whole, inputs)?;
             members.push((name, desc, usage));
         }
         let lacks = |name: &str| members.iter().all(|(n, _, _)| n != name);
-        let missing = match known {
+        let missing = match known.filter(|_| !plain) {
             Some(known) => known.members.iter().find(|m| !m.optional && lacks(m.name)).map(|m| m.name),
-            None => (members.len() != 1 && !interface.is_empty()).then_some(""),
+            None => (!plain && !interface.is_empty()).then_some(""),
         };
         if let Some(missing) = missing {
             return Err(self.defect(node, format!("does not describe `{missing}` of its output `{port}`")));
         }
-        if matches!(&*interface, "Texture" | "Buffer") && members.iter().any(|(_, desc, _)| sort(desc) != &*interface) {
-            return Err(self.defect(node, format!("describes its output `{port}` as another sort than {interface}")));
+        if matches!(&*interface, "Texture" | "Buffer")
+            && members.iter().any(|(_, desc, _)| sort(desc) != &*interface)
+        {
+            return Err(
+                self.defect(node, format!("describes its output `{port}` as another sort than {interface}"))
+            );
         }
         Ok(GraphPort { port, interface, members, facts })
     }
@@ -294,20 +326,26 @@ impl<'a> Linker<'a> {
             ResourceDesc::Buffer(buffer) => return Ok(ResourceDesc::Buffer(buffer)),
             ResourceDesc::Texture(texture) => texture,
         };
-        let scale = |side: u32, num: u32, den: u32| (u64::from(side) * u64::from(num)).div_ceil(u64::from(den.max(1))).max(1);
+        let scale = |side: u32, num: u32, den: u32| {
+            (u64::from(side) * u64::from(num)).div_ceil(u64::from(den.max(1))).max(1)
+        };
         let (w, h) = match &texture.size {
             Extent::Fixed(w, h) => (u64::from(*w), u64::from(*h)),
             Extent::Frame { num, den } => {
                 let (w, h) = self.context.frame;
                 (scale(w, *num, *den), scale(h, *num, *den))
             }
-            Extent::Like { input, num, den } => match inputs.iter().find(|i| i.name == *input).and_then(InputDesc::size) {
-                Some((w, h)) => (scale(w, *num, *den), scale(h, *num, *den)),
-                None if !whole => {
-                    return Err(Unknown::Waits(KindError::new(format!("`{port}` is sized like `{input}`"))));
+            Extent::Like { input, num, den } => {
+                match inputs.iter().find(|i| i.name == *input).and_then(InputDesc::size) {
+                    Some((w, h)) => (scale(w, *num, *den), scale(h, *num, *den)),
+                    None if !whole => {
+                        return Err(Unknown::Waits(KindError::new(format!(
+                            "`{port}` is sized like `{input}`"
+                        ))));
+                    }
+                    None => return Err(Unknown::Wrong(self.no_size(node, port, input, inputs))),
                 }
-                None => return Err(Unknown::Wrong(self.no_size(node, port, input, inputs))),
-            },
+            }
         };
         let limits = 1..=u64::from(MAX_SIDE);
         if !limits.contains(&w) || !limits.contains(&h) {
@@ -337,7 +375,7 @@ impl<'a> Linker<'a> {
     }
 
     /// `Texture` inputs must get textures, `Buffer` inputs buffers, and members that were left out are missed.
-    fn check_sorts(&mut self, ports: &[Option<Vec<GraphPort>>]) {
+    fn check_sorts(&mut self, ports: &[Option<GraphPorts>]) {
         let mut errors = Vec::new();
         for (output, end) in &self.outputs {
             errors.extend(self.left_out(end, output.link.place, ports));
@@ -356,14 +394,18 @@ impl<'a> Linker<'a> {
                 let Some(producer) = &ports[wire.end.node as usize] else { continue };
                 let port = &producer[wire.end.port as usize];
                 let chosen = self.member(&port.interface, wire.end.member);
-                let resource = port.members.iter().find(|(name, _, _)| chosen.is_none_or(|chosen| *name == chosen));
+                let resource =
+                    port.members.iter().find(|(name, _, _)| chosen.is_none_or(|chosen| *name == chosen));
                 let from = &self.nodes[wire.end.node as usize];
                 let place = self.link_of(i, wire).place;
                 match resource {
                     None => errors.extend(self.left_out(&wire.end, place, ports)),
                     Some((_, desc, _)) if loose && sort(desc) != &**wanted => {
                         let (wanted, found) = (wanted.to_lowercase(), sort(desc).to_lowercase());
-                        let message = format!("`{}.{input}` takes a {wanted}, and this is a {found}", self.nodes[i].name);
+                        let message = format!(
+                            "`{}.{input}` takes a {wanted}, and this is a {found}",
+                            self.nodes[i].name
+                        );
                         let error = Diagnostic::new(&codes::INTERFACE, message)
                             .label(self.span(place), format!("a {wanted} is wanted here"))
                             .label(self.span(from.place), format!("this offers a {found}"));
@@ -377,7 +419,7 @@ impl<'a> Linker<'a> {
     }
 
     /// Tells where a link takes a member that the producer, with its settings, does not make.
-    fn left_out(&self, end: &End<'_>, place: Place, ports: &[Option<Vec<GraphPort>>]) -> Option<Diagnostic> {
+    fn left_out(&self, end: &End<'_>, place: Place, ports: &[Option<GraphPorts>]) -> Option<Diagnostic> {
         let port = ports[end.node as usize].as_ref()?.get(end.port as usize)?;
         let member = self.member(&port.interface, end.member)?;
         if port.members.iter().any(|(name, _, _)| *name == member) {
@@ -394,7 +436,7 @@ impl<'a> Linker<'a> {
     }
 
     /// A colour can only stand in place of textures of floats; and the place of a pass must have a known shape.
-    fn check_constants(&mut self, ports: &[Option<Vec<GraphPort>>]) {
+    fn check_constants(&mut self, ports: &[Option<GraphPorts>]) {
         let mut errors = Vec::new();
         let mut check = |end: &End<'_>, place, init: bool, clear| {
             let node = &self.nodes[end.node as usize];
@@ -409,7 +451,8 @@ impl<'a> Linker<'a> {
             let port = &producer[end.port as usize];
             let chosen = self.member(&port.interface, end.member);
             let float = |desc: &ResourceDesc| desc.texture().is_some_and(|t| takes_colour(t.format));
-            let bad = port.members.iter().find(|(name, desc, _)| chosen.is_none_or(|c| *name == c) && !float(desc));
+            let bad =
+                port.members.iter().find(|(name, desc, _)| chosen.is_none_or(|c| *name == c) && !float(desc));
             if let (crate::resource::Clear::Color(_), Some((member, desc, _))) = (clear, bad) {
                 let (what, zero) = if init { ("`init:`", "Zero") } else { ("`off:`", "Black") };
                 let off = node.decl.off.as_ref().filter(|off| !init && matches!(off.value, Off::Constant(_)));
@@ -424,8 +467,12 @@ impl<'a> Linker<'a> {
                 if let Some(off) = off {
                     error = error.label(self.span(off.place), "put in place of the pass");
                 }
-                error = error.label(self.span(place), "read here").label(self.span(node.place), "of this pass");
-                errors.push(error.note(format!("only textures of floats can hold a colour; `{zero}` fits everything")));
+                error =
+                    error.label(self.span(place), "read here").label(self.span(node.place), "of this pass");
+                errors
+                    .push(error.note(format!(
+                        "only textures of floats can hold a colour; `{zero}` fits everything"
+                    )));
             }
         };
         for (output, end) in &self.outputs {

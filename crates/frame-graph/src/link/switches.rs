@@ -45,7 +45,9 @@ impl<'a> Linker<'a> {
             Body::Group(group) => group.inputs.iter().map(|i| (i.name.value.clone(), false)).collect(),
             Body::Pass { .. } => {
                 let used = self.uses[node].as_ref();
-                used.map_or_else(Vec::new, |u| u.names.inputs.iter().map(|(n, _)| (n.clone(), false)).collect())
+                used.map_or_else(Vec::new, |u| {
+                    u.names.inputs.iter().map(|(n, _)| (n.clone(), false)).collect()
+                })
             }
             Body::Sub { .. } | Body::Removed => Vec::new(),
         };
@@ -101,8 +103,9 @@ impl<'a> Linker<'a> {
         let decl = &node_ref.decl;
         if self.depth > MAX_CHAIN {
             let place = decl.when.as_ref().map_or(node_ref.place, |when| when.place);
-            let error = Diagnostic::new(&codes::SWITCH_LOOP, "switches depend on each other through `connected`")
-                .label(self.span(place), "this one depends on itself, or on too many others");
+            let error =
+                Diagnostic::new(&codes::SWITCH_LOOP, "switches depend on each other through `connected`")
+                    .label(self.span(place), "this one depends on itself, or on too many others");
             self.errors.push(error);
             self.on[node] = Some(true);
             return true;

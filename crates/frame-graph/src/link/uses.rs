@@ -9,13 +9,14 @@ use crate::port::{KindError, Ports, Use};
 use crate::resolve::Node;
 use crate::value::{Misfit, Setting, Settings};
 use rustc_hash::FxHashMap;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// What a kind says of one use.
 #[derive(Clone, Debug)]
 pub(super) struct UseOf {
     pub(super) ports: Arc<Ports>,
-    pub(super) names: Arc<PortNames>,
+    pub(super) names: Rc<PortNames>,
     pub(super) settings: Arc<Settings>,
     /// Names of the inputs that it links, where they are not those of the description.
     pub(super) inputs: Option<Arc<[String]>>,
@@ -37,7 +38,7 @@ type Shared<K, V> = FxHashMap<*const (), (Arc<K>, V)>;
 #[derive(Default)]
 struct Caches {
     defaults: FxHashMap<*const (), (Arc<[Setting]>, Arc<Settings>)>,
-    names: Shared<Ports, Arc<PortNames>>,
+    names: Shared<Ports, Rc<PortNames>>,
 }
 
 impl UseOf {
@@ -53,13 +54,15 @@ impl UseOf {
 impl Linker<'_> {
     pub(super) fn find_uses(&mut self) {
         let mut caches = Caches::default();
+        let mut uses = Vec::with_capacity(self.nodes.len());
         for node in self.nodes {
             let used = match &node.decl.body {
                 Body::Pass { kind, shader } => self.find_use(node, kind, shader.as_ref(), &mut caches),
                 Body::Group(_) | Body::Sub { .. } | Body::Removed => None,
             };
-            self.uses.push(used);
+            uses.push(used);
         }
+        self.uses = Rc::new(uses);
     }
 
     fn find_use(
@@ -73,9 +76,12 @@ impl Linker<'_> {
         match (self.kinds.takes_shader(&kind.value), shader) {
             (None, _) => {
                 let names = self.kinds.names();
-                let error = Diagnostic::new(&codes::UNKNOWN_KIND, format!("there is no kind of pass `{}`", kind.value))
-                    .label(self.span(kind.place), "")
-                    .suggest("kinds", &kind.value, names.iter().map(String::as_str));
+                let error = Diagnostic::new(
+                    &codes::UNKNOWN_KIND,
+                    format!("there is no kind of pass `{}`", kind.value),
+                )
+                .label(self.span(kind.place), "")
+                .suggest("kinds", &kind.value, names.iter().map(String::as_str));
                 self.errors.push(error);
                 return None;
             }
@@ -170,7 +176,8 @@ impl Linker<'_> {
             let Some(setting) = schema.iter().find(|s| s.name == **name) else {
                 let kind = if let Body::Pass { kind, .. } = &node.decl.body { &*kind.value } else { "" };
                 let message = format!("the kind `{kind}` has no setting `{name}`");
-                let mut error = Diagnostic::new(&codes::UNKNOWN_SETTING, message).label(self.span(given.name.place), "");
+                let mut error =
+                    Diagnostic::new(&codes::UNKNOWN_SETTING, message).label(self.span(given.name.place), "");
                 if given.patched {
                     error = error.label(self.span(node.place), "of this pass");
                 }
@@ -181,8 +188,12 @@ impl Linker<'_> {
                 Ok(value) => {
                     settings.0.insert(name.to_string(), value);
                 }
-                Err(Misfit::Type(message)) => self.misfit(node, &codes::SETTING_TYPE, message, given.place, given),
-                Err(Misfit::Range(message)) => self.misfit(node, &codes::SETTING_RANGE, message, given.place, given),
+                Err(Misfit::Type(message)) => {
+                    self.misfit(node, &codes::SETTING_TYPE, message, given.place, given);
+                }
+                Err(Misfit::Range(message)) => {
+                    self.misfit(node, &codes::SETTING_RANGE, message, given.place, given);
+                }
             }
         }
         Arc::new(settings)
@@ -206,7 +217,7 @@ impl Linker<'_> {
         self.errors.push(error);
     }
 
-    fn names(&self, ports: &Arc<Ports>, caches: &mut Caches) -> Arc<PortNames> {
+    fn names(&self, ports: &Arc<Ports>, caches: &mut Caches) -> Rc<PortNames> {
         let key = Arc::as_ptr(ports).cast::<()>();
         let (_, names) = caches.names.entry(key).or_insert_with(|| {
             let interface = |name: &str| {
@@ -215,10 +226,14 @@ impl Linker<'_> {
             };
             let names = PortNames {
                 inputs: ports.inputs.iter().map(|p| (Name::from(&p.name), interface(&p.interface))).collect(),
-                outputs: ports.outputs.iter().map(|p| (Name::from(&p.name), interface(&p.interface))).collect(),
+                outputs: ports
+                    .outputs
+                    .iter()
+                    .map(|p| (Name::from(&p.name), interface(&p.interface)))
+                    .collect(),
             };
-            (Arc::clone(ports), Arc::new(names))
+            (Arc::clone(ports), Rc::new(names))
         });
-        Arc::clone(names)
+        Rc::clone(names)
     }
 }

@@ -1,13 +1,12 @@
-//! Follows links to the ports at their ends, and checks that the two ends fit.
+//! Follows links to the ports at their ends.
 
-use super::{Linker, Wire};
+use super::Linker;
 use crate::codes;
 use crate::description::{At, Body, Group, InputDecl, Link, Off, Past};
-use crate::diagnostic::{Diagnostic, Place, nearest};
+use crate::diagnostic::{Diagnostic, Place};
 use crate::name::Name;
 use crate::port::Interface;
 use crate::resource::Clear;
-use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// Most borders and switched-off passes that one link may cross.
@@ -48,13 +47,13 @@ pub(super) fn is_bare(wanted: &str, end: &End<'_>) -> bool {
     end.member.is_some() || matches!(wanted, "Texture" | "Buffer")
 }
 
-fn with_article(interface: &str) -> String {
+pub(super) fn with_article(interface: &str) -> String {
     let vowel = interface.starts_with(['A', 'E', 'I', 'O', 'U']);
     format!("{} `{interface}`", if vowel { "an" } else { "a" })
 }
 
 impl<'a> Linker<'a> {
-    fn interface(&self, name: &str) -> Option<&'a Interface> {
+    pub(super) fn interface(&self, name: &str) -> Option<&'a Interface> {
         self.interfaces.iter().find(|interface| interface.name == name)
     }
 
@@ -70,7 +69,7 @@ impl<'a> Linker<'a> {
     }
 
     /// `pass.port`, as shown in errors.
-    fn end_text(&self, end: &End<'_>) -> String {
+    pub(super) fn end_text(&self, end: &End<'_>) -> String {
         let node = &self.nodes[end.node as usize];
         let Some(used) = &self.uses[end.node as usize] else { return node.name.to_string() };
         let (port, interface) = &used.names.outputs[end.port as usize];
@@ -81,7 +80,7 @@ impl<'a> Linker<'a> {
     }
 
     /// What an end offers: `a `GBuffer``.
-    fn offer_text(&self, end: &End<'_>) -> String {
+    pub(super) fn offer_text(&self, end: &End<'_>) -> String {
         let interface = self.interface_of(end);
         match end.member.and_then(|m| self.interface(&interface)?.members.get(m as usize)) {
             Some(member) => format!("only the member `{}` of {}", member.name, with_article(&interface)),
@@ -199,7 +198,8 @@ impl<'a> Linker<'a> {
     fn input_of(&mut self, part: &str, link: &'a Link) -> Result<(&'a Link, Name), Found<'a>> {
         let nodes = self.nodes;
         let node = self.resolved.index.get(part).map(|i| *i as usize);
-        let group = node.and_then(|i| if let Body::Group(group) = &nodes[i].decl.body { Some(group) } else { None });
+        let group =
+            node.and_then(|i| if let Body::Group(group) = &nodes[i].decl.body { Some(group) } else { None });
         let inputs: &[InputDecl] = match group {
             Some(group) => &group.inputs,
             None if part.is_empty() => &self.resolved.inputs,
@@ -268,12 +268,13 @@ impl<'a> Linker<'a> {
         let names = group.outputs.iter().map(|o| &*o.name.value);
         let part = &self.nodes[node as usize];
         let error = match &target.port {
-            Some(port) => {
-                Diagnostic::new(&codes::UNKNOWN_PORT, format!("the part `{}` has no output `{port}`", part.name))
-                    .label(self.span(link.port_place()), "")
-                    .label(self.span(part.place), "of this part")
-                    .suggest("outputs", port, names)
-            }
+            Some(port) => Diagnostic::new(
+                &codes::UNKNOWN_PORT,
+                format!("the part `{}` has no output `{port}`", part.name),
+            )
+            .label(self.span(link.port_place()), "")
+            .label(self.span(part.place), "of this part")
+            .suggest("outputs", port, names),
             None => {
                 let names: Vec<&str> = names.collect();
                 let message = format!("`{}` could mean several of its outputs", part.name);
@@ -291,7 +292,11 @@ impl<'a> Linker<'a> {
         // Names as the file that holds the link knows them.
         let scope = pass.rsplit_once('/').map_or("", |(scope, _)| scope);
         let known = self.nodes.iter().filter_map(|node| {
-            let local = if scope.is_empty() { &*node.name } else { node.name.strip_prefix(scope)?.strip_prefix('/')? };
+            let local = if scope.is_empty() {
+                &*node.name
+            } else {
+                node.name.strip_prefix(scope)?.strip_prefix('/')?
+            };
             (!local.contains('/') || scope.is_empty()).then_some(local)
         });
         let local = pass.rsplit('/').next().unwrap_or(pass);
@@ -324,10 +329,13 @@ impl<'a> Linker<'a> {
                     Ok(port)
                 } else {
                     // Not a port of that name: a member of the only port that has one.
-                    let mut having = (0..outputs.len()).filter_map(|port| Some((port, member_of(port, name)?)));
+                    let mut having =
+                        (0..outputs.len()).filter_map(|port| Some((port, member_of(port, name)?)));
                     match (having.next(), having.next()) {
                         (Some((port, m)), None) if member.is_none() => return Some((port as u32, Some(m))),
-                        (Some(_), Some(_)) => Err(format!("several ports of `{}` have a member `{name}`", target.pass)),
+                        (Some(_), Some(_)) => {
+                            Err(format!("several ports of `{}` have a member `{name}`", target.pass))
+                        }
                         _ => return self.unknown_port(node, link, name),
                     }
                 }
@@ -336,7 +344,9 @@ impl<'a> Linker<'a> {
                 let exact = |i: &usize| wanted.is_some_and(|wanted| outputs[*i].1 == *wanted);
                 let single = |i: &usize| {
                     matches!(&*outputs[*i].1, "Texture" | "Buffer")
-                        || self.interface(&outputs[*i].1).is_some_and(|interface| interface.members.len() == 1)
+                        || self
+                            .interface(&outputs[*i].1)
+                            .is_some_and(|interface| interface.members.len() == 1)
                 };
                 let loose = wanted.is_some_and(|wanted| matches!(&**wanted, "Texture" | "Buffer"));
                 let only = |fits: &dyn Fn(&usize) -> bool| {
@@ -386,19 +396,29 @@ impl<'a> Linker<'a> {
         let mut known: Vec<&str> = used.names.outputs.iter().map(|(port, _)| &**port).collect();
         let members: Vec<&str> = used.names.outputs.iter().flat_map(|(_, i)| self.members(i)).collect();
         known.extend(members.into_iter().filter(|m| !m.is_empty()));
-        let error = Diagnostic::new(&codes::UNKNOWN_PORT, format!("`{}` has no output or member `{name}`", pass.name))
-            .label(self.span(link.port_place()), "")
-            .label(self.span(pass.place), "of this pass")
-            .suggest("outputs and members", name, known);
+        let error = Diagnostic::new(
+            &codes::UNKNOWN_PORT,
+            format!("`{}` has no output or member `{name}`", pass.name),
+        )
+        .label(self.span(link.port_place()), "")
+        .label(self.span(pass.place), "of this pass")
+        .suggest("outputs and members", name, known);
         self.errors.push(error);
         None
     }
 
-    fn unknown_member(&mut self, node: u32, port: usize, link: &Link, member: &str) -> Option<(u32, Option<u32>)> {
+    fn unknown_member(
+        &mut self,
+        node: u32,
+        port: usize,
+        link: &Link,
+        member: &str,
+    ) -> Option<(u32, Option<u32>)> {
         let used = self.uses[node as usize].as_ref()?;
         let pass = &self.nodes[node as usize];
         let (port, interface) = &used.names.outputs[port];
-        let message = format!("`{}.{port}`, {}, has no member `{member}`", pass.name, with_article(interface));
+        let message =
+            format!("`{}.{port}`, {}, has no member `{member}`", pass.name, with_article(interface));
         let known: Vec<&str> = self.members(interface).filter(|m| !m.is_empty()).collect();
         let error = Diagnostic::new(&codes::UNKNOWN_PORT, message)
             .label(self.span(link.port_place()), "")
@@ -406,414 +426,5 @@ impl<'a> Linker<'a> {
             .suggest("members", member, known);
         self.errors.push(error);
         None
-    }
-
-    /// Follows every link, as if everything were on, and checks both ends.
-    pub(super) fn find_wires(&mut self) {
-        self.check_borders();
-        for i in 0..self.nodes.len() {
-            let decl = &self.nodes[i].decl;
-            let mut wires = Vec::with_capacity(decl.links.len());
-            if self.uses[i].is_some() {
-                for (at, link) in decl.links.iter().enumerate() {
-                    wires.extend(self.wire(i, at, link));
-                }
-                if let Some(feed) = &decl.feed {
-                    wires.extend(self.feed(i, feed));
-                }
-                self.check_off(i, &wires);
-            }
-            self.wires.push(wires);
-        }
-    }
-
-    /// Checks the links of parts against the interfaces that the parts declare, and what parts offer.
-    fn check_borders(&mut self) {
-        for node in self.nodes {
-            let Body::Group(group) = &node.decl.body else { continue };
-            for input in &group.inputs {
-                let known = matches!(&*input.interface.value, "Texture" | "Buffer" | "Any");
-                if !known && self.interface(&input.interface.value).is_none() {
-                    self.unknown_interface(&input.interface);
-                }
-            }
-            for link in &node.decl.links {
-                let Some(input) = group.inputs.iter().find(|i| i.name.value == link.port.value) else {
-                    // Only in a flattened file that was edited by hand.
-                    let error =
-                        Diagnostic::new(&codes::UNKNOWN_INPUT, format!("`{}` has no input `{}`", node.name, link.port.value))
-                            .label(self.span(link.port.place), "")
-                            .suggest("inputs", &link.port.value, group.inputs.iter().map(|i| &*i.name.value));
-                    self.errors.push(error);
-                    continue;
-                };
-                let good = match self.follow(link, Some(&input.interface.value), false) {
-                    Found::End(end) => self.fits(&input.interface.value, &end).is_ok() || {
-                        let message = format!(
-                            "the input `{}` of `{}` takes {}, not {}",
-                            input.name.value,
-                            node.name,
-                            with_article(&input.interface.value),
-                            self.offer_text(&end)
-                        );
-                        let error = Diagnostic::new(&codes::INTERFACE, message)
-                            .label(self.span(link.place), format!("`{}`", self.end_text(&end)))
-                            .label(self.span(input.interface.place), "declared here")
-                            .label(self.span(self.nodes[end.node as usize].place), "offered by this pass");
-                        self.errors.push(error);
-                        false
-                    },
-                    Found::Nothing(_) | Found::Unlinked => true,
-                    Found::Told => false,
-                };
-                if !good {
-                    self.bad_borders.push(link.place);
-                }
-            }
-            for output in &group.outputs {
-                self.follow(&output.link, None, false);
-            }
-            if let Some(At { value: Off::Input(input), place }) = &node.decl.off
-                && self.link_into_group(group, input).is_none()
-            {
-                self.unknown_off(input, *place, group.inputs.iter().map(|i| i.name.value.clone()).collect());
-            }
-        }
-        for input in &self.resolved.inputs {
-            let known = matches!(&*input.interface.value, "Texture" | "Buffer" | "Any");
-            if !known && self.interface(&input.interface.value).is_none() {
-                self.unknown_interface(&input.interface);
-            }
-        }
-    }
-
-    fn link_into_group<'g>(&self, group: &'g Group, input: &str) -> Option<&'g InputDecl> {
-        group.inputs.iter().find(|i| i.name.value == *input)
-    }
-
-    fn unknown_interface(&mut self, interface: &At<Name>) {
-        let error = Diagnostic::new(&codes::INTERFACE, format!("there is no interface `{}`", interface.value))
-            .label(self.span(interface.place), "")
-            .suggest("interfaces", &interface.value, self.interfaces.iter().map(|i| i.name));
-        self.errors.push(error);
-    }
-
-    fn unknown_off(&mut self, input: &str, place: Place, known: Vec<Name>) {
-        let error = Diagnostic::new(&codes::OFF, format!("`off:` names an input `{input}` that is not linked"))
-            .label(self.span(place), "")
-            .suggest("inputs", input, known.iter().map(|name| &**name));
-        self.errors.push(error);
-    }
-
-    /// `off: Input(…)` must name a linked input that some output can be replaced by.
-    fn check_off(&mut self, node: usize, wires: &[Wire<'a>]) {
-        let Some(At { value: Off::Input(input), place }) = &self.nodes[node].decl.off else { return };
-        let Some(used) = &self.uses[node] else { return };
-        let wire = wires.iter().find(|wire| used.names.inputs[wire.input as usize].0 == *input);
-        let Some(wire) = wire else {
-            let linked = self.nodes[node].decl.links.iter().any(|link| link.port.value == *input);
-            if !linked {
-                let known = self.nodes[node].decl.links.iter().map(|link| link.port.value.clone()).collect();
-                self.unknown_off(input, *place, known);
-            }
-            return;
-        };
-        let brought = self.interface_of(&wire.end);
-        if wire.end.member.is_some() || used.names.outputs.iter().all(|(_, interface)| *interface != brought) {
-            let offers: Vec<String> = used.names.outputs.iter().map(|(p, i)| format!("{p}: {i}")).collect();
-            let error = Diagnostic::new(&codes::OFF, format!("no output can be replaced by the input `{input}`"))
-                .label(self.span(*place), format!("this input brings {}", self.offer_text(&wire.end)))
-                .label(self.span(self.nodes[wire.end.node as usize].place), "from this pass")
-                .note(format!("outputs of `{}`: {}", self.nodes[node].name, offers.join(", ")));
-            self.errors.push(error);
-        }
-    }
-
-    fn wire(&mut self, node: usize, at: usize, link: &'a Link) -> Option<Wire<'a>> {
-        let names = Arc::clone(&self.uses[node].as_ref()?.names);
-        let Some(input) = names.inputs.iter().position(|(port, _)| *port == link.port.value) else {
-            if !link.inherited {
-                let Body::Pass { kind, .. } = &self.nodes[node].decl.body else { return None };
-                let message = format!("the kind `{}` has no input `{}`", kind.value, link.port.value);
-                let error = Diagnostic::new(&codes::UNKNOWN_INPUT, message)
-                    .label(self.span(link.port.place), "")
-                    .suggest("inputs", &link.port.value, names.inputs.iter().map(|(port, _)| &**port));
-                self.errors.push(error);
-            }
-            return None;
-        };
-        let wanted = &names.inputs[input].1;
-        let Found::End(end) = self.follow(link, Some(wanted), false) else { return None };
-        if let Err(help) = self.fits(wanted, &end) {
-            self.mismatch(node, &names.inputs[input].0, wanted, link, &end, help);
-            return None;
-        }
-        Some(Wire { input: input as u32, end, link: at as u32 })
-    }
-
-    fn mismatch(&mut self, node: usize, port: &str, wanted: &Name, link: &Link, end: &End<'_>, help: Option<String>) {
-        let producer = &self.nodes[end.node as usize];
-        let message = format!(
-            "`{}.{port}` takes {}, and `{}` is {}",
-            self.nodes[node].name,
-            with_article(wanted),
-            self.end_text(end),
-            self.offer_text(end)
-        );
-        let offers: Vec<String> = self.uses[end.node as usize].iter().flat_map(|u| &u.names.outputs).map(|(p, i)| format!("{p}: {i}")).collect();
-        let mut error = Diagnostic::new(&codes::INTERFACE, message)
-            .label(self.span(link.place), format!("{} is wanted here", with_article(wanted)))
-            .label(self.span(producer.place), format!("this offers {}", offers.join(", ")));
-        if let Some(help) = help {
-            error = error.note(help);
-        }
-        if let Some(note) = self.makers(wanted, node) {
-            error = error.note(note);
-        }
-        self.errors.push(error);
-    }
-
-    /// The passes that offer an interface.
-    fn makers(&self, wanted: &str, except: usize) -> Option<String> {
-        let has = |i: usize| self.uses[i].as_ref().is_some_and(|u| u.names.outputs.iter().any(|(_, o)| *o == *wanted));
-        let makers: Vec<&str> =
-            (0..self.nodes.len()).filter(|i| *i != except && has(*i)).map(|i| &*self.nodes[i].name).take(8).collect();
-        (!makers.is_empty()).then(|| format!("passes that offer {}: {}", with_article(wanted), makers.join(", ")))
-    }
-
-    /// Whether an input of the interface `wanted` can take what is at an end; else, what to do.
-    fn fits(&self, wanted: &str, end: &End<'_>) -> Result<(), Option<String>> {
-        let offered = self.interface_of(end);
-        let members = self.interface(&offered).map_or(&[][..], |interface| interface.members);
-        match wanted {
-            "Any" => Ok(()),
-            "Texture" | "Buffer" => {
-                let plain = matches!(&*offered, "Texture" | "Buffer");
-                if plain && offered != *wanted {
-                    return Err(None);
-                }
-                if plain || end.member.is_some() || members.len() == 1 {
-                    // Whether the one resource is a texture or a buffer is seen when its description is.
-                    return Ok(());
-                }
-                let first = members.first().map_or("", |m| m.name);
-                let names: Vec<&str> = members.iter().map(|m| m.name).collect();
-                let only = self.uses[end.node as usize].as_ref().is_some_and(|u| u.names.outputs.len() == 1);
-                let end = if only { self.nodes[end.node as usize].name.to_string() } else { self.end_text(end) };
-                Err(Some(format!("it holds {}: name one of them, as in \"{end}.{first}\"", names.join(", "))))
-            }
-            _ if *offered == *wanted && (end.member.is_none() || members.len() == 1) => Ok(()),
-            _ => Err(None),
-        }
-    }
-
-    /// Joins the link that `Insert` broke to the only required input that takes it.
-    fn feed(&mut self, node: usize, feed: &'a Link) -> Option<Wire<'a>> {
-        let used = self.uses[node].as_ref()?;
-        let (ports, names) = (Arc::clone(&used.ports), Arc::clone(&used.names));
-        let decl = &self.nodes[node].decl;
-        let free: Vec<usize> = (0..ports.inputs.len())
-            .filter(|i| !ports.inputs[*i].optional && decl.link(&ports.inputs[*i].name).is_none())
-            .collect();
-        let told = self.errors.len();
-        let mut fitting = Vec::new();
-        for input in &free {
-            if let Found::End(end) = self.follow(feed, Some(&names.inputs[*input].1), false)
-                && self.fits(&names.inputs[*input].1, &end).is_ok()
-            {
-                fitting.push((*input, end));
-            }
-        }
-        self.errors.truncate(told);
-        if let [(input, end)] = fitting[..] {
-            return Some(Wire { input: input as u32, end, link: decl.links.len() as u32 });
-        }
-        if let Found::End(_) = self.follow(feed, None, false) {
-            let inputs: Vec<String> = names.inputs.iter().map(|(port, i)| format!("{port}: {i}")).collect();
-            let how = if fitting.is_empty() { "no required input" } else { "more than one required input" };
-            let message = format!("{how} of `{}` takes what is fed to it", self.nodes[node].name);
-            let error = Diagnostic::new(&codes::AMBIGUOUS, message)
-                .label(self.span(self.nodes[node].place), "inserted here")
-                .label(self.span(feed.place), "this is fed to it")
-                .note(format!("its inputs: {}", inputs.join(", ")));
-            self.errors.push(error);
-        }
-        None
-    }
-
-    /// Takes what is off out of the wires, and checks that nothing that is on lacks an input that it needs.
-    pub(super) fn find_live_wires(&mut self) {
-        let all_on = self.on.iter().all(|on| *on == Some(true));
-        for i in 0..self.nodes.len() {
-            let mut live = Vec::new();
-            if self.uses[i].is_some() && !all_on {
-                live.reserve(self.wires[i].len());
-                for at in 0..self.wires[i].len() {
-                    let wire = self.wires[i][at];
-                    if let Some(end) = self.live_end(i, &wire) {
-                        live.push(Wire { end, ..wire });
-                    }
-                }
-            }
-            if !all_on {
-                self.live.push(live);
-            }
-            if self.on[i] == Some(true) {
-                self.check_needs(i);
-            }
-        }
-        self.check_pasts();
-    }
-
-    /// A resource has one past, and one thing that stands in its place: all links must say the same of it.
-    fn check_pasts(&mut self) {
-        let mut known: FxHashMap<(u32, u32), Vec<(Wire<'a>, Place)>> = FxHashMap::default();
-        let mut constants: FxHashMap<(u32, u32), (Clear, Place)> = FxHashMap::default();
-        let mut errors = Vec::new();
-        for i in 0..self.nodes.len() {
-            if self.on[i] == Some(false) {
-                continue;
-            }
-            for wire in self.wires_now(i) {
-                let place = self.link_of(i, wire).place;
-                if let Some(clear) = wire.end.constant {
-                    let first = constants.entry((wire.end.node, wire.end.port)).or_insert((clear, place));
-                    if first.0 != clear {
-                        let message = format!("two things stand in place of `{}`", self.end_text(&wire.end));
-                        let error = Diagnostic::new(&codes::OFF, message)
-                            .label(self.span(place), "one for this link")
-                            .label(self.span(first.1), "another for this one")
-                            .note("the pass and the part around it have different `off:`");
-                        errors.push(error);
-                    }
-                }
-                let (Some(past), None) = (wire.end.past, wire.end.constant) else { continue };
-                let others = known.entry((wire.end.node, wire.end.port)).or_default();
-                let meets = |other: &Wire<'_>| {
-                    let (a, b) = (other.end.member, wire.end.member);
-                    a.is_none() || b.is_none() || a == b
-                };
-                let differs = |other: &Wire<'_>| other.end.past.is_some_and(|other| other != past);
-                if let Some((_, other)) = others.iter().find(|(other, _)| meets(other) && differs(other)) {
-                    let message = format!("the past of `{}` is kept in two ways", self.end_text(&wire.end));
-                    let error = Diagnostic::new(&codes::PAST, message)
-                        .label(self.span(place), "with one `init` and `reset` here")
-                        .label(self.span(*other), "and others here")
-                        .note("a resource has one past: give both links the same `init` and `reset`");
-                    errors.push(error);
-                }
-                others.push((*wire, place));
-            }
-        }
-        self.errors.extend(errors);
-    }
-
-    fn live_end(&mut self, node: usize, wire: &Wire<'a>) -> Option<End<'a>> {
-        let link = self.link_of(node, wire);
-        let used = self.uses[node].as_ref()?;
-        let (ports, names) = (Arc::clone(&used.ports), Arc::clone(&used.names));
-        let (port, wanted) = &names.inputs[wire.input as usize];
-        match self.follow(link, Some(wanted), true) {
-            Found::End(end) => match self.fits(wanted, &end) {
-                Ok(()) => Some(end),
-                Err(help) => {
-                    self.mismatch(node, port, wanted, link, &end, help);
-                    None
-                }
-            },
-            Found::Nothing(off) if self.on[node] == Some(true) && !ports.inputs[wire.input as usize].optional => {
-                let reader = format!("`{}`, for its input `{port}`,", self.nodes[node].name);
-                let error = self.off_read(reader, link.place, off);
-                self.errors.push(error);
-                None
-            }
-            Found::Nothing(_) | Found::Unlinked | Found::Told => None,
-        }
-    }
-
-    /// Something reads a pass that is off and has nothing in its place.
-    pub(super) fn off_read(&self, reader: String, place: Place, off: u32) -> Diagnostic {
-        // The switch may be that of a part around it.
-        let mut at = off as usize;
-        while let Some(parent) = self.nodes[at].parent
-            && self.on[parent as usize] == Some(false)
-        {
-            at = parent as usize;
-        }
-        let (node, switched) = (&self.nodes[off as usize], &self.nodes[at]);
-        let (verb, end) = match (switched.decl.removed, &switched.decl.when) {
-            (Some(place), _) => ("was removed", place),
-            (None, Some(when)) => ("is switched off", when.place),
-            (None, None) => ("is off", switched.place),
-        };
-        let message = format!("{reader} reads `{}`, which {verb}", node.name);
-        Diagnostic::new(&codes::OFF_READ, message)
-            .label(self.span(place), "read here")
-            .label(self.span(end), verb.strip_prefix("was ").or(verb.strip_prefix("is ")).unwrap_or(verb))
-            .note(format!("give `{}` an `off:` that says what stands in its place, such as `off: Black`", node.name))
-    }
-
-    /// Follows a link again, without telling what was told before.
-    fn retrace(&mut self, link: &'a Link) -> Found<'a> {
-        let told = self.errors.len();
-        let found = self.follow(link, None, false);
-        self.errors.truncate(told);
-        found
-    }
-
-    /// Every input that a pass needs must be linked.
-    fn check_needs(&mut self, node: usize) {
-        let Some(used) = &self.uses[node] else { return };
-        let needed = used.ports.inputs.iter().filter(|input| !input.optional);
-        let misspelt = |link: &Link, input: &str| {
-            let known = used.ports.inputs.iter().any(|i| *link.port.value == *i.name);
-            !known && nearest(&link.port.value, [input]).is_some()
-        };
-        let decl = &self.nodes[node].decl;
-        let mut missing = Vec::new();
-        for input in needed {
-            let wired = self.wires[node].iter().any(|wire| used.ports.inputs[wire.input as usize].name == input.name);
-            if wired {
-                continue;
-            }
-            match decl.links.iter().find(|link| link.port.value == *input.name) {
-                // A link whose input is misspelt was told.
-                None if decl.feed.is_some() || decl.links.iter().any(|link| misspelt(link, &input.name)) => {}
-                None => missing.push((input, None)),
-                // A link that leads nowhere was told, unless it leads to a pass that is gone.
-                Some(link) => missing.push((input, Some(link))),
-            }
-        }
-        let mut errors = Vec::new();
-        let missing: Vec<_> = missing.into_iter().map(|(input, link)| (input.clone(), link)).collect();
-        for (input, link) in missing {
-            let name = &self.nodes[node].name;
-            let error = match link {
-                Some(link) => match self.retrace(link) {
-                    Found::Nothing(off) => {
-                        self.off_read(format!("`{name}`, for its input `{}`,", input.name), link.place, off)
-                    }
-                    Found::Unlinked => Diagnostic::new(
-                        &codes::UNLINKED,
-                        format!("`{name}` needs `{}`, which this part may be used without", input.name),
-                    )
-                    .label(self.span(link.place), "may be unlinked")
-                    .note("switch the pass off where it is: when: \"connected(…)\""),
-                    Found::End(_) | Found::Told => continue,
-                },
-                None => {
-                    let message = format!("`{name}` needs its input `{}` linked", input.name);
-                    let mut error = Diagnostic::new(&codes::UNLINKED, message)
-                        .label(self.span(self.nodes[node].place), format!("add in: {{ \"{}\": … }}", input.name))
-                        .note(format!("it takes {}: {}", with_article(&input.interface), input.doc));
-                    if let Some(makers) = self.makers(&input.interface, node) {
-                        error = error.note(makers);
-                    }
-                    error
-                }
-            };
-            errors.push(error);
-        }
-        self.errors.extend(errors);
     }
 }

@@ -8,12 +8,23 @@ fn quoted(text: &str) -> String {
 }
 
 pub(super) fn dot(plan: &Plan) -> String {
-    let mut out = String::from("digraph plan {\n  rankdir=LR;\n  node [shape=box, style=filled, fillcolor=\"#dcecf7\"];\n");
+    let mut out = String::from(
+        "digraph plan {\n  rankdir=LR;\n  node [shape=box, style=filled, fillcolor=\"#dcecf7\"];\n",
+    );
     for pass in &plan.passes {
-        let _ = writeln!(out, "  {} [label={}];", quoted(&pass.name), quoted(&format!("{}\n{}", pass.name, pass.kind)));
+        let _ = writeln!(
+            out,
+            "  {} [label={}];",
+            quoted(&pass.name),
+            quoted(&format!("{}\n{}", pass.name, pass.kind))
+        );
     }
     for (_, resource) in plan.constants() {
-        let label = quoted(&format!("{}\n{}", resource.name, resource.constant.unwrap_or(crate::resource::Clear::Zero)));
+        let label = quoted(&format!(
+            "{}\n{}",
+            resource.name,
+            resource.constant.unwrap_or(crate::resource::Clear::Zero)
+        ));
         let _ = writeln!(out, "  {} [label={label}, fillcolor=\"#f7e3c0\"];", quoted(&resource.name));
     }
     for (name, fate) in &plan.fates {
@@ -22,7 +33,12 @@ pub(super) fn dot(plan: &Plan) -> String {
             Fate::Culled { .. } => "#e4e4e4",
             Fate::Off { .. } => "#f7e3c0",
         };
-        let _ = writeln!(out, "  {} [fillcolor=\"{colour}\", tooltip={}];", quoted(name), quoted(&fate.to_string()));
+        let _ = writeln!(
+            out,
+            "  {} [fillcolor=\"{colour}\", tooltip={}];",
+            quoted(name),
+            quoted(&fate.to_string())
+        );
     }
     for pass in &plan.passes {
         for link in plan.links(pass) {
@@ -40,7 +56,8 @@ pub(super) fn dot(plan: &Plan) -> String {
         let from = output.members.first().map(|(_, id)| &plan.resources[id.0 as usize]);
         let Some(from) = from else { continue };
         let from = from.producer.map_or(&from.name, |p| &plan.passes[p.0 as usize].name);
-        let _ = writeln!(out, "  {name} [shape=ellipse, fillcolor=\"#d9f0d3\"];\n  {} -> {name};", quoted(from));
+        let _ =
+            writeln!(out, "  {name} [shape=ellipse, fillcolor=\"#d9f0d3\"];\n  {} -> {name};", quoted(from));
     }
     out.push_str("}\n");
     out

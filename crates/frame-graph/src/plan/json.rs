@@ -69,7 +69,9 @@ pub(super) fn json(plan: &Plan) -> Json {
     let fate = |(name, fate): &(Name, Fate)| match fate {
         Fate::Kept { readers } => json!({ "pass": &**name, "fate": "kept", "readers": names(readers) }),
         Fate::Culled { readers } => json!({ "pass": &**name, "fate": "culled", "readers": names(readers) }),
-        Fate::Off { why, instead } => json!({ "pass": &**name, "fate": "off", "why": why, "instead": instead }),
+        Fate::Off { why, instead } => {
+            json!({ "pass": &**name, "fate": "off", "why": why, "instead": instead })
+        }
     };
     let history = |h: &super::History| {
         json!({

@@ -81,12 +81,22 @@ fn tiles(plan: &Plan) -> (Vec<Tile>, Vec<Edge>) {
         constants[id.0 as usize] = Some(tiles.len());
         let value = resource.constant.unwrap_or(Clear::Zero).to_string();
         let lines = [resource.name.to_string(), value, bytes(resource.desc.bytes())];
-        tiles.push(Tile { lines, title: "in place of a pass that is off".into(), fill: OFF, column: 0, row: 0.0 });
+        tiles.push(Tile {
+            lines,
+            title: "in place of a pass that is off".into(),
+            fill: OFF,
+            column: 0,
+            row: 0.0,
+        });
     }
     for (to, pass) in plan.passes.iter().enumerate() {
         for link in plan.links(pass) {
             let from = link.producer.map(|p| p.0 as usize).or(constants[link.constant.0 as usize]);
-            let label = if link.port == *link.input { link.port } else { format!("{} → {}", link.port, link.input) };
+            let label = if link.port == *link.input {
+                link.port
+            } else {
+                format!("{} → {}", link.port, link.input)
+            };
             edges.extend(from.map(|from| Edge { from, to, label, past: link.past }));
         }
     }
@@ -152,7 +162,8 @@ fn draw(plan: &Plan, tiles: &[Tile], edges: &[Edge]) -> String {
         format!("plan {}   {}×{}   {} passes", plan.id, plan.frame.0, plan.frame.1, plan.passes.len()),
         plan.memory.to_string(),
     ];
-    let widest = summary.iter().map(|line| line.chars().count()).max().unwrap_or(0) as f32 * (CHARACTER + 0.6);
+    let widest =
+        summary.iter().map(|line| line.chars().count()).max().unwrap_or(0) as f32 * (CHARACTER + 0.6);
     let width = (MARGIN * 2.0 + (columns - 1.0) * COLUMN + BOX_WIDTH).max(widest + MARGIN * 2.0);
     let height = MARGIN * 2.0 + rows * ROW + 60.0;
     let mut out = format!(

@@ -4,7 +4,8 @@ use super::{Fate, Plan, PlannedPass, bytes};
 use std::fmt::Write as _;
 
 pub(super) fn text(plan: &Plan) -> String {
-    let mut out = format!("plan {}, {}×{}, {} passes\n", plan.id, plan.frame.0, plan.frame.1, plan.passes.len());
+    let mut out =
+        format!("plan {}, {}×{}, {} passes\n", plan.id, plan.frame.0, plan.frame.1, plan.passes.len());
     for (i, pass) in plan.passes.iter().enumerate() {
         write_pass(&mut out, plan, i, pass);
     }
@@ -38,7 +39,8 @@ fn write_pass(out: &mut String, plan: &Plan, at: usize, pass: &PlannedPass) {
         let _ = writeln!(out, "       {fate}");
     }
     for input in &pass.inputs {
-        let names: Vec<&str> = input.members.iter().map(|(_, id)| &*plan.resources[id.0 as usize].name).collect();
+        let names: Vec<&str> =
+            input.members.iter().map(|(_, id)| &*plan.resources[id.0 as usize].name).collect();
         let past = if input.history.is_some() { "the past of " } else { "" };
         let _ = writeln!(out, "       reads {} = {past}{}", input.port, names.join(", "));
     }

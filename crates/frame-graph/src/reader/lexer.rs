@@ -58,10 +58,7 @@ pub(super) fn lex(text: &str) -> (Vec<Lexeme>, Vec<Complaint>) {
 }
 
 fn is_blank(c: char) -> bool {
-    matches!(
-        c,
-        ' ' | '\t'..='\r' | '\u{85}' | '\u{200E}' | '\u{200F}' | '\u{2028}' | '\u{2029}' | '\u{FEFF}'
-    )
+    matches!(c, ' ' | '\t'..='\r' | '\u{85}' | '\u{200E}' | '\u{200F}' | '\u{2028}' | '\u{2029}' | '\u{FEFF}')
 }
 
 fn is_ident_start(c: char) -> bool {
@@ -123,7 +120,11 @@ impl Lexer<'_> {
                     } else if self.eat("*/") {
                         depth -= 1;
                     } else if self.bump().is_none() {
-                        self.complaints.push((start as u32, start as u32 + 2, "this comment is not closed".into()));
+                        self.complaints.push((
+                            start as u32,
+                            start as u32 + 2,
+                            "this comment is not closed".into(),
+                        ));
                         return;
                     }
                 }
@@ -194,7 +195,9 @@ impl Lexer<'_> {
 
     /// `r#"`, with any number of `#`.
     fn is_raw_text(&self) -> bool {
-        self.rest().strip_prefix('r').is_some_and(|r| r.starts_with('#') && r.trim_start_matches('#').starts_with('"'))
+        self.rest()
+            .strip_prefix('r')
+            .is_some_and(|r| r.starts_with('#') && r.trim_start_matches('#').starts_with('"'))
     }
 
     fn attribute(&mut self) -> Token {
@@ -205,7 +208,11 @@ impl Lexer<'_> {
         let known = |name: &str| {
             matches!(
                 name,
-                "implicit_some" | "unwrap_newtypes" | "unwrap_variant_newtypes" | "explicit_struct_names" | ""
+                "implicit_some"
+                    | "unwrap_newtypes"
+                    | "unwrap_variant_newtypes"
+                    | "explicit_struct_names"
+                    | ""
             )
         };
         let list = inside.strip_prefix("#![enable(").and_then(|rest| rest.strip_suffix(")]"));
@@ -298,7 +305,11 @@ impl Lexer<'_> {
         };
         let text = self.rest()[..len].to_owned();
         self.at += len + close.len();
-        if bytes { Token::Bytes(text.into_bytes()) } else { Token::Text(text, Verbatim(Some(content as u32))) }
+        if bytes {
+            Token::Bytes(text.into_bytes())
+        } else {
+            Token::Text(text, Verbatim(Some(content as u32)))
+        }
     }
 
     fn bytes(&mut self, start: usize) -> Token {
@@ -375,7 +386,8 @@ impl Lexer<'_> {
             self.complain(start, "expected a number after the sign");
             return Token::Bad;
         }
-        let radix = [("0x", 16), ("0b", 2), ("0o", 8)].into_iter().find(|(p, _)| self.eat(p)).map_or(10, |(_, r)| r);
+        let radix =
+            [("0x", 16), ("0b", 2), ("0o", 8)].into_iter().find(|(p, _)| self.eat(p)).map_or(10, |(_, r)| r);
         let from = self.at;
         if radix == 10 {
             self.eat_while(|c| c.is_ascii_digit() || c == '_');

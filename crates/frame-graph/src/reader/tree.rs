@@ -65,7 +65,14 @@ pub(crate) struct Complaints {
 /// Reads a file. The tree is as whole as the text allows.
 pub(crate) fn read(text: &str) -> (Node, Complaints) {
     let (tokens, syntax) = lex(text);
-    let mut parser = Parser { tokens, at: 0, complaints: Complaints { syntax, ..Complaints::default() }, lost: false };
+    let cut = syntax.iter().any(|(_, _, message)| message.ends_with("is not closed"));
+    let mut parser = Parser {
+        tokens,
+        at: 0,
+        complaints: Complaints { syntax, ..Complaints::default() },
+        lost: false,
+        cut,
+    };
     while parser.peek() == &Token::Attribute {
         parser.at += 1;
     }
@@ -83,6 +90,8 @@ struct Parser {
     complaints: Complaints,
     /// Set when brackets no longer match: what follows would only be noise.
     lost: bool,
+    /// Set when text or a comment runs to the end of the file: brackets that then seem open are not at fault.
+    cut: bool,
 }
 
 impl Parser {
@@ -103,7 +112,8 @@ impl Parser {
     }
 
     fn complain(&mut self, start: u32, end: u32, message: impl Into<String>) {
-        if !self.lost {
+        let at_end = self.cut && self.peek() == &Token::End;
+        if !self.lost && !at_end {
             self.complaints.syntax.push((start, end, message.into()));
         }
     }
@@ -122,8 +132,8 @@ impl Parser {
             Token::Text(text, Verbatim(content)) => Form::Text(text, content),
             Token::Bytes(bytes) => Form::Bytes(bytes),
             Token::Ident(word) if self.peek() == &Token::Open('(') => {
-                self.next();
-                self.parens(Some(Word { text: word, start, end }), start, depth)
+                let open = self.next().start;
+                self.parens(Some(Word { text: word, start, end }), open, depth)
             }
             Token::Ident(word) => match word.as_str() {
                 "true" => Form::Bool(true),

@@ -35,8 +35,16 @@ struct Differences(Vec<Difference>);
 
 impl Differences {
     /// Compares two lists of named values by name, in the order of the first, then of the second.
-    fn lists(&mut self, what: &'static str, prefix: &str, a: Vec<(String, String)>, b: Vec<(String, String)>) {
-        let find = |list: &[(String, String)], name: &str| list.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone());
+    fn lists(
+        &mut self,
+        what: &'static str,
+        prefix: &str,
+        a: Vec<(String, String)>,
+        b: Vec<(String, String)>,
+    ) {
+        let find = |list: &[(String, String)], name: &str| {
+            list.iter().find(|(n, _)| n == name).map(|(_, v)| v.clone())
+        };
         for (name, from) in &a {
             self.value(what, format!("{prefix}{name}"), Some(from.clone()), find(&b, name));
         }
@@ -60,8 +68,9 @@ pub fn diff(a: &Resolved, b: &Resolved) -> Vec<Difference> {
     let parameters =
         |r: &Resolved| r.parameters.iter().map(|p| (p.setting.name.clone(), p.value.to_string())).collect();
     all.lists("parameter", "", parameters(a), parameters(b));
-    let inputs =
-        |r: &Resolved| r.inputs.iter().map(|i| (i.name.value.to_string(), i.interface.value.to_string())).collect();
+    let inputs = |r: &Resolved| {
+        r.inputs.iter().map(|i| (i.name.value.to_string(), i.interface.value.to_string())).collect()
+    };
     all.lists("input", "", inputs(a), inputs(b));
     for node in &a.nodes {
         match b.nodes.iter().find(|other| other.name == node.name) {

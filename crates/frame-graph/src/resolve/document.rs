@@ -6,6 +6,7 @@ use crate::description::{
     At, Body, Description, Entry, InputDecl, Link, OutputDecl, ParameterDecl, PassDecl, Patch, Target,
 };
 use crate::diagnostic::{Diagnostic, Place};
+use crate::name::Name;
 use std::sync::Arc;
 
 /// Longest chain of `extends`.
@@ -41,9 +42,11 @@ impl Resolver<'_> {
                 return document;
             }
             if chain.len() > MAX_CHAIN {
-                let error =
-                    Diagnostic::new(&codes::TOO_LARGE, format!("more than {MAX_CHAIN} files extend each other"))
-                        .label(self.sources.span(place), "");
+                let error = Diagnostic::new(
+                    &codes::TOO_LARGE,
+                    format!("more than {MAX_CHAIN} files extend each other"),
+                )
+                .label(self.sources.span(place), "");
                 self.errors.push(error);
                 return document;
             }
@@ -118,13 +121,17 @@ impl Resolver<'_> {
     }
 
     /// Tells where a name is taken.
-    fn is_free(&mut self, document: &Document, name: &At<crate::name::Name>, advice: &str) -> bool {
-        let Some(taken) = document.passes.iter().find(|entry| entry.name.value == name.value) else { return true };
-        let mut error = Diagnostic::new(&codes::DEFINED_TWICE, format!("there is a pass `{}` already", name.value))
-            .label(self.sources.span(name.place), "taken")
-            .label(self.sources.span(taken.name.place), "defined here");
+    fn is_free(&mut self, document: &Document, name: &At<Name>, advice: &str) -> bool {
+        let Some(taken) = document.passes.iter().find(|entry| entry.name.value == name.value) else {
+            return true;
+        };
+        let mut error =
+            Diagnostic::new(&codes::DEFINED_TWICE, format!("there is a pass `{}` already", name.value))
+                .label(self.sources.span(name.place), "taken")
+                .label(self.sources.span(taken.name.place), "defined here");
         if advice == "Replace" {
-            error = error.note(format!("to put another pass in its place: Replace(\"{}\", Pass(…))", name.value));
+            error =
+                error.note(format!("to put another pass in its place: Replace(\"{}\", Pass(…))", name.value));
         }
         self.errors.push(error);
         false
@@ -181,7 +188,7 @@ impl Resolver<'_> {
     fn insert(
         &mut self,
         document: &mut Document,
-        name: &At<crate::name::Name>,
+        name: &At<Name>,
         decl: &PassDecl,
         from: &At<Target>,
         to: &At<Target>,
@@ -193,13 +200,19 @@ impl Resolver<'_> {
             return;
         }
         let fits = |link: &Link| {
-            let port = from.value.port.is_none() || link.target.port.is_none() || from.value.port == link.target.port;
+            let port = from.value.port.is_none()
+                || link.target.port.is_none()
+                || from.value.port == link.target.port;
             link.target.pass == from.value.pass && port
         };
         let mut position = document.passes.len();
         let reads_output = to.value.pass == "out";
         let link = if reads_output {
-            document.outputs.iter_mut().find(|o| Some(&o.name.value) == to.value.port.as_ref()).map(|o| &mut o.link)
+            document
+                .outputs
+                .iter_mut()
+                .find(|o| Some(&o.name.value) == to.value.port.as_ref())
+                .map(|o| &mut o.link)
         } else {
             let Some(i) = self.find(document, &to.value.pass, to.place) else { return };
             position = i;
@@ -214,7 +227,8 @@ impl Resolver<'_> {
                 let mut decl = decl.clone();
                 // The past, where the link reads it, is now that of the inserted pass.
                 let target = if from.value.port.is_some() { from.value.clone() } else { link.target.clone() };
-                decl.feed = Some(Link { target, past: None, ..link.clone() });
+                let port = At { value: Name::EMPTY, place: link.place };
+                decl.feed = Some(Link { port, target, past: None, ..link.clone() });
                 link.target = Target { pass: name.value.clone(), port: None, member: None };
                 link.place = name.place;
                 link.content_end = None;
@@ -233,8 +247,12 @@ impl Resolver<'_> {
                 if reads_output {
                     error = error.note("`out.NAME` stands for an output of the pipeline");
                 } else if let Some(entry) = document.passes.get(position) {
-                    let links: Vec<String> =
-                        entry.decl.links.iter().map(|l| format!("{} from {}", l.port.value, l.target)).collect();
+                    let links: Vec<String> = entry
+                        .decl
+                        .links
+                        .iter()
+                        .map(|l| format!("{} from {}", l.port.value, l.target))
+                        .collect();
                     if !links.is_empty() {
                         error = error.note(format!("links of `{}`: {}", to.value.pass, links.join(", ")));
                     }

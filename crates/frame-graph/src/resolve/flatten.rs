@@ -106,16 +106,18 @@ impl<'a> Resolver<'a> {
     ) -> Result<Resolved, Diagnostics> {
         self.parts.push(path.to_owned());
         self.nodes.reserve(document.passes.len());
-        let (about, paper, inputs) = (document.about.clone(), document.paper.clone(), document.inputs.clone());
+        let (about, paper, inputs) =
+            (document.about.clone(), document.paper.clone(), document.inputs.clone());
         let (parameters, outputs) = self.flatten(document, "", None, given);
         let mut index = FxHashMap::default();
         index.reserve(self.nodes.len());
         for (i, node) in self.nodes.iter().enumerate() {
             if let Some(first) = index.insert(node.name.clone(), i as u32) {
                 let first: &Node = &self.nodes[first as usize];
-                let error = Diagnostic::new(&codes::DEFINED_TWICE, format!("two passes are named `{}`", node.name))
-                    .label(self.sources.span(node.place), "again here")
-                    .label(self.sources.span(first.place), "first here");
+                let error =
+                    Diagnostic::new(&codes::DEFINED_TWICE, format!("two passes are named `{}`", node.name))
+                        .label(self.sources.span(node.place), "again here")
+                        .label(self.sources.span(first.place), "first here");
                 self.errors.push(error);
             }
         }
@@ -189,7 +191,8 @@ impl<'a> Resolver<'a> {
                 return (scope, Vec::new());
             }
             let assigned = routed.remove(&i).unwrap_or_default();
-            let full = if prefix.is_empty() { name.value } else { Name::from(format!("{prefix}/{}", name.value)) };
+            let full =
+                if prefix.is_empty() { name.value } else { Name::from(format!("{prefix}/{}", name.value)) };
             let decl = self.localise(decl, prefix, &scope);
             if matches!(decl.body, Body::Sub { .. }) {
                 self.part(full, name.place, decl, parent, assigned);
@@ -198,7 +201,12 @@ impl<'a> Resolver<'a> {
             let mut decl = decl;
             for Assignment { path, path_place, value, place } in assigned {
                 let decl = Arc::make_mut(&mut decl);
-                let set = Set { name: At { value: Name::from(path), place: path_place }, value, place, patched: true };
+                let set = Set {
+                    name: At { value: Name::from(path), place: path_place },
+                    value,
+                    place,
+                    patched: true,
+                };
                 match decl.set.iter_mut().find(|s| s.name.value == set.name.value) {
                     Some(old) => *old = set,
                     None => decl.set.push(set),
@@ -222,7 +230,14 @@ impl<'a> Resolver<'a> {
     }
 
     /// Takes in a part: its border as a group, then its passes.
-    fn part(&mut self, name: Name, place: Place, decl: Arc<PassDecl>, parent: Option<u32>, assigned: Vec<Assignment>) {
+    fn part(
+        &mut self,
+        name: Name,
+        place: Place,
+        decl: Arc<PassDecl>,
+        parent: Option<u32>,
+        assigned: Vec<Assignment>,
+    ) {
         let mut decl = Arc::unwrap_or_clone(decl);
         let Body::Sub { file: At { value: path, place: file_place } } = decl.body.clone() else { return };
         if self.parts.contains(&path) || self.parts.len() > MAX_PARTS {
@@ -264,15 +279,25 @@ impl<'a> Resolver<'a> {
     }
 
     /// Every link of a part must have an input there, and every input that is needed a link.
-    fn check_border(&mut self, decl: &mut PassDecl, name: &Name, path: &str, file: Place, inputs: &[InputDecl]) {
+    fn check_border(
+        &mut self,
+        decl: &mut PassDecl,
+        name: &Name,
+        path: &str,
+        file: Place,
+        inputs: &[InputDecl],
+    ) {
         let known = |link: &Link| inputs.iter().any(|i| i.name.value == link.port.value);
         decl.links.retain(|link| known(link) || !link.inherited);
         decl.links.iter_mut().for_each(|link| link.inherited = false);
         decl.link_names.retain(|name| decl.links.iter().any(|link| link.port.value == *name));
         for link in decl.links.iter().filter(|link| !known(link)) {
-            let error = Diagnostic::new(&codes::UNKNOWN_INPUT, format!("`{path}` has no input `{}`", link.port.value))
-                .label(self.sources.span(link.port.place), "")
-                .suggest("inputs", &link.port.value, inputs.iter().map(|i| &*i.name.value));
+            let error = Diagnostic::new(
+                &codes::UNKNOWN_INPUT,
+                format!("`{path}` has no input `{}`", link.port.value),
+            )
+            .label(self.sources.span(link.port.place), "")
+            .suggest("inputs", &link.port.value, inputs.iter().map(|i| &*i.name.value));
             self.errors.push(error);
         }
         for input in inputs.iter().filter(|i| !i.optional && decl.link(&i.name.value).is_none()) {
@@ -283,7 +308,10 @@ impl<'a> Resolver<'a> {
             let message = format!("`{name}` needs its input `{}` linked", input.name.value);
             let error = Diagnostic::new(&codes::UNLINKED, message)
                 .label(self.sources.span(file), format!("add in: {{ \"{}\": … }}", input.name.value))
-                .label(self.sources.span(input.name.place), format!("`{}` is expected here", input.interface.value));
+                .label(
+                    self.sources.span(input.name.place),
+                    format!("`{}` is expected here", input.interface.value),
+                );
             self.errors.push(error);
         }
     }
@@ -418,16 +446,19 @@ impl<'a> Resolver<'a> {
         let entry = |name: &str| passes.iter().position(|e| e.name.value == name);
         let inside = || {
             let parts = pass.match_indices('/').map(|(at, _)| at);
-            parts.rev().find_map(|at| Some((entry(&pass[..at]).filter(|i| Self::is_sub(&passes[*i]))?, &pass[at + 1..])))
+            parts.rev().find_map(|at| {
+                Some((entry(&pass[..at]).filter(|i| Self::is_sub(&passes[*i]))?, &pass[at + 1..]))
+            })
         };
         let (i, path) = if let Some(i) = entry(pass) {
             (i, setting.to_owned())
         } else if let Some((i, rest)) = inside() {
             (i, format!("{rest}.{setting}"))
         } else {
-            let error = Diagnostic::new(&codes::PATH, format!("there is no pass `{pass}` to set `{setting}` of"))
-                .label(self.sources.span(assignment.path_place), "")
-                .suggest("passes", pass, passes.iter().map(|e| &*e.name.value));
+            let error =
+                Diagnostic::new(&codes::PATH, format!("there is no pass `{pass}` to set `{setting}` of"))
+                    .label(self.sources.span(assignment.path_place), "")
+                    .suggest("passes", pass, passes.iter().map(|e| &*e.name.value));
             self.errors.push(error);
             return;
         };

@@ -84,7 +84,9 @@ pub(super) fn out(out: &OutDecl) -> String {
     }
     if let Some(At { value: size, .. }) = &out.size {
         let times = |num: &Dim, den: &Dim| {
-            let part = |sign: &str, d: &Dim| if *d == Dim::Number(1) { String::new() } else { format!(" {sign} {}", dim(d)) };
+            let part = |sign: &str, d: &Dim| {
+                if *d == Dim::Number(1) { String::new() } else { format!(" {sign} {}", dim(d)) }
+            };
             part("*", num) + &part("/", den)
         };
         fields.push(match size {

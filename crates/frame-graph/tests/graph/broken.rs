@@ -58,7 +58,8 @@ fn every_broken_file_gives_its_errors() {
             insta::assert_snapshot!(path.trim_end_matches(".ron"), errors.to_string());
         });
     }
-    let missing: Vec<&str> = CODES.iter().map(|code| code.code).filter(|code| !codes.contains(code)).collect();
+    let missing: Vec<&str> =
+        CODES.iter().map(|code| code.code).filter(|code| !codes.contains(code)).collect();
     assert!(missing.is_empty(), "no broken file has the codes {missing:?}");
 }
 

@@ -3,13 +3,13 @@
 use frame_graph::port::{Facts, Kinds, Member, OutputContext, OutputDesc, Use};
 use frame_graph::resolve::Files;
 use frame_graph::{
-    Clear, Externals, Extent, Format, InputPort, Interface, KindError, OutputPort, Ports, ResourceDesc, Setting,
-    Settings, Source, Traits, Usage, Value, 
+    Clear, Extent, Externals, Format, InputPort, Interface, KindError, OutputPort, Ports, ResourceDesc,
+    Setting, Settings, Source, Traits, Usage, Value,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-pub const INTERFACES: &[Interface] = &[
+pub(super) const INTERFACES: &[Interface] = &[
     Interface {
         name: "GBuffer",
         members: &[
@@ -34,7 +34,7 @@ struct Kind {
     outputs: Outputs,
 }
 
-pub struct TestKinds(Vec<Kind>);
+pub(super) struct TestKinds(Vec<Kind>);
 
 fn setting(name: &str, default: Value, min: f64, max: f64, one_of: &[&str]) -> Setting {
     let numeric = matches!(default, Value::U32(_) | Value::I32(_) | Value::F32(_));
@@ -80,9 +80,14 @@ fn image(port: &str) -> OutputDesc {
 }
 
 impl TestKinds {
-    pub fn new() -> TestKinds {
+    pub(super) fn new() -> TestKinds {
         let none = Externals::NONE;
-        let kind = |name, settings: Vec<Setting>, ports, outputs| Kind { name, settings: settings.into(), ports, outputs };
+        let kind = |name, settings: Vec<Setting>, ports, outputs| Kind {
+            name,
+            settings: settings.into(),
+            ports,
+            outputs,
+        };
         TestKinds(vec![
             kind(
                 "gbuffer",
@@ -92,7 +97,8 @@ impl TestKinds {
                     let texture = |name: &str, format| {
                         (name.to_owned(), ResourceDesc::texture_2d(format, Extent::FRAME), Usage::Overwrites)
                     };
-                    let mut members = vec![texture("depth", Format::Depth32Float), texture("normal", Format::Rgba16Float)];
+                    let mut members =
+                        vec![texture("depth", Format::Depth32Float), texture("normal", Format::Rgba16Float)];
                     if c.settings.bool("motion") {
                         members.push(texture("motion", Format::Rg16Float));
                     }
@@ -126,7 +132,10 @@ impl TestKinds {
                         let error = KindError::setting("map", format!("{count} maps of {map} do not fit"));
                         return Err(error.help("use fewer lights or smaller maps"));
                     }
-                    let mut atlas = OutputDesc::one("atlas", ResourceDesc::texture_2d(Format::R32Uint, Extent::Fixed(map, map)));
+                    let mut atlas = OutputDesc::one(
+                        "atlas",
+                        ResourceDesc::texture_2d(Format::R32Uint, Extent::Fixed(map, map)),
+                    );
                     atlas.members[0].2 = Usage::ClearFirst(Clear::Zero);
                     Ok(vec![atlas])
                 },
@@ -150,20 +159,36 @@ impl TestKinds {
                     setting("offset", Value::I32(0), -4.0, 4.0, &[]),
                 ],
                 ports(&["view?: GBuffer", "irradiance: Irradiance"], &["irradiance: Irradiance"], none),
-                |_| Ok(vec![OutputDesc::one("irradiance", ResourceDesc::texture_2d(Format::Rgba16Float, Extent::like("irradiance")))]),
+                |_| {
+                    Ok(vec![OutputDesc::one(
+                        "irradiance",
+                        ResourceDesc::texture_2d(Format::Rgba16Float, Extent::like("irradiance")),
+                    )])
+                },
             ),
-            kind("noise", vec![], ports(&[], &["irradiance: Irradiance"], Externals::FRAME), |_| Ok(vec![image("irradiance")])),
+            kind("noise", vec![], ports(&[], &["irradiance: Irradiance"], Externals::FRAME), |_| {
+                Ok(vec![image("irradiance")])
+            }),
             kind(
                 "composite",
                 vec![setting("exposure", Value::F32(0.0), -8.0, 8.0, &[])],
-                ports(&["indirect: Irradiance", "direct?: Irradiance", "glossy?: Irradiance"], &["image: Texture"], none),
+                ports(
+                    &["indirect: Irradiance", "direct?: Irradiance", "glossy?: Irradiance"],
+                    &["image: Texture"],
+                    none,
+                ),
                 |_| Ok(vec![image("image")]),
             ),
             kind(
                 "accumulate",
                 vec![],
                 ports(&["color: Texture", "history: Texture"], &["color: Texture"], none),
-                |_| Ok(vec![OutputDesc::one("color", ResourceDesc::texture_2d(Format::Rgba16Float, Extent::like("color")))]),
+                |_| {
+                    Ok(vec![OutputDesc::one(
+                        "color",
+                        ResourceDesc::texture_2d(Format::Rgba16Float, Extent::like("color")),
+                    )])
+                },
             ),
             kind(
                 "pair",
@@ -177,21 +202,11 @@ impl TestKinds {
                 ports(&["a: Irradiance", "b: Irradiance"], &["irradiance: Irradiance"], none),
                 |_| Ok(vec![image("irradiance")]),
             ),
-            kind(
-                "grow",
-                vec![],
-                ports(&["past: Texture"], &["image: Texture"], none),
-                |_| {
-                    let size = Extent::Like { input: "past".into(), num: 2, den: 1 };
-                    Ok(vec![OutputDesc::one("image", ResourceDesc::texture_2d(Format::R32Float, size))])
-                },
-            ),
-            kind(
-                "defect",
-                vec![],
-                ports(&[], &["image: Texture"], none),
-                |_| Ok(vec![image("picture")]),
-            ),
+            kind("grow", vec![], ports(&["past: Texture"], &["image: Texture"], none), |_| {
+                let size = Extent::Like { input: "past".into(), num: 2, den: 1 };
+                Ok(vec![OutputDesc::one("image", ResourceDesc::texture_2d(Format::R32Float, size))])
+            }),
+            kind("defect", vec![], ports(&[], &["image: Texture"], none), |_| Ok(vec![image("picture")])),
             kind("sink", vec![], ports(&["image: Texture"], &[], none), |_| Ok(vec![])),
         ])
     }
@@ -250,11 +265,13 @@ impl Kinds for TestKinds {
 
 /// Files in memory.
 #[derive(Clone, Default)]
-pub struct MemoryFiles(pub BTreeMap<String, Arc<Source>>);
+pub(super) struct MemoryFiles(pub(super) BTreeMap<String, Arc<Source>>);
 
 impl MemoryFiles {
-    pub fn new(files: &[(&str, &str)]) -> MemoryFiles {
-        MemoryFiles(files.iter().map(|(path, text)| ((*path).to_owned(), Source::new(*path, *text))).collect())
+    pub(super) fn new(files: &[(&str, &str)]) -> MemoryFiles {
+        MemoryFiles(
+            files.iter().map(|(path, text)| ((*path).to_owned(), Source::new(*path, *text))).collect(),
+        )
     }
 }
 
@@ -269,7 +286,7 @@ impl Files for MemoryFiles {
 }
 
 /// What the scenes of tests hold.
-pub fn traits() -> Traits {
+pub(super) fn traits() -> Traits {
     let traits = [
         ("glossy", Value::Bool(false)),
         ("textured", Value::Bool(true)),
@@ -280,7 +297,7 @@ pub fn traits() -> Traits {
 }
 
 /// The type of a value written as text, for settings given from outside.
-pub fn value(text: &str) -> Value {
+pub(super) fn value(text: &str) -> Value {
     if let Ok(n) = text.parse() {
         Value::U32(n)
     } else if let Ok(x) = text.parse() {
@@ -289,4 +306,3 @@ pub fn value(text: &str) -> Value {
         Value::Text(text.to_owned())
     }
 }
-

@@ -1,3 +1,6 @@
 mod broken;
 mod kinds;
+mod random;
+mod reader;
+mod variants;
 mod whole;

@@ -2,9 +2,11 @@
 
 use super::kinds::{MemoryFiles, TestKinds, traits};
 use frame_graph::plan::Fate;
-use frame_graph::{Change, CompileOptions, Diagnostics, FrameState, LinkContext, Overrides, Plan, compile, link, resolve};
+use frame_graph::{
+    Change, CompileOptions, Diagnostics, FrameState, LinkContext, Overrides, Plan, compile, link, resolve,
+};
 
-pub const BASE: &str = r#"
+pub(super) const BASE: &str = r#"
 Pipeline(
     about: "All the usual",
     paper: "ISM §3",
@@ -23,7 +25,7 @@ Pipeline(
     outputs: { "image": "steady", "indirect": "filter", "depth": "view.depth" },
 )"#;
 
-pub const SHADOWS: &str = r#"
+pub(super) const SHADOWS: &str = r#"
 Pipeline(
     about: "Maps of all lights",
     inputs: { "lights": "Lights" },
@@ -32,7 +34,7 @@ Pipeline(
     outputs: { "visibility": "splat" },
 )"#;
 
-pub fn plan_of(files: &[(&str, &str)], path: &str) -> Result<Plan, Diagnostics> {
+pub(super) fn plan_of(files: &[(&str, &str)], path: &str) -> Result<Plan, Diagnostics> {
     let files = MemoryFiles::new(files);
     let resolved = resolve(path, &files, &Overrides::default())?;
     let context = LinkContext { frame: (1920, 1080), traits: traits() };
@@ -41,7 +43,8 @@ pub fn plan_of(files: &[(&str, &str)], path: &str) -> Result<Plan, Diagnostics> 
 
 #[test]
 fn a_whole_pipeline_compiles_and_runs() {
-    let plan = plan_of(&[("base.ron", BASE), ("parts/shadows.ron", SHADOWS)], "base.ron").unwrap_or_else(|e| panic!("{e}"));
+    let plan = plan_of(&[("base.ron", BASE), ("parts/shadows.ron", SHADOWS)], "base.ron")
+        .unwrap_or_else(|e| panic!("{e}"));
     let names: Vec<&str> = plan.passes.iter().map(|pass| pass.name.as_str()).collect();
     assert_eq!(names, ["view", "lights", "shadows/splat", "gather", "filter", "image", "steady"]);
     let fate = |name: &str| &plan.fates.iter().find(|(n, _)| n == name).unwrap().1;

@@ -36,13 +36,13 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let graph = link(&resolved, &**catalog, &link_context)?;
     let plan = compile(&graph, &CompileOptions { sharing: !args.no_sharing, ..CompileOptions::default() })?;
     let Some(out) = &args.out else {
-        println!("{}", if context.json { plan.to_json() } else { plan.to_text() });
+        println!("{}", if context.json { format!("{:#}", plan.to_json()) } else { plan.to_text() });
         return Ok(());
     };
     let text = match out.extension().and_then(|extension| extension.to_str()) {
         Some("svg") => plan.to_svg(),
         Some("dot") => plan.to_dot(),
-        Some("json") => plan.to_json(),
+        Some("json") => format!("{:#}", plan.to_json()),
         Some("txt") => plan.to_text(),
         _ => bail!("{}: expected a name that ends in .svg, .dot, .json or .txt", out.display()),
     };

@@ -1,0 +1,264 @@
+//! Passes, their links, and patches.
+
+use super::form::{At, Body, Dim, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Set, When};
+use super::read::{Reader, out_overrides, within};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Place};
+use crate::expression;
+use crate::frame::ResetCause;
+use crate::name::Name;
+use crate::reader::{Form, Node};
+use crate::resource::{Clear, Format};
+use std::sync::Arc;
+
+const PASS: &[&str] = &["kind", "shader", "in", "keep", "feed", "set", "out", "when", "off"];
+const SUB: &[&str] = &["file", "in", "set", "when", "off"];
+const GROUP: &[&str] = &["inputs", "in", "outputs", "when", "off"];
+
+const INSERT: &str = "`Insert(name: \"pass\", pass: Pass(…), between: (\"a.port\", \"b.port\"))`";
+const BETWEEN: &str = "two ports: (\"a.port\", \"b.port\")";
+
+/// A form's name and its fields.
+type Fields = (&'static str, &'static [&'static str]);
+
+/// What may stand in `passes`; in a patch, a `Group` may not.
+pub(super) const PASS_FORMS: [Fields; 3] = [("Pass", PASS), ("Sub", SUB), ("Group", GROUP)];
+
+impl Reader<'_> {
+    pub(super) fn link(&mut self, port: At<Name>, node: &Node) -> Option<Link> {
+        let prev = match &node.form {
+            Form::Struct(Some(name), _) | Form::Tuple(Some(name), _) => Some(&name.text),
+            _ => None,
+        };
+        if prev.is_none() {
+            return Some(Link::new(port, self.target(node)?, Self::content_end(node)));
+        }
+        let known = ["port", "init", "reset"].as_slice();
+        let expected = "a link or `Prev(port: \"pass.port\")`";
+        let fields = self.fields(node, expected, &[("Prev", known)])?;
+        let init = fields.get("init").map_or(Some(Clear::Zero), |n| self.clear(n, "Zero", &["Black"]));
+        let all = [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
+        let reset = match fields.get("reset") {
+            None => all.to_vec(),
+            Some(node) => {
+                let mut causes = Vec::new();
+                for item in self.list(node, "a list of `Resize`, `Cut`, `Scene` and `Reload`") {
+                    let cause = all.into_iter().find(|cause| item.form == Form::Word(cause.to_string()));
+                    match cause {
+                        Some(cause) if !causes.contains(&cause) => causes.push(cause),
+                        Some(_) => {}
+                        None => self.wrong(item, "`Resize`, `Cut`, `Scene` or `Reload`"),
+                    }
+                }
+                causes.sort_unstable();
+                causes
+            }
+        };
+        let node = self.need(&fields, "port")?;
+        let link = Link::new(port, self.target(node)?, Self::content_end(node));
+        Some(Link { past: Some(Arc::new(Past { init: init?, reset })), ..link })
+    }
+
+    pub(super) fn pass(
+        &mut self,
+        node: &Node,
+        forms: &[(&'static str, &[&'static str])],
+    ) -> Option<PassDecl> {
+        if matches!(&node.form, Form::Word(word) if word == "Removed" && forms.len() == 3) {
+            return Some(PassDecl::tombstone(Some(self.place(node))));
+        }
+        let fields = self.fields(node, "`Pass(…)` or `Sub(…)`", forms)?;
+        let body = match fields.form {
+            "Pass" => {
+                let kind = self.need(&fields, "kind").and_then(|n| self.text_at(n, "the name of a kind"));
+                let shader = fields.get("shader").and_then(|n| self.text_at(n, "the path of a WGSL file"));
+                let name = |at: At<String>| At { value: Name::from(at.value), place: at.place };
+                kind.map(|kind| Body::Pass { kind: name(kind), shader: shader.map(name) })
+            }
+            "Sub" => {
+                let file =
+                    self.need(&fields, "file").and_then(|n| self.text_at(n, "the path of a pipeline file"));
+                file.map(|file| Body::Sub { file })
+            }
+            _ => {
+                let inputs = fields.get("inputs").map(|n| self.inputs(n)).unwrap_or_default();
+                let outputs = fields.get("outputs").map(|n| self.outputs(n)).unwrap_or_default();
+                Some(Body::Group(Group { inputs, outputs }))
+            }
+        };
+        let mut links = Vec::new();
+        for (port, node) in fields.get("in").map(|n| self.map(n, "an input", false)).unwrap_or_default() {
+            links.extend(self.link(port, node));
+        }
+        for (port, node) in fields.get("keep").map(|n| self.map(n, "an input", false)).unwrap_or_default() {
+            if let Some(first) = links.iter().find(|l: &&Link| l.port.value == port.value) {
+                let first = first.port.place;
+                self.duplicate(&format!("`{}`", port.value), port.place, first);
+            } else if let Some(link) = self.link(port, node) {
+                links.push(Link { inherited: true, ..link });
+            }
+        }
+        let feed = fields.get("feed").and_then(|n| {
+            let target = self.target(n)?;
+            let port = At { value: Name::EMPTY, place: target.place };
+            Some(Link::new(port, target, Self::content_end(n)))
+        });
+        let mut set = Vec::new();
+        for (name, node) in fields.get("set").map(|n| self.map(n, "a setting", false)).unwrap_or_default() {
+            if let Some(value) = self.value(node) {
+                set.push(Set { name, value, place: self.place(node), patched: false });
+            }
+        }
+        let mut outs = Vec::new();
+        for (port, node) in fields.get("out").map(|n| self.map(n, "an output", false)).unwrap_or_default() {
+            outs.extend(self.out(port, node));
+        }
+        let when = fields.get("when").and_then(|n| self.when(n));
+        let off = fields.get("off").and_then(|n| self.off(n));
+        let link_names = links.iter().map(|link| link.port.value.to_string()).collect();
+        let overrides = out_overrides(&outs, &mut |dim| match dim {
+            Dim::Number(n) => Some(*n),
+            Dim::Parameter(_) => None,
+        });
+        Some(PassDecl {
+            body: body?,
+            links,
+            link_names,
+            set,
+            outs,
+            overrides,
+            when,
+            off,
+            feed,
+            removed: None,
+        })
+    }
+
+    pub(super) fn when(&mut self, node: &Node) -> Option<When> {
+        let Form::Text(text, content) = &node.form else {
+            self.wrong(node, "a switch as text, such as \"scene.glossy && $bounces > 1\"");
+            return None;
+        };
+        let place = self.place(node);
+        match expression::parse(text) {
+            Ok(expr) => Some(When { expr, place, content: *content }),
+            Err(error) => {
+                let when = At { value: *content, place };
+                let at = within(&when, error.start, error.end);
+                self.error(error.code, at, error.message).notes = error.notes;
+                None
+            }
+        }
+    }
+
+    pub(super) fn off(&mut self, node: &Node) -> Option<At<Off>> {
+        let place = self.head(node);
+        if let Form::Tuple(Some(name), items) = &node.form
+            && name.text == "Input"
+        {
+            let [item] = &items[..] else {
+                self.wrong(node, "`Input(\"port\")`");
+                return None;
+            };
+            let port = self.name(item, "an input", false)?;
+            return Some(At { value: Off::Input(port.value), place: port.place });
+        }
+        match &node.form {
+            Form::Word(word) if word == "Zero" || word == "Black" => {
+                Some(At { value: Off::Constant(Clear::Zero), place })
+            }
+            Form::Tuple(Some(name), _) if name.text == "Color" => {
+                let clear = self.clear(node, "Black", &[])?;
+                Some(At { value: Off::Constant(clear), place: self.place(node) })
+            }
+            _ => {
+                self.wrong(node, "`Black`, `Color(r, g, b, a)` or `Input(\"port\")`");
+                None
+            }
+        }
+    }
+
+    pub(super) fn out(&mut self, port: At<Name>, node: &Node) -> Option<OutDecl> {
+        let known = ["interface", "format", "size", "count"].as_slice();
+        let fields = self.fields(node, "`Out(…)`", &[("Out", known)])?;
+        let interface = fields.get("interface").and_then(|n| self.text_at(n, "the name of an interface"));
+        let interface = interface.map(|at| At { value: Name::from(at.value), place: at.place });
+        let format = fields.get("format").and_then(|n| {
+            let name = self.text(n, "a format such as \"rgba16float\"")?;
+            let format = Format::from_name(name);
+            if format.is_none() {
+                let error = Diagnostic::new(&codes::WRONG_TYPE, format!("there is no format {name:?}"))
+                    .label(self.span(self.place(n)), "")
+                    .suggest("formats", name, Format::ALL.iter().map(|f| f.name()));
+                self.errors.push(error);
+            }
+            format
+        });
+        let size = fields.get("size").and_then(|n| self.size(n));
+        let count = fields.get("count").and_then(|n| {
+            let value = self.dim(n, "a count: a whole number or \"$parameter\"")?;
+            Some(At { value, place: self.place(n) })
+        });
+        Some(OutDecl { port, interface, format, size, count })
+    }
+
+    pub(super) fn patch(&mut self, node: &Node) -> Option<Patch> {
+        const EXPECTED: &str = "`Replace(…)`, `Insert(…)`, `Set(…)` or `Remove(…)`";
+        let forms = [("Pass", PASS), ("Sub", SUB)];
+        match &node.form {
+            Form::Tuple(Some(name), items) => match (name.text.as_str(), &items[..]) {
+                ("Replace", [name, pass]) => {
+                    let name = self.name(name, "a pass", true);
+                    let decl = self.pass(pass, &forms).map(Arc::new);
+                    Some(Patch::Replace { name: name?, decl: decl? })
+                }
+                ("Set", [path, value]) => {
+                    let expected = "\"parameter\", \"pass.setting\" or \"part/pass.setting\"";
+                    let text = self.text(path, expected)?;
+                    let place = self.place(path);
+                    let path = At { value: Name::from(text), place };
+                    Some(Patch::Set { path, value: self.value(value)?, place: self.place(value) })
+                }
+                ("Remove", [name]) => Some(Patch::Remove { name: self.name(name, "a pass", true)? }),
+                ("Replace", _) => self.shape(node, "`Replace(\"pass\", Pass(…))`"),
+                ("Set", _) => self.shape(node, "`Set(\"pass.setting\", value)`"),
+                ("Remove", _) => self.shape(node, "`Remove(\"pass\")`"),
+                ("Insert", _) => self.shape(node, INSERT),
+                _ => {
+                    let place = Place { file: self.file, start: name.start, end: name.end };
+                    let error =
+                        Diagnostic::new(&codes::UNKNOWN_FORM, format!("there is no patch `{}`", name.text))
+                            .label(self.span(place), "")
+                            .suggest("patches", &name.text, ["Replace", "Insert", "Set", "Remove"]);
+                    self.errors.push(error);
+                    None
+                }
+            },
+            Form::Struct(Some(name), _) if matches!(name.text.as_str(), "Replace" | "Set" | "Remove") => {
+                let form = match name.text.as_str() {
+                    "Replace" => "`Replace(\"pass\", Pass(…))`",
+                    "Set" => "`Set(\"pass.setting\", value)`",
+                    _ => "`Remove(\"pass\")`",
+                };
+                self.shape(node, form)
+            }
+            Form::Struct(..) => {
+                let known = ["name", "pass", "between"].as_slice();
+                let fields = self.fields(node, EXPECTED, &[("Insert", known)])?;
+                let name = self.need(&fields, "name").and_then(|n| self.name(n, "a pass", true));
+                let decl = self.need(&fields, "pass").and_then(|n| self.pass(n, &forms)).map(Arc::new);
+                let between = self.need(&fields, "between")?;
+                let Form::Tuple(None, items) = &between.form else { return self.shape(between, BETWEEN) };
+                let [from, to] = &items[..] else { return self.shape(between, BETWEEN) };
+                let (from, to) = (self.target(from), self.target(to));
+                Some(Patch::Insert { name: name?, decl: decl?, from: from?, to: to? })
+            }
+            _ => self.shape(node, EXPECTED),
+        }
+    }
+
+    pub(super) fn shape(&mut self, node: &Node, expected: &str) -> Option<Patch> {
+        self.wrong(node, expected);
+        None
+    }
+}

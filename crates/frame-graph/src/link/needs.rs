@@ -1,0 +1,197 @@
+//! Takes what is off out of the wires, and checks that what is on has all that it needs.
+
+use super::wires::{End, Found, with_article};
+use super::{Linker, Wire, Wires};
+use crate::codes;
+use crate::description::Link;
+use crate::diagnostic::{Diagnostic, Place, nearest};
+use crate::resource::Clear;
+use rustc_hash::FxHashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+impl<'a> Linker<'a> {
+    /// Takes what is off out of the wires, and checks that nothing that is on lacks an input that it needs.
+    pub(super) fn find_live_wires(&mut self) {
+        let all_on = self.on.iter().all(|on| *on == Some(true));
+        for i in 0..self.nodes.len() {
+            let mut live = Wires::new();
+            if self.uses[i].is_some() && !all_on {
+                for at in 0..self.wires[i].len() {
+                    let wire = self.wires[i][at];
+                    if let Some(end) = self.live_end(i, &wire) {
+                        live.push(Wire { end, ..wire });
+                    }
+                }
+            }
+            if !all_on {
+                self.live.push(live);
+            }
+            if self.on[i] == Some(true) {
+                self.check_needs(i);
+            }
+        }
+        self.check_pasts();
+    }
+
+    /// A resource has one past, and one thing that stands in its place: all links must say the same of it.
+    fn check_pasts(&mut self) {
+        let mut known: FxHashMap<(u32, u32), Vec<(Wire<'a>, Place)>> = FxHashMap::default();
+        let mut constants: FxHashMap<(u32, u32), (Clear, Place)> = FxHashMap::default();
+        let mut errors = Vec::new();
+        for i in 0..self.nodes.len() {
+            if self.on[i] == Some(false) {
+                continue;
+            }
+            for wire in self.wires_now(i) {
+                let place = self.link_of(i, wire).place;
+                if let Some(clear) = wire.end.constant {
+                    let first = constants.entry((wire.end.node, wire.end.port)).or_insert((clear, place));
+                    if first.0 != clear {
+                        let message = format!("two things stand in place of `{}`", self.end_text(&wire.end));
+                        let error = Diagnostic::new(&codes::OFF, message)
+                            .label(self.span(place), "one for this link")
+                            .label(self.span(first.1), "another for this one")
+                            .note("the pass and the part around it have different `off:`");
+                        errors.push(error);
+                    }
+                }
+                let (Some(past), None) = (wire.end.past, wire.end.constant) else { continue };
+                let others = known.entry((wire.end.node, wire.end.port)).or_default();
+                let meets = |other: &Wire<'_>| {
+                    let (a, b) = (other.end.member, wire.end.member);
+                    a.is_none() || b.is_none() || a == b
+                };
+                let differs = |other: &Wire<'_>| other.end.past.is_some_and(|other| other != past);
+                if let Some((_, other)) = others.iter().find(|(other, _)| meets(other) && differs(other)) {
+                    let message = format!("the past of `{}` is kept in two ways", self.end_text(&wire.end));
+                    let error = Diagnostic::new(&codes::PAST, message)
+                        .label(self.span(place), "with one `init` and `reset` here")
+                        .label(self.span(*other), "and others here")
+                        .note("a resource has one past: give both links the same `init` and `reset`");
+                    errors.push(error);
+                }
+                others.push((*wire, place));
+            }
+        }
+        self.errors.extend(errors);
+    }
+
+    fn live_end(&mut self, node: usize, wire: &Wire<'a>) -> Option<End<'a>> {
+        let link = self.link_of(node, wire);
+        let used = self.uses[node].as_ref()?;
+        let (ports, names) = (Arc::clone(&used.ports), Rc::clone(&used.names));
+        let (port, wanted) = &names.inputs[wire.input as usize];
+        match self.follow(link, Some(wanted), true) {
+            Found::End(end) => match self.fits(wanted, &end) {
+                Ok(()) => Some(end),
+                Err(help) => {
+                    self.mismatch(node, port, wanted, link, &end, help);
+                    None
+                }
+            },
+            Found::Nothing(off)
+                if self.on[node] == Some(true) && !ports.inputs[wire.input as usize].optional =>
+            {
+                let reader = format!("`{}`, for its input `{port}`,", self.nodes[node].name);
+                let error = self.off_read(reader, link.place, off);
+                self.errors.push(error);
+                None
+            }
+            Found::Nothing(_) | Found::Unlinked | Found::Told => None,
+        }
+    }
+
+    /// Something reads a pass that is off and has nothing in its place.
+    pub(super) fn off_read(&self, reader: String, place: Place, off: u32) -> Diagnostic {
+        // The switch may be that of a part around it.
+        let mut at = off as usize;
+        while let Some(parent) = self.nodes[at].parent
+            && self.on[parent as usize] == Some(false)
+        {
+            at = parent as usize;
+        }
+        let (node, switched) = (&self.nodes[off as usize], &self.nodes[at]);
+        let (verb, end) = match (switched.decl.removed, &switched.decl.when) {
+            (Some(place), _) => ("was removed", place),
+            (None, Some(when)) => ("is switched off", when.place),
+            (None, None) => ("is off", switched.place),
+        };
+        let message = format!("{reader} reads `{}`, which {verb}", node.name);
+        Diagnostic::new(&codes::OFF_READ, message)
+            .label(self.span(place), "read here")
+            .label(self.span(end), verb.strip_prefix("was ").or(verb.strip_prefix("is ")).unwrap_or(verb))
+            .note(format!(
+                "give `{}` an `off:` that says what stands in its place, such as `off: Black`",
+                node.name
+            ))
+    }
+
+    /// Follows a link again, without telling what was told before.
+    fn retrace(&mut self, link: &'a Link) -> Found<'a> {
+        let told = self.errors.len();
+        let found = self.follow(link, None, false);
+        self.errors.truncate(told);
+        found
+    }
+
+    /// Every input that a pass needs must be linked.
+    fn check_needs(&mut self, node: usize) {
+        let Some(used) = &self.uses[node] else { return };
+        let needed = used.ports.inputs.iter().filter(|input| !input.optional);
+        let misspelt = |link: &Link, input: &str| {
+            let known = used.ports.inputs.iter().any(|i| *link.port.value == *i.name);
+            !known && nearest(&link.port.value, [input]).is_some()
+        };
+        let decl = &self.nodes[node].decl;
+        let mut missing = Vec::new();
+        for input in needed {
+            let wired =
+                self.wires[node].iter().any(|wire| used.ports.inputs[wire.input as usize].name == input.name);
+            if wired {
+                continue;
+            }
+            match decl.links.iter().find(|link| link.port.value == *input.name) {
+                // A link whose input is misspelt was told.
+                None if decl.feed.is_some() || decl.links.iter().any(|link| misspelt(link, &input.name)) => {}
+                None => missing.push((input, None)),
+                // A link that leads nowhere was told, unless it leads to a pass that is gone.
+                Some(link) => missing.push((input, Some(link))),
+            }
+        }
+        let mut errors = Vec::new();
+        let missing: Vec<_> = missing.into_iter().map(|(input, link)| (input.clone(), link)).collect();
+        for (input, link) in missing {
+            let name = &self.nodes[node].name;
+            let error = match link {
+                Some(link) => match self.retrace(link) {
+                    Found::Nothing(off) => {
+                        self.off_read(format!("`{name}`, for its input `{}`,", input.name), link.place, off)
+                    }
+                    Found::Unlinked => Diagnostic::new(
+                        &codes::UNLINKED,
+                        format!("`{name}` needs `{}`, which this part may be used without", input.name),
+                    )
+                    .label(self.span(link.place), "may be unlinked")
+                    .note("switch the pass off where it is: when: \"connected(…)\""),
+                    Found::End(_) | Found::Told => continue,
+                },
+                None => {
+                    let message = format!("`{name}` needs its input `{}` linked", input.name);
+                    let mut error = Diagnostic::new(&codes::UNLINKED, message)
+                        .label(
+                            self.span(self.nodes[node].place),
+                            format!("add in: {{ \"{}\": … }}", input.name),
+                        )
+                        .note(format!("it takes {}: {}", with_article(&input.interface), input.doc));
+                    if let Some(makers) = self.makers(&input.interface, node) {
+                        error = error.note(makers);
+                    }
+                    error
+                }
+            };
+            errors.push(error);
+        }
+        self.errors.extend(errors);
+    }
+}

@@ -1,0 +1,392 @@
+//! Random graphs: what must hold of any plan.
+
+use super::kinds::{MemoryFiles, TestKinds, traits};
+use frame_graph::frame::FrameSchedule;
+use frame_graph::plan::{Fate, Plan, ResourceId};
+use frame_graph::{
+    Change, CompileOptions, Externals, FrameState, LinkContext, Overrides, ResetCause, ResourceDesc, compile,
+    link, resolve,
+};
+use proptest::prelude::*;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::fmt::Write as _;
+
+/// A pass: its kind, what it reads (by distance back, or forward through the past), its size.
+#[derive(Clone, Debug)]
+struct Drawn {
+    source: usize,
+    reads: Vec<(usize, bool)>,
+    scale: u32,
+}
+
+fn drawn() -> impl Strategy<Value = Drawn> {
+    let reads = prop::collection::vec((any::<prop::sample::Index>(), prop::bool::weighted(0.15)), 0..4);
+    (0..5usize, reads, 1..4u32).prop_map(|(source, reads, scale)| Drawn {
+        source,
+        reads: reads.into_iter().map(|(index, past)| (index.index(1 << 16), past)).collect(),
+        scale,
+    })
+}
+
+/// The text of a pipeline. Sources read data of the host program; other passes are `fullscreen` ones, which take
+/// any inputs. Every pass reads only earlier ones, but for the past, so that it is valid.
+fn text(passes: &[Drawn], outputs: &[usize], blank: &str) -> String {
+    let mut out = format!("Pipeline({blank}passes: {{");
+    for (i, pass) in passes.iter().enumerate() {
+        let links: Vec<String> = pass
+            .reads
+            .iter()
+            .enumerate()
+            .filter_map(|(input, (at, past))| match past {
+                true => Some(format!("\"i{input}\": Prev(port: \"p{}\", reset: [Cut])", at % passes.len())),
+                false if i > 0 => Some(format!("\"i{input}\": \"p{}\"", at % i)),
+                false => None,
+            })
+            .collect();
+        let size = format!("(64, {})", 16 * pass.scale);
+        let _ = match (links.is_empty(), pass.source) {
+            (true, 0) => write!(out, "\"p{i}\":{blank}Pass(kind: \"noise\"),"),
+            (true, 1) => write!(out, "\"p{i}\": Pass(kind: \"pair\"), "),
+            (true, 2) => write!(out, "\"p{i}\": Pass(kind: \"gbuffer\"),{blank}"),
+            _ => write!(
+                out,
+                "\"p{i}\": Pass(kind: \"fullscreen\", shader: \"a.wgsl\", in: {{ {} }}, out: {{ \"out\": Out(size: {size}) }}),",
+                links.join(", ")
+            ),
+        };
+    }
+    let outputs: Vec<String> =
+        outputs.iter().enumerate().map(|(i, at)| format!("\"o{i}\": \"p{}\"", at % passes.len())).collect();
+    let _ = write!(out, "}},{blank}outputs: {{ {} }})", outputs.join(", "));
+    // A pass with two outputs is linked by the first of them.
+    out.replace("kind: \"pair\"", "kind: \"fullscreen\", shader: \"b.wgsl\"")
+}
+
+fn plan(text: &str, sharing: bool) -> Plan {
+    let files = MemoryFiles::new(&[("random.ron", text)]);
+    let resolved = resolve("random.ron", &files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"));
+    let context = LinkContext { frame: (64, 64), traits: traits() };
+    let graph = link(&resolved, &TestKinds::new(), &context).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    compile(&graph, &CompileOptions { sharing, ..CompileOptions::default() })
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Positions at which a resource is alive, worked out from the passes alone.
+fn alive(plan: &Plan, id: ResourceId) -> Vec<usize> {
+    let at = |pass: &frame_graph::plan::PlannedPass| {
+        let writes = pass.outputs.iter().flat_map(|port| &port.members).any(|(_, other)| *other == id);
+        let reads = pass
+            .inputs
+            .iter()
+            .any(|i| i.history.is_none() && i.members.iter().any(|(_, other)| *other == id));
+        writes || reads
+    };
+    let touched: Vec<usize> = (0..plan.passes.len()).filter(|i| at(&plan.passes[*i])).collect();
+    match (touched.first(), touched.last()) {
+        (Some(first), Some(last)) => (*first..=*last).collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn check(plan: &Plan) -> Result<(), TestCaseError> {
+    // The order respects data, and nothing is read that was not written.
+    let mut written: HashSet<ResourceId> = HashSet::new();
+    for pass in &plan.passes {
+        for input in pass.inputs.iter().filter(|input| input.history.is_none()) {
+            for (_, id) in &input.members {
+                prop_assert!(written.contains(id), "{} reads {id:?} before it is written", pass.name);
+            }
+        }
+        for (_, id) in pass.outputs.iter().flat_map(|port| &port.members) {
+            prop_assert!(written.insert(*id), "{id:?} is written twice");
+        }
+    }
+    // Nothing shares an object with what is alive at the same time, nor with what outlives the frame.
+    let mut most = 0;
+    for allocation in &plan.allocations {
+        let mut used = HashSet::new();
+        for id in &allocation.resources {
+            let resource = &plan.resources[id.0 as usize];
+            prop_assert!(allocation.resources.len() == 1 || !resource.persistent);
+            prop_assert!(allocation.desc.bytes() >= resource.desc.bytes());
+            for at in alive(plan, *id) {
+                prop_assert!(used.insert(at), "two resources are alive at {at} in one object");
+            }
+        }
+        most = most.max(used.len());
+    }
+    // The bound is what is alive at once, and sharing lies between it and no sharing.
+    let transient: Vec<ResourceId> = (0..plan.resources.len() as u32)
+        .map(ResourceId)
+        .filter(|id| !plan.resources[id.0 as usize].persistent)
+        .collect();
+    let bytes = |id: &ResourceId| plan.resources[id.0 as usize].desc.bytes();
+    let at = |position: usize| {
+        transient.iter().filter(|id| alive(plan, **id).contains(&position)).map(bytes).sum::<u64>()
+    };
+    let bound = (0..plan.passes.len()).map(at).max().unwrap_or(0);
+    prop_assert_eq!(plan.memory.bound, bound);
+    prop_assert_eq!(plan.memory.unshared, transient.iter().map(bytes).sum::<u64>());
+    prop_assert!(plan.memory.bound <= plan.memory.shared && plan.memory.shared <= plan.memory.unshared);
+    // Of each shape there are as many objects as are alive at once.
+    let mut shapes: BTreeMap<String, Vec<ResourceId>> = BTreeMap::new();
+    for id in &transient {
+        if let ResourceDesc::Texture(t) = &plan.resources[id.0 as usize].desc {
+            shapes.entry(format!("{t:?}")).or_default().push(*id);
+        }
+    }
+    let mut objects = 0;
+    for ids in shapes.values() {
+        objects += (0..plan.passes.len())
+            .map(|p| ids.iter().filter(|id| alive(plan, **id).contains(&p)).count())
+            .max()
+            .unwrap_or(0);
+    }
+    let buffers = plan.allocations.iter().filter(|a| a.desc.texture().is_none()).count();
+    prop_assert_eq!(plan.memory.objects as usize, objects + buffers);
+    Ok(())
+}
+
+/// What is needed, worked out from the text of the fates alone: outputs and all that they read.
+fn check_culling(plan: &Plan, passes: &[Drawn], outputs: &[usize]) -> Result<(), TestCaseError> {
+    let mut needed: HashSet<usize> = HashSet::new();
+    let mut open: Vec<usize> = outputs.iter().map(|at| at % passes.len()).collect();
+    while let Some(i) = open.pop() {
+        if needed.insert(i) {
+            for (at, past) in &passes[i].reads {
+                match past {
+                    true => open.push(at % passes.len()),
+                    false if i > 0 => open.push(at % i),
+                    false => {}
+                }
+            }
+        }
+    }
+    for (i, (name, fate)) in plan.fates.iter().enumerate() {
+        prop_assert_eq!(name, &format!("p{i}"));
+        prop_assert_eq!(matches!(fate, Fate::Kept { .. }), needed.contains(&i), "{}", name);
+        let planned = plan.passes.iter().any(|pass| pass.name == *name);
+        prop_assert_eq!(planned, needed.contains(&i));
+    }
+    Ok(())
+}
+
+/// A change of one frame, by numbers.
+#[derive(Clone, Debug)]
+struct Step {
+    externals: u8,
+    pass: Option<prop::sample::Index>,
+    event: Option<u8>,
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    (
+        prop_oneof![3 => Just(0u8), 1 => 1..8u8],
+        prop::option::weighted(0.3, any::<prop::sample::Index>()),
+        prop::option::weighted(0.2, 0..4u8),
+    )
+        .prop_map(|(externals, pass, event)| Step { externals, pass, event })
+}
+
+/// The content of a resource: a number that stands for all that went into it.
+type Content = u64;
+
+fn mix(parts: impl IntoIterator<Item = u64>) -> Content {
+    parts.into_iter().fold(0xcbf2_9ce4_8422_2325, |hash, part| {
+        (hash ^ part).wrapping_mul(0x0100_0000_01b3).rotate_left(23)
+    })
+}
+
+/// What changed so far: revisions of the host program's data and of passes.
+#[derive(Default)]
+struct Revisions {
+    externals: [u64; 4],
+    passes: HashMap<u32, u64>,
+}
+
+/// What a pass makes of what it reads.
+fn make(plan: &Plan, pass: usize, revisions: &Revisions, reads: &[Content], member: usize) -> Content {
+    let bits = plan.passes[pass].externals.0;
+    let own = (0..4).filter(|bit| bits & (1 << bit) != 0).map(|bit| revisions.externals[bit]);
+    let own: Vec<u64> = own.collect();
+    let revision = revisions.passes.get(&(pass as u32)).copied().unwrap_or(0);
+    mix([pass as u64, member as u64, revision].into_iter().chain(own).chain(reads.iter().copied()))
+}
+
+/// Runs everything in every frame; returns what each pass read and each output is.
+struct Naive {
+    contents: Vec<Content>,
+    past: Vec<Content>,
+}
+
+const INIT: Content = 7;
+
+impl Naive {
+    fn frame(&mut self, plan: &Plan, revisions: &Revisions, resets: &[bool]) -> Vec<Vec<Content>> {
+        let mut all = Vec::new();
+        for (i, pass) in plan.passes.iter().enumerate() {
+            let mut reads = Vec::new();
+            for input in &pass.inputs {
+                for (m, (_, id)) in input.members.iter().enumerate() {
+                    reads.push(match &input.history {
+                        Some(past) if resets[past[m].0 as usize] => INIT,
+                        Some(past) => self.past[past[m].0 as usize],
+                        None => self.contents[id.0 as usize],
+                    });
+                }
+            }
+            let written = pass.outputs.iter().flat_map(|port| &port.members);
+            for (m, (_, id)) in written.enumerate() {
+                self.contents[id.0 as usize] = make(plan, i, revisions, &reads, m);
+            }
+            all.push(reads);
+        }
+        self.past = plan.histories.iter().map(|h| self.contents[h.resource.0 as usize]).collect();
+        all
+    }
+}
+
+/// Runs what is scheduled, with contents in objects, as an executor does.
+fn scheduled(
+    plan: &Plan,
+    schedule: &FrameSchedule,
+    revisions: &Revisions,
+    objects: &mut [Content],
+) -> Vec<Option<Vec<Content>>> {
+    for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
+        if slot.reset.is_some() {
+            objects[history.copies[slot.previous].0 as usize] = INIT;
+        }
+    }
+    let object = |id: ResourceId| {
+        let resource = &plan.resources[id.0 as usize];
+        match resource.history {
+            Some(history) => {
+                plan.histories[history.0 as usize].copies[schedule.histories[history.0 as usize].current].0
+                    as usize
+            }
+            None => resource.allocation.0 as usize,
+        }
+    };
+    let mut all = Vec::new();
+    for (i, pass) in plan.passes.iter().enumerate() {
+        if !schedule.runs[i] {
+            all.push(None);
+            continue;
+        }
+        let mut reads = Vec::new();
+        for input in &pass.inputs {
+            for (m, (_, id)) in input.members.iter().enumerate() {
+                reads.push(match &input.history {
+                    Some(past) => {
+                        let slot = schedule.histories[past[m].0 as usize];
+                        objects[plan.histories[past[m].0 as usize].copies[slot.previous].0 as usize]
+                    }
+                    None => objects[object(*id)],
+                });
+            }
+        }
+        for (m, (_, id)) in pass.outputs.iter().flat_map(|port| &port.members).enumerate() {
+            objects[object(*id)] = make(plan, i, revisions, &reads, m);
+        }
+        all.push(Some(reads));
+    }
+    all
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 192, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_valid_graph_has_a_sound_plan(
+        passes in prop::collection::vec(drawn(), 1..40),
+        outputs in prop::collection::vec(any::<prop::sample::Index>(), 1..4),
+    ) {
+        let outputs: Vec<usize> = outputs.iter().map(|index| index.index(1 << 16)).collect();
+        let text = text(&passes, &outputs, " ");
+        let shared = plan(&text, true);
+        check(&shared)?;
+        check_culling(&shared, &passes, &outputs)?;
+        let unshared = plan(&text, false);
+        prop_assert_eq!(unshared.memory.shared, unshared.memory.unshared);
+        prop_assert_eq!(unshared.memory.bound, shared.memory.bound);
+    }
+
+    #[test]
+    fn the_name_of_a_plan_is_stable(
+        passes in prop::collection::vec(drawn(), 1..20),
+        outputs in prop::collection::vec(any::<prop::sample::Index>(), 1..3),
+        changed in any::<prop::sample::Index>(),
+    ) {
+        let outputs: Vec<usize> = outputs.iter().map(|index| index.index(1 << 16)).collect();
+        let id = plan(&text(&passes, &outputs, " "), true).id;
+        let blank = "\n\t/* a /* nested */ comment */ // to the end\n";
+        prop_assert_eq!(id, plan(&text(&passes, &outputs, blank), true).id);
+        // A pass that an output shows, made by another shader or kind, gives another plan.
+        let at = outputs[changed.index(outputs.len())] % passes.len();
+        let mut other = passes.clone();
+        other[at].source = 4;
+        other[at].scale += 10;
+        prop_assert_ne!(id, plan(&text(&other, &outputs, " "), true).id);
+    }
+
+    #[test]
+    fn passes_that_are_skipped_are_not_missed(
+        passes in prop::collection::vec(drawn(), 1..24),
+        outputs in prop::collection::vec(any::<prop::sample::Index>(), 1..4),
+        steps in prop::collection::vec(step(), 1..12),
+    ) {
+        let outputs: Vec<usize> = outputs.iter().map(|index| index.index(1 << 16)).collect();
+        let text = text(&passes, &outputs, " ");
+        let plan = plan(&text, true);
+        let mut state = FrameState::new(&plan);
+        let mut naive = Naive { contents: vec![0; plan.resources.len()], past: vec![INIT; plan.histories.len()] };
+        let mut objects = vec![0; plan.allocations.len()];
+        let mut revisions = Revisions::default();
+        for (number, step) in steps.iter().enumerate() {
+            let frame = number as u64 + 1;
+            for bit in 0..3 {
+                if step.externals & (1 << bit) != 0 {
+                    revisions.externals[bit] = frame;
+                }
+            }
+            revisions.externals[3] = frame;
+            let told = step.pass.map(|index| index.index(plan.passes.len().max(1)) as u32);
+            let told: Vec<_> = told.into_iter().filter(|_| !plan.passes.is_empty()).collect();
+            for pass in &told {
+                revisions.passes.insert(*pass, frame);
+            }
+            let all = [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
+            let events: Vec<ResetCause> = step.event.map(|e| all[e as usize]).into_iter().collect();
+            let change = Change {
+                externals: Externals(step.externals),
+                passes: told.iter().map(|p| frame_graph::plan::PassId(*p)).collect(),
+                events: events.clone(),
+                all: false,
+            };
+            let schedule = state.begin(&plan, &change);
+            let resets: Vec<bool> = plan.histories.iter().map(|h| number == 0 || h.reset.iter().any(|r| events.contains(r))).collect();
+            for (slot, reset) in schedule.histories.iter().zip(&resets) {
+                prop_assert_eq!(slot.reset.is_some(), *reset);
+                prop_assert_eq!(slot.age == 0, *reset);
+            }
+            let expected = naive.frame(&plan, &revisions, &resets);
+            let found = scheduled(&plan, &schedule, &revisions, &mut objects);
+            for (i, reads) in found.iter().enumerate() {
+                if let Some(reads) = reads {
+                    prop_assert_eq!(reads, &expected[i], "{} in frame {}", &plan.passes[i].name, number);
+                }
+            }
+            for output in &plan.outputs {
+                for (_, id) in &output.members {
+                    let resource = &plan.resources[id.0 as usize];
+                    let object = match resource.history {
+                        Some(h) => plan.histories[h.0 as usize].copies[schedule.histories[h.0 as usize].current],
+                        None => resource.allocation,
+                    };
+                    prop_assert_eq!(objects[object.0 as usize], naive.contents[id.0 as usize], "{}", &output.name);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! Variants: `extends`, patches, parts, switches, overrides; and the flattened file.
+
+use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::whole::{BASE, SHADOWS};
+use frame_graph::plan::{Fate, Plan};
+use frame_graph::{
+    CompileOptions, LinkContext, Overrides, Resolved, Traits, Value, compile, diff, link, resolve,
+};
+
+const PAIR: &str = r#"Pipeline(
+    inputs: { "irradiance": "Irradiance", "view": Optional("GBuffer") },
+    passes: {
+        "pair": Pass(kind: "pair", in: { "irradiance": "in.irradiance" }),
+        "mix": Pass(kind: "mix", in: { "a": "pair.a", "b": "pair.b" }),
+        "blur": Pass(kind: "blur", in: { "irradiance": "mix", "view": "in.view" }, when: "connected(view)", off: Input("irradiance")),
+    },
+    outputs: { "image": "blur" },
+)"#;
+
+fn files(variant: &str) -> MemoryFiles {
+    let variant = format!("Pipeline(extends: \"base.ron\", {variant})");
+    MemoryFiles::new(&[
+        ("base.ron", BASE),
+        ("parts/shadows.ron", SHADOWS),
+        ("parts/pair.ron", PAIR),
+        ("variant.ron", &variant),
+    ])
+}
+
+fn resolved(variant: &str, overrides: &[(&str, Value)]) -> Resolved {
+    let overrides = overrides.iter().map(|(path, value)| ((*path).to_owned(), value.clone()));
+    resolve("variant.ron", &files(variant), &Overrides(overrides.collect())).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn planned(resolved: &Resolved, traits: Traits, options: &CompileOptions) -> Plan {
+    let context = LinkContext { frame: (320, 200), traits };
+    let graph = link(resolved, &TestKinds::new(), &context).unwrap_or_else(|e| panic!("{e}"));
+    compile(&graph, options).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn plan(variant: &str) -> Plan {
+    planned(&resolved(variant, &[]), traits(), &CompileOptions::default())
+}
+
+fn setting(plan: &Plan, pass: &str, setting: &str) -> Value {
+    plan.passes[plan.pass(pass).unwrap().0 as usize].settings.get(setting).unwrap().clone()
+}
+
+/// The resources that an input reads, by name.
+fn read(plan: &Plan, pass: &str, input: &str) -> Vec<String> {
+    let pass = &plan.passes[plan.pass(pass).unwrap().0 as usize];
+    let input =
+        pass.inputs.iter().find(|i| i.port == *input).unwrap_or_else(|| panic!("{input} is not linked"));
+    input.members.iter().map(|(_, id)| plan.resources[id.0 as usize].name.to_string()).collect()
+}
+
+#[test]
+fn replace_keeps_the_inputs_that_fit() {
+    let plan = plan(
+        r#"patch: [ Replace("gather", Pass(kind: "blur", in: { "irradiance": "noise" }, set: { "radius": 3 })) ], passes: { "noise": Pass(kind: "noise") }"#,
+    );
+    assert_eq!(read(&plan, "gather", "view"), ["view.view.depth", "view.view.normal", "view.view.motion"]);
+    assert_eq!(read(&plan, "gather", "irradiance"), ["noise.irradiance"]);
+    // `lights` and `visibility` are no inputs of the new kind.
+    assert_eq!(plan.passes[plan.pass("gather").unwrap().0 as usize].inputs.len(), 2);
+    assert_eq!(setting(&plan, "gather", "radius"), Value::F32(3.0));
+    // Nothing reads the lights any more.
+    assert!(plan.pass("shadows/splat").is_none() && plan.pass("lights").is_none());
+}
+
+#[test]
+fn replace_drops_inputs_that_a_shader_does_not_bind() {
+    let variant = r#"passes: { "full": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "color": "steady", "unbound": "view.depth" }) }, outputs: { "full": "full" }"#;
+    let files = files(variant);
+    let errors = resolve("variant.ron", &files, &Overrides::default())
+        .map(|r| link(&r, &TestKinds::new(), &LinkContext { frame: (8, 8), traits: traits() }).unwrap_err());
+    assert_eq!(errors.unwrap().0[0].code, "E025");
+    let mut files = files;
+    let second = r#"Pipeline(extends: "variant.ron", patch: [ Replace("full", Pass(kind: "fullscreen", shader: "b.wgsl")) ])"#;
+    files.0.insert("second.ron".into(), frame_graph::Source::new("second.ron", second));
+    let resolved = resolve("second.ron", &files, &Overrides::default()).unwrap();
+    let plan = planned(&resolved, traits(), &CompileOptions::default());
+    assert_eq!(read(&plan, "full", "color"), ["steady.color"]);
+    assert_eq!(plan.passes[plan.pass("full").unwrap().0 as usize].inputs.len(), 1);
+}
+
+#[test]
+fn insert_stands_between_two_ports() {
+    let plan = plan(
+        r#"patch: [
+            Insert(name: "soft", pass: Pass(kind: "blur", set: { "mode": "gauss" }), between: ("gather.irradiance", "filter.irradiance")),
+            Insert(name: "last", pass: Pass(kind: "blur"), between: ("filter", "out.indirect")),
+        ]"#,
+    );
+    assert_eq!(read(&plan, "soft", "irradiance"), ["gather.irradiance"]);
+    assert_eq!(read(&plan, "filter", "irradiance"), ["soft.irradiance"]);
+    assert_eq!(plan.output("indirect").unwrap().from, "last.irradiance");
+    assert_eq!(read(&plan, "image", "indirect"), ["filter.irradiance"]);
+}
+
+#[test]
+fn remove_leaves_optional_inputs_unlinked_or_what_off_says() {
+    // `visibility` of gather is optional.
+    let plan = plan(r#"patch: [ Remove("shadows") ]"#);
+    assert!(plan.pass("shadows/splat").is_none());
+    let gather = &plan.passes[plan.pass("gather").unwrap().0 as usize];
+    assert!(gather.inputs.iter().all(|input| input.port != "visibility"));
+    // `glossy` has `off: Black`.
+    let resolved = resolved(r#"patch: [ Remove("glossy") ]"#, &[]);
+    let mut glossy = traits();
+    glossy.0.insert("glossy".into(), Value::Bool(true));
+    let plan = planned(&resolved, glossy, &CompileOptions::default());
+    assert!(
+        matches!(&plan.fates.iter().find(|(n, _)| n == "glossy").unwrap().1, Fate::Off { why, .. } if why == "removed by a patch")
+    );
+    let constant = &plan.resources[plan.resource("glossy.irradiance").unwrap().0 as usize];
+    assert!(constant.producer.is_none() && constant.constant.is_some() && constant.persistent);
+    assert_eq!(read(&plan, "image", "glossy"), ["glossy.irradiance"]);
+}
+
+#[test]
+fn settings_come_from_the_nearest_hand() {
+    let plain = plan("");
+    assert_eq!(setting(&plain, "lights", "count"), Value::U32(256));
+    assert_eq!(setting(&plain, "shadows/splat", "map"), Value::U32(64));
+    let patched = plan(
+        r#"parameters: { "count": U32(default: 512) },
+           patch: [ Set("shadows.map", 32), Set("filter.radius", 2), Set("filter.radius", 5.5) ]"#,
+    );
+    assert_eq!(setting(&patched, "lights", "count"), Value::U32(512));
+    assert_eq!(setting(&patched, "shadows/splat", "map"), Value::U32(32));
+    assert_eq!(setting(&patched, "filter", "radius"), Value::F32(5.5));
+    let overrides =
+        [("count", Value::U32(8)), ("shadows/splat.map", Value::U32(16)), ("filter.radius", Value::U32(1))];
+    let given = resolved(r#"patch: [ Set("shadows.map", 32), Set("filter.radius", 2) ]"#, &overrides);
+    let given = planned(&given, traits(), &CompileOptions::default());
+    assert_eq!(setting(&given, "lights", "count"), Value::U32(8));
+    assert_eq!(setting(&given, "shadows/splat", "map"), Value::U32(16));
+    assert_eq!(setting(&given, "filter", "radius"), Value::F32(1.0));
+    assert_ne!(plain.id, given.id);
+}
+
+#[test]
+fn off_hands_on_an_input_through_borders_of_parts() {
+    let part = |more: &str| {
+        format!(
+            r#"passes: {{ "part": Sub(file: "parts/pair.ron", in: {{ "irradiance": "gather"{more} }}) }},
+               outputs: {{ "soft": "part" }}"#
+        )
+    };
+    // The blur inside is off where the part's optional input is not linked: its input stands for it.
+    let off = plan(&part(""));
+    assert!(off.pass("part/blur").is_none());
+    assert_eq!(off.output("soft").unwrap().from, "part/mix.irradiance");
+    let on = plan(&part(r#", "view": "view""#));
+    assert_eq!(on.output("soft").unwrap().from, "part/blur.irradiance");
+    // The whole part off: what goes in comes out.
+    let variant = r#"passes: { "part": Sub(file: "parts/pair.ron", in: { "irradiance": "gather" }, when: "scene.glossy", off: Input("irradiance")) },
+               outputs: { "soft": "part" }"#;
+    let whole = plan(variant);
+    assert_eq!(whole.output("soft").unwrap().from, "gather.irradiance");
+    assert!(
+        matches!(&whole.fates.iter().find(|(n, _)| n == "part/mix").unwrap().1, Fate::Off { why, .. } if why.starts_with("`part` is off: scene.glossy"))
+    );
+    // Or a constant of the shape that the part would give.
+    let black = plan(&variant.replace("Input(\"irradiance\")", "Color(1, 0, 0, 1)"));
+    assert_eq!(black.output("soft").unwrap().from, "part/blur.irradiance");
+    let constant = &black.resources[black.resource("part/blur.irradiance").unwrap().0 as usize];
+    assert_eq!(
+        constant.constant.map(|clear| clear.to_string()).as_deref(),
+        Some("Color(1.0, 0.0, 0.0, 1.0)")
+    );
+}
+
+#[test]
+fn the_flattened_file_says_the_same() {
+    for variant in [
+        "",
+        r#"patch: [ Replace("gather", Pass(kind: "blur", in: { "irradiance": "noise" })), Remove("shadows"), Set("filter.radius", 2) ], passes: { "noise": Pass(kind: "noise") }"#,
+        r#"patch: [ Insert(name: "soft", pass: Pass(kind: "blur"), between: ("gather", "filter.irradiance")), Remove("glossy") ]"#,
+        r#"passes: {
+            "part": Sub(file: "parts/pair.ron", in: { "irradiance": Prev(port: "gather", init: Color(0.5, 0, 0, 1), reset: [Cut]) }, when: "$count > 3 && !(scene.name == 'x' || scene.glossy)", off: Black),
+            "full": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "x": "part" }, set: { "strength": 0.25 }, out: { "out": Out(format: "r32float", size: "like(x) * 3 / 2", count: "$count", interface: "Irradiance") }),
+        }, outputs: { "full": "full" }"#,
+    ] {
+        let first = resolved(variant, &[("count", Value::U32(77))]);
+        let text = first.to_ron();
+        let files = MemoryFiles::new(&[("flat.ron", &text)]);
+        let second =
+            resolve("flat.ron", &files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!(first, second, "{text}");
+        assert!(diff(&first, &second).is_empty(), "{:?}", diff(&first, &second));
+        assert!(text.contains("// --set:1:7"), "{text}");
+        let options = CompileOptions::default();
+        let (a, b) = (planned(&first, traits(), &options), planned(&second, traits(), &options));
+        assert_eq!(a.id, b.id);
+        let kinds = |plan: &Plan| -> Vec<_> {
+            plan.fates.iter().map(|(name, fate)| (name.clone(), std::mem::discriminant(fate))).collect()
+        };
+        assert_eq!(kinds(&a), kinds(&b));
+    }
+}
+
+#[test]
+fn origins_stand_behind_what_came_from_elsewhere() {
+    let text = resolved(r#"patch: [ Set("filter.radius", 2) ]"#, &[]).to_ron();
+    let line = |part: &str| {
+        text.lines().find(|line| line.contains(part)).unwrap_or_else(|| panic!("{part}\n{text}"))
+    };
+    assert!(line("\"radius\": 2,").ends_with("// variant.ron:1:61"), "{}", line("\"radius\""));
+    assert!(line("\"count\": 256,").contains("// base.ron:5:"), "{}", line("\"count\""));
+    assert!(line("\"shadows/splat\": Pass(").contains("// parts/shadows.ron:6:"));
+}
+
+#[test]
+fn differences_are_told_one_by_one() {
+    let base = resolve("base.ron", &files(""), &Overrides::default()).unwrap();
+    let other = resolved(
+        r#"parameters: { "map": U32(default: 32) },
+           patch: [ Replace("gather", Pass(kind: "noise")), Remove("unused"), Set("filter.radius", 2) ],
+           passes: { "extra": Pass(kind: "noise") }, outputs: { "extra": "extra" }"#,
+        &[],
+    );
+    let lines: Vec<String> = diff(&base, &other).iter().map(ToString::to_string).collect();
+    assert_eq!(
+        lines,
+        [
+            "~ parameter map: 64 → 32",
+            "~ setting shadows/splat.map: 64 → 32",
+            "~ pass gather: gather → noise",
+            "+ setting filter.radius: 2",
+            "~ pass unused: noise → removed",
+            "+ pass extra: noise",
+            "+ output extra: \"extra\"",
+        ]
+    );
+}
+
+#[test]
+fn the_order_lowers_the_peak() {
+    // Four wide sources, each reduced by a narrow pass, then joined. In the file's order all four wide ones are
+    // alive at once; source by source, one is.
+    let mut text = String::from("passes: {");
+    for i in 0..4 {
+        text.push_str(&format!("\"wide{i}\": Pass(kind: \"fullscreen\", shader: \"s.wgsl\", out: {{ \"out\": Out(size: \"frame * 4\") }}),"));
+    }
+    for i in 0..4 {
+        text.push_str(&format!("\"small{i}\": Pass(kind: \"fullscreen\", shader: \"s.wgsl\", in: {{ \"x\": \"wide{i}\" }}, out: {{ \"out\": Out(size: \"frame / 8\") }}),"));
+    }
+    text.push_str("\"join\": Pass(kind: \"fullscreen\", shader: \"s.wgsl\", in: { \"a\": \"small0\", \"b\": \"small1\", \"c\": \"small2\", \"d\": \"small3\" }) }, outputs: { \"join\": \"join\" }");
+    let resolved = resolved(&text, &[]);
+    let options = CompileOptions { outputs: vec!["join".into()], ..CompileOptions::default() };
+    let plan = planned(&resolved, traits(), &options);
+    let names: Vec<&str> = plan.passes.iter().map(|pass| pass.name.as_str()).collect();
+    assert_eq!(names, ["wide0", "small0", "wide1", "small1", "wide2", "small2", "wide3", "small3", "join"]);
+    let (wide, small) = (320 * 4 * 200 * 4 * 8, 40 * 25 * 8);
+    assert_eq!(plan.memory.bound, wide + 4 * small);
+    assert_eq!(plan.memory.shared, plan.memory.bound);
+    // One object for all wide resources, four for the small ones.
+    assert_eq!(plan.memory.objects, 5);
+}
+
+#[test]
+fn what_is_kept_is_kept() {
+    let resolved = resolved("", &[]);
+    let keep = |keep: &[&str]| CompileOptions {
+        keep: keep.iter().map(|k| (*k).to_owned()).collect(),
+        outputs: vec!["indirect".into()],
+        ..CompileOptions::default()
+    };
+    let plain = planned(&resolved, traits(), &keep(&[]));
+    assert!(plain.pass("unused").is_none() && plain.pass("image").is_none());
+    let kept = planned(&resolved, traits(), &keep(&["unused.irradiance", "view.view.depth", "lights"]));
+    for name in ["unused.irradiance", "view.view.depth", "lights.lights"] {
+        assert!(kept.resources[kept.resource(name).unwrap().0 as usize].persistent, "{name}");
+    }
+    assert!(!kept.resources[kept.resource("lights.scan").unwrap().0 as usize].persistent);
+}
+
+#[test]
+fn drawings_hold_every_pass() {
+    let plan = plan("");
+    let (svg, dot, text, json) = (plan.to_svg(), plan.to_dot(), plan.to_text(), plan.to_json());
+    for (name, _) in &plan.fates {
+        assert!(svg.contains(&format!(">{name}</text>")), "{name}");
+        assert!(dot.contains(&format!("\"{name}\"")), "{name}");
+        assert!(text.contains(name.as_str()), "{name}");
+    }
+    assert!(svg.contains("stroke-dasharray") && svg.contains("past: color → history"));
+    assert!(svg.ends_with("</svg>\n") && svg.contains("lower bound"));
+    assert!(!svg.contains("NaN") && svg.matches("<g>").count() == svg.matches("</g>").count());
+    assert_eq!(json["passes"].as_array().unwrap().len(), plan.passes.len());
+    assert_eq!(json["id"], plan.id.to_string());
+    assert_eq!(json["memory"]["bound"], plan.memory.bound);
+    insta::with_settings!({ prepend_module_to_snapshot => false, snapshot_path => "../snapshots", omit_expression => true }, {
+        insta::assert_snapshot!("plan-as-text", text);
+    });
+}

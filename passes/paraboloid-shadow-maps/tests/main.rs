@@ -1,0 +1,199 @@
+//! Exact maps against rays.
+
+use frame_graph::Source;
+use paraboloid_shadow_maps::twin::paraboloid::{
+    Vec3, direction_from_paraboloid, dot, frame_from_normal, into_frame, sub, texel_centre,
+};
+use paraboloid_shadow_maps::twin::{hit, image_bounds, map};
+use pass_test::Stand;
+use scene::{Scene, Vertex};
+use std::sync::Arc;
+
+/// Diagonal of the scene `plane`, a square of 2 m: the extent that all scenes here have.
+const EXTENT: f64 = 2.828_427_124_746_19;
+
+struct NoFiles;
+
+impl scene::SceneFiles for NoFiles {
+    fn read(&self, _: &str) -> Option<Arc<Source>> {
+        None
+    }
+
+    fn list(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// The scene `plane` with other triangles.
+fn scene_of(triangles: &[[Vec3; 3]]) -> Scene {
+    let path = pass_test::root().join("scenes/plane.ron");
+    let mut scene = scene::load(&path.to_string_lossy(), &NoFiles).expect("the scene is there");
+    let like = scene.vertices[0];
+    let corners = triangles.iter().flatten();
+    scene.vertices = corners.map(|at| Vertex { position: at.map(|x| x as f32), ..like }).collect();
+    scene.indices = (0..scene.vertices.len() as u32).collect();
+    scene
+}
+
+/// The maps of these lights, row by row.
+fn render(scene: Scene, lights: &[(Vec3, Vec3)], tile: u32) -> Option<Vec<Vec<f64>>> {
+    let packed: Vec<[f32; 12]> = lights
+        .iter()
+        .map(|(p, n)| [p[0], p[1], p[2], 0.0, n[0], n[1], n[2], 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32))
+        .collect();
+    let (desc, bytes) = pass_test::counted(&packed);
+    let outputs = Stand::new(paraboloid_shadow_maps::PASS)
+        .with_scene(scene)
+        .set("map", tile)
+        .input("lights", "VirtualLights", &[("count", packed.len() as u32)], vec![("", desc, bytes)])
+        .run()?;
+    let atlas: Vec<f32> = outputs.read("visibility.atlas");
+    let columns = outputs.facts("visibility")["columns"].as_u32().expect("a number");
+    let texel = |light: u32, i: u32| {
+        let (x, y) = (light % columns * tile + i % tile, light / columns * tile + i / tile);
+        f64::from(atlas[(y * columns * tile + x) as usize])
+    };
+    Some((0..lights.len() as u32).map(|light| (0..tile * tile).map(|i| texel(light, i)).collect()).collect())
+}
+
+/// A hash in [-1, 1).
+fn noise(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+}
+
+fn unit(seed: &mut u64) -> Vec3 {
+    let v: Vec3 = [0; 3].map(|_| noise(seed));
+    let length = dot(v, v).sqrt().max(1e-9);
+    v.map(|x| x / length)
+}
+
+/// Triangles of all sizes around the origin, slivers and points among them.
+fn triangles(count: usize, seed: &mut u64) -> Vec<[Vec3; 3]> {
+    (0..count)
+        .map(|i| {
+            let size = [0.05, 0.5, 3.0, 300.0][i % 4];
+            let at: Vec3 = [0; 3].map(|_| 1.5 * noise(seed));
+            let mut corners = [0; 3].map(|_| [0, 1, 2].map(|k| at[k] + size * noise(seed)));
+            match i % 9 {
+                7 => {
+                    corners[2] = [0, 1, 2].map(|k| 0.5 * (corners[0][k] + corners[1][k]) + 1e-6 * noise(seed))
+                }
+                8 => corners[1] = corners[0],
+                _ => {}
+            }
+            // As single precision has them, so that rounding is not part of what is compared.
+            corners.map(|corner| corner.map(|x| f64::from(x as f32)))
+        })
+        .collect()
+}
+
+#[test]
+fn a_quad_has_the_distances_of_its_plane() {
+    let path = pass_test::root().join("scenes/plane.ron");
+    let scene = scene::load(&path.to_string_lossy(), &NoFiles).expect("the scene is there");
+    let lights = [
+        ([0.25, 0.5, -0.125], [0.0, -1.0, 0.0]),
+        ([0.0, 0.01, 0.0], [0.6, 0.0, 0.8]),
+        ([0.0, 0.5, 0.0], [0.0, 1.0, 0.0]),
+    ];
+    let tile = 64;
+    let Some(maps) = render(scene, &lights, tile) else { return };
+    for ((position, normal), map) in lights.iter().zip(&maps) {
+        let frame = frame_from_normal(*normal);
+        let mut inside = 0;
+        for (i, got) in map.iter().enumerate() {
+            let local = direction_from_paraboloid(texel_centre([i as u32 % tile, i as u32 / tile], tile));
+            let direction =
+                [0, 1, 2].map(|k| local[0] * frame[0][k] + local[1] * frame[1][k] + local[2] * frame[2][k]);
+            let distance = -position[1] / direction[1];
+            let (x, z) = (position[0] + distance * direction[0], position[2] + distance * direction[2]);
+            let hit = distance > 0.0 && x.abs().max(z.abs()) < 1.0 && local[2] > 1e-3;
+            // Within rounding of the quad's border or the horizon either answer is right.
+            if (x.abs().max(z.abs()) - 1.0).abs() < 1e-4 || (local[2] - 1e-3).abs() < 1e-4 {
+                continue;
+            }
+            let wanted = if hit { distance } else { 3.0e38 };
+            assert!((got - wanted).abs() <= 1e-5 * wanted, "texel {i} from {position:?}: {got} for {wanted}");
+            inside += u32::from(hit);
+        }
+        assert!(inside > 500 || normal[1] > 0.0, "the quad fills {inside} texels from {position:?}");
+    }
+}
+
+#[test]
+fn the_gpu_agrees_with_the_twin() {
+    let seed = &mut 7;
+    let triangles = triangles(60, seed);
+    let mut lights: Vec<(Vec3, Vec3)> = (0..6).map(|_| ([0; 3].map(|_| noise(seed)), unit(seed))).collect();
+    // In the plane of the first triangle, and on a corner of another.
+    lights.push((triangles[0][0].map(|x| x + 1e-4), unit(seed)));
+    lights.push((triangles[2][1], unit(seed)));
+    let lights: Vec<(Vec3, Vec3)> = lights
+        .into_iter()
+        .map(|(p, n)| (p.map(|x| f64::from(x as f32)), n.map(|x| f64::from(x as f32))))
+        .collect();
+    for tile in [1, 3, 32, 64] {
+        let Some(maps) = render(scene_of(&triangles), &lights, tile) else { return };
+        let mut differ = 0;
+        for ((position, normal), got) in lights.iter().zip(&maps) {
+            let wanted = map(&triangles, *position, *normal, tile, EXTENT);
+            differ += got
+                .iter()
+                .zip(&wanted)
+                .filter(|(got, wanted)| (*got - wanted.min(3.0e38)).abs() > 1e-3 * **got)
+                .count();
+        }
+        // A ray within rounding of an edge may pass on either side.
+        let texels = lights.len() * (tile * tile) as usize;
+        assert!(differ * 500 <= texels, "{differ} of {texels} texels differ in maps of {tile}²");
+    }
+}
+
+#[test]
+fn the_bounds_hold_every_texel_that_is_hit() {
+    let seed = &mut 11;
+    for triangle in triangles(400, seed) {
+        let frame = frame_from_normal(unit(seed));
+        let light: Vec3 = [0; 3].map(|_| noise(seed));
+        let local = triangle.map(|corner| into_frame(sub(corner, light), &frame));
+        if local.iter().all(|corner| corner[2] <= 0.0) {
+            continue;
+        }
+        let (low, high) = image_bounds(local, EXTENT);
+        for i in 0..48 * 48 {
+            let at = texel_centre([i % 48, i / 48], 48);
+            if hit(direction_from_paraboloid(at), local, EXTENT).is_some() {
+                let inside = (0..2).all(|k| low[k] - 1e-9 <= at[k] && at[k] <= high[k] + 1e-9);
+                assert!(inside, "{at:?} of {local:?} is outside {low:?}..{high:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_bounds_are_tight() {
+    // Small triangles: the box is that of the corners but for the bend of the arcs, a second-order term.
+    let seed = &mut 13;
+    for _ in 0..200 {
+        let middle = [noise(seed), noise(seed), 1.2];
+        let corners = [0; 3].map(|_| middle.map(|x| x + 0.02 * noise(seed)));
+        let (low, high) = image_bounds(corners, EXTENT);
+        let images = corners.map(|c| {
+            let length = dot(c, c).sqrt();
+            [c[0] / (length + c[2]), c[1] / (length + c[2])]
+        });
+        for k in 0..2 {
+            let least = images.iter().fold(f64::INFINITY, |least, image| least.min(image[k]));
+            let most = images.iter().fold(f64::NEG_INFINITY, |most, image| most.max(image[k]));
+            assert!(low[k] <= least && least - low[k] < 1e-4, "{corners:?}");
+            assert!(high[k] >= most && high[k] - most < 1e-4, "{corners:?}");
+        }
+    }
+}
+
+#[test]
+fn no_triangles_leave_nothing() {
+    let Some(maps) = render(scene_of(&[]), &[([0.0; 3], [0.0, 1.0, 0.0])], 8) else { return };
+    assert!(maps[0].iter().all(|depth| *depth >= 2.9e38), "nothing is there");
+}

@@ -1,0 +1,30 @@
+//! `cargo xtask demo`: from a fresh clone to a picture.
+
+use crate::cargo::{built, cargo, run as run_command};
+use crate::gpu::{self, Consent};
+use anyhow::{Result, bail};
+use std::path::Path;
+use std::process::Command;
+
+const PICTURE: &str = "out/cornell-box.png";
+
+/// Builds the program, sees to an adapter, and renders.
+pub fn run(root: &Path, consent: Consent) -> Result<()> {
+    println!("Building lightloom (a few minutes the first time)");
+    // `--workspace` resolves features as `cargo xtask test` does, so that neither builds the other's dependencies
+    // again. The dev profile is optimised enough, and builds in half the time of the release profile.
+    run_command(cargo(root, "build").args(["--locked", "--workspace", "--bin", "lightloom"]))?;
+    let lightloom = built("lightloom")?;
+    let adapters = gpu::ensure(&lightloom, consent)?;
+    if adapters.is_empty() {
+        bail!("there is no adapter to render with. {}", gpu::advice());
+    }
+    let picture = root.join(PICTURE);
+    if let Some(folder) = picture.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    let render = ["render", "ism-invtm", "cornell-box", "-o"];
+    run_command(Command::new(&lightloom).current_dir(root).args(render).arg(&picture))?;
+    println!("The picture: {}", picture.display());
+    Ok(())
+}

@@ -1,0 +1,209 @@
+//! Sees to it that there is an adapter to render with: a GPU's driver, or one that renders on the CPU.
+
+use anyhow::{Context, Result, bail};
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+const QUESTION: &str = "There is no adapter to render with. Install one that renders on the CPU (mesa-vulkan-drivers, by apt-get)?";
+
+/// Whether something may be installed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Consent {
+    /// Without asking: `-y`, or on a machine of continuous integration.
+    Given,
+    /// There is someone to ask.
+    Ask,
+    /// There is no one to ask.
+    Withheld,
+}
+
+impl Consent {
+    /// From `-y`, the variable `CI`, and whether there is a terminal.
+    pub fn new(yes: bool) -> Consent {
+        let ci = std::env::var("CI").is_ok_and(|ci| !ci.is_empty() && ci != "false");
+        if yes || ci {
+            Consent::Given
+        } else if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
+            Consent::Ask
+        } else {
+            Consent::Withheld
+        }
+    }
+
+    fn to(self, question: &str) -> Result<bool> {
+        if self != Consent::Ask {
+            return Ok(self == Consent::Given);
+        }
+        print!("{question} [Y/n] ");
+        std::io::stdout().flush()?;
+        let mut answer = String::new();
+        let read = std::io::stdin().read_line(&mut answer)?;
+        Ok(read > 0 && matches!(answer.trim().to_lowercase().as_str(), "" | "y" | "yes"))
+    }
+}
+
+/// The adapters, a line each, after having installed a driver where there was none and that was agreed to.
+/// Empty where there is none still.
+pub fn ensure(lightloom: &Path, consent: Consent) -> Result<Vec<String>> {
+    let found = adapters(lightloom)?;
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    if Driver::of_this_system() != Driver::Apt || !consent.to(QUESTION)? {
+        return Ok(found);
+    }
+    install()?;
+    let found = adapters(lightloom)?;
+    if found.is_empty() {
+        bail!(
+            "mesa-vulkan-drivers is installed, but there is no adapter still. Is VK_DRIVER_FILES set to another driver?"
+        );
+    }
+    Ok(found)
+}
+
+/// What to do where there is no adapter.
+pub fn advice() -> String {
+    match Driver::of_this_system() {
+        Driver::Apt => "Run this again with -y, or: apt-get install mesa-vulkan-drivers".to_owned(),
+        Driver::ByHand(what) => what.to_owned(),
+    }
+}
+
+/// Whether every adapter renders on the CPU.
+pub fn on_cpu(adapters: &[String]) -> bool {
+    let is_cpu = |line: &String| {
+        let line = line.to_lowercase();
+        ["llvmpipe", "lavapipe", "swiftshader", "cpu"].iter().any(|name| line.contains(name))
+    };
+    !adapters.is_empty() && adapters.iter().all(is_cpu)
+}
+
+/// What `lightloom adapters` lists.
+fn adapters(lightloom: &Path) -> Result<Vec<String>> {
+    let mut command = Command::new(lightloom);
+    let output = command
+        .arg("adapters")
+        .stderr(Stdio::piped())
+        .output()
+        .with_context(|| format!("cannot run {}", lightloom.display()))?;
+    match output.status.code() {
+        Some(0) => Ok(String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect()),
+        Some(1) => Ok(Vec::new()),
+        _ => bail!("{command:?} failed: {}\n{}", output.status, String::from_utf8_lossy(&output.stderr)),
+    }
+}
+
+/// How a driver that renders on the CPU gets onto a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Driver {
+    Apt,
+    ByHand(&'static str),
+}
+
+impl Driver {
+    fn of_this_system() -> Driver {
+        if cfg!(target_os = "linux") {
+            Driver::of_linux(&std::fs::read_to_string("/etc/os-release").unwrap_or_default())
+        } else {
+            Driver::ByHand("Install your GPU's driver: Lightloom needs Vulkan, Metal or Direct3D 12.")
+        }
+    }
+
+    /// By the text of /etc/os-release, whose `ID` and `ID_LIKE` name the distribution and those it derives from.
+    fn of_linux(os_release: &str) -> Driver {
+        let ids: Vec<&str> = os_release
+            .lines()
+            .filter_map(|line| line.strip_prefix("ID=").or_else(|| line.strip_prefix("ID_LIKE=")))
+            .flat_map(|value| value.trim_matches(['"', '\'']).split_whitespace())
+            .collect();
+        let is = |names: &[&str]| ids.iter().any(|id| names.contains(id));
+        if is(&["debian", "ubuntu"]) {
+            Driver::Apt
+        } else if is(&["fedora", "rhel"]) {
+            Driver::ByHand("Install Mesa's driver: dnf install mesa-vulkan-drivers vulkan-loader")
+        } else if is(&["arch"]) {
+            Driver::ByHand("Install Mesa's driver: pacman -S vulkan-swrast vulkan-icd-loader")
+        } else if is(&["suse", "opensuse"]) {
+            Driver::ByHand("Install Mesa's driver: zypper install libvulkan_lvp libvulkan1")
+        } else if is(&["alpine"]) {
+            Driver::ByHand("Install Mesa's driver: apk add mesa-vulkan-swrast vulkan-loader")
+        } else {
+            Driver::ByHand(
+                "Install a Vulkan loader and your GPU's driver, or Mesa's lavapipe, which renders on the CPU.",
+            )
+        }
+    }
+}
+
+fn install() -> Result<()> {
+    // A source that cannot be reached need not be the one that has the package.
+    if let Err(error) = apt_get(&["update"]) {
+        eprintln!("warning: {error:#}");
+    }
+    apt_get(&["install", "--yes", "--no-install-recommends", "mesa-vulkan-drivers"])
+}
+
+fn apt_get(args: &[&str]) -> Result<()> {
+    let id = Command::new("id").arg("-u").output().context("cannot run `id`")?;
+    let mut command = if id.stdout.trim_ascii() == b"0" { Command::new("env") } else { Command::new("sudo") };
+    command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get"]).args(args);
+    println!("{command:?}");
+    crate::cargo::run(&mut command)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn systems_are_known_by_what_they_derive_from() {
+        assert_eq!(Driver::of_linux("NAME=\"Debian GNU/Linux\"\nID=debian\n"), Driver::Apt);
+        assert_eq!(Driver::of_linux("ID=linuxmint\nID_LIKE=\"ubuntu debian\"\n"), Driver::Apt);
+        let command = |os_release| match Driver::of_linux(os_release) {
+            Driver::ByHand(what) => what.split_whitespace().nth(3).unwrap(),
+            Driver::Apt => "apt-get",
+        };
+        assert_eq!(command("ID=\"rocky\"\nID_LIKE=\"rhel centos fedora\"\n"), "dnf");
+        assert_eq!(command("ID=arch\n"), "pacman");
+        assert_eq!(command("ID=\"opensuse-leap\"\nID_LIKE=\"suse opensuse\"\n"), "zypper");
+        assert_eq!(command("ID=alpine\n"), "apk");
+        assert!(matches!(Driver::of_linux(""), Driver::ByHand(_)));
+    }
+
+    #[test]
+    fn one_gpu_is_enough_to_count_as_one() {
+        let lines = |lines: &[&str]| lines.iter().map(|line| (*line).to_owned()).collect::<Vec<_>>();
+        assert!(on_cpu(&lines(&["llvmpipe (LLVM 15.0.6, 256 bits), Vulkan"])));
+        assert!(!on_cpu(&lines(&[
+            "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan",
+            "NVIDIA GeForce RTX 4090, Vulkan"
+        ])));
+        assert!(!on_cpu(&[]));
+    }
+
+    #[test]
+    fn only_given_consent_installs_unasked() {
+        assert!(Consent::Given.to("?").unwrap());
+        assert!(!Consent::Withheld.to("?").unwrap());
+        assert_eq!(Consent::new(true), Consent::Given);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn the_exit_code_says_whether_there_is_an_adapter() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let listed = |script: &str| {
+            let path = folder.path().join(script.len().to_string());
+            std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+            adapters(&path)
+        };
+        assert_eq!(listed("echo one; echo two").unwrap(), ["one", "two"]);
+        assert!(listed("echo none >&2; exit 1").unwrap().is_empty());
+        let error = listed("echo 'no such command' >&2; exit 2").unwrap_err();
+        assert!(error.to_string().contains("no such command"), "{error}");
+    }
+}

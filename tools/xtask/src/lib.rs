@@ -1,0 +1,10 @@
+//! Chores of the tree, each a command of `cargo xtask`.
+
+pub mod bless;
+pub mod cargo;
+pub mod demo;
+pub mod gpu;
+pub mod new_pass;
+pub mod test;
+pub mod tidy;
+pub mod tree;

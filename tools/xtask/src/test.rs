@@ -1,0 +1,107 @@
+//! `cargo xtask test`: all tests, with a summary.
+
+use crate::cargo::{built, cargo, run as run_command};
+use crate::gpu::{self, Consent};
+use anyhow::{Context, Result, bail};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::Stdio;
+use std::time::Instant;
+
+/// Tests that run at once on a renderer on the CPU, where each of them takes all cores already.
+const THREADS_ON_CPU: &str = "2";
+
+/// Builds everything once, sees to an adapter, and runs all tests.
+pub fn run(root: &Path, consent: Consent) -> Result<()> {
+    let start = Instant::now();
+    println!("Building Lightloom and its tests (some minutes the first time)");
+    // What `cargo test` builds, and the program: one build, for which features are resolved once.
+    run_command(cargo(root, "build").args(["--locked", "--workspace", "--bins", "--tests"]))?;
+    let adapters = gpu::ensure(&built("lightloom")?, consent)?;
+
+    let mut command = cargo(root, "test");
+    command.args(["--locked", "--workspace", "--no-fail-fast"]).stdout(Stdio::piped());
+    if gpu::on_cpu(&adapters) && std::env::var_os("RUST_TEST_THREADS").is_none() {
+        command.env("RUST_TEST_THREADS", THREADS_ON_CPU);
+    }
+    let mut child = command.spawn().with_context(|| format!("cannot run {command:?}"))?;
+    let mut summary = Summary::default();
+    for line in BufReader::new(child.stdout.take().context("the output of the tests")?).lines() {
+        let line = line?;
+        println!("{line}");
+        summary.read(&line);
+    }
+    let status = child.wait()?;
+
+    println!("\n{summary}, in {} s", start.elapsed().as_secs());
+    if adapters.is_empty() {
+        println!("There is no adapter: tests that need one did nothing and passed. {}", gpu::advice());
+    } else {
+        println!("On {}", adapters.join("; "));
+    }
+    if !status.success() {
+        bail!("not all tests pass");
+    }
+    Ok(())
+}
+
+/// What the tests said.
+#[derive(Debug, Default)]
+struct Summary {
+    passed: u32,
+    ignored: u32,
+    failed: Vec<String>,
+}
+
+impl Summary {
+    /// One line of libtest's output.
+    fn read(&mut self, line: &str) {
+        if let Some(counts) = line.strip_prefix("test result: ") {
+            let count = |what: &str| {
+                let words: Vec<&str> = counts.split([' ', ';']).collect();
+                words
+                    .windows(2)
+                    .find(|pair| pair[1] == what)
+                    .and_then(|pair| pair[0].parse().ok())
+                    .unwrap_or(0)
+            };
+            self.passed += count("passed");
+            self.ignored += count("ignored");
+        } else if let Some(name) =
+            line.strip_prefix("test ").and_then(|line| line.strip_suffix(" ... FAILED"))
+        {
+            self.failed.push(name.to_owned());
+        }
+    }
+}
+
+impl std::fmt::Display for Summary {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for name in &self.failed {
+            writeln!(f, "failed: {name}")?;
+        }
+        write!(f, "{} passed, {} failed, {} ignored", self.passed, self.failed.len(), self.ignored)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_summary_adds_up_over_binaries() {
+        let mut summary = Summary::default();
+        let output = "running 3 tests
+test a ... ok
+test b::c ... FAILED
+test d ... ignored
+
+failures:
+    b::c
+
+test result: FAILED. 1 passed; 1 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.00s
+test result: ok. 12 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.20s";
+        output.lines().for_each(|line| summary.read(line));
+        assert_eq!(summary.to_string(), "failed: b::c\n13 passed, 1 failed, 1 ignored");
+    }
+}

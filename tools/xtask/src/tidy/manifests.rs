@@ -1,0 +1,100 @@
+//! Rules on packages.
+
+use super::Finding;
+use crate::tree::{Manifest, Tree};
+use std::collections::BTreeSet;
+
+const CATALOG: &str = "crates/catalog/Cargo.toml";
+
+/// Packages that are used where there is no GPU; passes are too.
+const WITHOUT_GPU: &[&str] = &["frame-graph", "scene", "shader-library", "pass"];
+
+pub(super) fn catalog(tree: &Tree) -> Vec<Finding> {
+    let Some(catalog) = tree.manifests().iter().find(|manifest| manifest.path == CATALOG) else {
+        return vec![Finding::new(CATALOG, 1, "there is no catalog")];
+    };
+    let passes = tree.passes();
+    let listed: Vec<_> = catalog
+        .dependencies()
+        .into_iter()
+        .filter_map(|dependency| Some((dependency.path?.strip_prefix("../../passes/")?, dependency.line)))
+        .collect();
+    let missing = passes.iter().filter(|pass| !listed.iter().any(|(name, _)| name == *pass)).map(|pass| {
+        let line = format!("add under [dependencies]: {pass} = {{ path = \"../../passes/{pass}\" }}");
+        Finding::new(CATALOG, 1, format!("passes/{pass} is not in the catalog; {line}"))
+    });
+    let gone = listed.iter().filter(|(name, _)| !passes.contains(name));
+    let gone =
+        gone.map(|(name, line)| Finding::new(CATALOG, *line, format!("there is no folder passes/{name}")));
+    missing.chain(gone).collect()
+}
+
+pub(super) fn names(tree: &Tree) -> Vec<Finding> {
+    packages(tree)
+        .filter_map(|(name, manifest)| {
+            let (group, folder) = manifest.folder().split_once('/')?;
+            let wrong = ["crates", "passes", "tools"].contains(&group) && folder != name;
+            wrong.then(|| {
+                Finding::new(&manifest.path, 1, format!("package `{name}` lies in the folder `{folder}`"))
+            })
+        })
+        .collect()
+}
+
+pub(super) fn lints(tree: &Tree) -> Vec<Finding> {
+    packages(tree)
+        .filter(|(_, manifest)| !manifest.inherits_lints())
+        .map(|(_, manifest)| Finding::new(&manifest.path, 1, "add: [lints] workspace = true"))
+        .collect()
+}
+
+pub(super) fn no_gpu(tree: &Tree) -> Vec<Finding> {
+    let is_pass = |manifest: &Manifest| manifest.folder().starts_with("passes/");
+    packages(tree)
+        .filter(|(name, manifest)| WITHOUT_GPU.contains(name) || is_pass(manifest))
+        .filter_map(|(name, manifest)| {
+            let (way, line) = way_to_wgpu(tree, manifest, &mut BTreeSet::new())?;
+            Some(Finding::new(
+                &manifest.path,
+                line,
+                format!("it must work without a GPU: {name} → {}", way.join(" → ")),
+            ))
+        })
+        .collect()
+}
+
+/// The packages from a package's dependency to wgpu, tests apart, and the line of that dependency.
+fn way_to_wgpu<'a>(
+    tree: &'a Tree,
+    from: &'a Manifest,
+    seen: &mut BTreeSet<&'a str>,
+) -> Option<(Vec<&'a str>, usize)> {
+    from.dependencies().into_iter().filter(|dependency| !dependency.dev).find_map(|dependency| {
+        if dependency.package == "wgpu" {
+            return Some((vec!["wgpu"], dependency.line));
+        }
+        let next = tree.package(dependency.package).filter(|_| seen.insert(dependency.package))?;
+        let (mut way, _) = way_to_wgpu(tree, next, seen)?;
+        way.insert(0, dependency.package);
+        Some((way, dependency.line))
+    })
+}
+
+pub(super) fn alone(tree: &Tree) -> Vec<Finding> {
+    let passes = tree.passes();
+    let mut findings = Vec::new();
+    for (name, manifest) in packages(tree).filter(|(_, manifest)| manifest.folder().starts_with("passes/")) {
+        for dependency in manifest.dependencies() {
+            if passes.contains(&dependency.package) && dependency.package != name {
+                let message =
+                    format!("no pass knows another, but this one depends on `{}`", dependency.package);
+                findings.push(Finding::new(&manifest.path, dependency.line, message));
+            }
+        }
+    }
+    findings
+}
+
+fn packages(tree: &Tree) -> impl Iterator<Item = (&str, &Manifest)> {
+    tree.manifests().iter().filter_map(|manifest| Some((manifest.package()?, manifest)))
+}
