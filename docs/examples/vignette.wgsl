@@ -1,3 +1,5 @@
+// The picture, darker towards the corners.
+
 struct Settings {
     /// How much darker the corners are. [default: 0.5, min: 0.0, max: 1.0]
     strength: f32,

@@ -2,24 +2,31 @@
 
 #import "paraboloid.wgsl"
 
-/// Pull: the mean of those of four texels that are close to the nearest of them; NOTHING where all are holes.
+/// Pull: the mean of those of four texels that are no holes, where they are close to each other; else NOTHING.
 fn pulled(values: vec4<f32>, threshold: f32) -> f32 {
+    let valid = values < vec4(NOTHING);
+    let kept = select(vec4(0.0), values, valid);
     let nearest = min(min(values.x, values.y), min(values.z, values.w));
-    let close = values - nearest <= vec4(threshold);
-    let sum = dot(select(vec4(0.0), values, close), vec4(1.0));
-    return select(sum / dot(select(vec4(0.0), vec4(1.0), close), vec4(1.0)), NOTHING, nearest >= NOTHING);
+    let farthest = max(max(kept.x, kept.y), max(kept.z, kept.w));
+    let mean = dot(kept, vec4(1.0)) / dot(select(vec4(0.0), vec4(1.0), valid), vec4(1.0));
+    return select(NOTHING, mean, any(valid) && farthest - nearest <= threshold);
 }
 
-/// Push: a hole, and a value far from what the coarser level says there, give way to it. It is interpolated
-/// bilinearly between those of the four nearest coarse texels that are close to the parent, which is the first,
-/// or where that is a hole, to the nearest of the others.
+/// Push: a hole, and a value far from what the coarser level says there, give way to it. That is interpolated
+/// bilinearly between those of the four nearest coarse texels that are close to the parent, which is the first. Where
+/// the parent is a hole, between the others, if they are close to each other.
 fn pushed(own: f32, coarse: vec4<f32>, threshold: f32) -> f32 {
-    let others = min(min(coarse.y, coarse.z), coarse.w);
-    let reference = select(coarse.x, others, coarse.x >= NOTHING);
-    let close = abs(coarse - reference) <= vec4(2.0 * threshold);
+    // The values to combine are of the coarser level, and so is the threshold.
+    let apart = 2.0 * threshold;
+    let kept = select(vec4(0.0), coarse, coarse < vec4(NOTHING));
+    let nearest = min(min(coarse.y, coarse.z), coarse.w);
+    let farthest = max(max(kept.y, kept.z), kept.w);
+    let others = select(NOTHING, nearest, farthest - nearest <= apart);
+    let reference = select(others, coarse.x, coarse.x < NOTHING);
+    let close = abs(coarse - reference) <= vec4(apart);
     let weights = select(vec4(0.0), vec4(9.0, 3.0, 3.0, 1.0), close);
-    let value = dot(weights, select(vec4(0.0), coarse, close)) / dot(weights, vec4(1.0));
-    return select(own, value, abs(own - value) > threshold && reference < NOTHING);
+    let value = dot(weights, kept) / dot(weights, vec4(1.0));
+    return select(own, value, reference < NOTHING && abs(own - value) > threshold);
 }
 
 /// The parent of a texel, and its neighbour towards the texel's own side: in x for x, in y for y. Before the

@@ -23,12 +23,12 @@ pub fn texture_format(format: Format) -> TextureFormat {
 }
 
 /// The storage format of the name that WGSL gives it; `None` for one that the frame graph does not know.
-pub fn storage_format(wgsl: &str) -> Option<TextureFormat> {
+pub(crate) fn storage_format(wgsl: &str) -> Option<TextureFormat> {
     Format::from_name(wgsl).map(texture_format)
 }
 
 /// How a layout declares a texture that a shader samples.
-pub fn sample_type(kind: frame_graph::resource::SampleKind, filterable: bool) -> TextureSampleType {
+pub(crate) fn sample_type(kind: frame_graph::resource::SampleKind, filterable: bool) -> TextureSampleType {
     match kind {
         frame_graph::resource::SampleKind::Float => TextureSampleType::Float { filterable },
         frame_graph::resource::SampleKind::Uint => TextureSampleType::Uint,

@@ -19,5 +19,7 @@ pub use gpu::Gpu;
 pub use object::{Object, ObjectUsage};
 pub use run::{Executor, External, FrameOptions, FrameReport, LoadReport};
 
+/// Waits for a future of wgpu's, which are done when they are made on native systems.
+pub use pollster::block_on;
 /// wgpu, so that host programs name its types in the version of this crate.
 pub use wgpu;

@@ -67,7 +67,7 @@ impl Pass for Gather {
             ),
             setting::f32(
                 "visibility_bias",
-                1.5,
+                2.0,
                 "Slack of the depth test of maps, in widths of a texel along the receiver's plane. Surfaces shadow \
                  themselves less and light leaks more with it.",
             )

@@ -79,8 +79,9 @@ impl Pass for PullPush {
             setting::f32(
                 "pull_threshold",
                 0.05,
-                "Distances are averaged that differ from the nearest by less than this fraction of the scene's \
-                 extent, doubled with each level. More is smoother and mixes surfaces.",
+                "Distances are averaged where they differ by less than this fraction of the scene's extent, doubled \
+                 with each level; else the coarser texel is a hole. More closes holes at silhouettes and mixes \
+                 surfaces.",
             )
             .at_least(0.0),
             setting::f32(

@@ -25,34 +25,44 @@ impl Level {
     }
 }
 
-/// The mean of those of four that are within `threshold` of the nearest.
+/// Least and greatest of the values that are no holes; `None` where all are.
+fn span(values: &[f64]) -> Option<(f64, f64)> {
+    let valid = values.iter().filter(|value| value.is_finite());
+    valid.fold(None, |span: Option<(f64, f64)>, value| {
+        let (least, greatest) = span.unwrap_or((*value, *value));
+        Some((least.min(*value), greatest.max(*value)))
+    })
+}
+
+/// The mean of those of four that are no holes, where they are within `threshold` of each other; else a hole.
 pub fn pulled(values: [f64; 4], threshold: f64) -> f64 {
-    let nearest = values.into_iter().fold(f64::INFINITY, f64::min);
-    if nearest == f64::INFINITY {
-        return nearest;
+    match span(&values) {
+        Some((nearest, farthest)) if farthest - nearest <= threshold => {
+            let valid: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+            valid.iter().sum::<f64>() / valid.len() as f64
+        }
+        _ => f64::INFINITY,
     }
-    let close: Vec<f64> = values.into_iter().filter(|value| value - nearest <= threshold).collect();
-    close.iter().sum::<f64>() / close.len() as f64
 }
 
 /// The value of a texel, given the pushed level above it.
 pub fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f64 {
-    let parent = (x / 2, y / 2);
     let side = (x % 2 * 2 - 1, y % 2 * 2 - 1);
-    let values = [(0, 0, 9.0), (1, 0, 3.0), (0, 1, 3.0), (1, 1, 1.0)]
-        .map(|(i, j, weight)| (coarse.at(parent.0 + i * side.0, parent.1 + j * side.1), weight));
-    let mut reference = values[0].0;
-    if reference == f64::INFINITY {
-        reference = values[1..].iter().fold(f64::INFINITY, |nearest, (value, _)| nearest.min(*value));
-    }
-    if reference == f64::INFINITY {
-        return own;
-    }
-    let close = values.iter().filter(|(value, _)| (value - reference).abs() <= 2.0 * threshold);
+    let values =
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| coarse.at(x / 2 + i * side.0, y / 2 + j * side.1));
+    let reference = match (values[0], span(&values[1..])) {
+        (parent, _) if parent.is_finite() => parent,
+        (_, Some((nearest, farthest))) if farthest - nearest <= 2.0 * threshold => nearest,
+        _ => return own,
+    };
+    let close = values
+        .iter()
+        .zip([9.0, 3.0, 3.0, 1.0])
+        .filter(|(value, _)| (*value - reference).abs() <= 2.0 * threshold);
     let (sum, weights) =
         close.fold((0.0, 0.0), |(sum, weights), (value, weight)| (sum + value * weight, weights + weight));
-    let pushed = sum / weights;
-    if (own - pushed).abs() > threshold { pushed } else { own }
+    let value = sum / weights;
+    if (own - value).abs() > threshold { value } else { own }
 }
 
 /// A map filled: thresholds in metres at level 0.

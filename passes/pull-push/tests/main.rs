@@ -94,8 +94,9 @@ fn both_sides_of_a_silhouette_keep_their_depth() {
 }
 
 #[test]
-fn only_values_close_to_the_nearest_are_averaged() {
-    assert_eq!(pulled([1.0, 1.2, HOLE, 9.0], 0.5), 1.1);
+fn only_values_close_to_each_other_are_averaged() {
+    assert_eq!(pulled([1.0, 1.5, HOLE, 1.25], 0.5), 1.25);
+    assert_eq!(pulled([1.0, 1.2, HOLE, 9.0], 0.5), HOLE);
     assert_eq!(pulled([HOLE; 4], 0.5), HOLE);
     assert_eq!(pulled([4.0, HOLE, HOLE, HOLE], 0.0), 4.0);
 }

@@ -50,7 +50,19 @@ enum Command {
     Adapters(command::lists::Args),
 }
 
+/// Mesa's layer that chooses a device asks the desktop, and complains on stderr where there is none.
+fn quieten_mesa() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        #[expect(unsafe_code, reason = "no other thread runs yet that could read the environment")]
+        // SAFETY: the first statement of `main`.
+        unsafe {
+            std::env::set_var("NODEVICE_SELECT", "1");
+        }
+    }
+}
+
 fn main() -> ExitCode {
+    quieten_mesa();
     tracing_subscriber::fmt()
         .with_env_filter(tracing_subscriber::EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into()))
         .with_writer(std::io::stderr)

@@ -296,3 +296,41 @@ fn drawings_hold_every_pass() {
         insta::assert_snapshot!("plan-as-text", text);
     });
 }
+
+#[test]
+fn the_name_of_a_plan_changes_with_all_that_matters() {
+    let base = plan("");
+    let ids: Vec<_> = [
+        r#"patch: [ Set("filter.radius", 2) ]"#,
+        r#"patch: [ Set("lights.mode", "importance") ]"#,
+        r#"parameters: { "map": U32(default: 32) }"#,
+        r#"patch: [ Replace("filter", Pass(kind: "blur", in: { "irradiance": "gather", "view": Prev(port: "view") })) ]"#,
+        r#"patch: [ Replace("filter", Pass(kind: "mix", in: { "a": "gather", "b": "gather" })) ]"#,
+        r#"patch: [ Remove("shadows") ]"#,
+        r#"outputs: { "more": "gather" }"#,
+        r#"patch: [ Replace("steady", Pass(kind: "accumulate", in: { "history": Prev(port: "steady", init: Color(1, 1, 1, 1), reset: [Cut]) })) ]"#,
+        r#"patch: [ Replace("steady", Pass(kind: "accumulate", in: { "history": Prev(port: "steady", reset: [Cut, Scene]) })) ]"#,
+    ]
+    .map(plan)
+    .iter()
+    .map(|plan| plan.id)
+    .collect();
+    let different: std::collections::HashSet<_> = ids.iter().chain([&base.id]).collect();
+    assert_eq!(different.len(), ids.len() + 1);
+    // What is never run does not matter, nor what is only said of the pipeline.
+    assert_eq!(plan(r#"patch: [ Remove("unused") ], about: "other""#).id, base.id);
+    // The size of the frame does.
+    let context = LinkContext { frame: (321, 200), traits: traits() };
+    let graph = link(&resolved("", &[]), &TestKinds::new(), &context).unwrap();
+    assert_ne!(compile(&graph, &CompileOptions::default()).unwrap().id, base.id);
+}
+
+#[test]
+fn a_plan_that_follows_another_tells_why() {
+    let plan = plan("");
+    let mut state = frame_graph::FrameState::after(&plan, frame_graph::ResetCause::Resize);
+    let schedule = state.begin(&plan, &frame_graph::Change::default());
+    assert_eq!(schedule.histories[0].reset, Some(frame_graph::ResetCause::Resize));
+    assert!(schedule.runs.iter().all(|run| *run));
+    assert_eq!(state.age(frame_graph::plan::HistoryId(0)), 0);
+}

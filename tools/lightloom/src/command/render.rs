@@ -168,7 +168,7 @@ fn report(context: &Context, args: &Args, renderer: &Renderer, written: &[PathBu
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
         println!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
     }
-    for path in written.last() {
+    if let Some(path) = written.last() {
         let shown = path.canonicalize().unwrap_or_else(|_| path.clone());
         match written.len() {
             1 => println!("{}", shown.display()),

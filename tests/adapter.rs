@@ -1,0 +1,56 @@
+//! What the tests share: one device a process, and renderers on small frames.
+
+use frame_graph::Overrides;
+use metrics::Image;
+use renderer::{Assets, Catalog, Gpu, Renderer, parse_value};
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+
+/// The root of the tree.
+pub(crate) fn root() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+}
+
+/// The device of the process; `None`, said on stderr, where there is no adapter.
+pub(crate) fn gpu() -> Option<Gpu> {
+    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::open().inspect_err(|error| eprintln!("skipped: {error}")).ok()).clone()
+}
+
+/// `name=value` pairs.
+pub(crate) fn set(values: &[&str]) -> Overrides {
+    let pair = |text: &&str| text.split_once('=').map(|(name, value)| (name.to_owned(), parse_value(value)));
+    Overrides(values.iter().filter_map(pair).collect())
+}
+
+/// A renderer on the files of a folder.
+pub(crate) fn renderer_in(root: PathBuf, pipeline: &str, scene: &str, size: (u32, u32), values: &[&str]) -> Option<Renderer> {
+    let gpu = gpu()?;
+    let catalog = Arc::new(Catalog::new(Assets::new(Some(root))));
+    let scene = renderer::load_scene(&catalog, scene).unwrap_or_else(|error| panic!("{error}"));
+    let mut renderer = Renderer::new(gpu, catalog, scene, size).unwrap_or_else(|error| panic!("{error}"));
+    renderer.set_pipeline(pipeline, &set(values)).unwrap_or_else(|error| panic!("{error}"));
+    Some(renderer)
+}
+
+/// A renderer on the files of the tree.
+pub(crate) fn renderer(pipeline: &str, scene: &str, size: (u32, u32), values: &[&str]) -> Option<Renderer> {
+    renderer_in(root(), pipeline, scene, size, values)
+}
+
+/// Settings that make imperfect shadow maps cheap.
+pub(crate) const SMALL: &[&str] = &["lights=64", "map=32", "rsm.size=64", "shadows.points=16384"];
+
+/// The bits of a picture.
+pub(crate) fn bits(image: &Image) -> Vec<[u32; 4]> {
+    image.pixels().iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// The mean of the red, green and blue of a picture.
+pub(crate) fn mean(image: &Image) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for pixel in image.pixels() {
+        (0..3).for_each(|c| sum[c] += f64::from(pixel[c]));
+    }
+    sum.map(|s| s / image.pixels().len() as f64)
+}

@@ -1,0 +1,163 @@
+//! The command line as a user types it.
+
+use crate::adapter::{gpu, root};
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn lightloom(arguments: &[&str]) -> Output {
+    run_in(&root(), arguments)
+}
+
+fn run_in(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lightloom")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+const QUICK: &[&str] = &["--size", "24x16", "--set", "lights=32", "--set", "rsm.size=32", "--set", "shadows.points=4096"];
+
+fn render(folder: &Path, pipeline: &str, file: &str, more: &[&str]) -> Output {
+    run_in(folder, &[&["render", pipeline, "cornell-box", "-o", file], QUICK, more].concat())
+}
+
+#[test]
+fn renders_in_any_folder_and_says_where() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["box.png", "deep/box.exr", "box.pfm"] {
+        let done = render(folder.path(), "ism-invtm", file, &[]);
+        assert!(done.status.success(), "{}", err(&done));
+        let said = out(&done);
+        let path = Path::new(said.lines().last().unwrap());
+        assert!(path.is_absolute() && path.is_file(), "{said}");
+    }
+    let image = metrics::Image::read(&folder.path().join("deep/box.exr")).unwrap();
+    assert_eq!((image.width(), image.height()), (24, 16));
+    assert!(image.pixels().iter().any(|pixel| pixel[0] > 0.0));
+}
+
+#[test]
+fn a_picture_can_be_made_again_from_itself() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let done = render(folder.path(), "ism", "a.exr", &["--seed", "7", "--output", "indirect", "--frames", "2"]);
+    assert!(done.status.success(), "{}", err(&done));
+    let again = run_in(folder.path(), &["rerun", "a.exr", "-o", "b.exr"]);
+    assert!(out(&again).contains("the same, bit for bit"), "{}{}", out(&again), err(&again));
+    let compared = run_in(folder.path(), &["compare", "a.exr", "b.exr", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&out(&compared)).unwrap();
+    assert_eq!(json["rmse"], 0.0, "{json}");
+    std::fs::write(folder.path().join("c.png"), b"no picture").unwrap();
+    assert_eq!(run_in(folder.path(), &["rerun", "c.png"]).status.code(), Some(1));
+}
+
+#[test]
+fn sequences_are_numbered() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let done = render(folder.path(), "ism", "walk/###.png", &["--frames", "3", "--first-frame", "9"]);
+    assert!(done.status.success(), "{}", err(&done));
+    for name in ["009.png", "010.png", "011.png"] {
+        assert!(folder.path().join("walk").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn times_memory_and_clamped_energy_are_told_to_programs() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let done = render(folder.path(), "ism-invtm", "t.exr", &["--time", "--frames", "2", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&out(&done)).unwrap_or_else(|_| panic!("{}{}", out(&done), err(&done)));
+    assert!(json["passes"].as_array().unwrap().len() > 8, "{json}");
+    assert!(json["clamped_energy"].as_f64().unwrap() >= 0.0);
+    assert!(json["memory"]["shared"].as_u64().unwrap() <= json["memory"]["unshared"].as_u64().unwrap());
+}
+
+/// What is wrong, the nearest name, exit code 1; wrong use, exit code 2.
+#[test]
+fn mistakes_are_told() {
+    let cases: [(&[&str], i32, &str); 9] = [
+        (&["render", "ism-invmt", "cornell-box", "-o", "x.png"], 1, "ism-invtm"),
+        (&["render", "ism", "cornel-box", "-o", "x.png"], 1, "cornell-box"),
+        (&["render", "ism", "cornell-box", "-o", "x.jpg"], 1, ".png"),
+        (&["render", "ism", "cornell-box", "-o", "x.png", "--set", "light=3"], 1, "lights"),
+        (&["render", "ism", "cornell-box", "-o", "x.png", "--set", "gather.clamp=many"], 1, "gather.clamp"),
+        (&["render", "ism", "cornell-box", "-o", "x.png", "--size", "0x4"], 2, "WIDTHxHEIGHT"),
+        (&["rendr"], 2, "render"),
+        (&["passes", "gathr"], 1, "gather"),
+        (&["compare", "nowhere.exr", "nowhere.exr"], 1, "nowhere.exr"),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let needs_gpu = |arguments: &[&str]| arguments[0] == "render";
+    for (arguments, code, word) in cases.iter().filter(|(arguments, ..)| !needs_gpu(arguments) || gpu().is_some()) {
+        let done = run_in(folder.path(), arguments);
+        assert_eq!(done.status.code(), Some(*code), "{arguments:?}: {}", err(&done));
+        assert!(err(&done).contains(word), "{arguments:?}: {}", err(&done));
+        assert!(!err(&done).contains("panicked"), "{arguments:?}: {}", err(&done));
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing was left behind");
+}
+
+#[test]
+fn everything_built_in_is_proved_without_a_gpu() {
+    let done = Command::new(env!("CARGO_BIN_EXE_lightloom")).arg("check").env("VK_DRIVER_FILES", "/nonexistent").current_dir(root()).output().unwrap();
+    assert!(done.status.success(), "{}{}", out(&done), err(&done));
+    assert!(out(&done).contains("ism-invtm"));
+}
+
+/// The example of the guide: 25 lines at most, and a different picture.
+#[test]
+fn the_guides_effect_is_short_and_works() {
+    let lines: usize = ["docs/examples/vignette.ron", "docs/examples/vignette.wgsl"].iter().map(|path| std::fs::read_to_string(root().join(path)).unwrap().lines().filter(|line| !line.trim().is_empty()).count()).sum();
+    assert!(lines <= 25, "{lines} lines");
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    for (pipeline, name) in [("docs/examples/vignette.ron", "effect.png"), ("ism-invtm", "plain.png")] {
+        let done = lightloom(&[&["render", pipeline, "cornell-box", "-o", &file(name), "--output", "display"], QUICK].concat());
+        assert!(done.status.success(), "{}", err(&done));
+    }
+    let corner = |name: &str| metrics::Image::read(&folder.path().join(name)).unwrap().pixels()[0][0];
+    assert!(corner("effect.png") <= corner("plain.png"));
+    let compared = lightloom(&["compare", &file("effect.png"), &file("plain.png"), "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&out(&compared)).unwrap();
+    assert!(json["rmse"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn graphs_lists_and_differences_are_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    for (extension, begin) in [("svg", "<svg"), ("dot", "digraph"), ("json", "{"), ("txt", "plan")] {
+        let path = folder.path().join(format!("graph.{extension}"));
+        let done = lightloom(&["graph", "ism-invtm", "-o", &path.to_string_lossy()]);
+        assert!(done.status.success(), "{}", err(&done));
+        assert!(std::fs::read_to_string(&path).unwrap().trim_start().starts_with(begin), "{extension}");
+    }
+    assert!(out(&lightloom(&["diff", "ism", "ism-invtm"])).contains("importance"));
+    assert!(out(&lightloom(&["diff", "ism", "ism"])).contains("no difference"));
+    assert!(out(&lightloom(&["resolve", "ism-invtm"])).contains("pipelines/ism.ron:"));
+    for (command, word) in [("pipelines", "ism-invtm"), ("scenes", "cornell-box"), ("passes", "gather")] {
+        assert!(out(&lightloom(&[command])).contains(word));
+        let json: serde_json::Value = serde_json::from_str(&out(&lightloom(&[command, "--json"]))).unwrap();
+        assert!(!json.as_array().unwrap().is_empty());
+    }
+    for kind in ["gather", "splat", "fullscreen"] {
+        assert!(lightloom(&["passes", kind]).status.success());
+    }
+}

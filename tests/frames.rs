@@ -1,0 +1,112 @@
+//! What frames run, and that pictures do not depend on how memory is used.
+
+use crate::adapter::{SMALL, bits, renderer};
+use frame_graph::CompileOptions;
+use glam::Vec3;
+use renderer::FrameOptions;
+use scene::Camera;
+
+/// Sharing on, sharing off, and every object filled with NaN before it is written: the same bits.
+#[test]
+fn pictures_are_identical_with_sharing_on_off_and_poisoned() {
+    for (pipeline, scene) in [("ism-invtm", "cornell-box"), ("ism", "cornell-box-lights"), ("ism-uniform", "cornell-box-lamp")] {
+        let Some(mut renderer) = renderer(pipeline, scene, (45, 31), SMALL) else { return };
+        let mut pictures = Vec::new();
+        for (sharing, poison) in [(true, false), (false, false), (true, true), (false, true)] {
+            renderer.set_compile_options(CompileOptions { sharing, ..CompileOptions::default() }).unwrap();
+            renderer.set_frame_options(FrameOptions { timed: false, poison });
+            renderer.run_everything();
+            renderer.frame().unwrap();
+            let outputs = ["image", "indirect", "direct", "irradiance"];
+            pictures.push(outputs.map(|output| bits(&renderer.output(output).unwrap())));
+        }
+        assert!(pictures[0][0].iter().any(|pixel| pixel[0] != 0), "{pipeline} renders something of {scene}");
+        for other in &pictures[1..] {
+            assert!(pictures[0] == *other, "{pipeline} on {scene} depends on how memory is used");
+        }
+        let memory = renderer.plan().unwrap().memory;
+        assert!(memory.bound <= memory.shared && memory.shared <= memory.unshared);
+    }
+}
+
+/// A still scene costs nothing after the first frame; a camera that moves costs what depends on it.
+#[test]
+fn only_what_changed_runs() {
+    let Some(mut renderer) = renderer("ism-invtm", "cornell-box", (32, 32), SMALL) else { return };
+    let names: Vec<String> = renderer.plan().unwrap().passes.iter().map(|pass| pass.name.to_string()).collect();
+    let ran = |report: renderer::FrameReport| -> Vec<String> {
+        names.iter().zip(report.ran).filter(|(_, ran)| *ran).map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(ran(renderer.frame().unwrap()), names, "the first frame runs everything");
+    assert_eq!(ran(renderer.frame().unwrap()), Vec::<String>::new(), "nothing has changed");
+    let still = bits(&renderer.output("image").unwrap());
+    let camera = renderer.scene().camera;
+    let moved = Camera { position: camera.position + Vec3::splat(0.05), ..camera };
+    renderer.set_camera(Some(moved), false);
+    let after_move = ran(renderer.frame().unwrap());
+    for name in ["rsm", "shadows/points"] {
+        assert!(!after_move.iter().any(|ran| ran == name), "{name} does not depend on the camera: {after_move:?}");
+    }
+    for name in ["view", "importance", "gather", "image"] {
+        assert!(after_move.iter().any(|ran| ran == name), "{name} depends on the camera: {after_move:?}");
+    }
+    assert!(bits(&renderer.output("image").unwrap()) != still, "the picture follows the camera");
+    renderer.set_camera(None, false);
+    renderer.frame().unwrap();
+    assert!(bits(&renderer.output("image").unwrap()) == still, "and comes back with it, bit for bit");
+}
+
+/// A seed is a picture.
+#[test]
+fn seeds_repeat_and_differ() {
+    let Some(mut renderer) = renderer("ism-invtm", "cornell-box", (24, 24), SMALL) else { return };
+    let mut picture = |seed| {
+        renderer.set_seed(seed);
+        renderer.frame().unwrap();
+        bits(&renderer.output("indirect").unwrap())
+    };
+    let (first, other, again) = (picture(1), picture(2), picture(1));
+    assert!(first == again, "the same seed gives the same bits");
+    assert!(first != other, "another seed gives another picture");
+}
+
+/// Camera, lights and geometry of an animation reach the picture.
+#[test]
+fn animations_move() {
+    let Some(mut renderer) = renderer("ism", "cornell-box-moving", (24, 24), SMALL) else { return };
+    renderer.frame().unwrap();
+    let first = bits(&renderer.output("image").unwrap());
+    renderer.set_frame_index(20);
+    renderer.frame().unwrap();
+    assert!(first != bits(&renderer.output("image").unwrap()));
+}
+
+/// Times are there where the adapter has timestamps, and every pass that ran has one.
+#[test]
+fn passes_are_timed() {
+    let Some(mut renderer) = renderer("ism", "cornell-box", (24, 24), SMALL) else { return };
+    if !renderer.gpu().has_timestamps() {
+        return;
+    }
+    renderer.set_frame_options(FrameOptions { timed: true, poison: false });
+    let report = renderer.frame().unwrap();
+    assert_eq!(report.times.len(), report.ran.len());
+    assert!(report.times.iter().sum::<f64>() > 0.0);
+    let second = renderer.frame().unwrap();
+    assert!(second.times.iter().all(|time| *time == 0.0), "what does not run takes no time");
+}
+
+/// Odd and tiny frames work.
+#[test]
+fn frames_of_any_size() {
+    for size in [(1, 1), (3, 1), (17, 9)] {
+        let Some(mut renderer) = renderer("ism-invtm", "cornell-box", size, SMALL) else { return };
+        renderer.frame().unwrap();
+        let image = renderer.output("image").unwrap();
+        assert_eq!((image.width(), image.height()), (size.0 as usize, size.1 as usize));
+        assert!(image.pixels().iter().flatten().all(|v| v.is_finite()), "{size:?}");
+        renderer.set_size((5, 7)).unwrap();
+        renderer.frame().unwrap();
+        assert_eq!(renderer.output("image").unwrap().width(), 5);
+    }
+}

@@ -1,0 +1,12 @@
+//! Tests of the whole program: the command line as a user types it, reload under a running loop, and pictures.
+//!
+//! Where there is no graphics adapter, tests that need one say so and do nothing.
+
+mod adapter;
+mod cli;
+mod frames;
+mod host;
+mod pairs;
+mod pictures;
+mod reference;
+mod reload;

@@ -1,0 +1,130 @@
+//! Reload at a frame's edge: files are edited under a running headless loop.
+
+use crate::adapter::{bits, renderer_in};
+use renderer::{Reload, Renderer};
+use shader_library::Watcher;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// A pipeline of one effect that a user writes, and of passes that remember.
+const PIPELINE: &str = r#"Pipeline(
+    passes: {
+        "view": Pass(kind: "gbuffer"),
+        "tint": Pass(kind: "fullscreen", shader: "shaders/tint.wgsl", in: { "view": "view" }),
+        "count": Pass(
+            kind: "compute", shader: "shaders/count.wgsl",
+            in: { "before": Prev(port: "count.after", init: Zero, reset: [Reload, Resize]) },
+            out: { "after": Out(size: (1, 1)) },
+        ),
+    },
+    outputs: { "image": "tint.result", "count": "count.after" },
+)"#;
+
+const TINT: &str = "#import \"tone.wgsl\"\nvar view_albedo: texture_2d<f32>;\n
+@fragment
+fn tint(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4(textureLoad(view_albedo, vec2<u32>(at.xy), 0).rgb * TONE, 1.0);
+}\n";
+
+const COUNT: &str = "struct Settings { before_age: u32 }
+var<uniform> settings: Settings;
+var before: texture_2d<f32>;
+var after: texture_storage_2d<rgba32float, write>;
+@compute @workgroup_size(1)
+fn count() {
+    let last = textureLoad(before, vec2(0u), 0);
+    textureStore(after, vec2(0u), vec4(last.x + 1.0, f32(settings.before_age), 0.0, 0.0));
+}\n";
+
+fn tree() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["pipelines", "shaders"] {
+        std::fs::create_dir(folder.path().join(name)).unwrap();
+    }
+    write(folder.path(), "pipelines/own.ron", PIPELINE);
+    write(folder.path(), "shaders/tint.wgsl", TINT);
+    write(folder.path(), "shaders/tone.wgsl", "const TONE: f32 = 1.0;\n");
+    write(folder.path(), "shaders/count.wgsl", COUNT);
+    folder
+}
+
+/// As editors save: a new file beside the old, renamed over it.
+fn write(root: &Path, name: &str, text: &str) {
+    let temporary = root.join(format!("{name}.new"));
+    std::fs::write(&temporary, text).unwrap();
+    std::fs::rename(temporary, root.join(name)).unwrap();
+}
+
+/// Runs frames until the watcher tells of a change, and takes it in.
+fn run_until_reload(renderer: &mut Renderer, watcher: &mut Watcher) -> Reload {
+    let end = Instant::now() + Duration::from_secs(20);
+    while Instant::now() < end {
+        let changed = watcher.changed();
+        if !changed.is_empty() {
+            match renderer.reload(&changed) {
+                Reload::Nothing => {}
+                reload => return reload,
+            }
+        }
+        renderer.frame().unwrap();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("no change was told of in 20 s");
+}
+
+#[test]
+fn edits_reach_the_next_frame_and_errors_keep_the_last_good_one() {
+    let folder = tree();
+    let Some(mut renderer) = renderer_in(folder.path().to_owned(), "own", "cornell-box", (16, 16), &[]) else { return };
+    let mut watcher = Watcher::new(&[folder.path().to_owned()]).unwrap();
+    renderer.frame().unwrap();
+    let first = renderer.output("image").unwrap();
+    assert!(first.pixels().iter().any(|pixel| pixel[0] > 0.0));
+
+    // An imported module.
+    write(folder.path(), "shaders/tone.wgsl", "const TONE: f32 = 0.5;\n");
+    let Reload::Done(report) = run_until_reload(&mut renderer, &mut watcher) else { panic!("the edit is sound") };
+    assert_eq!(report.changed.len(), 1, "one pass of three reads the module");
+    assert!(report.kept, "the plan is the same: objects and histories stay");
+    renderer.frame().unwrap();
+    let half = renderer.output("image").unwrap();
+    for (before, after) in first.pixels().iter().zip(half.pixels()) {
+        assert!((before[0] * 0.5 - after[0]).abs() < 1e-3, "{before:?} {after:?}");
+    }
+
+    // A broken one: told at the user's own line, and the last good picture goes on.
+    write(folder.path(), "shaders/tone.wgsl", "const TONE: f32 = 0.25;\nconst X: u32 = 1.5;\n");
+    let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else { panic!("the edit is broken") };
+    assert!(error.to_string().contains("shaders/tone.wgsl:2:"), "{error}");
+    renderer.frame().unwrap();
+    assert!(bits(&renderer.output("image").unwrap()) == bits(&half));
+
+    // Mended.
+    write(folder.path(), "shaders/tone.wgsl", "const TONE: f32 = 0.25;\n");
+    assert!(matches!(run_until_reload(&mut renderer, &mut watcher), Reload::Done(_)));
+
+    // The pipeline itself, broken and mended.
+    write(folder.path(), "pipelines/own.ron", &PIPELINE.replace("gbuffer", "gbufer"));
+    let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else { panic!("there is no such kind") };
+    assert!(error.to_string().contains("gbuffer") && error.to_string().contains("pipelines/own.ron:3:"), "{error}");
+    renderer.frame().unwrap();
+    write(folder.path(), "pipelines/own.ron", PIPELINE);
+    assert!(matches!(run_until_reload(&mut renderer, &mut watcher), Reload::Done(_)));
+    renderer.frame().unwrap();
+}
+
+/// `Prev` reads the frame before; a reset is told, and gives the initial value.
+#[test]
+fn histories_count_frames_and_end_when_they_must() {
+    let folder = tree();
+    let Some(mut renderer) = renderer_in(folder.path().to_owned(), "own", "cornell-box", (8, 8), &[]) else { return };
+    let mut next = || {
+        renderer.frame().unwrap();
+        let texel = renderer.output("count").unwrap().pixels()[0];
+        (texel[0], texel[1])
+    };
+    assert_eq!([next(), next(), next()], [(1.0, 0.0), (2.0, 1.0), (3.0, 2.0)]);
+    renderer.set_size((9, 8)).unwrap();
+    renderer.frame().unwrap();
+    assert_eq!(renderer.output("count").unwrap().pixels()[0][0], 1.0, "a resize ends the past");
+}
