@@ -3,7 +3,8 @@
 // The uniform `settings` of the consumer, whose port is `visibility`, has these members:
 //   visibility_tile: u32      fact of the port [px]
 //   visibility_columns: u32   fact of the port
-//   visibility_bias: f32      slack of the test, in widths of a texel along the receiver's plane
+//   visibility_bias: f32      slack of the test, in widths of a texel along the receiver's plane; the fact `slack` of
+//                             the port is what its maps need
 
 #option VISIBILITY_FILTER single one_of [single, pcf] // one texel, or the four nearest weighted after the test
 
@@ -23,13 +24,14 @@ fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>)
     }
     let tile = settings.visibility_tile;
     // A texel holds one distance for all it covers. Along the receiver's plane the distance changes by the
-    // texel's width [m] times the slope, the tangent to the cosine height / distance. Slopes end at 8 (83°):
-    // beyond, the cosine leaves no light to lose. The constant quarter is for receivers that bend within a texel.
+    // texel's width [m] times the slope, the tangent to the cosine height / distance. Slopes end at 4 (76°):
+    // beyond, the cosine leaves little light to lose, and walls would leak. The constant tenth is for receivers that
+    // bend within a texel.
     // The width is distance · √(density · area); with z = (1 - r²) / (1 + r²) that is:
     let width = (distance + local.z) * (2.0 / f32(tile));
     let height = -dot(normal, offset);
-    let slope = sqrt(max(distance * distance - height * height, 0.0)) / max(height, 0.125 * distance);
-    let nearest = distance - settings.visibility_bias * width * (0.25 + slope);
+    let slope = sqrt(max(distance * distance - height * height, 0.0)) / max(height, 0.25 * distance);
+    let nearest = distance - settings.visibility_bias * width * (0.1 + slope);
 
     // paraboloid_from_direction, with the division by the distance left out.
     let position = tile_position(local.xy / (distance + local.z), tile);

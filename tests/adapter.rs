@@ -24,7 +24,13 @@ pub(crate) fn set(values: &[&str]) -> Overrides {
 }
 
 /// A renderer on the files of a folder.
-pub(crate) fn renderer_in(root: PathBuf, pipeline: &str, scene: &str, size: (u32, u32), values: &[&str]) -> Option<Renderer> {
+pub(crate) fn renderer_in(
+    root: PathBuf,
+    pipeline: &str,
+    scene: &str,
+    size: (u32, u32),
+    values: &[&str],
+) -> Option<Renderer> {
     let gpu = gpu()?;
     let catalog = Arc::new(Catalog::new(Assets::new(Some(root))));
     let scene = renderer::load_scene(&catalog, scene).unwrap_or_else(|error| panic!("{error}"));

@@ -20,7 +20,8 @@ fn err(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-const QUICK: &[&str] = &["--size", "24x16", "--set", "lights=32", "--set", "rsm.size=32", "--set", "shadows.points=4096"];
+const QUICK: &[&str] =
+    &["--size", "24x16", "--set", "lights=32", "--set", "rsm.size=32", "--set", "shadows.points=4096"];
 
 fn render(folder: &Path, pipeline: &str, file: &str, more: &[&str]) -> Output {
     run_in(folder, &[&["render", pipeline, "cornell-box", "-o", file], QUICK, more].concat())
@@ -39,7 +40,7 @@ fn renders_in_any_folder_and_says_where() {
         let path = Path::new(said.lines().last().unwrap());
         assert!(path.is_absolute() && path.is_file(), "{said}");
     }
-    let image = metrics::Image::read(&folder.path().join("deep/box.exr")).unwrap();
+    let image = metrics::Image::read(folder.path().join("deep/box.exr")).unwrap();
     assert_eq!((image.width(), image.height()), (24, 16));
     assert!(image.pixels().iter().any(|pixel| pixel[0] > 0.0));
 }
@@ -50,7 +51,8 @@ fn a_picture_can_be_made_again_from_itself() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let done = render(folder.path(), "ism", "a.exr", &["--seed", "7", "--output", "indirect", "--frames", "2"]);
+    let done =
+        render(folder.path(), "ism", "a.exr", &["--seed", "7", "--output", "indirect", "--frames", "2"]);
     assert!(done.status.success(), "{}", err(&done));
     let again = run_in(folder.path(), &["rerun", "a.exr", "-o", "b.exr"]);
     assert!(out(&again).contains("the same, bit for bit"), "{}{}", out(&again), err(&again));
@@ -81,7 +83,8 @@ fn times_memory_and_clamped_energy_are_told_to_programs() {
     }
     let folder = tempfile::tempdir().unwrap();
     let done = render(folder.path(), "ism-invtm", "t.exr", &["--time", "--frames", "2", "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&out(&done)).unwrap_or_else(|_| panic!("{}{}", out(&done), err(&done)));
+    let json: serde_json::Value =
+        serde_json::from_str(&out(&done)).unwrap_or_else(|_| panic!("{}{}", out(&done), err(&done)));
     assert!(json["passes"].as_array().unwrap().len() > 8, "{json}");
     assert!(json["clamped_energy"].as_f64().unwrap() >= 0.0);
     assert!(json["memory"]["shared"].as_u64().unwrap() <= json["memory"]["unshared"].as_u64().unwrap());
@@ -103,7 +106,9 @@ fn mistakes_are_told() {
     ];
     let folder = tempfile::tempdir().unwrap();
     let needs_gpu = |arguments: &[&str]| arguments[0] == "render";
-    for (arguments, code, word) in cases.iter().filter(|(arguments, ..)| !needs_gpu(arguments) || gpu().is_some()) {
+    for (arguments, code, word) in
+        cases.iter().filter(|(arguments, ..)| !needs_gpu(arguments) || gpu().is_some())
+    {
         let done = run_in(folder.path(), arguments);
         assert_eq!(done.status.code(), Some(*code), "{arguments:?}: {}", err(&done));
         assert!(err(&done).contains(word), "{arguments:?}: {}", err(&done));
@@ -114,7 +119,12 @@ fn mistakes_are_told() {
 
 #[test]
 fn everything_built_in_is_proved_without_a_gpu() {
-    let done = Command::new(env!("CARGO_BIN_EXE_lightloom")).arg("check").env("VK_DRIVER_FILES", "/nonexistent").current_dir(root()).output().unwrap();
+    let done = Command::new(env!("CARGO_BIN_EXE_lightloom"))
+        .arg("check")
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .current_dir(root())
+        .output()
+        .unwrap();
     assert!(done.status.success(), "{}{}", out(&done), err(&done));
     assert!(out(&done).contains("ism-invtm"));
 }
@@ -122,7 +132,16 @@ fn everything_built_in_is_proved_without_a_gpu() {
 /// The example of the guide: 25 lines at most, and a different picture.
 #[test]
 fn the_guides_effect_is_short_and_works() {
-    let lines: usize = ["docs/examples/vignette.ron", "docs/examples/vignette.wgsl"].iter().map(|path| std::fs::read_to_string(root().join(path)).unwrap().lines().filter(|line| !line.trim().is_empty()).count()).sum();
+    let lines: usize = ["docs/examples/vignette.ron", "docs/examples/vignette.wgsl"]
+        .iter()
+        .map(|path| {
+            std::fs::read_to_string(root().join(path))
+                .unwrap()
+                .lines()
+                .filter(|line| !line.trim().is_empty())
+                .count()
+        })
+        .sum();
     assert!(lines <= 25, "{lines} lines");
     if gpu().is_none() {
         return;
@@ -130,10 +149,12 @@ fn the_guides_effect_is_short_and_works() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     for (pipeline, name) in [("docs/examples/vignette.ron", "effect.png"), ("ism-invtm", "plain.png")] {
-        let done = lightloom(&[&["render", pipeline, "cornell-box", "-o", &file(name), "--output", "display"], QUICK].concat());
+        let done = lightloom(
+            &[&["render", pipeline, "cornell-box", "-o", &file(name), "--output", "display"], QUICK].concat(),
+        );
         assert!(done.status.success(), "{}", err(&done));
     }
-    let corner = |name: &str| metrics::Image::read(&folder.path().join(name)).unwrap().pixels()[0][0];
+    let corner = |name: &str| metrics::Image::read(folder.path().join(name)).unwrap().pixels()[0][0];
     assert!(corner("effect.png") <= corner("plain.png"));
     let compared = lightloom(&["compare", &file("effect.png"), &file("plain.png"), "--json"]);
     let json: serde_json::Value = serde_json::from_str(&out(&compared)).unwrap();

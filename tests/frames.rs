@@ -9,7 +9,9 @@ use scene::Camera;
 /// Sharing on, sharing off, and every object filled with NaN before it is written: the same bits.
 #[test]
 fn pictures_are_identical_with_sharing_on_off_and_poisoned() {
-    for (pipeline, scene) in [("ism-invtm", "cornell-box"), ("ism", "cornell-box-lights"), ("ism-uniform", "cornell-box-lamp")] {
+    for (pipeline, scene) in
+        [("ism-invtm", "cornell-box"), ("ism", "cornell-box-lights"), ("ism-uniform", "cornell-box-lamp")]
+    {
         let Some(mut renderer) = renderer(pipeline, scene, (45, 31), SMALL) else { return };
         let mut pictures = Vec::new();
         for (sharing, poison) in [(true, false), (false, false), (true, true), (false, true)] {
@@ -33,7 +35,8 @@ fn pictures_are_identical_with_sharing_on_off_and_poisoned() {
 #[test]
 fn only_what_changed_runs() {
     let Some(mut renderer) = renderer("ism-invtm", "cornell-box", (32, 32), SMALL) else { return };
-    let names: Vec<String> = renderer.plan().unwrap().passes.iter().map(|pass| pass.name.to_string()).collect();
+    let names: Vec<String> =
+        renderer.plan().unwrap().passes.iter().map(|pass| pass.name.to_string()).collect();
     let ran = |report: renderer::FrameReport| -> Vec<String> {
         names.iter().zip(report.ran).filter(|(_, ran)| *ran).map(|(name, _)| name.clone()).collect()
     };
@@ -45,7 +48,10 @@ fn only_what_changed_runs() {
     renderer.set_camera(Some(moved), false);
     let after_move = ran(renderer.frame().unwrap());
     for name in ["rsm", "shadows/points"] {
-        assert!(!after_move.iter().any(|ran| ran == name), "{name} does not depend on the camera: {after_move:?}");
+        assert!(
+            !after_move.iter().any(|ran| ran == name),
+            "{name} does not depend on the camera: {after_move:?}"
+        );
     }
     for name in ["view", "importance", "gather", "image"] {
         assert!(after_move.iter().any(|ran| ran == name), "{name} depends on the camera: {after_move:?}");

@@ -4,6 +4,7 @@
 
 mod adapter;
 mod cli;
+mod direct;
 mod frames;
 mod host;
 mod pairs;

@@ -10,8 +10,10 @@ const SAMPLERS: [(&str, &str); 3] = [
     ("inverse transform, 2 numbers", r#"Set("lights.dimensions", 2)"#),
 ];
 
-const IMPORTANCES: [(&str, &str); 2] =
-    [("contribution", r#"Set("lights.count", "$lights")"#), ("flux", r#"Replace("importance", Pass(kind: "importance-map", set: { "measure": "flux" }))"#)];
+const IMPORTANCES: [(&str, &str); 2] = [
+    ("contribution", r#"Set("lights.count", "$lights")"#),
+    ("flux", r#"Replace("importance", Pass(kind: "importance-map", set: { "measure": "flux" }))"#),
+];
 
 const VISIBILITIES: [(&str, &str); 4] = [
     ("imperfect", r#"Set("shadows.map", 32)"#),
@@ -37,12 +39,21 @@ fn samplers_agree_under_each_visibility() {
                 }
                 text.push_str("])\n");
                 std::fs::write(folder.path().join("pipelines/pair.ron"), &text).unwrap();
-                let values = ["lights=512", "rsm.size=64", "gather.interleave_x=1", "gather.interleave_y=1", "gather.clamp=0.02"];
-                let Some(mut renderer) = renderer_in(folder.path().to_owned(), "pair", "cornell-box", (24, 24), &values) else { return };
+                let values =
+                    ["lights=512", "rsm.size=64", "interleave_x=1", "interleave_y=1", "gather.clamp=0.02"];
+                let Some(mut renderer) =
+                    renderer_in(folder.path().to_owned(), "pair", "cornell-box", (24, 24), &values)
+                else {
+                    return;
+                };
                 renderer.frame().unwrap();
                 let indirect = renderer.output("indirect").unwrap();
-                assert!(indirect.pixels().iter().flatten().all(|v| v.is_finite()), "{importance}, {sampler}, {visibility}");
-                energies.push((format!("{importance}, {sampler}, {visibility}"), mean(&indirect).iter().sum()));
+                assert!(
+                    indirect.pixels().iter().flatten().all(|v| v.is_finite()),
+                    "{importance}, {sampler}, {visibility}"
+                );
+                energies
+                    .push((format!("{importance}, {sampler}, {visibility}"), mean(&indirect).iter().sum()));
             }
         }
         let middle = energies.iter().map(|(_, energy)| energy).sum::<f64>() / energies.len() as f64;
@@ -58,7 +69,8 @@ fn samplers_agree_under_each_visibility() {
 fn every_pipeline_lights_every_kind_of_scene() {
     for pipeline in ["ism", "ism-invtm", "ism-uniform", "ism-invtm-2", "ism-classic"] {
         for scene in ["cornell-box", "cornell-box-point", "cornell-box-sun", "cornell-box-lights"] {
-            let values = if pipeline == "ism-classic" { &["lights=32", "map=16", "rsm.size=32"][..] } else { SMALL };
+            let values =
+                if pipeline == "ism-classic" { &["lights=32", "map=16", "rsm.size=32"][..] } else { SMALL };
             let Some(mut renderer) = renderer(pipeline, scene, (20, 20), values) else { return };
             renderer.frame().unwrap();
             let indirect = renderer.output("indirect").unwrap();

@@ -7,10 +7,18 @@ use metrics::{Display, Image, PIXELS_PER_DEGREE, Pair, flip};
 fn pictures_are_those_stored() {
     let folder = root().join("tests/pictures");
     let bless = std::env::var_os("LIGHTLOOM_BLESS").is_some();
-    for (pipeline, scene) in
-        [("ism", "cornell-box"), ("ism-invtm", "cornell-box"), ("ism-uniform", "cornell-box-point"), ("ism-invtm", "atrium-spot"), ("ism-classic", "cornell-box-sun")]
-    {
-        let values: &[&str] = if pipeline == "ism-classic" { &["lights=64", "map=32", "rsm.size=128"] } else { &["lights=128", "map=32", "rsm.size=128", "shadows.points=32768"] };
+    for (pipeline, scene) in [
+        ("ism", "cornell-box"),
+        ("ism-invtm", "cornell-box"),
+        ("ism-uniform", "cornell-box-point"),
+        ("ism-invtm", "atrium-spot"),
+        ("ism-classic", "cornell-box-sun"),
+    ] {
+        let values: &[&str] = if pipeline == "ism-classic" {
+            &["lights=64", "map=32", "rsm.size=128"]
+        } else {
+            &["lights=128", "map=32", "rsm.size=128", "shadows.points=32768"]
+        };
         let Some(mut renderer) = renderer(pipeline, scene, (64, 64), values) else { return };
         renderer.frame().unwrap();
         let picture = renderer.output("display").unwrap();
@@ -28,7 +36,11 @@ fn pictures_are_those_stored() {
         if map.mean() > 0.02 {
             let difference = std::env::temp_dir().join(format!("{pipeline}-{scene}-difference.png"));
             map.to_image().write(&difference, Display::AS_IS, None).unwrap();
-            panic!("{pipeline} on {scene} differs from the stored picture by {} (ꟻLIP); see {}", map.mean(), difference.display());
+            panic!(
+                "{pipeline} on {scene} differs from the stored picture by {} (ꟻLIP); see {}",
+                map.mean(),
+                difference.display()
+            );
         }
     }
 }

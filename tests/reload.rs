@@ -75,7 +75,10 @@ fn run_until_reload(renderer: &mut Renderer, watcher: &mut Watcher) -> Reload {
 #[test]
 fn edits_reach_the_next_frame_and_errors_keep_the_last_good_one() {
     let folder = tree();
-    let Some(mut renderer) = renderer_in(folder.path().to_owned(), "own", "cornell-box", (16, 16), &[]) else { return };
+    let Some(mut renderer) = renderer_in(folder.path().to_owned(), "own", "cornell-box", (16, 16), &[])
+    else {
+        return;
+    };
     let mut watcher = Watcher::new(&[folder.path().to_owned()]).unwrap();
     renderer.frame().unwrap();
     let first = renderer.output("image").unwrap();
@@ -83,7 +86,9 @@ fn edits_reach_the_next_frame_and_errors_keep_the_last_good_one() {
 
     // An imported module.
     write(folder.path(), "shaders/tone.wgsl", "const TONE: f32 = 0.5;\n");
-    let Reload::Done(report) = run_until_reload(&mut renderer, &mut watcher) else { panic!("the edit is sound") };
+    let Reload::Done(report) = run_until_reload(&mut renderer, &mut watcher) else {
+        panic!("the edit is sound")
+    };
     assert_eq!(report.changed.len(), 1, "one pass of three reads the module");
     assert!(report.kept, "the plan is the same: objects and histories stay");
     renderer.frame().unwrap();
@@ -94,7 +99,9 @@ fn edits_reach_the_next_frame_and_errors_keep_the_last_good_one() {
 
     // A broken one: told at the user's own line, and the last good picture goes on.
     write(folder.path(), "shaders/tone.wgsl", "const TONE: f32 = 0.25;\nconst X: u32 = 1.5;\n");
-    let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else { panic!("the edit is broken") };
+    let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else {
+        panic!("the edit is broken")
+    };
     assert!(error.to_string().contains("shaders/tone.wgsl:2:"), "{error}");
     renderer.frame().unwrap();
     assert!(bits(&renderer.output("image").unwrap()) == bits(&half));
@@ -105,8 +112,13 @@ fn edits_reach_the_next_frame_and_errors_keep_the_last_good_one() {
 
     // The pipeline itself, broken and mended.
     write(folder.path(), "pipelines/own.ron", &PIPELINE.replace("gbuffer", "gbufer"));
-    let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else { panic!("there is no such kind") };
-    assert!(error.to_string().contains("gbuffer") && error.to_string().contains("pipelines/own.ron:3:"), "{error}");
+    let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else {
+        panic!("there is no such kind")
+    };
+    assert!(
+        error.to_string().contains("gbuffer") && error.to_string().contains("pipelines/own.ron:3:"),
+        "{error}"
+    );
     renderer.frame().unwrap();
     write(folder.path(), "pipelines/own.ron", PIPELINE);
     assert!(matches!(run_until_reload(&mut renderer, &mut watcher), Reload::Done(_)));
@@ -117,7 +129,9 @@ fn edits_reach_the_next_frame_and_errors_keep_the_last_good_one() {
 #[test]
 fn histories_count_frames_and_end_when_they_must() {
     let folder = tree();
-    let Some(mut renderer) = renderer_in(folder.path().to_owned(), "own", "cornell-box", (8, 8), &[]) else { return };
+    let Some(mut renderer) = renderer_in(folder.path().to_owned(), "own", "cornell-box", (8, 8), &[]) else {
+        return;
+    };
     let mut next = || {
         renderer.frame().unwrap();
         let texel = renderer.output("count").unwrap().pixels()[0];

@@ -10,8 +10,14 @@ const EMBEDDED: &[(&str, &str)] =
 
 fn main() {
     let manifest = std::fs::read_to_string("Cargo.toml").expect("this crate's manifest");
-    let mut out = String::from("/// Every kind of pass, in the order of the documentation.\npub static PASSES: &[&dyn pass::Pass] = &[\n");
-    for name in manifest.lines().filter(|line| line.contains("path = \"../../passes/")).filter_map(|line| line.split_whitespace().next()) {
+    let mut out = String::from(
+        "/// Every kind of pass, in the order of the documentation.\npub static PASSES: &[&dyn pass::Pass] = &[\n",
+    );
+    for name in manifest
+        .lines()
+        .filter(|line| line.contains("path = \"../../passes/"))
+        .filter_map(|line| line.split_whitespace().next())
+    {
         let _ = writeln!(out, "    {}::PASS,", name.replace('-', "_"));
     }
     out.push_str("];\n\n/// Path from the root of the tree, and text.\npub(crate) static EMBEDDED: &[(&str, &str)] = &[\n");
@@ -22,7 +28,8 @@ fn main() {
         walk(&root.join(folder), extension, &mut files);
         files.sort();
         for file in files {
-            let relative = file.strip_prefix(&root).expect("a file below the root").to_string_lossy().replace('\\', "/");
+            let relative =
+                file.strip_prefix(&root).expect("a file below the root").to_string_lossy().replace('\\', "/");
             let _ = writeln!(out, "    ({relative:?}, include_str!({:?})),", file.display().to_string());
         }
     }

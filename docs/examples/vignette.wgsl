@@ -5,7 +5,6 @@ struct Settings {
     strength: f32,
     picture_size: vec2<u32>,
 }
-
 var<uniform> settings: Settings;
 var picture: texture_2d<f32>;
 

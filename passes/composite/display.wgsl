@@ -4,6 +4,7 @@
 
 struct Settings {
     view_size: vec2<u32>,
+    // DEVIATION(exposure): set by hand, where Reinhard et al. go by the picture's mean.
     exposure: f32,
     white: f32,
 }

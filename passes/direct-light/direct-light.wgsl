@@ -118,8 +118,8 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1.0 / STEEPEST), STEEPEST);
     let bias = settings.bias * texel * (1.0 + slope);
 
-    // Taps stand on texel centres; the window of `pcf` texels cuts the outermost, which count in part. So each of
-    // the pcf² taps is a bilinear one, and the share changes without steps.
+    // DEVIATION(window): taps stand on texel centres; the window of `pcf` texels cuts the outermost, which count in
+    // part. So each of the pcf² taps is a bilinear one, and the share changes without steps.
     let centre = (receiver.xy / half_extent * vec2(0.5, -0.5) + 0.5) * size - 0.5;
     let first = floor(centre) - f32(settings.pcf / 2u);
     let part = centre - floor(centre);
@@ -131,6 +131,7 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
             let weight_x = select(1.0, 1.0 - part.x, x == 0u) * select(1.0, part.x, x == settings.pcf);
             let tap = clamp(first + vec2(f32(x), f32(y)), vec2(0.0), size - 1.0);
             let plane = ((tap + 0.5) / size * 2.0 - 1.0) * vec2(1.0, -1.0) * layer.half_extent;
+            // DEVIATION(bias): compared with the receiver's plane, less a bias that does not vary.
             let expected = clamp(plane_distance(receiver, n, plane, perspective), distance - reach, distance + reach);
             let seen = textureLoad(rsm_position, vec2<u32>(tap), index, 0).w;
             // Where the map is empty nothing stands in the way.

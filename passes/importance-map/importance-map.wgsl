@@ -87,7 +87,8 @@ fn geometry(position: vec3<f32>, normal: vec3<f32>, at: ViewSample) -> f32 {
     // are 0 because the way is.
     let squared = max(dot(way, way), 1e-20);
     let cosines = max(dot(normal, way), 0.0) * max(-dot(at.normal, way), 0.0) / squared;
-    // A light on a sample would take all the importance: its distance counts as `min_distance` at least.
+    // DEVIATION(min-distance): a light on a sample would take all the importance: its distance counts as
+    // `min_distance` at least.
     return cosines / (PI * (squared + settings.min_distance * settings.min_distance));
 }
 #endif

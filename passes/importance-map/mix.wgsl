@@ -1,6 +1,7 @@
 // The importance mixed with the flux: f = (1 - δ) c / Σc + δ Φ / ΣΦ, times the number of texels, so that its
 // mean is 1. A texel that reflects light is then drawn though no sample of the view saw it, and no virtual light
 // weighs more than 1/δ times what drawing by flux alone would give it (defensive sampling, Hesterberg 1995).
+// DEVIATION(defensive): with δ = 0 it is the paper's.
 
 #import "color.wgsl"
 #import "prefix-sum.wgsl"

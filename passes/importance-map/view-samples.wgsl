@@ -38,6 +38,7 @@ fn pick(
         let at_px = (vec2<f32>(pixel) + 0.5) * camera.size / vec2<f32>(size);
         picked.position = to_extents(camera.position + view_ray(at_px) * depth);
         picked.normal = textureLoad(view_normal, pixel, 0).xyz;
+        // DEVIATION(diffuse): the BRDF without its glossy part.
         let albedo = textureLoad(view_albedo, pixel, 0).rgb;
         picked.response = vec3(luminance(vec3(1.0, 0.0, 0.0)), luminance(vec3(0.0, 1.0, 0.0)), luminance(vec3(0.0, 0.0, 1.0)))
             * albedo / PI;

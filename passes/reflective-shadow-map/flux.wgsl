@@ -31,6 +31,7 @@ fn incident_flux(texel: vec3<u32>) -> vec3<f32> {
     }
     let middle = 0.5 * (low + high);
     let ray = layer.world_from_layer * vec4(middle, -1.0, 0.0);
+    // DEVIATION(flux): by the texel's solid angle.
     return light_intensity(light, normalize(ray.xyz)) * solid_angle(low, high);
 }
 

@@ -39,7 +39,7 @@ fn surfaces(seen: Seen) -> Texel {
     if !surface_exists(seen.material, at.coverage) {
         discard;
     }
-    // From a texel to the right and from there down turns away from the light, whatever the surface.
+    // DEVIATION(sides): from a texel to the right and from there down turns away from the light, whatever the surface.
     let towards = cross(change.position_y, change.position_x);
     let normal = shading_normal(seen.material, seen.normal, towards, seen.uv, change);
     let world_from_layer = scene_light_layers[settings.layer].world_from_layer;

@@ -65,8 +65,8 @@ fn choose(stage: u32, layer: u32, row: u32, count: u32, number: f32) -> Choice {
         before = cumulated(stage, layer, row, low - 1u);
     }
     let width = cumulated(stage, layer, row, low) - before;
-    // An interval that numbers of 24 bits meet at all is met as often as one of 2^-24: a weight of 1e-30 at
-    // the start of a row would else give a light 1e30 times too bright.
+    // DEVIATION(least-probability): an interval that numbers of 24 bits meet at all is met as often as one of 2^-24:
+    // a weight of 1e-30 at the start of a row would else give a light 1e30 times too bright.
     let probability = max(width / total, 1.0 / 16777216.0);
     return Choice(low, probability, clamp((sought - before) / width, 0.0, 0.99999994));
 }

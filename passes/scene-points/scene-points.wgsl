@@ -19,6 +19,8 @@ var<storage, read_write> points: array<Point>;
 
 /// Element `index` of Sobol's sequence in two dimensions, in fixed point: 2^-32 is one.
 ///
+/// DEVIATION(sequence): the paper picks triangles and places at random.
+///
 /// A (0, 2)-sequence in base 2: of every 2^m elements that start at a multiple of 2^m, exactly one lies in each
 /// box of area 2^-m whose sides are aligned to powers of two, for all 2^32 indices.
 fn sobol2(index: u32) -> vec2<u32> {

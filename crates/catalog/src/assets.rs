@@ -27,15 +27,23 @@ impl Assets {
     /// The nearest folder, from `start` upwards, that looks like a tree of Lightloom: it holds `pipelines/` and
     /// `shaders/`, or `passes/`.
     pub fn find_root(start: &Path) -> Option<PathBuf> {
-        let is_root = |folder: &Path| folder.join("pipelines").is_dir() && (folder.join("shaders").is_dir() || folder.join("passes").is_dir());
+        let is_root = |folder: &Path| {
+            folder.join("pipelines").is_dir()
+                && (folder.join("shaders").is_dir() || folder.join("passes").is_dir())
+        };
         start.ancestors().find(|folder| is_root(folder)).map(Path::to_path_buf)
     }
 
     /// The text of a file; `None` where there is none. Paths that leave the root are not followed, absolute
     /// ones and those from the working folder are read as they stand when `root` has no such file.
     pub fn text(&self, path: &str) -> Option<String> {
-        let below_root = !path.is_empty() && !Path::new(path).is_absolute() && !path.split('/').any(|part| part == "..");
-        let on_disk = self.root.as_ref().filter(|_| below_root).and_then(|root| std::fs::read_to_string(root.join(path)).ok());
+        let below_root =
+            !path.is_empty() && !Path::new(path).is_absolute() && !path.split('/').any(|part| part == "..");
+        let on_disk = self
+            .root
+            .as_ref()
+            .filter(|_| below_root)
+            .and_then(|root| std::fs::read_to_string(root.join(path)).ok());
         on_disk
             .or_else(|| self.embedded.get(path).map(|text| (*text).to_owned()))
             .or_else(|| std::fs::read_to_string(path).ok())
@@ -45,12 +53,20 @@ impl Assets {
     pub fn list(&self, folder: &str, extension: &str) -> Vec<String> {
         let prefix = format!("{folder}/");
         let wanted = |path: &str| path.starts_with(&prefix) && path.ends_with(&format!(".{extension}"));
-        let mut found: BTreeSet<String> = self.embedded.keys().filter(|path| wanted(path)).map(|path| (*path).to_owned()).collect();
+        let mut found: BTreeSet<String> =
+            self.embedded.keys().filter(|path| wanted(path)).map(|path| (*path).to_owned()).collect();
         if let Some(root) = &self.root {
             let mut open = vec![root.join(folder)];
             while let Some(entry) = open.pop() {
                 if entry.is_dir() {
-                    open.extend(std::fs::read_dir(&entry).into_iter().flatten().flatten().map(|e| e.path()).filter(|path| !path.ends_with("target")));
+                    open.extend(
+                        std::fs::read_dir(&entry)
+                            .into_iter()
+                            .flatten()
+                            .flatten()
+                            .map(|e| e.path())
+                            .filter(|path| !path.ends_with("target")),
+                    );
                 } else if let Ok(relative) = entry.strip_prefix(root) {
                     let relative = relative.to_string_lossy().replace('\\', "/");
                     if wanted(&relative) {
@@ -93,10 +109,10 @@ impl Files for ShaderAssets {
     }
 
     fn list(&self) -> Vec<String> {
-        [self.0.list("shaders", "wgsl"), self.0.list("passes", "wgsl"), self.0.list("pipelines", "wgsl")].concat()
+        [self.0.list("shaders", "wgsl"), self.0.list("passes", "wgsl"), self.0.list("pipelines", "wgsl")]
+            .concat()
     }
 }
-
 
 /// Scene descriptions by name: `cornell-box.ron`.
 #[derive(Clone, Debug)]
@@ -110,7 +126,11 @@ impl scene::SceneFiles for SceneAssets {
     }
 
     fn list(&self) -> Vec<String> {
-        self.0.list("scenes", "ron").into_iter().map(|path| path.trim_start_matches("scenes/").to_owned()).collect()
+        self.0
+            .list("scenes", "ron")
+            .into_iter()
+            .map(|path| path.trim_start_matches("scenes/").to_owned())
+            .collect()
     }
 
     fn folder(&self) -> PathBuf {

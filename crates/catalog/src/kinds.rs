@@ -91,6 +91,7 @@ impl Kinds for Catalog {
     }
 
     fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        self.find(context.use_.kind)?.outputs(&UseContext { use_: context.use_, shaders: &self.shaders }, context)
+        self.find(context.use_.kind)?
+            .outputs(&UseContext { use_: context.use_, shaders: &self.shaders }, context)
     }
 }

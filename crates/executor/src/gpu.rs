@@ -56,10 +56,10 @@ impl Gpu {
     async fn open_async() -> Result<Gpu, ExecutorError> {
         let adapters = Self::sorted_adapters().await;
         let adapter = adapters.first().ok_or(ExecutorError::NoAdapter)?;
-        let (device, queue) = adapter
-            .request_device(&Self::device_descriptor(adapter))
-            .await
-            .map_err(|error| ExecutorError::Device { adapter: adapter.get_info().name, message: error.to_string() })?;
+        let (device, queue) =
+            adapter.request_device(&Self::device_descriptor(adapter)).await.map_err(|error| {
+                ExecutorError::Device { adapter: adapter.get_info().name, message: error.to_string() }
+            })?;
         Ok(Gpu::from_device(device, queue, adapter.get_info()))
     }
 

@@ -4,6 +4,7 @@
 //! encodes frames. It knows no pass and no scene: the data of the host program comes as [`External`]s by name.
 
 mod error;
+mod fill;
 mod format;
 mod gpu;
 mod object;

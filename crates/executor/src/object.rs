@@ -59,8 +59,15 @@ pub(crate) struct Pool {
 
 impl Pool {
     /// Takes a free object that fits, or makes one. Its contents have no meaning.
-    pub(crate) fn take(&mut self, gpu: &Gpu, name: &str, desc: &ResourceDesc, usage: ObjectUsage) -> Result<Object, ExecutorError> {
-        let found = self.free.iter().position(|(free, free_usage, _)| free == desc && free_usage.covers(usage));
+    pub(crate) fn take(
+        &mut self,
+        gpu: &Gpu,
+        name: &str,
+        desc: &ResourceDesc,
+        usage: ObjectUsage,
+    ) -> Result<Object, ExecutorError> {
+        let found =
+            self.free.iter().position(|(free, free_usage, _)| free == desc && free_usage.covers(usage));
         if let Some(index) = found {
             return Ok(self.free.swap_remove(index).2);
         }
@@ -81,7 +88,13 @@ impl Pool {
     }
 }
 
-fn create(gpu: &Gpu, name: &str, desc: &ResourceDesc, usage: ObjectUsage, held: u64) -> Result<Object, ExecutorError> {
+fn create(
+    gpu: &Gpu,
+    name: &str,
+    desc: &ResourceDesc,
+    usage: ObjectUsage,
+    held: u64,
+) -> Result<Object, ExecutorError> {
     check_limits(gpu, name, desc)?;
     let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -93,7 +106,11 @@ fn create(gpu: &Gpu, name: &str, desc: &ResourceDesc, usage: ObjectUsage, held: 
             usages.set(TextureUsages::COPY_DST, usage.filled);
             let made = gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(name),
-                size: wgpu::Extent3d { width: texture.size.0, height: texture.size.1, depth_or_array_layers: texture.layers },
+                size: wgpu::Extent3d {
+                    width: texture.size.0,
+                    height: texture.size.1,
+                    depth_or_array_layers: texture.layers,
+                },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
@@ -101,7 +118,11 @@ fn create(gpu: &Gpu, name: &str, desc: &ResourceDesc, usage: ObjectUsage, held: 
                 usage: usages,
                 view_formats: &[],
             });
-            let dimension = if texture.array { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 };
+            let dimension = if texture.array {
+                wgpu::TextureViewDimension::D2Array
+            } else {
+                wgpu::TextureViewDimension::D2
+            };
             let view = made.create_view(&wgpu::TextureViewDescriptor {
                 label: Some(name),
                 dimension: Some(dimension),

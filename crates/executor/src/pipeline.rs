@@ -51,7 +51,13 @@ pub(crate) struct TargetFormats {
 
 impl Pipelines {
     /// The pipeline of a step, and whether it had to be made.
-    pub(crate) fn get(&mut self, gpu: &Gpu, pass: &str, step: &LinkedStep, formats: &TargetFormats) -> Result<(Arc<Pipeline>, bool), ExecutorError> {
+    pub(crate) fn get(
+        &mut self,
+        gpu: &Gpu,
+        pass: &str,
+        step: &LinkedStep,
+        formats: &TargetFormats,
+    ) -> Result<(Arc<Pipeline>, bool), ExecutorError> {
         let constants = match &step.step {
             Step::Compute(compute) => &compute.constants,
             Step::Raster(raster) => &raster.constants,
@@ -59,7 +65,12 @@ impl Pipelines {
         let (targets, depth, vertices) = match &step.step {
             Step::Compute(_) => (Vec::new(), None, false),
             Step::Raster(raster) => (
-                formats.colors.iter().zip(&raster.targets).map(|(format, target)| (*format, target.blend)).collect(),
+                formats
+                    .colors
+                    .iter()
+                    .zip(&raster.targets)
+                    .map(|(format, target)| (*format, target.blend))
+                    .collect(),
                 formats.depth.zip(raster.depth.as_ref()).map(|(format, depth)| (format, depth.less)),
                 raster.draw == Draw::Scene,
             ),
@@ -91,7 +102,14 @@ impl Pipelines {
         self.modules.retain(|hash, _| used.contains(hash));
     }
 
-    fn build(&mut self, gpu: &Gpu, pass: &str, step: &LinkedStep, key: &Key, constants: &[(String, f64)]) -> Pipeline {
+    fn build(
+        &mut self,
+        gpu: &Gpu,
+        pass: &str,
+        step: &LinkedStep,
+        key: &Key,
+        constants: &[(String, f64)],
+    ) -> Pipeline {
         let module = self.modules.entry(step.shader.hash).or_insert_with(|| {
             gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: step.shader.files().first().map(String::as_str),
@@ -107,7 +125,8 @@ impl Pipelines {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let constants: Vec<(&str, f64)> = constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+        let constants: Vec<(&str, f64)> =
+            constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
         let compilation_options = wgpu::PipelineCompilationOptions {
             constants: &constants,
             // Every shader of ours writes workgroup memory before it reads it.
@@ -115,16 +134,19 @@ impl Pipelines {
         };
         let entry = |index: usize| Some(step.shader.interface.entries[step.entries[index]].name.as_str());
         let kind = match &step.step {
-            Step::Compute(_) => PipelineKind::Compute(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(pass),
-                layout: Some(&pipeline_layout),
-                module,
-                entry_point: entry(0),
-                compilation_options,
-                cache: None,
-            })),
+            Step::Compute(_) => {
+                PipelineKind::Compute(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some(pass),
+                    layout: Some(&pipeline_layout),
+                    module,
+                    entry_point: entry(0),
+                    compilation_options,
+                    cache: None,
+                }))
+            }
             Step::Raster(raster) => {
-                let targets: Vec<Option<wgpu::ColorTargetState>> = key.targets.iter().map(|(format, blend)| Some(color_target(*format, *blend))).collect();
+                let targets: Vec<Option<wgpu::ColorTargetState>> =
+                    key.targets.iter().map(|(format, blend)| Some(color_target(*format, *blend))).collect();
                 PipelineKind::Render(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                     label: Some(pass),
                     layout: Some(&pipeline_layout),
@@ -138,7 +160,11 @@ impl Pipelines {
                     depth_stencil: key.depth.map(|(format, less)| wgpu::DepthStencilState {
                         format: texture_format(format),
                         depth_write_enabled: Some(true),
-                        depth_compare: Some(if less { wgpu::CompareFunction::LessEqual } else { wgpu::CompareFunction::GreaterEqual }),
+                        depth_compare: Some(if less {
+                            wgpu::CompareFunction::LessEqual
+                        } else {
+                            wgpu::CompareFunction::GreaterEqual
+                        }),
                         stencil: wgpu::StencilState::default(),
                         bias: wgpu::DepthBiasState::default(),
                     }),
@@ -216,7 +242,9 @@ fn binding_type(kind: &GlobalKind) -> wgpu::BindingType {
     let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     match kind {
         GlobalKind::Uniform { .. } => buffer(wgpu::BufferBindingType::Uniform),
-        GlobalKind::Storage { writable, .. } => buffer(wgpu::BufferBindingType::Storage { read_only: !writable }),
+        GlobalKind::Storage { writable, .. } => {
+            buffer(wgpu::BufferBindingType::Storage { read_only: !writable })
+        }
         GlobalKind::Texture { dimension, sample, multisampled } => wgpu::BindingType::Texture {
             sample_type: match sample {
                 Sample::Float { sampled } => sample_type(SampleKind::Float, *sampled),
@@ -242,7 +270,11 @@ fn binding_type(kind: &GlobalKind) -> wgpu::BindingType {
                 Access::Atomic => wgpu::StorageTextureAccess::Atomic,
             },
             format: storage_format(format).unwrap_or(wgpu::TextureFormat::Rgba32Float),
-            view_dimension: if *dimension == Dimension::D2Array { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 },
+            view_dimension: if *dimension == Dimension::D2Array {
+                wgpu::TextureViewDimension::D2Array
+            } else {
+                wgpu::TextureViewDimension::D2
+            },
         },
         GlobalKind::Sampler { comparison } => wgpu::BindingType::Sampler(if *comparison {
             wgpu::SamplerBindingType::Comparison

@@ -14,7 +14,8 @@ pub(crate) fn map(gpu: &Gpu, buffer: &wgpu::Buffer, name: &str) -> Result<Vec<u8
         let _ = sender.send(result);
     });
     gpu.wait()?;
-    match receiver.try_recv() {
+    // Another thread's poll may be the one that runs the callback: it comes in any case, and is waited for.
+    match receiver.recv() {
         Ok(Ok(())) => {}
         Ok(Err(refused)) => return Err(error(refused.to_string())),
         Err(_) => return Err(error("the device did not answer".to_owned())),
@@ -25,7 +26,12 @@ pub(crate) fn map(gpu: &Gpu, buffer: &wgpu::Buffer, name: &str) -> Result<Vec<u8
 }
 
 /// The bytes of an object, row by row and layer by layer, without padding.
-pub(crate) fn read(gpu: &Gpu, name: &str, desc: &ResourceDesc, object: &Object) -> Result<Vec<u8>, ExecutorError> {
+pub(crate) fn read(
+    gpu: &Gpu,
+    name: &str,
+    desc: &ResourceDesc,
+    object: &Object,
+) -> Result<Vec<u8>, ExecutorError> {
     let staging = |size: u64| {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),
@@ -34,7 +40,8 @@ pub(crate) fn read(gpu: &Gpu, name: &str, desc: &ResourceDesc, object: &Object) 
             mapped_at_creation: false,
         })
     };
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read back") });
+    let mut encoder =
+        gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read back") });
     match (desc, object) {
         (ResourceDesc::Buffer(buffer), Object::Buffer(source)) => {
             let target = staging(buffer.bytes);
@@ -57,12 +64,23 @@ pub(crate) fn read(gpu: &Gpu, name: &str, desc: &ResourceDesc, object: &Object) 
                         rows_per_image: Some(texture.size.1),
                     },
                 },
-                wgpu::Extent3d { width: texture.size.0, height: texture.size.1, depth_or_array_layers: texture.layers },
+                wgpu::Extent3d {
+                    width: texture.size.0,
+                    height: texture.size.1,
+                    depth_or_array_layers: texture.layers,
+                },
             );
             gpu.queue.submit([encoder.finish()]);
             let bytes = map(gpu, &target, name)?;
-            Ok(bytes.chunks_exact(padded as usize).flat_map(|padded_row| &padded_row[..row as usize]).copied().collect())
+            Ok(bytes
+                .chunks_exact(padded as usize)
+                .flat_map(|padded_row| &padded_row[..row as usize])
+                .copied()
+                .collect())
         }
-        _ => Err(ExecutorError::ReadBack { resource: name.to_owned(), message: "its object is of another sort".to_owned() }),
+        _ => Err(ExecutorError::ReadBack {
+            resource: name.to_owned(),
+            message: "its object is of another sort".to_owned(),
+        }),
     }
 }

@@ -1,6 +1,7 @@
 //! The executor: loads plans and encodes frames.
 
 use crate::error::ExecutorError;
+use crate::fill::{fill, poison_buffer, poison_object};
 use crate::gpu::Gpu;
 use crate::object::{Object, ObjectUsage, Pool};
 use crate::pipeline::Pipelines;
@@ -9,7 +10,7 @@ use crate::step::{LoadedStep, StepContext};
 use crate::timing::Timers;
 use frame_graph::frame::{FrameSchedule, FrameState};
 use frame_graph::plan::{AllocationId, HistoryId, PassId, Plan, ResourceId};
-use frame_graph::{Change, Clear, ResetCause, ResourceDesc};
+use frame_graph::{Change, ResetCause, ResourceDesc};
 use pass::{LinkedStep, PastFact, Source, pass_seed};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -142,7 +143,11 @@ impl Executor {
     ///
     /// # Errors
     /// A pipeline that the driver refuses, a limit, or memory used up: with the pass and the bytes.
-    pub fn load(&mut self, plan: Arc<Plan>, steps: Vec<Vec<LinkedStep>>) -> Result<LoadReport, ExecutorError> {
+    pub fn load(
+        &mut self,
+        plan: Arc<Plan>,
+        steps: Vec<Vec<LinkedStep>>,
+    ) -> Result<LoadReport, ExecutorError> {
         let mut pipelines = 0;
         let mut built = Vec::with_capacity(steps.len());
         for (pass, pass_steps) in plan.passes.iter().zip(steps) {
@@ -157,7 +162,8 @@ impl Executor {
         let changed = self.changed_passes(&plan, &built);
         let usages = allocation_usages(&plan, &built);
         let keep = self.loaded.as_ref().is_some_and(|old| {
-            old.plan.id == plan.id && old.objects.iter().zip(&usages).all(|((old, _), new)| old.or(*new) == *old)
+            old.plan.id == plan.id
+                && old.objects.iter().zip(&usages).all(|((old, _), new)| old.or(*new) == *old)
         });
         let old = self.loaded.as_ref();
         let (objects, state, schedule, kept) = match old.filter(|_| keep) {
@@ -175,8 +181,12 @@ impl Executor {
             }
             self.pool.trim();
         }
-        let used: HashSet<u128> =
-            self.loaded.iter().flat_map(|loaded| loaded.steps.iter().flatten()).map(LoadedStep::shader_hash).collect();
+        let used: HashSet<u128> = self
+            .loaded
+            .iter()
+            .flat_map(|loaded| loaded.steps.iter().flatten())
+            .map(LoadedStep::shader_hash)
+            .collect();
         self.pipelines.trim(&used);
         self.pending.extend(changed.iter().copied());
         Ok(LoadReport { changed, pipelines, kept })
@@ -199,7 +209,11 @@ impl Executor {
             .collect()
     }
 
-    fn allocate(&mut self, plan: &Plan, usages: &[ObjectUsage]) -> Result<Vec<(ObjectUsage, Object)>, ExecutorError> {
+    fn allocate(
+        &mut self,
+        plan: &Plan,
+        usages: &[ObjectUsage],
+    ) -> Result<Vec<(ObjectUsage, Object)>, ExecutorError> {
         let mut objects: Vec<(ObjectUsage, Object)> = Vec::with_capacity(usages.len());
         for (allocation, usage) in plan.allocations.iter().zip(usages) {
             let first = allocation.resources.first();
@@ -217,7 +231,10 @@ impl Executor {
             }
         }
         // Constants are written once: nothing else has a place in their objects.
-        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("constants") });
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("constants") });
         for resource in &plan.resources {
             if let Some(clear) = resource.constant {
                 fill(&mut encoder, &objects[resource.allocation.0 as usize].1, &resource.desc, clear);
@@ -243,11 +260,17 @@ impl Executor {
         if options.poison && loaded.poison.is_none() {
             loaded.poison = Some(poison_buffer(&self.gpu, &plan));
         }
-        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        let mut encoder =
+            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
             if slot.reset.is_some() {
                 let desc = &plan.resources[history.resource.0 as usize].desc;
-                fill(&mut encoder, &loaded.objects[history.copies[slot.previous].0 as usize].1, desc, history.init);
+                fill(
+                    &mut encoder,
+                    &loaded.objects[history.copies[slot.previous].0 as usize].1,
+                    desc,
+                    history.init,
+                );
             }
         }
         let timed = options.timed && loaded.timers.is_some();
@@ -276,12 +299,22 @@ impl Executor {
             if let Some(poison) = poisoned {
                 for id in pass.outputs.iter().flat_map(|output| output.members.iter().map(|(_, id)| *id)) {
                     let allocation = current_allocation(&plan, &schedule, id);
-                    poison_object(&mut encoder, poison, &plan.resources[id.0 as usize].desc, &objects[allocation.0 as usize]);
+                    poison_object(
+                        &mut encoder,
+                        poison,
+                        &plan.resources[id.0 as usize].desc,
+                        &objects[allocation.0 as usize],
+                    );
                 }
             }
             for (id, clear) in &pass.clears {
                 let allocation = current_allocation(&plan, &schedule, *id);
-                fill(&mut encoder, &objects[allocation.0 as usize].1, &plan.resources[id.0 as usize].desc, *clear);
+                fill(
+                    &mut encoder,
+                    &objects[allocation.0 as usize].1,
+                    &plan.resources[id.0 as usize].desc,
+                    *clear,
+                );
             }
             let count = steps[index].len();
             for (i, step) in steps[index].iter_mut().enumerate() {
@@ -422,7 +455,8 @@ fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage>
             add(ResourceId(index as u32), attachment);
         }
         // Filled by tests, by hosts, and with poison; depth formats cannot be copied to.
-        if resource.desc.texture().is_some_and(|texture| texture.format != frame_graph::Format::Depth32Float) {
+        if resource.desc.texture().is_some_and(|texture| texture.format != frame_graph::Format::Depth32Float)
+        {
             add(ResourceId(index as u32), ObjectUsage { filled: true, ..ObjectUsage::default() });
         }
     }
@@ -444,93 +478,4 @@ fn lay_out_uniforms(gpu: &Gpu, steps: &mut [Vec<LoadedStep>]) -> Option<wgpu::Bu
             mapped_at_creation: false,
         })
     })
-}
-
-/// Encodes the filling of a whole object with one value.
-fn fill(encoder: &mut wgpu::CommandEncoder, object: &Object, desc: &ResourceDesc, clear: Clear) {
-    match (object, desc) {
-        (Object::Buffer(buffer), _) => encoder.clear_buffer(buffer, 0, None),
-        (Object::Texture { texture, .. }, ResourceDesc::Texture(described)) => {
-            let color = match clear {
-                Clear::Zero => wgpu::Color::TRANSPARENT,
-                Clear::Color([r, g, b, a]) => wgpu::Color { r: r.into(), g: g.into(), b: b.into(), a: a.into() },
-            };
-            for layer in 0..described.layers {
-                let view = layer_view(texture, layer);
-                let is_depth = described.format == frame_graph::Format::Depth32Float;
-                let color_attachment = [Some(wgpu::RenderPassColorAttachment {
-                    view: &view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Clear(color), store: wgpu::StoreOp::Store },
-                })];
-                encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("clear"),
-                    color_attachments: if is_depth { &[] } else { &color_attachment },
-                    depth_stencil_attachment: is_depth.then(|| wgpu::RenderPassDepthStencilAttachment {
-                        view: &view,
-                        depth_ops: Some(wgpu::Operations {
-                            load: wgpu::LoadOp::Clear(color.r as f32),
-                            store: wgpu::StoreOp::Store,
-                        }),
-                        stencil_ops: None,
-                    }),
-                    ..Default::default()
-                });
-            }
-        }
-        (Object::Texture { .. }, ResourceDesc::Buffer(_)) => {}
-    }
-}
-
-/// One layer of a texture, as an attachment.
-pub(crate) fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
-        ..Default::default()
-    })
-}
-
-/// A buffer of set bits, as large as the largest resource with its rows padded: NaN in every float format.
-fn poison_buffer(gpu: &Gpu, plan: &Plan) -> wgpu::Buffer {
-    let largest = plan.resources.iter().map(|resource| match &resource.desc {
-        ResourceDesc::Buffer(buffer) => buffer.bytes,
-        ResourceDesc::Texture(texture) => padded_row(texture) * u64::from(texture.size.1) * u64::from(texture.layers),
-    });
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("poison"),
-        size: largest.max().unwrap_or(4).next_multiple_of(4),
-        usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: true,
-    });
-    if let Ok(mut bytes) = buffer.get_mapped_range_mut(..) {
-        bytes.slice(..).fill(0xff);
-    }
-    buffer.unmap();
-    buffer
-}
-
-fn padded_row(texture: &frame_graph::TextureDesc<(u32, u32)>) -> u64 {
-    (u64::from(texture.size.0) * texture.format.bytes()).next_multiple_of(u64::from(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT))
-}
-
-fn poison_object(encoder: &mut wgpu::CommandEncoder, poison: &wgpu::Buffer, desc: &ResourceDesc, object: &(ObjectUsage, Object)) {
-    match (&object.1, desc) {
-        (Object::Buffer(buffer), ResourceDesc::Buffer(desc)) => encoder.copy_buffer_to_buffer(poison, 0, buffer, 0, desc.bytes),
-        (Object::Texture { texture, .. }, ResourceDesc::Texture(desc)) if object.0.filled => encoder.copy_buffer_to_texture(
-            wgpu::TexelCopyBufferInfo {
-                buffer: poison,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: u32::try_from(padded_row(desc)).ok(),
-                    rows_per_image: Some(desc.size.1),
-                },
-            },
-            texture.as_image_copy(),
-            texture.size(),
-        ),
-        _ => {}
-    }
 }

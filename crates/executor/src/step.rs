@@ -1,10 +1,11 @@
 //! One step of a pass, ready to be encoded.
 
 use crate::error::ExecutorError;
+use crate::fill::layer_view;
 use crate::gpu::Gpu;
 use crate::object::{Object, ObjectUsage};
 use crate::pipeline::{Pipeline, PipelineKind, Pipelines, TargetFormats};
-use crate::run::{External, layer_view};
+use crate::run::External;
 use frame_graph::plan::{AllocationId, HistoryId, Plan, PlannedPass, ResourceId};
 use pass::{Draw, LinkedStep, Load, PastFact, Source, Step, Threads};
 use shader_library::GlobalKind;
@@ -43,16 +44,25 @@ fn edge((_, begin, end): &(&wgpu::QuerySet, Option<u32>, Option<u32>)) -> bool {
 
 impl LoadedStep {
     /// Makes the pipeline; the flag says whether it was not there before.
-    pub(crate) fn new(gpu: &Gpu, pipelines: &mut Pipelines, plan: &Plan, pass: &PlannedPass, linked: LinkedStep) -> Result<(LoadedStep, bool), ExecutorError> {
-        let format = |id: &ResourceId| plan.resources[id.0 as usize].desc.texture().map(|texture| texture.format);
+    pub(crate) fn new(
+        gpu: &Gpu,
+        pipelines: &mut Pipelines,
+        plan: &Plan,
+        pass: &PlannedPass,
+        linked: LinkedStep,
+    ) -> Result<(LoadedStep, bool), ExecutorError> {
+        let format =
+            |id: &ResourceId| plan.resources[id.0 as usize].desc.texture().map(|texture| texture.format);
         let formats = TargetFormats {
             colors: linked.targets.iter().filter_map(format).collect(),
             depth: linked.depth.as_ref().and_then(format),
         };
         let (pipeline, made) = pipelines.get(gpu, &pass.name, &linked, &formats)?;
-        let entry = linked.entries.first().map_or("", |&entry| linked.shader.interface.entries[entry].name.as_str());
+        let entry =
+            linked.entries.first().map_or("", |&entry| linked.shader.interface.entries[entry].name.as_str());
         let label = format!("{}: {entry}", pass.name);
-        let step = LoadedStep { label, linked, pipeline, uniform: None, groups: Vec::new(), views: HashMap::new() };
+        let step =
+            LoadedStep { label, linked, pipeline, uniform: None, groups: Vec::new(), views: HashMap::new() };
         Ok((step, made))
     }
 
@@ -62,7 +72,8 @@ impl LoadedStep {
 
     /// Whether both do the same with the same resources' names; values of the uniform included.
     pub(crate) fn same_work(&self, other: &LoadedStep) -> bool {
-        let values = |step: &LoadedStep| step.linked.settings.as_ref().map(|settings| settings.values.clone());
+        let values =
+            |step: &LoadedStep| step.linked.settings.as_ref().map(|settings| settings.values.clone());
         self.linked.shader.hash == other.linked.shader.hash
             && self.linked.entries == other.linked.entries
             && format!("{:?}", self.linked.step) == format!("{:?}", other.linked.step)
@@ -84,7 +95,13 @@ impl LoadedStep {
     }
 
     /// Writes the uniform where it is not what was written last.
-    pub(crate) fn write_uniform(&mut self, gpu: &Gpu, buffer: &wgpu::Buffer, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) {
+    pub(crate) fn write_uniform(
+        &mut self,
+        gpu: &Gpu,
+        buffer: &wgpu::Buffer,
+        seed: u32,
+        past: impl Fn(HistoryId, PastFact) -> u32,
+    ) {
         if let (Some(settings), Some((offset, written))) = (&self.linked.settings, &mut self.uniform) {
             let mut bytes = settings.bytes(seed, past);
             bytes.resize(bytes.len().next_multiple_of(16), 0);
@@ -101,7 +118,10 @@ impl LoadedStep {
         self.linked.targets.iter().chain(&self.linked.depth).for_each(|id| add(*id, attachment));
         for bound in &self.linked.bindings {
             if let Source::Resource(id) = &bound.source
-                && matches!(self.linked.shader.interface.globals[bound.global].kind, GlobalKind::StorageTexture { .. })
+                && matches!(
+                    self.linked.shader.interface.globals[bound.global].kind,
+                    GlobalKind::StorageTexture { .. }
+                )
             {
                 add(*id, ObjectUsage { storage: true, ..ObjectUsage::default() });
             }
@@ -128,10 +148,12 @@ impl LoadedStep {
                 let mut pass = open.take().unwrap_or_else(|| {
                     let descriptor = wgpu::ComputePassDescriptor {
                         label: Some(&self.label),
-                        timestamp_writes: queries.filter(edge).map(|(query_set, begin, end)| wgpu::ComputePassTimestampWrites {
-                            query_set,
-                            beginning_of_pass_write_index: begin,
-                            end_of_pass_write_index: end,
+                        timestamp_writes: queries.filter(edge).map(|(query_set, begin, end)| {
+                            wgpu::ComputePassTimestampWrites {
+                                query_set,
+                                beginning_of_pass_write_index: begin,
+                                end_of_pass_write_index: end,
+                            }
                         }),
                     };
                     encoder.begin_compute_pass(&descriptor).forget_lifetime()
@@ -185,7 +207,11 @@ impl LoadedStep {
         queries: StepQueries<'_>,
     ) {
         let Step::Raster(raster) = &self.linked.step else { return };
-        let layers = raster.targets.iter().map(|target| target.layer).chain(raster.depth.iter().map(|depth| depth.layer));
+        let layers = raster
+            .targets
+            .iter()
+            .map(|target| target.layer)
+            .chain(raster.depth.iter().map(|depth| depth.layer));
         let ids = self.linked.targets.iter().chain(&self.linked.depth);
         let keys: Vec<(AllocationId, u32)> = ids
             .zip(layers)
@@ -216,7 +242,10 @@ impl LoadedStep {
         let depth = raster.depth.as_ref().zip(keys.get(raster.targets.len())).map(|(target, key)| {
             wgpu::RenderPassDepthStencilAttachment {
                 view: &self.views[key],
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(target.clear), store: wgpu::StoreOp::Store }),
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(target.clear),
+                    store: wgpu::StoreOp::Store,
+                }),
                 stencil_ops: None,
             }
         });
@@ -224,10 +253,12 @@ impl LoadedStep {
             label: Some(&self.label),
             color_attachments: &colors,
             depth_stencil_attachment: depth,
-            timestamp_writes: queries.filter(edge).map(|(query_set, begin, end)| wgpu::RenderPassTimestampWrites {
-                query_set,
-                beginning_of_pass_write_index: begin,
-                end_of_pass_write_index: end,
+            timestamp_writes: queries.filter(edge).map(|(query_set, begin, end)| {
+                wgpu::RenderPassTimestampWrites {
+                    query_set,
+                    beginning_of_pass_write_index: begin,
+                    end_of_pass_write_index: end,
+                }
             }),
             ..Default::default()
         });
@@ -262,7 +293,15 @@ impl LoadedStep {
             .zip(&objects)
             .map(|(bound, object)| {
                 let global = &self.linked.shader.interface.globals[bound.global];
-                wgpu::BindGroupEntry { binding: global.binding, resource: self.resource(context, &bound.source, object.map(|(_, object)| object), &global.name) }
+                wgpu::BindGroupEntry {
+                    binding: global.binding,
+                    resource: self.resource(
+                        context,
+                        &bound.source,
+                        object.map(|(_, object)| object),
+                        &global.name,
+                    ),
+                }
             })
             .collect();
         let group = context.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -274,7 +313,13 @@ impl LoadedStep {
         group
     }
 
-    fn resource<'a>(&self, context: &StepContext<'a>, source: &Source, object: Option<&'a Object>, name: &str) -> wgpu::BindingResource<'a> {
+    fn resource<'a>(
+        &self,
+        context: &StepContext<'a>,
+        source: &Source,
+        object: Option<&'a Object>,
+        name: &str,
+    ) -> wgpu::BindingResource<'a> {
         match (source, object) {
             (_, Some(Object::Texture { view, .. })) => wgpu::BindingResource::TextureView(view),
             (_, Some(Object::Buffer(buffer))) => buffer.as_entire_binding(),
@@ -285,7 +330,9 @@ impl LoadedStep {
                 None => panic!("{}: the host program has not set the external `{name}`", self.label),
             },
             _ => {
-                let (Some(buffer), Some((offset, _)), Some(settings)) = (context.uniforms, &self.uniform, &self.linked.settings) else {
+                let (Some(buffer), Some((offset, _)), Some(settings)) =
+                    (context.uniforms, &self.uniform, &self.linked.settings)
+                else {
                     unreachable!("linking gives every step that reads `settings` a uniform")
                 };
                 wgpu::BindingResource::Buffer(wgpu::BufferBinding {

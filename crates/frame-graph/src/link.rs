@@ -221,10 +221,11 @@ impl<'a> Linker<'a> {
         for output in &self.resolved.outputs {
             let link = &output.link;
             // It must be sound with everything on, and lead somewhere as things are.
-            if !matches!(self.follow(link, None, false), Found::End(_)) {
-                continue;
-            }
-            match self.follow(link, None, true) {
+            let sound = match self.follow(link, None, false) {
+                Found::End(_) => self.follow(link, None, true),
+                other => other,
+            };
+            match sound {
                 Found::End(end) => self.outputs.push((output, end)),
                 Found::Nothing(off) => {
                     let error = self.off_read(format!("the output `{}`", output.name.value), link.place, off);

@@ -2,7 +2,7 @@
 //!
 //! Scene units are metres; colours are linear Rec. 709; all radiometric quantities are per RGB channel.
 
-use frame_graph::{Interface, Member};
+use frame_graph::{Extent, Format, Interface, Member, ResourceDesc};
 
 const fn required(name: &'static str, doc: &'static str) -> Member {
     Member { name, optional: false, doc }
@@ -30,8 +30,14 @@ pub static INTERFACES: &[Interface] = &[
         name: "ReflectiveShadowMap",
         doc: "What the lights see: a layer a spot or directional light, six a point light. Facts: `size`, `layers`.",
         members: &[
-            required("position", "rgba32float array: world position [m], and distance along the layer's axis [m]; 0 where empty"),
-            required("normal", "rgba16float array: shading normal in world space, unit, on the side of the light"),
+            required(
+                "position",
+                "rgba32float array: world position [m], and distance along the layer's axis [m]; 0 where empty",
+            ),
+            required(
+                "normal",
+                "rgba16float array: shading normal in world space, unit, on the side of the light",
+            ),
             required("flux", "rgba32float array: flux reflected by the texel's part of the surface [W]"),
         ],
     },
@@ -52,18 +58,27 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "DepthAtlas",
-        doc: "Hemispherical depth maps as splatted: one tile a virtual light, row by row. Facts: `tile` [px], `columns`, `count`.",
-        members: &[required("", "buffer: [rows × tile × columns × tile] u32, the bits of the distance [m]; those of +∞ where nothing fell")],
+        doc: "Hemispherical depth maps as splatted, one a virtual light. Facts: `tile` [px], `count`, `slack`: how far the bias of a lookup must exceed that of exact maps.",
+        members: &[required(
+            "",
+            "buffer: [count × tile × tile] u32, map after map: the bits of the distance [m]; those of +∞ where nothing fell",
+        )],
     },
     Interface {
         name: "Visibility",
-        doc: "Whether a virtual light is seen from a point. Facts: `module`, the WGSL that answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`; for an atlas `tile` [px], `columns`.",
-        members: &[optional("atlas", "r32float: paraboloid maps of the distance [m], one tile a virtual light, row by row; a large number where nothing is")],
+        doc: "Whether a virtual light is seen from a point. Facts: `module`, the WGSL that answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`; for an atlas `tile` [px], `columns`, `slack` (factor on the bias of a lookup).",
+        members: &[optional(
+            "atlas",
+            "r32float: paraboloid maps of the distance [m], one tile a virtual light, row by row; a large number where nothing is",
+        )],
     },
     Interface {
         name: "Irradiance",
         doc: "Indirect irradiance at the pixels of a G-buffer.",
-        members: &[required("", "rgba32float: [W/m²]; in alpha the luminance of what clamping removed [W/m²]")],
+        members: &[required(
+            "",
+            "rgba32float: [W/m²]; in alpha the luminance of what clamping removed [W/m²]",
+        )],
     },
     Interface {
         name: "Radiance",
@@ -76,3 +91,37 @@ pub static INTERFACES: &[Interface] = &[
         members: &[required("", "rgba8unorm: tone-mapped and encoded as sRGB")],
     },
 ];
+
+/// The formats in which the passes of the tree write the textures of interfaces: interface, member, format.
+///
+/// A pass in WGSL alone that names no format for a target gets the one given here. Consumers read any format of
+/// the same sort, so this binds nobody.
+pub static FORMATS: &[(&str, &str, Format)] = &[
+    ("GBuffer", "depth", Format::R32Float),
+    ("GBuffer", "normal", Format::Rgba16Float),
+    ("GBuffer", "albedo", Format::Rgba16Float),
+    ("GBuffer", "specular", Format::Rgba16Float),
+    ("GBuffer", "emission", Format::Rgba32Float),
+    ("GBuffer", "motion", Format::Rg32Float),
+    ("ReflectiveShadowMap", "position", Format::Rgba32Float),
+    ("ReflectiveShadowMap", "normal", Format::Rgba16Float),
+    ("ReflectiveShadowMap", "flux", Format::Rgba32Float),
+    ("ImportanceMap", "", Format::R32Float),
+    ("Visibility", "atlas", Format::R32Float),
+    ("Irradiance", "", Format::Rgba32Float),
+    ("Radiance", "", Format::Rgba32Float),
+    ("Display", "", Format::Rgba8Unorm),
+];
+
+/// The format of a member by [`FORMATS`]; `None` where the member is a buffer or there is none of that name.
+pub fn format_of(interface: &str, member: &str) -> Option<Format> {
+    let of = |entry: &&(&str, &str, Format)| entry.0 == interface && entry.1 == member;
+    FORMATS.iter().find(of).map(|(_, _, format)| *format)
+}
+
+/// The buffer of so many virtual lights: struct VirtualLights of shaders/virtual-lights.wgsl.
+pub fn virtual_lights(count: u32) -> ResourceDesc<Extent> {
+    const HEADER_BYTES: u64 = 16;
+    const LIGHT_BYTES: u64 = 48;
+    ResourceDesc::buffer(HEADER_BYTES + LIGHT_BYTES * u64::from(count))
+}

@@ -15,16 +15,17 @@ pub mod externals;
 pub mod interfaces;
 mod link;
 mod record;
+pub mod reflected;
 pub mod setting;
 
 pub use frame_graph::{
-    Clear, Extent, Externals, Facts, Format, InputPort, KindError, Name, OutputContext, OutputDesc, OutputPort, Ports,
-    ResourceDesc, Setting, Settings, Traits, Usage, Use, Value, ValueType,
+    Clear, Extent, Externals, Facts, Format, InputPort, KindError, Name, OutputContext, OutputDesc,
+    OutputPort, Ports, ResourceDesc, Setting, Settings, Traits, Usage, Use, Value, ValueType,
 };
 pub use link::{Bound, LinkedStep, PastFact, SettingsFill, Source, link_steps, pass_seed};
 pub use record::{
-    Blend, Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target, Threads,
-    request,
+    Blend, Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target,
+    Threads, request,
 };
 pub use shader_library::{Define, Library, Request};
 
@@ -61,7 +62,8 @@ pub trait Pass: Send + Sync {
     fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError>;
 
     /// The resources of its outputs, and scratch.
-    fn outputs(&self, cx: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError>;
+    fn outputs(&self, cx: &UseContext<'_>, outputs: &OutputContext<'_>)
+    -> Result<Vec<OutputDesc>, KindError>;
 
     /// The steps that make the outputs.
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError>;

@@ -3,11 +3,16 @@
 
 use crate::record::{Compute, PortDesc, Raster, RecordContext, Recording, Step, Threads};
 use crate::{Pass, UseContext, externals};
+use fit::{describe, describe_global, mismatch};
 use frame_graph::plan::{HistoryId, PassId, Plan, PlannedPass, ResourceId};
-use frame_graph::{Diagnostic, Diagnostics, Externals, Name, ResourceDesc, Setting, Traits, Use, Value};
-use shader_library::{Access, Dimension, GlobalKind, Library, Request, Sample, Shader, Stage, StructLayout};
+use frame_graph::{Diagnostic, Diagnostics, Externals, Setting, Traits, Use, Value};
+use names::{Named, Names};
+use shader_library::{GlobalKind, Library, Request, Shader, Stage, StructLayout};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+mod fit;
+mod names;
 
 /// What a global is bound to.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,8 +122,8 @@ pub fn link_steps(
 ) -> Result<Vec<LinkedStep>, Diagnostics> {
     let planned = &plan.passes[id.0 as usize];
     let names = Names::new(plan, planned);
-    let inputs: Vec<PortDesc> = planned.inputs.iter().map(|input| names.input(plan, input)).collect();
-    let outputs: Vec<PortDesc> = planned.outputs.iter().map(|output| names.output(plan, output)).collect();
+    let inputs: Vec<PortDesc> = planned.inputs.iter().map(|input| names::input(plan, input)).collect();
+    let outputs: Vec<PortDesc> = planned.outputs.iter().map(|output| names::output(plan, output)).collect();
     let linked: Vec<String> = planned.inputs.iter().map(|input| input.port.to_string()).collect();
     let use_ = Use {
         kind: &planned.kind,
@@ -144,78 +149,16 @@ pub fn link_steps(
     let cx = UseContext { use_, shaders: library };
     let declared = kind.ports(&cx, &planned.settings).map_or(Externals::NONE, |ports| ports.externals);
     let schema = kind.settings(&cx).unwrap_or_default();
-    let linker = StepLinker { planned, plan, names: &names, inputs: &inputs, outputs: &outputs, declared, schema: &schema };
+    let linker = StepLinker {
+        planned,
+        plan,
+        names: &names,
+        inputs: &inputs,
+        outputs: &outputs,
+        declared,
+        schema: &schema,
+    };
     recording.steps.into_iter().map(|step| linker.link(step, library)).collect()
-}
-
-/// Everything of a pass that a name can mean.
-struct Names {
-    /// `port` or `port.member`, whether the pass may write it, and what it is.
-    entries: Vec<(String, bool, Source, ResourceDesc)>,
-}
-
-impl Names {
-    fn new(plan: &Plan, planned: &PlannedPass) -> Names {
-        let mut entries = Vec::new();
-        let desc = |id: ResourceId| plan.resources[id.0 as usize].desc.clone();
-        for input in &planned.inputs {
-            for (i, (member, resource)) in input.members.iter().enumerate() {
-                let source = match &input.history {
-                    Some(histories) => Source::Past(histories[i]),
-                    None => Source::Resource(*resource),
-                };
-                entries.push((join(&input.port, member), false, source, desc(*resource)));
-            }
-        }
-        for output in &planned.outputs {
-            for (member, resource) in &output.members {
-                entries.push((join(&output.port, member), true, Source::Resource(*resource), desc(*resource)));
-            }
-        }
-        Names { entries }
-    }
-
-    fn input(&self, plan: &Plan, input: &frame_graph::plan::PlannedInput) -> PortDesc {
-        PortDesc {
-            name: input.port.clone(),
-            interface: input.interface.clone(),
-            members: members(plan, &input.members),
-            facts: Arc::clone(&input.facts),
-            connected: true,
-            past: input.history.is_some(),
-        }
-    }
-
-    fn output(&self, plan: &Plan, output: &frame_graph::plan::PlannedPort) -> PortDesc {
-        PortDesc {
-            name: output.port.clone(),
-            interface: output.interface.clone(),
-            members: members(plan, &output.members),
-            facts: Arc::clone(&output.facts),
-            connected: output.connected,
-            past: false,
-        }
-    }
-
-    /// By `port.member`, or as a global is called: `port_member`.
-    fn find(&self, name: &str) -> Option<&(String, bool, Source, ResourceDesc)> {
-        self.entries.iter().find(|(entry, ..)| entry == name || entry.replace('.', "_") == name)
-    }
-
-    fn all(&self) -> impl Iterator<Item = String> + '_ {
-        self.entries
-            .iter()
-            .map(|(name, ..)| name.replace('.', "_"))
-            .chain(externals::GLOBALS.iter().map(|(name, _)| (*name).to_owned()))
-    }
-}
-
-fn join(port: &str, member: &str) -> String {
-    if member.is_empty() { port.to_owned() } else { format!("{port}.{member}") }
-}
-
-fn members(plan: &Plan, ids: &[(Name, ResourceId)]) -> Vec<(Name, ResourceDesc)> {
-    ids.iter().map(|(name, id)| (name.clone(), plan.resources[id.0 as usize].desc.clone())).collect()
 }
 
 struct StepLinker<'a> {
@@ -231,7 +174,9 @@ struct StepLinker<'a> {
 impl StepLinker<'_> {
     fn link(&self, step: Step, library: &Library) -> Result<LinkedStep, Diagnostics> {
         let (request, entry_names, bind, values) = match &step {
-            Step::Compute(Compute { shader, entry, bind, values, .. }) => (shader, vec![(entry, Stage::Compute)], bind, values),
+            Step::Compute(Compute { shader, entry, bind, values, .. }) => {
+                (shader, vec![(entry, Stage::Compute)], bind, values)
+            }
             Step::Raster(Raster { shader, vertex, fragment, bind, values, .. }) => {
                 let mut entries = vec![(vertex, Stage::Vertex)];
                 entries.extend(fragment.iter().map(|name| (name, Stage::Fragment)));
@@ -243,7 +188,8 @@ impl StepLinker<'_> {
             .into_iter()
             .map(|(name, stage)| self.entry(&shader, request, name, stage))
             .collect::<Result<Vec<usize>, Diagnostics>>()?;
-        let mut used: Vec<usize> = entries.iter().flat_map(|&e| shader.interface.entries[e].globals.iter().copied()).collect();
+        let mut used: Vec<usize> =
+            entries.iter().flat_map(|&e| shader.interface.entries[e].globals.iter().copied()).collect();
         used.sort_unstable();
         used.dedup();
         let mut bindings = Vec::with_capacity(used.len());
@@ -266,9 +212,9 @@ impl StepLinker<'_> {
                 }
             }
             Step::Compute(Compute { threads: Threads::Indirect { buffer, .. }, .. }) => {
-                let (_, _, source, _) = self.names.find(buffer).ok_or_else(|| self.unknown(request, buffer))?;
-                if let Source::Resource(id) = source {
-                    indirect = Some(*id);
+                let named = self.names.find(buffer).ok_or_else(|| self.unknown(request, buffer))?;
+                if let Source::Resource(id) = named.source {
+                    indirect = Some(id);
                 }
             }
             Step::Compute(_) => {}
@@ -276,27 +222,49 @@ impl StepLinker<'_> {
         Ok(LinkedStep { step, shader, entries, bindings, settings, targets, depth, indirect })
     }
 
-    fn entry(&self, shader: &Shader, request: &Request, name: &str, stage: Stage) -> Result<usize, Diagnostics> {
+    fn entry(
+        &self,
+        shader: &Shader,
+        request: &Request,
+        name: &str,
+        stage: Stage,
+    ) -> Result<usize, Diagnostics> {
         let entries = &shader.interface.entries;
         entries.iter().position(|entry| entry.name == name && entry.stage == stage).ok_or_else(|| {
-            let found: Vec<String> = entries.iter().map(|e| format!("`{}` ({:?})", e.name, e.stage)).collect();
+            let found: Vec<String> =
+                entries.iter().map(|e| format!("`{}` ({:?})", e.name, e.stage)).collect();
             let has = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
-            self.error("E061", format!("{} has no {stage:?} entry point `{name}`", request.path), vec![format!("it has {has}")])
+            self.error(
+                "E061",
+                format!("{} has no {stage:?} entry point `{name}`", request.path),
+                vec![format!("it has {has}")],
+            )
         })
     }
 
-    fn bind(&self, shader: &Shader, request: &Request, global: usize, bind: &[(String, String)]) -> Result<Source, Diagnostics> {
+    fn bind(
+        &self,
+        shader: &Shader,
+        request: &Request,
+        global: usize,
+        bind: &[(String, String)],
+    ) -> Result<Source, Diagnostics> {
         let global = &shader.interface.globals[global];
-        let renamed = bind.iter().find(|(name, _)| *name == global.name).map(|(_, resource)| resource.as_str());
+        let renamed =
+            bind.iter().find(|(name, _)| *name == global.name).map(|(_, resource)| resource.as_str());
         if renamed.is_none() {
             if global.name == "settings" {
                 return Ok(Source::Settings);
             }
-            if let Some((name, externals)) = externals::GLOBALS.iter().find(|(name, _)| *name == global.name) {
+            if let Some((name, externals)) = externals::GLOBALS.iter().find(|(name, _)| *name == global.name)
+            {
                 if !self.declared.contains(*externals) {
                     return Err(self.error(
                         "E062",
-                        format!("{} reads `{name}`, which the kind `{}` does not declare among its externals", request.path, self.planned.kind),
+                        format!(
+                            "{} reads `{name}`, which the kind `{}` does not declare among its externals",
+                            request.path, self.planned.kind
+                        ),
                         Vec::new(),
                     ));
                 }
@@ -304,38 +272,57 @@ impl StepLinker<'_> {
             }
         }
         let wanted = renamed.unwrap_or(&global.name);
-        let (name, writable, source, desc) = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted))?;
-        if let Some(why) = mismatch(&global.kind, desc, *writable) {
+        let named = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted))?;
+        if let Some(why) = mismatch(&global.kind, &named.desc, named.writable) {
             return Err(self.error(
                 "E063",
-                format!("{}: `{}` is declared as {}, but `{name}` is {}", request.path, global.name, describe_global(&global.kind), describe(desc)),
+                format!(
+                    "{}: `{}` is declared as {}, but `{}` is {}",
+                    request.path,
+                    global.name,
+                    describe_global(&global.kind),
+                    named.name,
+                    describe(&named.desc)
+                ),
                 vec![why.to_owned()],
             ));
         }
-        Ok(source.clone())
+        Ok(named.source.clone())
     }
 
-    fn settings(&self, shader: &Shader, request: &Request, global: usize, values: &[(String, Value)]) -> Result<SettingsFill, Diagnostics> {
+    fn settings(
+        &self,
+        shader: &Shader,
+        request: &Request,
+        global: usize,
+        values: &[(String, Value)],
+    ) -> Result<SettingsFill, Diagnostics> {
         let GlobalKind::Uniform { layout } = &shader.interface.globals[global].kind else {
-            return Err(self.error("E064", format!("{}: `settings` must be a `var<uniform>` of a struct", request.path), Vec::new()));
+            return Err(self.error(
+                "E064",
+                format!("{}: `settings` must be a `var<uniform>` of a struct", request.path),
+                Vec::new(),
+            ));
         };
-        let layout = shader
-            .interface
-            .structs
-            .iter()
-            .find(|s| s.name == layout.ty)
-            .ok_or_else(|| self.error("E064", format!("{}: `settings` must be of a struct type", request.path), Vec::new()))?;
+        let layout = shader.interface.structs.iter().find(|s| s.name == layout.ty).ok_or_else(|| {
+            self.error("E064", format!("{}: `settings` must be of a struct type", request.path), Vec::new())
+        })?;
         let mut known: BTreeMap<String, Value> = BTreeMap::new();
         for port in self.inputs.iter().chain(self.outputs) {
             if let Some(texture) = port.members.iter().find_map(|(_, desc)| desc.texture()) {
-                known.insert(format!("{}_size", port.name), Value::Vector(vec![texture.size.0 as f32, texture.size.1 as f32]));
+                known.insert(
+                    format!("{}_size", port.name),
+                    Value::Vector(vec![texture.size.0 as f32, texture.size.1 as f32]),
+                );
                 known.insert(format!("{}_layers", port.name), Value::U32(texture.layers));
             }
             for (fact, value) in port.facts.iter().filter(|(_, value)| value.as_text().is_none()) {
                 known.entry(format!("{}_{fact}", port.name)).or_insert_with(|| value.clone());
             }
         }
-        known.extend(self.planned.settings.0.iter().map(|(name, value)| (name.clone(), self.in_shader(name, value))));
+        known.extend(
+            self.planned.settings.0.iter().map(|(name, value)| (name.clone(), self.in_shader(name, value))),
+        );
         known.extend(values.iter().cloned());
         let mut past = Vec::new();
         for input in &self.planned.inputs {
@@ -346,13 +333,29 @@ impl StepLinker<'_> {
         }
         let seeded = !known.contains_key("seed");
         for member in &layout.members {
-            let answered = known.contains_key(&member.name) || past.iter().any(|(name, ..)| *name == member.name) || (seeded && member.name == "seed");
+            let answered = known.contains_key(&member.name)
+                || past.iter().any(|(name, ..)| *name == member.name)
+                || (seeded && member.name == "seed");
             // Padding has no meaning, and so no value.
             if !answered && !member.name.starts_with("pad") {
-                let names = known.keys().cloned().chain(past.iter().map(|(name, ..)| name.clone())).chain([String::from("seed")]);
-                let mut notes = nearest(&member.name, names).map(|name| format!("did you mean `{name}`?")).into_iter().collect::<Vec<_>>();
-                notes.push(format!("it is neither a setting of the kind `{}` nor a fact of a port", self.planned.kind));
-                return Err(self.error("E065", format!("{}: nothing gives `settings.{}` a value", request.path, member.name), notes));
+                let names = known
+                    .keys()
+                    .cloned()
+                    .chain(past.iter().map(|(name, ..)| name.clone()))
+                    .chain([String::from("seed")]);
+                let mut notes = nearest(&member.name, names)
+                    .map(|name| format!("did you mean `{name}`?"))
+                    .into_iter()
+                    .collect::<Vec<_>>();
+                notes.push(format!(
+                    "it is neither a setting of the kind `{}` nor a fact of a port",
+                    self.planned.kind
+                ));
+                return Err(self.error(
+                    "E065",
+                    format!("{}: nothing gives `settings.{}` a value", request.path, member.name),
+                    notes,
+                ));
             }
         }
         known.retain(|name, _| layout.members.iter().any(|member| member.name == *name));
@@ -368,7 +371,11 @@ impl StepLinker<'_> {
 
     /// The value of a setting as a shader sees it: one of several words is its position among them.
     fn in_shader(&self, name: &str, value: &Value) -> Value {
-        let words = self.schema.iter().find(|setting| setting.name == name).map_or(&[][..], |setting| &setting.one_of);
+        let words = self
+            .schema
+            .iter()
+            .find(|setting| setting.name == name)
+            .map_or(&[][..], |setting| &setting.one_of);
         match (value, words.iter().position(|word| word == value)) {
             (Value::Text(_), Some(index)) => Value::U32(index as u32),
             _ => value.clone(),
@@ -377,17 +384,27 @@ impl StepLinker<'_> {
 
     fn written(&self, request: &Request, name: &str) -> Result<ResourceId, Diagnostics> {
         match self.names.find(name) {
-            Some((_, true, Source::Resource(id), _)) => Ok(*id),
-            Some(_) => Err(self.error("E063", format!("{}: `{name}` is an input and cannot be drawn to", request.path), Vec::new())),
+            Some(Named { writable: true, source: Source::Resource(id), .. }) => Ok(*id),
+            Some(_) => Err(self.error(
+                "E063",
+                format!("{}: `{name}` is an input and cannot be drawn to", request.path),
+                Vec::new(),
+            )),
             None => Err(self.unknown(request, name)),
         }
     }
 
     fn unknown(&self, request: &Request, name: &str) -> Diagnostics {
-        let mut notes: Vec<String> =
-            nearest(name, self.names.all()).map(|name| format!("did you mean `{name}`?")).into_iter().collect();
-        notes.push(format!("there is: {}", self.names.entries.iter().map(|(n, ..)| n.replace('.', "_")).collect::<Vec<_>>().join(", ")));
-        self.error("E066", format!("{} uses `{name}`, which is no port, scratch or external of the pass", request.path), notes)
+        let mut notes: Vec<String> = nearest(name, self.names.all())
+            .map(|name| format!("did you mean `{name}`?"))
+            .into_iter()
+            .collect();
+        notes.push(format!("there is: {}", self.names.own().collect::<Vec<_>>().join(", ")));
+        self.error(
+            "E066",
+            format!("{} uses `{name}`, which is no port, scratch or external of the pass", request.path),
+            notes,
+        )
     }
 
     fn error(&self, code: &'static str, message: String, mut notes: Vec<String>) -> Diagnostics {
@@ -406,59 +423,4 @@ fn nearest(name: &str, candidates: impl Iterator<Item = String>) -> Option<Strin
         .filter(|(distance, candidate)| *distance <= 2 + candidate.len() / 4)
         .min()
         .map(|(_, candidate)| candidate)
-}
-
-/// Why a global cannot be bound to a resource; `None` where it can.
-fn mismatch(global: &GlobalKind, desc: &ResourceDesc, writable: bool) -> Option<&'static str> {
-    use frame_graph::resource::SampleKind;
-    match (global, desc) {
-        (GlobalKind::Storage { writable: write, .. }, ResourceDesc::Buffer(_)) => {
-            (*write && !writable).then_some("an input is read-only: declare it `var<storage, read>`")
-        }
-        (GlobalKind::Uniform { .. }, ResourceDesc::Buffer(_)) => Some("buffers of the graph are bound as `var<storage, read>`"),
-        (GlobalKind::Texture { dimension, sample, .. }, ResourceDesc::Texture(texture)) => {
-            let dimension_fits = match dimension {
-                Dimension::D2 => !texture.array,
-                Dimension::D2Array => texture.array,
-                _ => false,
-            };
-            let kind_fits = matches!(
-                (sample, texture.format.sample_kind()),
-                (Sample::Float { .. }, SampleKind::Float) | (Sample::Uint, SampleKind::Uint) | (Sample::Depth, SampleKind::Depth)
-            );
-            (!dimension_fits || !kind_fits).then_some("the dimension and the component type must be the same")
-        }
-        (GlobalKind::StorageTexture { format, access, dimension }, ResourceDesc::Texture(texture)) => {
-            if *access != Access::Read && !writable {
-                Some("an input is read-only")
-            } else if (*dimension == Dimension::D2Array) != texture.array || *format != texture.format.name() {
-                Some("the format and the dimension must be the same")
-            } else {
-                None
-            }
-        }
-        _ => Some("one is a texture, the other a buffer"),
-    }
-}
-
-fn describe(desc: &ResourceDesc) -> String {
-    match desc {
-        ResourceDesc::Buffer(buffer) => format!("a buffer of {} bytes", buffer.bytes),
-        ResourceDesc::Texture(texture) => {
-            let array = if texture.array { format!(" of {} layers", texture.layers) } else { String::new() };
-            format!("a {} texture{array}", texture.format.name())
-        }
-    }
-}
-
-fn describe_global(kind: &GlobalKind) -> String {
-    match kind {
-        GlobalKind::Uniform { layout } => format!("var<uniform> {}", layout.ty),
-        GlobalKind::Storage { writable, .. } => format!("var<storage, {}>", if *writable { "read_write" } else { "read" }),
-        GlobalKind::Texture { dimension, sample, .. } => format!("a {dimension:?} texture of {sample:?}"),
-        GlobalKind::StorageTexture { format, access, dimension } => {
-            format!("a {dimension:?} storage texture of {format}, {access:?}")
-        }
-        GlobalKind::Sampler { .. } => "a sampler".to_owned(),
-    }
 }

@@ -1,6 +1,6 @@
 //! The steps of a pass: dispatches and draws as plain data.
 
-use frame_graph::{Facts, Name, ResourceDesc, Settings, Traits, Use, Value};
+use frame_graph::{Facts, Name, ResourceDesc, Settings, TextureDesc, Traits, Use, Value};
 use shader_library::{Define, Library, Request};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -56,9 +56,21 @@ impl<'a> RecordContext<'a> {
 
     /// Size of the first texture of a port, in texels; `(1, 1)` where it has none.
     pub fn size(&self, port: &str) -> (u32, u32) {
-        self.port(port)
-            .and_then(|port| port.members.iter().find_map(|(_, desc)| desc.texture()))
-            .map_or((1, 1), |texture| texture.size)
+        self.texture(port).map_or((1, 1), |texture| texture.size)
+    }
+
+    /// Layers of the first texture of a port; 1 where it has none.
+    pub fn layers(&self, port: &str) -> u32 {
+        self.texture(port).map_or(1, |texture| texture.layers)
+    }
+
+    /// Whether a port has a member: optional ones are there where the producer made them.
+    pub fn has_member(&self, port: &str, member: &str) -> bool {
+        self.port(port).is_some_and(|port| port.members.iter().any(|(name, _)| name == member))
+    }
+
+    fn texture(&self, port: &str) -> Option<&'a TextureDesc<(u32, u32)>> {
+        self.port(port)?.members.iter().find_map(|(_, desc)| desc.texture())
     }
 
     /// A whole number that goes with a port: `count`, `tile`, `layers`. 0 where there is none.

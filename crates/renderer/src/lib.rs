@@ -78,7 +78,12 @@ impl Renderer {
     ///
     /// # Errors
     /// What the driver said of the scene's buffers and textures.
-    pub fn new(gpu: Gpu, catalog: Arc<Catalog>, scene: Scene, size: (u32, u32)) -> Result<Renderer, RenderError> {
+    pub fn new(
+        gpu: Gpu,
+        catalog: Arc<Catalog>,
+        scene: Scene,
+        size: (u32, u32),
+    ) -> Result<Renderer, RenderError> {
         let mut executor = Executor::new(gpu);
         let host = upload(&mut executor, &scene)?;
         Ok(Renderer {
@@ -188,7 +193,8 @@ impl Renderer {
         if self.pipeline.is_none() {
             return Err(RenderError::NoPipeline);
         }
-        let time = self.step.map_or_else(|| self.scene.frame_time(self.index), |step| step * self.index as f32);
+        let time =
+            self.step.map_or_else(|| self.scene.frame_time(self.index), |step| step * self.index as f32);
         let mut pose = self.scene.at(time);
         if let Some(camera) = self.camera {
             pose.camera = camera;
@@ -217,26 +223,61 @@ impl Renderer {
             resource: output.from.to_string(),
             what: "an interface without resources".to_owned(),
         })?;
-        self.picture(*resource, 0)
+        self.read_picture(*resource, 0)
     }
 
-    /// Any resource of the plan as a picture, by `pass.port` or `pass.port.member`. Unless it was kept by
-    /// [`Renderer::set_compile_options`], another may have taken its place in memory.
+    /// A picture by name: an output of the pipeline, or any resource as [`Renderer::keep`] takes it. A resource
+    /// that was not kept may hold another one that shares its memory.
     ///
     /// # Errors
     /// As [`Renderer::output`].
-    pub fn resource(&self, name: &str, layer: u32) -> Result<Image, RenderError> {
-        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
-        let found = plan.resources.iter().position(|resource| resource.name.as_str() == name);
-        let id = found.ok_or_else(|| RenderError::NoOutput {
-            pipeline: self.pipeline_name().to_owned(),
-            output: name.to_owned(),
-            has: plan.resources.iter().map(|resource| resource.name.as_str()).collect::<Vec<_>>().join(", "),
-        })?;
-        self.picture(ResourceId(id as u32), layer)
+    pub fn picture(&self, name: &str, layer: u32) -> Result<Image, RenderError> {
+        if layer == 0 && self.planned_output(name).is_ok() {
+            return self.output(name);
+        }
+        self.read_picture(self.find(name)?, layer)
     }
 
-    /// The bytes of a resource of the plan, as [`Renderer::resource`] finds it.
+    /// Keeps a resource for reading back: nothing else takes its place in memory, and what makes it is not
+    /// culled. The name is `pass`, `pass.port`, `pass.member` or `pass.port.member`; outputs of the pipeline
+    /// are kept in any case.
+    ///
+    /// # Errors
+    /// Where there is no such resource; and as [`Renderer::set_pipeline`].
+    pub fn keep(&mut self, name: &str) -> Result<(), RenderError> {
+        if self.planned_output(name).is_ok() {
+            return Ok(());
+        }
+        let id = self.find(name)?;
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        let full = plan.resources[id.0 as usize].name.to_string();
+        let mut options = self.options.clone();
+        options.keep.push(full);
+        self.set_compile_options(options)
+    }
+
+    /// The resource of that name: of several that fit, the first that the pass offers.
+    fn find(&self, name: &str) -> Result<ResourceId, RenderError> {
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        let (pass, rest) = name.split_once('.').unwrap_or((name, ""));
+        let fits = |full: &str| {
+            let mut parts = full.split('.');
+            let same_pass = parts.next() == Some(pass);
+            full == name || (same_pass && (rest.is_empty() || parts.any(|part| part == rest)))
+        };
+        let found = plan.resources.iter().position(|resource| fits(&resource.name));
+        found.map(|index| ResourceId(index as u32)).ok_or_else(|| {
+            let resources = plan.resources.iter().map(|resource| resource.name.as_str());
+            let outputs = plan.outputs.iter().map(|output| output.name.as_str());
+            RenderError::NoOutput {
+                pipeline: self.pipeline_name().to_owned(),
+                output: name.to_owned(),
+                has: outputs.chain(resources).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+            }
+        })
+    }
+
+    /// The bytes of a resource of the plan: rows and layers without padding.
     ///
     /// # Errors
     /// Where there is none, or the device is gone.
@@ -244,14 +285,18 @@ impl Renderer {
         Ok(self.executor.read(id)?)
     }
 
-    fn picture(&self, id: ResourceId, layer: u32) -> Result<Image, RenderError> {
+    fn read_picture(&self, id: ResourceId, layer: u32) -> Result<Image, RenderError> {
         let plan = self.plan().ok_or(RenderError::NoPipeline)?;
         let resource = &plan.resources[id.0 as usize];
         if resource.desc.texture().is_none() {
             let what = format!("a buffer of {} bytes", resource.desc.bytes());
             return Err(RenderError::NoPicture { resource: resource.name.to_string(), what });
         }
-        picture::from_bytes(resource, &self.executor.read(id)?, layer)
+        let picture = picture::from_bytes(resource, &self.executor.read(id)?, layer)?;
+        let encoded = plan.passes.iter().flat_map(|pass| &pass.outputs).any(|port| {
+            port.interface.as_str() == "Display" && port.members.iter().any(|(_, member)| *member == id)
+        });
+        Ok(if encoded { picture::decoded(picture) } else { picture })
     }
 
     /// The texture of an output, for a host program that draws with it.
@@ -262,7 +307,9 @@ impl Renderer {
         let output = self.planned_output(name)?;
         match output.members.first().and_then(|(_, resource)| self.executor.object(*resource)) {
             Some(Object::Texture { view, .. }) => Ok(view),
-            _ => Err(RenderError::NoPicture { resource: output.from.to_string(), what: "a buffer".to_owned() }),
+            _ => {
+                Err(RenderError::NoPicture { resource: output.from.to_string(), what: "a buffer".to_owned() })
+            }
         }
     }
 
@@ -271,7 +318,12 @@ impl Renderer {
         plan.outputs.iter().find(|output| output.name.as_str() == name).ok_or_else(|| RenderError::NoOutput {
             pipeline: self.pipeline_name().to_owned(),
             output: name.to_owned(),
-            has: plan.outputs.iter().map(|output| format!("`{}`", output.name)).collect::<Vec<_>>().join(", "),
+            has: plan
+                .outputs
+                .iter()
+                .map(|output| format!("`{}`", output.name))
+                .collect::<Vec<_>>()
+                .join(", "),
         })
     }
 
@@ -338,7 +390,10 @@ fn upload(executor: &mut Executor, scene: &Scene) -> Result<Host, RenderError> {
     }
     let host = Host::upload(executor, scene);
     match executor.gpu().take_fault() {
-        Some(message) => Err(RenderError::Gpu(ExecutorError::Pass { pass: format!("upload of `{}`", scene.name), message })),
+        Some(message) => Err(RenderError::Gpu(ExecutorError::Pass {
+            pass: format!("upload of `{}`", scene.name),
+            message,
+        })),
         None => Ok(host),
     }
 }

@@ -24,9 +24,12 @@ pub(crate) fn from_bytes(resource: &PlannedResource, bytes: &[u8], layer: u32) -
 }
 
 fn decode(format: Format, texel: &[u8]) -> [f32; 4] {
-    let float = |i: usize| f32::from_le_bytes([texel[4 * i], texel[4 * i + 1], texel[4 * i + 2], texel[4 * i + 3]]);
+    let float =
+        |i: usize| f32::from_le_bytes([texel[4 * i], texel[4 * i + 1], texel[4 * i + 2], texel[4 * i + 3]]);
     let half = |i: usize| f16::from_le_bytes([texel[2 * i], texel[2 * i + 1]]).to_f32();
-    let word = |i: usize| u32::from_le_bytes([texel[4 * i], texel[4 * i + 1], texel[4 * i + 2], texel[4 * i + 3]]) as f32;
+    let word = |i: usize| {
+        u32::from_le_bytes([texel[4 * i], texel[4 * i + 1], texel[4 * i + 2], texel[4 * i + 3]]) as f32
+    };
     let unorm = |i: usize| f32::from(texel[i]) / 255.0;
     let grey = |v: f32| [v, v, v, 1.0];
     match format {
@@ -42,4 +45,12 @@ fn decode(format: Format, texel: &[u8]) -> [f32; 4] {
         Format::Rg32Uint => [word(0), word(1), 0.0, 1.0],
         Format::Rgba32Uint => [word(0), word(1), word(2), word(3)],
     }
+}
+
+/// A picture encoded for a screen as the linear light that it stands for: pictures are linear everywhere.
+pub(crate) fn decoded(mut picture: Image) -> Image {
+    for pixel in picture.pixels_mut() {
+        pixel[..3].iter_mut().for_each(|value| *value = metrics::linear_from_srgb(*value));
+    }
+    picture
 }

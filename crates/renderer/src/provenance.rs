@@ -31,8 +31,10 @@ pub struct Provenance {
     pub frame: u32,
     /// The first frame that was run before it.
     pub first_frame: u32,
-    /// The output that the picture shows.
+    /// The output or resource that the picture shows.
     pub output: String,
+    /// Layer of a resource that is an array.
+    pub layer: u32,
     /// The run's seed.
     pub seed: u32,
     /// Adapter and driver.
@@ -40,8 +42,9 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Of the newest frame of a renderer. `scene` is the scene as it was named.
-    pub fn new(renderer: &Renderer, scene: &str, output: &str, first_frame: u32) -> Provenance {
+    /// Of the newest frame of a renderer. `scene` is the scene as it was named, `shown` the output or resource
+    /// and its layer.
+    pub fn new(renderer: &Renderer, scene: &str, shown: (&str, u32), first_frame: u32) -> Provenance {
         let loaded = renderer.pipeline.as_ref();
         let compiled = loaded.map(|loaded| &loaded.compiled);
         let set = loaded.map_or_else(Vec::new, |loaded| {
@@ -52,7 +55,8 @@ impl Provenance {
             let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
             for step in steps {
                 let path = step.shader.files().first().cloned().unwrap_or_default();
-                let (hash, variants) = (format!("{:032x}", step.shader.hash), hashes.entry(path).or_default());
+                let (hash, variants) =
+                    (format!("{:032x}", step.shader.hash), hashes.entry(path).or_default());
                 if !variants.contains(&hash) {
                     variants.push(hash);
                 }
@@ -71,7 +75,8 @@ impl Provenance {
             size: renderer.size,
             frame: renderer.index.saturating_sub(1),
             first_frame,
-            output: output.to_owned(),
+            output: shown.0.to_owned(),
+            layer: shown.1,
             seed: renderer.seed,
             adapter: renderer.gpu().describe(),
         }
@@ -108,7 +113,9 @@ impl Provenance {
         compare("plan", &self.plan, &other.plan);
         compare("scene", &self.scene_hash, &other.scene_hash);
         compare("adapter", &self.adapter, &other.adapter);
-        for path in self.shaders.keys().chain(other.shaders.keys().filter(|path| !self.shaders.contains_key(*path))) {
+        for path in
+            self.shaders.keys().chain(other.shaders.keys().filter(|path| !self.shaders.contains_key(*path)))
+        {
             let hash = |of: &Provenance| of.shaders.get(path).cloned().unwrap_or_else(|| "absent".to_owned());
             compare(path, &hash(self), &hash(other));
         }
@@ -141,7 +148,9 @@ pub fn parse_value(text: &str) -> Value {
         return Value::F32(number);
     }
     let vector = text.strip_prefix('(').and_then(|rest| rest.strip_suffix(')'));
-    match vector.map(|inner| inner.split(',').map(|part| part.trim().parse::<f32>()).collect::<Result<Vec<f32>, _>>()) {
+    match vector
+        .map(|inner| inner.split(',').map(|part| part.trim().parse::<f32>()).collect::<Result<Vec<f32>, _>>())
+    {
         Some(Ok(components)) if (2..=4).contains(&components.len()) => Value::Vector(components),
         _ => Value::Text(text.to_owned()),
     }

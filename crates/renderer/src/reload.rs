@@ -23,8 +23,9 @@ impl Renderer {
         let paths: BTreeSet<String> = changed.iter().filter_map(|path| self.asset_path(path)).collect();
         let Some(loaded) = &self.pipeline else { return Reload::Nothing };
         let stale = self.catalog.shaders().invalidate(&paths.iter().map(String::as_str).collect::<Vec<_>>());
-        let pipeline_touched = loaded.compiled.resolved.sources().iter().any(|source| paths.contains(&source.name))
-            || paths.iter().any(|path| path.ends_with(".ron") && path.starts_with("pipelines/"));
+        let pipeline_touched =
+            loaded.compiled.resolved.sources().iter().any(|source| paths.contains(&source.name))
+                || paths.iter().any(|path| path.ends_with(".ron") && path.starts_with("pipelines/"));
         if stale.is_empty() && !pipeline_touched {
             return Reload::Nothing;
         }

@@ -288,8 +288,14 @@ fn light_layers(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> Vec<LightLay
 }
 
 /// Axis and up of the six faces: +x −x +y −y +z −z.
-const CUBE_FACES: [(Vec3, Vec3); 6] =
-    [(Vec3::X, Vec3::Y), (Vec3::NEG_X, Vec3::Y), (Vec3::Y, Vec3::Z), (Vec3::NEG_Y, Vec3::Z), (Vec3::Z, Vec3::Y), (Vec3::NEG_Z, Vec3::Y)];
+const CUBE_FACES: [(Vec3, Vec3); 6] = [
+    (Vec3::X, Vec3::Y),
+    (Vec3::NEG_X, Vec3::Y),
+    (Vec3::Y, Vec3::Z),
+    (Vec3::NEG_Y, Vec3::Z),
+    (Vec3::Z, Vec3::Y),
+    (Vec3::NEG_Z, Vec3::Y),
+];
 
 fn infinite_reverse_z(tan: f32, near: f32) -> Mat4 {
     Mat4::from_cols(
@@ -307,16 +313,23 @@ fn directional_layer(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> LightLa
     let up = right.cross(direction);
     let corners = (0..8).map(|i| {
         let pick = |bit: u32, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
-        Vec3::new(pick(0, bounds.0.x, bounds.1.x), pick(1, bounds.0.y, bounds.1.y), pick(2, bounds.0.z, bounds.1.z))
+        Vec3::new(
+            pick(0, bounds.0.x, bounds.1.x),
+            pick(1, bounds.0.y, bounds.1.y),
+            pick(2, bounds.0.z, bounds.1.z),
+        )
     });
     let local = |p: Vec3| Vec3::new(p.dot(right), p.dot(up), p.dot(direction));
-    let (low, high) = corners.map(local).fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let (low, high) = corners
+        .map(local)
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
     // A box without thickness has maps all the same.
     let margin = ((high - low).max_element() * 1e-3).max(f32::MIN_POSITIVE * 1e8);
     let half = (high - low) * 0.5 + margin;
     let center = (high + low) * 0.5;
     let origin = right * center.x + up * center.y + direction * (center.z - half.z);
-    let axes = Mat4::from_cols(right.extend(0.0), up.extend(0.0), (-direction).extend(0.0), origin.extend(1.0));
+    let axes =
+        Mat4::from_cols(right.extend(0.0), up.extend(0.0), (-direction).extend(0.0), origin.extend(1.0));
     // z runs from 1 at the origin's plane to 0 at the far side.
     let projection = Mat4::from_cols(
         Vec4::new(1.0 / half.x, 0.0, 0.0, 0.0),

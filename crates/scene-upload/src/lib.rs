@@ -5,11 +5,11 @@ mod textures;
 
 pub use gpu_data::{Frame, layouts};
 
-use gpu_data::GpuMaterial;
 use bytemuck::cast_slice;
 use executor::wgpu::{self, BufferUsages};
 use executor::{Executor, External};
 use frame_graph::Externals;
+use gpu_data::GpuMaterial;
 use scene::{Pose, Scene};
 
 /// Buffers that frames write into, and what they hold.
@@ -50,8 +50,10 @@ impl Host {
         let storage = BufferUsages::STORAGE;
         let info = gpu_data::SceneInfo::new(scene, scene.textures.len() as u32);
         let materials: Vec<GpuMaterial> = scene.materials.iter().map(GpuMaterial::new).collect();
-        let vertices = buffer(&device, "scene vertices", cast_slice(&scene.vertices), storage | BufferUsages::VERTEX);
-        let indices = buffer(&device, "scene indices", cast_slice(&scene.indices), storage | BufferUsages::INDEX);
+        let vertices =
+            buffer(&device, "scene vertices", cast_slice(&scene.vertices), storage | BufferUsages::VERTEX);
+        let indices =
+            buffer(&device, "scene indices", cast_slice(&scene.indices), storage | BufferUsages::INDEX);
         let (light_bytes, layer_rows) = gpu_data::lights(&scene.lights, scene.bounds());
         let layer_bytes = cast_slice(&layer_rows).to_vec();
         let array = textures::upload(&device, &executor.gpu().queue, &scene.textures);
@@ -62,7 +64,11 @@ impl Host {
                 address_mode_v: address,
                 mag_filter: filter,
                 min_filter: filter,
-                mipmap_filter: if filter == wgpu::FilterMode::Linear { wgpu::MipmapFilterMode::Linear } else { wgpu::MipmapFilterMode::Nearest },
+                mipmap_filter: if filter == wgpu::FilterMode::Linear {
+                    wgpu::MipmapFilterMode::Linear
+                } else {
+                    wgpu::MipmapFilterMode::Nearest
+                },
                 ..Default::default()
             })
         };
@@ -81,16 +87,41 @@ impl Host {
         let externals = [
             ("camera", External::Buffer(host.camera.clone())),
             ("frame", External::Buffer(host.frame.clone())),
-            ("scene_info", External::Buffer(buffer(&device, "scene info", bytemuck::bytes_of(&info), BufferUsages::UNIFORM))),
+            (
+                "scene_info",
+                External::Buffer(buffer(
+                    &device,
+                    "scene info",
+                    bytemuck::bytes_of(&info),
+                    BufferUsages::UNIFORM,
+                )),
+            ),
             ("scene_vertices", External::Buffer(vertices)),
             ("scene_indices", External::Buffer(indices)),
-            ("scene_materials", External::Buffer(buffer(&device, "scene materials", cast_slice(&materials), storage))),
-            ("scene_area_table", External::Buffer(buffer(&device, "scene area table", cast_slice(&scene.area_table()), storage))),
+            (
+                "scene_materials",
+                External::Buffer(buffer(&device, "scene materials", cast_slice(&materials), storage)),
+            ),
+            (
+                "scene_area_table",
+                External::Buffer(buffer(
+                    &device,
+                    "scene area table",
+                    cast_slice(&scene.area_table()),
+                    storage,
+                )),
+            ),
             ("scene_textures", External::Texture(array.color)),
             ("scene_textures_linear", External::Texture(array.linear)),
             ("scene_sampler", External::Sampler(sampler("scene", FilterMode::Linear, AddressMode::Repeat))),
-            ("linear_sampler", External::Sampler(sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge))),
-            ("nearest_sampler", External::Sampler(sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge))),
+            (
+                "linear_sampler",
+                External::Sampler(sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge)),
+            ),
+            (
+                "nearest_sampler",
+                External::Sampler(sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge)),
+            ),
             ("scene_lights", External::Buffer(host.lights.clone())),
             ("scene_light_layers", External::Buffer(host.layers.clone())),
         ];
@@ -102,7 +133,14 @@ impl Host {
     }
 
     /// Writes what a frame needs, and says what of it is new.
-    pub fn update(&mut self, queue: &wgpu::Queue, scene: &Scene, pose: &Pose, size: (u32, u32), frame: gpu_data::Frame) -> Externals {
+    pub fn update(
+        &mut self,
+        queue: &wgpu::Queue,
+        scene: &Scene,
+        pose: &Pose,
+        size: (u32, u32),
+        frame: gpu_data::Frame,
+    ) -> Externals {
         let mut changed = Externals::FRAME;
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
         let previous = self.previous_camera.replace(pose.camera);

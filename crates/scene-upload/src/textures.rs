@@ -35,7 +35,11 @@ pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Tex
     let levels = side.ilog2() + 1;
     let array = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("scene textures"),
-        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: textures.len().max(1) as u32 },
+        size: wgpu::Extent3d {
+            width: side,
+            height: side,
+            depth_or_array_layers: textures.len().max(1) as u32,
+        },
         mip_level_count: levels,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -55,7 +59,11 @@ pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Tex
                     aspect: wgpu::TextureAspect::All,
                 },
                 pixels,
-                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 4), rows_per_image: None },
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(width * 4),
+                    rows_per_image: None,
+                },
                 wgpu::Extent3d { width, height: width, depth_or_array_layers: 1 },
             );
         }
@@ -68,7 +76,10 @@ pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Tex
             ..Default::default()
         })
     };
-    TextureArray { color: view(wgpu::TextureFormat::Rgba8UnormSrgb), linear: view(wgpu::TextureFormat::Rgba8Unorm) }
+    TextureArray {
+        color: view(wgpu::TextureFormat::Rgba8UnormSrgb),
+        linear: view(wgpu::TextureFormat::Rgba8Unorm),
+    }
 }
 
 /// All levels of a texture, RGBA of 8 bits, the finest first.
@@ -102,7 +113,8 @@ fn halve(pixels: &[u8], width: u32, encoding: Encoding) -> Vec<u8> {
                 let four = [texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)];
                 let color = encoding == Encoding::Srgb && channel < 3;
                 let mean = if color {
-                    let sum: f32 = four.iter().map(|v| metrics::linear_from_srgb(f32::from(*v) / 255.0)).sum();
+                    let sum: f32 =
+                        four.iter().map(|v| metrics::linear_from_srgb(f32::from(*v) / 255.0)).sum();
                     metrics::srgb_from_linear(sum / 4.0) * 255.0
                 } else {
                     four.iter().map(|v| f32::from(*v)).sum::<f32>() / 4.0

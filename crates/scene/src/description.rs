@@ -260,7 +260,7 @@ fn inner_cone<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f32>, D::Erro
 
 /// Reads a scene file.
 ///
-/// Codes: `S001` syntax, type or value; `S002` unknown field or variant; `S003` missing or repeated field.
+/// Codes: `C001` syntax, type or value; `C002` unknown field or variant; `C003` missing or repeated field.
 pub(crate) fn parse(source: &Arc<Source>) -> Result<Description, Diagnostics> {
     ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
@@ -272,18 +272,18 @@ fn diagnose(source: &Arc<Source>, error: &SpannedError) -> Diagnostic {
     let inside = |outer: &Option<String>| outer.as_ref().map(|o| format!(" in `{o}`")).unwrap_or_default();
     let (code, message, here, notes) = match &error.code {
         RonError::NoSuchStructField { expected, found, outer } => {
-            ("S002", format!("unknown field `{found}`{}", inside(outer)), "unknown", offer(found, expected))
+            ("C002", format!("unknown field `{found}`{}", inside(outer)), "unknown", offer(found, expected))
         }
         RonError::NoSuchEnumVariant { expected, found, outer } => {
-            ("S002", format!("unknown variant `{found}`{}", inside(outer)), "unknown", offer(found, expected))
+            ("C002", format!("unknown variant `{found}`{}", inside(outer)), "unknown", offer(found, expected))
         }
         RonError::MissingStructField { field, outer } => {
-            ("S003", format!("field `{field}` is missing{}", inside(outer)), "ends without it", Vec::new())
+            ("C003", format!("field `{field}` is missing{}", inside(outer)), "ends without it", Vec::new())
         }
         RonError::DuplicateStructField { field, outer } => {
-            ("S003", format!("field `{field}` is given twice{}", inside(outer)), "again", Vec::new())
+            ("C003", format!("field `{field}` is given twice{}", inside(outer)), "again", Vec::new())
         }
-        other => ("S001", other.to_string(), "here", Vec::new()),
+        other => ("C001", other.to_string(), "here", Vec::new()),
     };
     let (start, end) = (offset(&source.text, error.span.start), offset(&source.text, error.span.end));
     let mut start = start.min(end);

@@ -133,7 +133,7 @@ impl Loader<'_> {
             Geometry::BuiltIn(name) => {
                 let model = built_in::make(name).ok_or_else(|| {
                     self.wrong(
-                        "S004",
+                        "C004",
                         format!("there is no built-in geometry `{name}`"),
                         name,
                         "not built in",
@@ -150,7 +150,7 @@ impl Loader<'_> {
                         let message = format!("there is no file {}", path.display());
                         let note = "file names start from the folder of the scene file".to_string();
                         return Err(self
-                            .wrong("S004", message, file, "not found")
+                            .wrong("C004", message, file, "not found")
                             .with_notes(vec![note])
                             .error());
                     }
@@ -167,7 +167,7 @@ impl Loader<'_> {
                     let transform = object.transform.model();
                     if objects.insert(object.name.clone(), (node, transform)).is_some() {
                         let message = format!("two objects are named `{}`", object.name);
-                        return Err(self.wrong("S005", message, &object.name, "the first of them").error());
+                        return Err(self.wrong("C005", message, &object.name, "the first of them").error());
                     }
                     let rest = transform.affine();
                     assembly.nodes.push(Node { name: object.name.clone(), parent, rest, ..Node::default() });
@@ -181,7 +181,7 @@ impl Loader<'_> {
     fn camera(&self, camera: &description::Camera) -> Result<Camera, SceneError> {
         if camera.position == camera.target {
             let message = "the camera's position and target are the same point".to_string();
-            return Err(self.wrong_at("S005", message, "camera", "it looks nowhere").error());
+            return Err(self.wrong_at("C005", message, "camera", "it looks nowhere").error());
         }
         Ok(Camera {
             position: camera.position,
@@ -201,7 +201,7 @@ impl Loader<'_> {
                 if inner_deg > *outer_deg {
                     let message =
                         format!("the inner cone, {inner_deg}°, is wider than the outer, {outer_deg}°");
-                    return Err(self.wrong_at("S005", message, "inner_deg", "at most `outer_deg`").error());
+                    return Err(self.wrong_at("C005", message, "inner_deg", "at most `outer_deg`").error());
                 }
                 let kind = LightKind::Spot { inner: inner_deg.to_radians(), outer: outer_deg.to_radians() };
                 let direction = direction.normalize();
@@ -251,7 +251,7 @@ impl Loader<'_> {
                 let message = format!("keyframes for `{name}`, but no light has this name");
                 let notes = offer(name, &names);
                 return Err(self
-                    .wrong_last("S004", message, name, "no such light")
+                    .wrong_last("C004", message, name, "no such light")
                     .with_notes(notes)
                     .error());
             };
@@ -265,7 +265,7 @@ impl Loader<'_> {
                 let message = format!("keyframes for `{name}`, but no object has this name");
                 let notes = offer(name, &names);
                 return Err(self
-                    .wrong_last("S004", message, name, "no such object")
+                    .wrong_last("C004", message, name, "no such object")
                     .with_notes(notes)
                     .error());
             };
@@ -293,7 +293,7 @@ impl Loader<'_> {
         }
         make(keys).map(Some).map_err(|why| {
             let message = format!("the keys of `{what}` make no movement: {why}");
-            self.wrong_last("S005", message, what, "its keys").error()
+            self.wrong_last("C005", message, what, "its keys").error()
         })
     }
 

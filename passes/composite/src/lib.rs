@@ -41,6 +41,7 @@ impl Pass for Composite {
             setting::f32("exposure", 0.0, "Brightness of `display`: each step doubles it.")
                 .range(-40.0, 40.0)
                 .unit("EV"),
+            // DEVIATION(white): one default for both curves that take it.
             setting::f32(
                 "white",
                 4.0,
@@ -96,13 +97,11 @@ impl Pass for Composite {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let connected = |port: &str| Define::Bool(cx.connected(port));
-        let emission =
-            cx.port("view").is_some_and(|view| view.members.iter().any(|(name, _)| &**name == "emission"));
         let defines = [
             ("DIRECT", connected("direct")),
             ("INDIRECT", connected("indirect")),
             ("GLOSSY", connected("glossy")),
-            ("EMISSION", Define::Bool(emission)),
+            ("EMISSION", Define::Bool(cx.has_member("view", "emission"))),
             ("INDIRECT_RADIANCE", connected("indirect_radiance")),
         ];
         let size = cx.size("view");

@@ -4,21 +4,12 @@ mod gpu;
 
 use composite::twin::{composite, displayed, srgb, tonemap};
 use std::f64::consts::PI;
-use std::path::Path;
-use std::sync::Arc;
 
 const CURVES: [&str; 5] = ["reinhard", "reinhard-simple", "aces", "filmic", "none"];
 
 #[test]
 fn every_variant_is_valid() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let library =
-        pass::Library::new(Arc::new(shader_library::DiskFiles::new(root))).with_roots(["shaders", ""]);
-    for path in composite::PASS.info().shaders {
-        for variant in library.variants(&pass::Request::new(*path)).unwrap() {
-            library.load(&variant).unwrap_or_else(|errors| panic!("{variant:?}\n{errors}"));
-        }
-    }
+    pass_test::assert_shaders_are_valid(composite::PASS);
 }
 
 #[test]

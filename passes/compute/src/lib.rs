@@ -1,14 +1,11 @@
 //! A compute shader of the user's. Needs no Rust: the ports are read from the shader.
 
+use pass::reflected::Reflected;
 use pass::{
     Compute as Dispatch, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
     Setting, Settings, Threads, UseContext, Value,
 };
-use reflected::Reflected;
 use shader_library::Stage;
-
-#[path = "../../fullscreen/src/reflected.rs"]
-pub mod reflected;
 
 /// The pass.
 pub const PASS: &dyn Pass = &Compute;
@@ -60,9 +57,7 @@ impl Pass for Compute {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let reflected = reflect(&UseContext { use_: cx.use_, shaders: cx.shaders })?;
         let shader = reflected.variant(cx.shader(cx.use_.shader.unwrap_or_default(), &[]), cx);
-        let mut dispatch = Dispatch::new(shader, &reflected.entry.name, threads(cx));
-        dispatch.values = reflected.words(cx.settings)?;
-        Ok(Recording::one(dispatch))
+        Ok(Recording::one(Dispatch::new(shader, &reflected.entry.name, threads(cx))))
     }
 }
 

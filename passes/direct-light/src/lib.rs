@@ -22,7 +22,7 @@ impl Pass for DirectLight {
         Info {
             kind: "direct-light",
             about: "Direct light of all lights, with shadows filtered from the maps that the lights see.",
-            paper: "ISM §6; percentage-closer filtering: Reeves, Salesin & Cook 1987",
+            paper: "percentage-closer filtering: Reeves, Salesin & Cook 1987",
             shaders: &[SHADER],
         }
     }
@@ -70,9 +70,7 @@ impl Pass for DirectLight {
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let specular =
-            cx.port("view").is_some_and(|view| view.members.iter().any(|(name, _)| name == "specular"));
-        let shader = cx.shader(SHADER, &[("SPECULAR", Define::Bool(specular))]);
+        let shader = cx.shader(SHADER, &[("SPECULAR", Define::Bool(cx.has_member("view", "specular")))]);
         Ok(Recording::one(Compute::per_texel(shader, "direct_light", cx.size("direct"))))
     }
 }

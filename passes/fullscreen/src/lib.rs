@@ -1,13 +1,11 @@
 //! A fragment shader of the user's over the whole frame. Needs no Rust: the ports are read from the shader.
 
+use pass::reflected::{Form, Reflected, Written};
 use pass::{
     Draw, Info, KindError, OutputContext, OutputDesc, Pass, Ports, Raster, RecordContext, Recording, Request,
     Setting, Settings, Step, Target, UseContext,
 };
-use reflected::{Form, Reflected, Written};
 use shader_library::Stage;
-
-pub mod reflected;
 
 /// The pass.
 pub const PASS: &dyn Pass = &Fullscreen;
@@ -108,7 +106,7 @@ impl Pass for Fullscreen {
             targets: targets.iter().map(|resource| Target::clear(resource)).collect(),
             depth: None,
             draw: Draw::Fullscreen,
-            values: reflected.words(cx.settings)?,
+            values: Vec::new(),
             constants: Vec::new(),
             bind: Vec::new(),
         };

@@ -183,22 +183,16 @@ fn storage_that_it_writes_is_an_output_beside_its_results() {
 }
 
 #[test]
-fn it_records_one_draw_with_choices_as_numbers_and_the_scenes_variant() {
+fn it_records_one_draw_of_the_scenes_variant() {
     let wgsl = "#option TEXTURED false
-        struct Settings {
-            /// Kernel. [default: \"soft\", one_of: [\"soft\", \"hard\"]]
-            kernel: u32,
-        }
-        var<uniform> settings: Settings;
-        @fragment fn effect() -> @location(0) vec4<f32> { return vec4(f32(settings.kernel)); }";
+        @fragment fn effect() -> @location(0) vec4<f32> { return vec4(1.0); }";
     let case = Case::new(wgsl, &[]);
-    let settings = Settings(BTreeMap::from([("kernel".into(), Value::Text("hard".into()))]));
     let traits = Traits(BTreeMap::from([("textured".into(), Value::Bool(true))]));
     let recording = PASS
         .record(&RecordContext {
             name: "effect",
             use_: case.cx().use_,
-            settings: &settings,
+            settings: &Settings::default(),
             inputs: &[],
             outputs: &[],
             frame: (64, 48),
@@ -207,7 +201,6 @@ fn it_records_one_draw_with_choices_as_numbers_and_the_scenes_variant() {
         })
         .unwrap();
     let [Step::Raster(draw)] = recording.steps.as_slice() else { panic!("one draw: {recording:?}") };
-    assert_eq!(draw.values, [("kernel".to_owned(), Value::U32(1))]);
     assert_eq!(draw.fragment.as_deref(), Some("effect"));
     assert_eq!(draw.targets[0].resource, "result");
     assert_eq!(draw.shader.defines["TEXTURED"], pass::Define::Bool(true));

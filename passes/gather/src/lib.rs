@@ -67,12 +67,11 @@ impl Pass for Gather {
             ),
             setting::f32(
                 "visibility_bias",
-                2.0,
-                "Slack of the depth test of maps, in widths of a texel along the receiver's plane. Surfaces shadow \
+                1.0,
+                "Factor on the slack that the makers of depth maps ask for in the depth test. Surfaces shadow \
                  themselves less and light leaks more with it.",
             )
-            .at_least(0.0)
-            .unit("px"),
+            .at_least(0.0),
         ])
     }
 
@@ -116,11 +115,14 @@ impl Pass for Gather {
                 ("VISIBILITY_FILTER", Define::from(cx.settings.text("visibility_filter"))),
             ],
         );
+        let slack = cx.port("visibility").and_then(|port| port.facts.get("slack")).and_then(Value::as_f32);
+        let slack = slack.unwrap_or(1.0);
         let runs = u32::from(cx.settings.text("subsets") == "runs");
         Ok(Recording::one(
             Compute::new(shader, "gather", Threads::Grid(grid))
                 .value("runs", Value::U32(runs))
                 // Not every kind of visibility has maps.
+                .value("visibility_bias", Value::F32(cx.settings.f32("visibility_bias") * slack))
                 .value("visibility_tile", Value::U32(cx.fact("visibility", "tile")))
                 .value("visibility_columns", Value::U32(cx.fact("visibility", "columns"))),
         ))

@@ -69,9 +69,7 @@ impl Pass for Gbuffer {
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let has = |member: &str| {
-            cx.port("view").is_some_and(|view| view.members.iter().any(|(name, _)| name == member))
-        };
+        let has = |member: &str| cx.has_member("view", member);
         let draw = |path: &str, defines: &[(&str, Define)], fragment: &str, members: &[&str]| Raster {
             shader: cx.shader(path, defines),
             vertex: "project".into(),

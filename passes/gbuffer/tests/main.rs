@@ -3,19 +3,10 @@
 mod gpu;
 
 use gbuffer::twin::{Camera, Change, Vec3, bent_normal, combine, cross, dot, shading_normal, unit};
-use std::path::Path;
-use std::sync::Arc;
 
 #[test]
 fn every_variant_is_valid() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let library =
-        pass::Library::new(Arc::new(shader_library::DiskFiles::new(root))).with_roots(["shaders", ""]);
-    for path in gbuffer::PASS.info().shaders {
-        for variant in library.variants(&pass::Request::new(*path)).unwrap() {
-            library.load(&variant).unwrap_or_else(|errors| panic!("{variant:?}\n{errors}"));
-        }
-    }
+    pass_test::assert_shaders_are_valid(gbuffer::PASS);
 }
 
 /// Numbers in -1..1, the same in every run.

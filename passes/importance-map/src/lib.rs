@@ -43,6 +43,7 @@ impl Pass for ImportanceMap {
                 "What importance is. contribution: what the texel adds to samples of the view, visibility left out \
                  (TCAS Eq. 1-2). flux: luminance of the flux that it reflects, whatever the camera sees (ISM §4).",
             ),
+            // DEVIATION(sample-count): a number, not a share of the pixels.
             setting::u32(
                 "view_samples",
                 256,
@@ -111,10 +112,7 @@ impl Pass for ImportanceMap {
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let layers = cx
-            .port("importance")
-            .and_then(|port| port.members.iter().find_map(|(_, desc)| desc.texture()))
-            .map_or(1, |texture| texture.layers);
+        let layers = cx.layers("importance");
         let (width, height) = cx.size("importance");
         let (contribution, mixed) = (by_contribution(cx.settings), mixes(cx.settings));
         let texels = Threads::Grid([width, height, layers]);

@@ -20,6 +20,10 @@ const SHADER: &str = "passes/paraboloid-shadow-maps/paraboloid-shadow-maps.wgsl"
 /// The greatest side of a texture on every adapter: WebGPU's default.
 const MAX_SIDE: u32 = 8192;
 
+/// Slack that the depth test needs, in widths of a texel along the receiver's plane: half a diagonal, which is how
+/// far a receiver may be from the ray of its texel.
+const SLACK: f32 = 0.7;
+
 /// `NOTHING` of shaders/paraboloid.wgsl.
 const NOTHING: f64 = 3.0e38;
 
@@ -62,7 +66,7 @@ impl Pass for ParaboloidShadowMaps {
         let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(1).max(1);
         // The narrowest atlas: where texels lie row by row, those of a map are near each other.
         let columns = count.div_ceil(MAX_SIDE / tile);
-        if columns * tile > MAX_SIDE {
+        if columns.saturating_mul(tile) > MAX_SIDE {
             let most = (MAX_SIDE / tile).pow(2);
             return Err(KindError::setting(
                 "map",
@@ -75,7 +79,8 @@ impl Pass for ParaboloidShadowMaps {
             OutputDesc::one("visibility", ResourceDesc::texture_2d(Format::R32Float, size.clone()))
                 .fact("module", Value::Text("shaders/visibility-atlas.wgsl".into()))
                 .fact("tile", Value::U32(tile))
-                .fact("columns", Value::U32(columns));
+                .fact("columns", Value::U32(columns))
+                .fact("slack", Value::F32(SLACK));
         visibility.members[0].0 = "atlas".into();
         let nearness = OutputDesc::scratch("nearness", ResourceDesc::texture_2d(Format::Depth32Float, size));
         Ok(vec![visibility, nearness])

@@ -77,7 +77,8 @@ fn triangles(count: usize, seed: &mut u64) -> Vec<[Vec3; 3]> {
             let mut corners = [0; 3].map(|_| [0, 1, 2].map(|k| at[k] + size * noise(seed)));
             match i % 9 {
                 7 => {
-                    corners[2] = [0, 1, 2].map(|k| 0.5 * (corners[0][k] + corners[1][k]) + 1e-6 * noise(seed))
+                    corners[2] =
+                        [0, 1, 2].map(|k| 0.5 * (corners[0][k] + corners[1][k]) + 1e-6 * noise(seed));
                 }
                 8 => corners[1] = corners[0],
                 _ => {}

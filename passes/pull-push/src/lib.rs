@@ -107,7 +107,7 @@ impl Pass for PullPush {
             ["tile", "count"].map(|fact| cx.fact("depth", fact).and_then(Value::as_u32).unwrap_or(1).max(1));
         // The narrowest atlas: where texels lie row by row, those of a map are near each other.
         let columns = count.div_ceil((MAX_SIDE / tile).max(1));
-        if count > MAX_GROUPS || columns * tile > MAX_SIDE {
+        if count > MAX_GROUPS || columns.saturating_mul(tile) > MAX_SIDE {
             return Err(KindError::input(
                 "depth",
                 format!("{count} maps of {tile}² are more than an atlas of {MAX_SIDE}² holds, or than {MAX_GROUPS}"),
@@ -118,7 +118,8 @@ impl Pass for PullPush {
         let mut visibility = OutputDesc::one("visibility", ResourceDesc::texture_2d(Format::R32Float, size))
             .fact("module", Value::Text("shaders/visibility-atlas.wgsl".into()))
             .fact("tile", Value::U32(tile))
-            .fact("columns", Value::U32(columns));
+            .fact("columns", Value::U32(columns))
+            .fact("slack", cx.fact("depth", "slack").cloned().unwrap_or(Value::F32(1.0)));
         visibility.members[0].0 = "atlas".into();
         let texels = Pyramid { tile, count }.begin(cx.settings.u32("levels") + 1);
         let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));

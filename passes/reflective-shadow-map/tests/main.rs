@@ -4,19 +4,10 @@ mod gpu;
 
 use reflective_shadow_map::twin::{Layer, incident_flux, solid_angle};
 use std::f64::consts::PI;
-use std::path::Path;
-use std::sync::Arc;
 
 #[test]
 fn every_variant_is_valid() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let library =
-        pass::Library::new(Arc::new(shader_library::DiskFiles::new(root))).with_roots(["shaders", ""]);
-    for path in reflective_shadow_map::PASS.info().shaders {
-        for variant in library.variants(&pass::Request::new(*path)).unwrap() {
-            library.load(&variant).unwrap_or_else(|errors| panic!("{variant:?}\n{errors}"));
-        }
-    }
+    pass_test::assert_shaders_are_valid(reflective_shadow_map::PASS);
 }
 
 /// What a layer sends through all of its texels.

@@ -5,7 +5,7 @@ pub mod twin;
 use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Define, Extent, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
-    Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, output,
+    Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
 };
 
 /// The pass, for the catalog.
@@ -83,9 +83,7 @@ impl Pass for SampleInverseTransform {
         let cdf = |entries: u32| ResourceDesc::buffer(4 * u64::from(entries));
         let totals = |segments: u32| ResourceDesc::buffer(8 * u64::from(segments));
         Ok(vec![
-            // The header of struct VirtualLights, and 48 bytes a light.
-            OutputDesc::one("lights", ResourceDesc::buffer(16 + 48 * u64::from(count)))
-                .fact("count", Value::U32(count)),
+            OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
             OutputDesc::scratch(
                 "row_cdf",
                 ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("importance"), layers),
@@ -100,10 +98,7 @@ impl Pass for SampleInverseTransform {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let (_, height) = cx.size("row_cdf");
-        let layers = cx
-            .port("row_cdf")
-            .and_then(|port| port.members.iter().find_map(|(_, desc)| desc.texture()))
-            .map_or(1, |texture| texture.layers);
+        let layers = cx.layers("row_cdf");
         let rows = Compute::new(
             cx.shader(CUMULATE, &[("ROWS", Define::Bool(true))]),
             "cumulate",

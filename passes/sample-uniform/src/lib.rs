@@ -4,8 +4,8 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc,
-    Setting, Settings, Threads, UseContext, Value, input, output,
+    Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting,
+    Settings, Threads, UseContext, Value, input, interfaces, output,
 };
 
 /// The pass, for the catalog.
@@ -39,9 +39,9 @@ impl Pass for SampleUniform {
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let count = cx.settings.u32("count");
-        // The header of struct VirtualLights, and 48 bytes a light.
-        let desc = ResourceDesc::buffer(16 + 48 * u64::from(count));
-        Ok(vec![OutputDesc::one("lights", desc).fact("count", Value::U32(count))])
+        Ok(vec![
+            OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
+        ])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {

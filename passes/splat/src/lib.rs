@@ -90,10 +90,14 @@ impl Pass for Splat {
             )
             .help(format!("take smaller maps, or at most {most} virtual lights")));
         }
+        // How far a receiver may be from where its distance was taken, in texels along the receiver's plane: within a
+        // texel, or within a splat of the usual two to four.
+        let slack = if cx.settings.text("kernel") == "surfel" { 1.0 } else { 2.0 };
         Ok(vec![
             OutputDesc::one("depth", ResourceDesc::<Extent>::buffer(bytes))
                 .fact("tile", Value::U32(tile))
-                .fact("count", Value::U32(count)),
+                .fact("count", Value::U32(count))
+                .fact("slack", Value::F32(slack)),
         ])
     }
 

@@ -42,6 +42,8 @@ pub(crate) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', '×']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     match sides {
         Some((w @ 1..=16384, h @ 1..=16384)) => Ok((w, h)),
-        _ => Err(format!("`{text}` is no size: expected WIDTHxHEIGHT in pixels, such as 640x480, of 1 to 16384 each")),
+        _ => Err(format!(
+            "`{text}` is no size: expected WIDTHxHEIGHT in pixels, such as 640x480, of 1 to 16384 each"
+        )),
     }
 }

@@ -1,17 +1,12 @@
 //! Tests of the pass.
 
 use new_pass::{PASS, twin};
-use pass::{Format, Request, ResourceDesc};
+use pass::{Format, ResourceDesc};
 use pass_test::Stand;
 
 #[test]
 fn every_variant_of_the_shaders_is_valid() {
-    let shaders = pass_test::shaders();
-    for path in PASS.info().shaders {
-        for variant in shaders.variants(&Request::new(*path)).unwrap() {
-            shaders.load(&variant).unwrap_or_else(|errors| panic!("{variant:?}\n{errors}"));
-        }
-    }
+    pass_test::assert_shaders_are_valid(PASS);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The example of the documentation, drawn.
 
+use frame_graph::port::OutputOverride;
 use half::f16;
 use pass::{Format, ResourceDesc};
 use pass_test::Stand;
@@ -10,19 +11,27 @@ fn the_vignette_darkens_the_corners() {
     const HEIGHT: u32 = 10;
     let white: Vec<u8> = 1f32.to_le_bytes().repeat((WIDTH * HEIGHT * 4) as usize);
     let picture = ResourceDesc::texture_2d(Format::Rgba32Float, (WIDTH, HEIGHT));
-    let outputs = Stand::new(fullscreen::PASS)
-        .shader("docs/examples/vignette.wgsl")
-        .frame(7, 7)
-        .set("strength", 0.8f32)
-        .input("picture", "Radiance", &[], vec![("", picture, white)])
-        .run();
-    let Some(outputs) = outputs else { return };
-    let shown: Vec<[f16; 4]> = outputs.read("result");
+    let display = OutputOverride { interface: Some("Display".into()), ..OutputOverride::default() };
+    let stand = || {
+        Stand::new(fullscreen::PASS)
+            .shader("docs/examples/vignette.wgsl")
+            .frame(7, 7)
+            .set("strength", 0.8f32)
+            .input("picture", "Radiance", &[], vec![("", picture.clone(), white.clone())])
+    };
+    let (Some(shown), Some(displayed)) = (stand().run(), stand().out("result", display).run()) else {
+        return;
+    };
+    let shown: Vec<[f16; 4]> = shown.read("result");
     assert_eq!(shown.len() as u32, WIDTH * HEIGHT, "as large as the picture, not as the frame");
+    let displayed: Vec<[u8; 4]> = displayed.read("result");
     for (i, found) in shown.iter().enumerate() {
         let centre = |k: u32, side: u32| (k as f32 + 0.5) / side as f32 - 0.5;
         let (x, y) = (centre(i as u32 % WIDTH, WIDTH), centre(i as u32 / WIDTH, HEIGHT));
         let expected = 1.0 - 0.8 * 2.0 * (x * x + y * y);
         assert!((found[0].to_f32() - expected).abs() < 1e-3, "({x}, {y}): {} for {expected}", found[0]);
+        let byte = f32::from(displayed[i][0]);
+        // Half a step for rounding to bytes.
+        assert!((byte - expected * 255.0).abs() < 0.51, "({x}, {y}): {byte} for {expected}");
     }
 }

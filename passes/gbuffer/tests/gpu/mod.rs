@@ -8,23 +8,6 @@ use scene::Scene;
 const WIDTH: u32 = 45;
 const HEIGHT: u32 = 30;
 
-struct NoFiles;
-
-impl scene::SceneFiles for NoFiles {
-    fn read(&self, path: &str) -> Option<std::sync::Arc<frame_graph::Source>> {
-        let text = std::fs::read_to_string(pass_test::root().join("scenes").join(path)).ok()?;
-        Some(frame_graph::Source::new(path, text))
-    }
-
-    fn list(&self) -> Vec<String> {
-        Vec::new()
-    }
-}
-
-fn load(name: &str) -> Scene {
-    scene::load(name, &NoFiles).unwrap_or_else(|error| panic!("{error}"))
-}
-
 fn camera(scene: &Scene) -> Camera {
     let axes = scene.camera.view().inverse();
     let axis = |i: usize| axes.col(i).truncate().as_dvec3().to_array();
@@ -75,7 +58,7 @@ fn run(scene: &Scene) -> Option<Seen> {
 #[test]
 fn it_sees_what_rays_see() {
     for name in ["cornell-box", "plane"] {
-        let scene = load(name);
+        let scene = pass_test::scene(name);
         let Some(seen) = run(&scene) else { return };
         let camera = camera(&scene);
         let mut wrong = 0;
@@ -100,7 +83,7 @@ fn it_sees_what_rays_see() {
 
 #[test]
 fn winding_changes_nothing() {
-    let scene = load("cornell-box");
+    let scene = pass_test::scene("cornell-box");
     let mut turned = scene.clone();
     turned.indices.chunks_exact_mut(3).step_by(2).for_each(|corners| corners.swap(1, 2));
     let mut mirrored = scene.clone();
@@ -118,7 +101,7 @@ fn winding_changes_nothing() {
 
 #[test]
 fn members_are_those_of_the_scene() {
-    let mut scene = load("cornell-box-lamp");
+    let mut scene = pass_test::scene("cornell-box-lamp");
     // Up at the lamp, which from its own place the camera sees nearly on edge.
     scene.camera.position = glam::vec3(0.278, 0.25, 0.1);
     scene.camera.target = glam::vec3(0.278, 0.548, 0.28);
@@ -154,6 +137,6 @@ fn members_are_those_of_the_scene() {
 
 #[test]
 fn an_empty_scene_is_seen_nowhere() {
-    let Some(seen) = run(&load("empty")) else { return };
+    let Some(seen) = run(&pass_test::scene("empty")) else { return };
     assert!(seen.depth.iter().all(|depth| *depth == 0.0));
 }

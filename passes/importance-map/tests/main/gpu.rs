@@ -1,35 +1,16 @@
 //! The shaders against the twin, on a GPU.
 
-#[path = "../../../sample-inverse-transform/tests/main/random.rs"]
-#[allow(dead_code, reason = "only a part is used here")]
-mod random;
-
-use frame_graph::Source;
 use glam::{DVec3, Vec3};
 use importance_map::PASS;
 use importance_map::twin::{ViewSample, contribution, luminance, mix_with_flux, pixel, response};
 use pass::{Format, ResourceDesc};
+use pass_test::random::{halton3, hash2, unit_float};
 use pass_test::{Outputs, Stand};
-use random::{halton3, hash2, unit_float};
-use scene::{Camera, Scene, SceneFiles};
-use std::sync::Arc;
+use scene::{Camera, Scene};
 
 const FRAME: (u32, u32) = (40, 30);
 const SAMPLES: u32 = 100;
 const SEED: u32 = 3;
-
-/// A description of a scene in place of files.
-struct Description(String);
-
-impl SceneFiles for Description {
-    fn read(&self, path: &str) -> Option<Arc<Source>> {
-        Some(Arc::new(Source { name: path.to_owned(), text: self.0.clone() }))
-    }
-
-    fn list(&self) -> Vec<String> {
-        Vec::new()
-    }
-}
 
 /// A reflective shadow map and a view of a room that is a cube of edge `scale`, filled at random.
 #[derive(Clone, Copy)]
@@ -77,11 +58,10 @@ impl Room {
 
     fn scene(self) -> Scene {
         let (edge, middle) = (self.scale, 0.5 * self.scale);
-        let text = format!(
+        pass_test::scene_from(&format!(
             "Scene(geometry: Objects([Object(name: \"room\", geometry: BuiltIn(\"cube\"), transform: Transform(\
              translate: ({middle:?}, {middle:?}, {middle:?}), scale: ({edge:?}, {edge:?}, {edge:?})))]))"
-        );
-        scene::load("room", &Description(text)).unwrap_or_else(|error| panic!("{error}"))
+        ))
     }
 
     fn camera(self) -> Camera {

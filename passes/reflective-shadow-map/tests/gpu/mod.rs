@@ -7,23 +7,6 @@ use reflective_shadow_map::twin::{Layer, incident_flux};
 use scene::{Light, LightKind, Scene};
 use std::f64::consts::PI;
 
-struct Folder;
-
-impl scene::SceneFiles for Folder {
-    fn read(&self, path: &str) -> Option<std::sync::Arc<frame_graph::Source>> {
-        let text = std::fs::read_to_string(pass_test::root().join("scenes").join(path)).ok()?;
-        Some(frame_graph::Source::new(path, text))
-    }
-
-    fn list(&self) -> Vec<String> {
-        Vec::new()
-    }
-}
-
-fn load(name: &str) -> Scene {
-    scene::load(name, &Folder).unwrap_or_else(|error| panic!("{error}"))
-}
-
 struct Map {
     position: Vec<glam::Vec4>,
     normal: Vec<[f16; 4]>,
@@ -43,7 +26,7 @@ fn run(scene: &Scene, size: u32) -> Option<(Map, Outputs)> {
 /// The square of the scene `plane` reflects half of the cone: all of it falls on the square.
 #[test]
 fn a_square_reflects_the_flux_of_a_spot() {
-    let Some((map, outputs)) = run(&load("plane"), 256) else { return };
+    let Some((map, outputs)) = run(&pass_test::scene("plane"), 256) else { return };
     let sum: f64 = map.flux.iter().map(|flux| f64::from(flux.x)).sum();
     let cone = 2.0 * PI * (1.0 - (30f64).to_radians().cos());
     assert!((sum / (0.5 * cone) - 1.0).abs() < 2e-3, "{sum} W of {} W", 0.5 * cone);
@@ -57,7 +40,7 @@ fn a_square_reflects_the_flux_of_a_spot() {
 /// Above the middle of a square of side 2 at distance 1, a point light sends it a sixth of all it emits.
 #[test]
 fn a_square_reflects_a_sixth_of_a_point_light() {
-    let mut scene = load("plane");
+    let mut scene = pass_test::scene("plane");
     scene.lights[0].kind = LightKind::Point;
     for size in [1, 2, 63] {
         let Some((map, outputs)) = run(&scene, size) else { return };
@@ -69,7 +52,7 @@ fn a_square_reflects_a_sixth_of_a_point_light() {
 
 #[test]
 fn a_square_reflects_its_area_of_parallel_light() {
-    let mut scene = load("plane");
+    let mut scene = pass_test::scene("plane");
     let direction = vec3(0.3, -1.0, -0.2).normalize();
     scene.lights[0] = Light { kind: LightKind::Directional, direction, ..scene.lights[0].clone() };
     let Some((map, _)) = run(&scene, 256) else { return };
@@ -85,7 +68,7 @@ fn a_square_reflects_its_area_of_parallel_light() {
 /// Spot, point and directional light at once: each texel's position lies on its ray, and its flux is the twin's.
 #[test]
 fn every_texel_of_several_lights_agrees_with_the_twin() {
-    let scene = load("cornell-box-lights");
+    let scene = pass_test::scene("cornell-box-lights");
     const SIZE: u32 = 48;
     let Some((map, outputs)) = run(&scene, SIZE) else { return };
     assert_eq!(outputs.facts("rsm")["layers"], pass::Value::U32(8));

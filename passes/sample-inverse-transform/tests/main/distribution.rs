@@ -1,4 +1,4 @@
-use crate::random::{halton3, hash, hash2, radical_inverse, unit_float};
+use pass_test::random::{halton3, hash, hash2, radical_inverse, unit_float};
 use sample_inverse_transform::twin::{Cdf, Texel};
 
 pub(crate) const SIZE: (u32, u32) = (12, 7);

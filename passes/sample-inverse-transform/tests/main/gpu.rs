@@ -1,24 +1,11 @@
 //! The shaders against the twin, on a GPU.
 
 use crate::distribution::{SIZE, importance};
-use crate::random::{halton3, hash, hash2, unit_float};
-use bytemuck::{Pod, Zeroable};
 use pass::{Format, ResourceDesc};
-use pass_test::{Outputs, Stand};
+use pass_test::random::{halton3, hash, hash2, unit_float};
+use pass_test::{Outputs, Stand, VirtualLight};
 use sample_inverse_transform::PASS;
 use sample_inverse_transform::twin::{Cdf, prefix_sum};
-
-/// struct VirtualLight.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct Light {
-    position: [f32; 3],
-    area: f32,
-    normal: [f32; 3],
-    texel: u32,
-    flux: [f32; 3],
-    pad: f32,
-}
 
 /// Flux of a texel: 1 W in red, so that Φ is 1 / (N p) there, and some other in green.
 fn flux(texel: u32) -> [f32; 3] {
@@ -59,7 +46,7 @@ fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Optio
         .run()
 }
 
-fn lights(outputs: &Outputs) -> Vec<Light> {
+fn lights(outputs: &Outputs) -> Vec<VirtualLight> {
     outputs.read_counted("lights")
 }
 

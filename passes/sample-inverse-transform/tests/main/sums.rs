@@ -1,4 +1,4 @@
-use crate::random::{hash, unit_float};
+use pass_test::random::{hash, unit_float};
 use sample_inverse_transform::twin::{Choice, choose, cumulate, prefix_sum, weight_of};
 
 /// Weights from 2^-100 to 2^27, a third of them zero.

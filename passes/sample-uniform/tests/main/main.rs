@@ -1,24 +1,14 @@
 //! Uniform sampling: every texel alike, and the flux of the map.
 
-#[path = "../../../sample-inverse-transform/tests/main/random.rs"]
-#[allow(dead_code, reason = "only a part is used here")]
-mod random;
-
-use bytemuck::{Pod, Zeroable};
 use pass::{Format, ResourceDesc};
-use pass_test::Stand;
+use pass_test::{Stand, VirtualLight, random};
 use sample_uniform::{PASS, twin};
 
 const SIZE: (u32, u32) = (16, 10);
 
 #[test]
 fn all_variants_of_the_shaders_are_valid() {
-    let library = pass_test::shaders();
-    for path in PASS.info().shaders {
-        for request in library.variants(&pass::request(path, &[])).unwrap_or_else(|e| panic!("{e:#?}")) {
-            library.load(&request).unwrap_or_else(|e| panic!("{request:?}: {e:#?}"));
-        }
-    }
+    pass_test::assert_shaders_are_valid(PASS);
 }
 
 #[test]
@@ -63,20 +53,8 @@ fn virtual_lights_carry_the_flux_of_the_map() {
     }
 }
 
-/// struct VirtualLight.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-struct Light {
-    position: [f32; 3],
-    area: f32,
-    normal: [f32; 3],
-    texel: u32,
-    flux: [f32; 3],
-    pad: f32,
-}
-
 /// Lights drawn from a map whose texel i lies at (i, 0, 0) and reflects (1, g(i), 0) W; every third saw nothing.
-fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<Light>> {
+fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<VirtualLight>> {
     let array = |format| ResourceDesc::texture_2d_array(format, size, layers);
     let bytes = |texel: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
         let seen = |i: u32| if i.is_multiple_of(3) { [0.0; 4] } else { texel(i) };
@@ -111,7 +89,7 @@ fn lights_are_those_of_the_twin_and_carry_the_flux_of_the_map() {
                 elsewhere += u32::from(light.texel != (layer * SIZE.1 + y) * SIZE.0 + x);
                 let texel = light.texel;
                 if texel.is_multiple_of(3) {
-                    let dark = Light { normal: [0.0, 0.0, 1.0], texel, ..Light::zeroed() };
+                    let dark = VirtualLight { normal: [0.0, 0.0, 1.0], texel, ..VirtualLight::default() };
                     assert_eq!(*light, dark);
                 } else {
                     assert_eq!(light.position, [texel as f32, 0.0, 0.0]);

@@ -1,16 +1,10 @@
 //! The shader against the twin, on a GPU.
 
-#[path = "../../../sample-inverse-transform/tests/main/random.rs"]
-#[allow(dead_code, reason = "only a part is used here")]
-mod random;
-
 use bytemuck::{Pod, Zeroable};
-use frame_graph::Source;
 use pass_test::Stand;
-use random::{hash2, unit_float};
-use scene::{Scene, SceneFiles, Vertex};
+use pass_test::random::{hash2, unit_float};
+use scene::{Scene, Vertex};
 use scene_points::{PASS, twin};
-use std::sync::Arc;
 
 /// struct Point.
 #[repr(C)]
@@ -22,26 +16,9 @@ struct Point {
     barycentric: u32,
 }
 
-struct BuiltIn;
-
-impl SceneFiles for BuiltIn {
-    fn read(&self, path: &str) -> Option<Arc<Source>> {
-        let text = std::fs::read_to_string(pass_test::root().join("scenes").join(path)).ok()?;
-        Some(Arc::new(Source { name: path.to_owned(), text }))
-    }
-
-    fn list(&self) -> Vec<String> {
-        Vec::new()
-    }
-}
-
-fn load(name: &str) -> Scene {
-    scene::load(name, &BuiltIn).unwrap_or_else(|error| panic!("{error}"))
-}
-
 /// Triangles with these corners.
 fn soup(corners: &[[f32; 3]]) -> Scene {
-    let mut scene = load("plane");
+    let mut scene = pass_test::scene("plane");
     scene.vertices =
         corners.iter().map(|position| Vertex { position: *position, ..scene.vertices[0] }).collect();
     scene.indices = (0..corners.len() as u32).collect();
@@ -83,8 +60,8 @@ fn compare(scene: Scene, count: u32, seed: u32) {
 
 #[test]
 fn points_are_those_of_the_twin() {
-    compare(load("cornell-box"), 20_000, 0);
-    compare(load("atrium"), 20_000, 9);
+    compare(pass_test::scene("cornell-box"), 20_000, 0);
+    compare(pass_test::scene("atrium"), 20_000, 9);
 }
 
 #[test]
@@ -106,13 +83,13 @@ fn one_triangle_and_none() {
     // A scene without area: numbers, but no normal.
     let Some(points) = run(soup(&[[1.0; 3]; 6]), 10, 0) else { return };
     assert!(points.iter().all(|point| point.position == [1.0; 3] && point.normal == [0.0; 3]), "{points:?}");
-    let points = run(load("empty"), 10, 0).unwrap_or_default();
+    let points = run(pass_test::scene("empty"), 10, 0).unwrap_or_default();
     assert_eq!(points, [Point::zeroed(); 10]);
 }
 
 #[test]
 fn a_seed_is_another_set_of_points() {
-    let set = |seed| run(load("plane"), 64, seed);
+    let set = |seed| run(pass_test::scene("plane"), 64, seed);
     let Some(first) = set(1) else { return };
     assert_eq!(Some(&first), set(1).as_ref());
     assert_ne!(Some(&first), set(2).as_ref());

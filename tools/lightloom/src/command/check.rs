@@ -1,7 +1,7 @@
 //! `lightloom check`: everything that can be proved without a GPU.
 
 use crate::context::Context;
-use crate::output;
+use crate::output::{self, say};
 use anyhow::{Result, bail};
 use frame_graph::resolve::Files;
 use frame_graph::{CompileOptions, Diagnostics, LinkContext, Overrides, Traits, resolve};
@@ -26,15 +26,26 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let catalog = &context.catalog;
     let scenes: Vec<String> = catalog.assets().list("scenes", "ron").iter().map(|path| stem(path)).collect();
-    let pipelines: Vec<String> = catalog.pipelines().list();
-    let names: Vec<String> = if args.names.is_empty() { scenes.iter().cloned().chain(pipelines.iter().cloned()).collect() } else { args.names.clone() };
+    let pipelines: Vec<String> =
+        catalog.pipelines().list().iter().map(|path| path.trim_end_matches(".ron").to_owned()).collect();
+    let names: Vec<String> = if args.names.is_empty() {
+        scenes.iter().cloned().chain(pipelines.iter().cloned()).collect()
+    } else {
+        args.names.clone()
+    };
     let mut traits: BTreeMap<String, Traits> = BTreeMap::new();
     let mut results: Vec<(String, Result<String, String>)> = Vec::new();
-    let judged: Vec<&String> = args.scene.as_ref().map_or_else(|| scenes.iter().collect(), |scene| vec![scene]);
+    let judged: Vec<&String> =
+        args.scene.as_ref().map_or_else(|| scenes.iter().collect(), |scene| vec![scene]);
     for name in &names {
-        let is_scene = name.ends_with(".glb") || name.ends_with(".gltf") || (scenes.contains(name) && !is_pipeline(catalog, name)) || is_scene_file(catalog, name);
+        let is_scene = name.ends_with(".glb")
+            || name.ends_with(".gltf")
+            || (scenes.contains(name) && !is_pipeline(catalog, name))
+            || is_scene_file(catalog, name);
         let result = if is_scene {
-            load_scene(catalog, name).map(|scene| format!("scene of {} triangles", scene.triangles())).map_err(|error| error.to_string())
+            load_scene(catalog, name)
+                .map(|scene| format!("scene of {} triangles", scene.triangles()))
+                .map_err(|error| error.to_string())
         } else {
             for scene in &judged {
                 if !traits.contains_key(*scene) {
@@ -52,8 +63,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     } else {
         for (name, result) in &results {
             match result {
-                Ok(what) => println!("ok      {name}: {what}"),
-                Err(errors) => println!("failed  {name}\n{}", errors.trim_end()),
+                Ok(what) => say!("ok      {name}: {what}"),
+                Err(errors) => say!("failed  {name}\n{}", errors.trim_end()),
             }
         }
     }
@@ -74,12 +85,20 @@ fn is_pipeline(catalog: &Catalog, name: &str) -> bool {
 /// Whether a `.ron` file describes a scene: its first word says so.
 fn is_scene_file(catalog: &Catalog, name: &str) -> bool {
     let text = catalog.assets().text(name).unwrap_or_default();
-    let code = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with("//") && !line.starts_with("#!"));
+    let code = text
+        .lines()
+        .map(str::trim)
+        .find(|line| !line.is_empty() && !line.starts_with("//") && !line.starts_with("#!"));
     name.ends_with(".ron") && code.is_some_and(|line| line.starts_with("Scene"))
 }
 
 /// Compiles a pipeline for every scene: each has other switches on.
-fn check_pipeline(catalog: &Catalog, name: &str, scenes: &[&String], traits: &BTreeMap<String, Traits>) -> Result<String, Diagnostics> {
+fn check_pipeline(
+    catalog: &Catalog,
+    name: &str,
+    scenes: &[&String],
+    traits: &BTreeMap<String, Traits>,
+) -> Result<String, Diagnostics> {
     let resolved = resolve(name, catalog.pipelines(), &Overrides::default())?;
     if resolved.is_part() {
         return Ok("a part, proved where it is used".to_owned());

@@ -1,6 +1,7 @@
 //! `lightloom compare`: how far two pictures are apart.
 
 use crate::context::Context;
+use crate::output::say;
 use anyhow::Result;
 use metrics::{Comparison, ComparisonOptions, Display, FileFormat, Image, Pair, flip};
 use std::path::PathBuf;
@@ -24,13 +25,16 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let (picture, reference) = (Image::read(&args.picture)?, Image::read(&args.reference)?);
     // Pictures that are encoded for a screen are compared as they are.
-    let encoded = [&args.picture, &args.reference].iter().all(|path| FileFormat::of(path).is_some_and(|format| format.is_display_referred()));
+    let encoded = [&args.picture, &args.reference]
+        .iter()
+        .all(|path| FileFormat::of(path).is_some_and(|format| format.is_display_referred()));
     let display = (!encoded).then(|| Display { exposure: args.exposure, ..Display::default() });
-    let comparison = Comparison::new(&picture, &reference, ComparisonOptions { display, ..ComparisonOptions::default() })?;
+    let comparison =
+        Comparison::new(&picture, &reference, ComparisonOptions { display, ..ComparisonOptions::default() })?;
     if context.json {
-        println!("{}", serde_json::to_string_pretty(&comparison)?);
+        say!("{}", serde_json::to_string_pretty(&comparison)?);
     } else {
-        println!("{comparison}");
+        say!("{comparison}");
     }
     if let Some(out) = &args.out {
         let pair = Pair::new(&picture, &reference)?;
@@ -41,7 +45,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             flip(&pair, display.unwrap_or(Display::AS_IS), metrics::PIXELS_PER_DEGREE).to_image()
         };
         shown.write(out, Display::AS_IS, None)?;
-        println!("{}", out.display());
+        say!("{}", out.display());
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `lightloom diff`: what two pipelines differ in.
 
 use crate::context::Context;
-use crate::output;
+use crate::output::{self, say};
 use anyhow::Result;
 use frame_graph::resolve::diff;
 use frame_graph::{Overrides, resolve};
@@ -19,14 +19,15 @@ pub(crate) struct Args {
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let files = context.catalog.pipelines();
-    let (a, b) = (resolve(&args.a, files, &Overrides::default())?, resolve(&args.b, files, &Overrides::default())?);
+    let (a, b) =
+        (resolve(&args.a, files, &Overrides::default())?, resolve(&args.b, files, &Overrides::default())?);
     let differences: Vec<String> = diff(&a, &b).iter().map(ToString::to_string).collect();
     if context.json {
         output::json(&json!({ "a": args.a, "b": args.b, "differences": differences }));
     } else if differences.is_empty() {
-        println!("no difference");
+        say!("no difference");
     } else {
-        differences.iter().for_each(|line| println!("{line}"));
+        differences.iter().for_each(|line| say!("{line}"));
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `lightloom graph`: the compiled graph as text, SVG, DOT or JSON.
 
 use crate::context::{Context, overrides, parse_size};
+use crate::output::say;
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{CompileOptions, LinkContext, compile, link, resolve};
 use std::path::PathBuf;
@@ -36,7 +37,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let graph = link(&resolved, &**catalog, &link_context)?;
     let plan = compile(&graph, &CompileOptions { sharing: !args.no_sharing, ..CompileOptions::default() })?;
     let Some(out) = &args.out else {
-        println!("{}", if context.json { format!("{:#}", plan.to_json()) } else { plan.to_text() });
+        say!("{}", if context.json { format!("{:#}", plan.to_json()) } else { plan.to_text() });
         return Ok(());
     };
     let text = match out.extension().and_then(|extension| extension.to_str()) {
@@ -50,6 +51,6 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     std::fs::write(&temporary, text)
         .and_then(|()| std::fs::rename(&temporary, out))
         .with_context(|| format!("{} was not written", out.display()))?;
-    println!("{}", out.display());
+    say!("{}", out.display());
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `lightloom pipelines`, `scenes`, `adapters`: what there is.
 
 use crate::context::Context;
-use crate::output;
+use crate::output::{self, say};
 use anyhow::{Result, bail};
 use frame_graph::resolve::Files;
 use frame_graph::{Overrides, resolve};
@@ -15,10 +15,11 @@ pub(crate) struct Args {}
 /// Names with a line about each.
 fn print(context: &Context, rows: &[(String, String)]) {
     if context.json {
-        let rows: Vec<Value> = rows.iter().map(|(name, about)| json!({ "name": name, "about": about })).collect();
+        let rows: Vec<Value> =
+            rows.iter().map(|(name, about)| json!({ "name": name, "about": about })).collect();
         output::json(&Value::Array(rows));
     } else {
-        rows.iter().for_each(|(name, about)| println!("{name:<26} {about}"));
+        rows.iter().for_each(|(name, about)| say!("{name:<26} {about}"));
     }
 }
 
@@ -47,7 +48,11 @@ pub(crate) fn scenes(context: &Context) -> Result<()> {
         .iter()
         .map(|path| {
             let name = path.trim_start_matches("scenes/").trim_end_matches(".ron");
-            (name.to_owned(), scene::about(name, &files).unwrap_or_else(|_| "broken: `lightloom check` says why".to_owned()))
+            (
+                name.to_owned(),
+                scene::about(name, &files)
+                    .unwrap_or_else(|_| "broken: `lightloom check` says why".to_owned()),
+            )
         })
         .collect();
     print(context, &rows);
@@ -57,9 +62,19 @@ pub(crate) fn scenes(context: &Context) -> Result<()> {
 pub(crate) fn adapters(context: &Context) -> Result<()> {
     let adapters = Gpu::adapters();
     if adapters.is_empty() {
-        bail!("no graphics adapter was found; on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` gives one that runs on the CPU");
+        bail!(
+            "no graphics adapter was found; on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` gives one that runs on the CPU"
+        );
     }
-    let rows: Vec<(String, String)> = adapters.iter().map(|info| (info.name.clone(), format!("{:?}, {:?}, {} {}", info.device_type, info.backend, info.driver, info.driver_info))).collect();
+    let rows: Vec<(String, String)> = adapters
+        .iter()
+        .map(|info| {
+            (
+                info.name.clone(),
+                format!("{:?}, {:?}, {} {}", info.device_type, info.backend, info.driver, info.driver_info),
+            )
+        })
+        .collect();
     print(context, &rows);
     Ok(())
 }

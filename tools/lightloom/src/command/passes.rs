@@ -1,7 +1,7 @@
 //! `lightloom passes`: the kinds there are.
 
 use crate::context::Context;
-use crate::output;
+use crate::output::{self, say};
 use anyhow::{Result, bail};
 use frame_graph::port::Kinds;
 use frame_graph::{Ports, Setting, Settings, Use};
@@ -24,7 +24,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         } else {
             for info in catalog::PASSES.iter().map(|pass| pass.info()) {
                 let paper = if info.paper.is_empty() { String::new() } else { format!(" [{}]", info.paper) };
-                println!("{:<26} {}{paper}", info.kind, info.about);
+                say!("{:<26} {}{paper}", info.kind, info.about);
             }
         }
         return Ok(());
@@ -38,16 +38,21 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let outputs = BTreeMap::new();
     let use_ = Use { kind: info.kind, shader: None, inputs: &[], outputs: &outputs };
     if pass.takes_shader() {
-        println!("{}: {}\nports and settings are those of the WGSL file that `shader:` names", info.kind, info.about);
+        say!(
+            "{}: {}\nports and settings are those of the WGSL file that `shader:` names",
+            info.kind,
+            info.about
+        );
         return Ok(());
     }
     let settings = context.catalog.settings(use_).map_err(|error| anyhow::anyhow!(error.message))?;
-    let defaults = Settings(settings.iter().map(|setting| (setting.name.clone(), setting.default.clone())).collect());
+    let defaults =
+        Settings(settings.iter().map(|setting| (setting.name.clone(), setting.default.clone())).collect());
     let ports = context.catalog.ports(use_, &defaults).map_err(|error| anyhow::anyhow!(error.message))?;
     if context.json {
         output::json(&as_json(info, &settings, &ports));
     } else {
-        print!("{}", as_text(info, &settings, &ports));
+        say!("{}", as_text(info, &settings, &ports));
     }
     Ok(())
 }
@@ -72,19 +77,25 @@ fn as_text(info: pass::Info, settings: &[Setting], ports: &Ports) -> String {
     lines.push("inputs".to_owned());
     for port in &ports.inputs {
         let optional = if port.optional { " (optional)" } else { "" };
-        lines.push(format!("  {:<16} {:<22} {}{optional}", port.name, port.interface, port.doc));
+        lines.push(format!("  {:<18} {:<20} {}{optional}", port.name, port.interface, port.doc));
     }
     lines.push("outputs".to_owned());
     for port in &ports.outputs {
-        lines.push(format!("  {:<16} {:<22} {}", port.name, port.interface, port.doc));
+        lines.push(format!("  {:<18} {:<20} {}", port.name, port.interface, port.doc));
     }
     lines.push("settings".to_owned());
     for setting in settings {
         let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
-        lines.push(format!("  {:<16} {} = {}{unit}  {}", setting.name, setting.ty, setting.default, range(setting)));
-        lines.push(format!("  {:<16} {}", "", setting.doc));
+        lines.push(format!(
+            "  {:<18} {} = {}{unit}  {}",
+            setting.name,
+            setting.ty,
+            setting.default,
+            range(setting)
+        ));
+        lines.push(format!("  {:<18} {}", "", setting.doc));
     }
-    lines.join("\n") + "\n"
+    lines.join("\n")
 }
 
 fn as_json(info: pass::Info, settings: &[Setting], ports: &Ports) -> Value {

@@ -1,7 +1,7 @@
 //! `lightloom render`: headless pictures and sequences.
 
 use crate::context::{Context, overrides, parse_size};
-use crate::output::{self, bytes, progress};
+use crate::output::{self, bytes, progress, say};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::CompileOptions;
 use metrics::{Display, FileFormat, Image, Tonemap};
@@ -37,7 +37,7 @@ pub(crate) struct Args {
     /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
     #[arg(long, default_value_t = 0)]
     seed: u32,
-    /// Output of the pipeline, or any resource as pass.port or pass.port.member
+    /// Output of the pipeline, or any resource as pass, pass.port or pass.member
     #[arg(long, default_value = "image")]
     output: String,
     /// Layer of a resource that is an array
@@ -73,10 +73,10 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let mut renderer = Renderer::new(Gpu::open()?, context.catalog.clone(), scene, args.size)?;
     renderer.set_seed(args.seed);
     renderer.set_frame_index(args.first_frame);
-    let is_resource = args.output.contains('.');
-    let keep = if is_resource { vec![args.output.clone()] } else { Vec::new() };
-    renderer.set_compile_options(CompileOptions { sharing: !args.no_sharing, outputs: Vec::new(), keep })?;
+    renderer
+        .set_compile_options(CompileOptions { sharing: !args.no_sharing, ..CompileOptions::default() })?;
     renderer.set_pipeline(&args.pipeline, &overrides(&args.set)?)?;
+    renderer.keep(&args.output)?;
     renderer.set_frame_options(FrameOptions { timed: args.time, poison: args.poison });
     let bar = progress(u64::from(frames), "rendering");
     let start = Instant::now();
@@ -89,10 +89,11 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         let report = renderer.frame()?;
         times.push(report.times);
         if out.wants(frame, frames) {
-            let picture = if is_resource { renderer.resource(&args.output, args.layer)? } else { renderer.output(&args.output)? };
-            let provenance = Provenance::new(&renderer, &args.scene, &args.output, args.first_frame);
+            let picture = renderer.picture(&args.output, args.layer)?;
+            let provenance =
+                Provenance::new(&renderer, &args.scene, (&args.output, args.layer), args.first_frame);
             let path = out.path(args.first_frame + frame);
-            write(&picture, &path, args, &provenance.to_json(), is_resource || args.output == "display")?;
+            write(&picture, &path, args, &provenance.to_json())?;
             written.push(path);
         }
         bar.inc(1);
@@ -101,10 +102,14 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     report(context, args, &renderer, &written, &times, start.elapsed().as_secs_f64())
 }
 
-/// Writes a picture; those that are display-referred already go into PNG as they are.
-fn write(picture: &Image, path: &Path, args: &Args, provenance: &str, as_is: bool) -> Result<()> {
-    let display = if as_is { Display::AS_IS } else { Display { tonemap: args.tonemap, exposure: args.exposure } };
-    picture.write(path, display, Some(provenance)).with_context(|| format!("the picture {} was not written", path.display()))
+/// Writes a picture; what is encoded for a screen already goes into PNG as it is.
+fn write(picture: &Image, path: &Path, args: &Args, provenance: &str) -> Result<()> {
+    let encoded = args.output == "display";
+    let display =
+        if encoded { Display::AS_IS } else { Display { tonemap: args.tonemap, exposure: args.exposure } };
+    picture
+        .write(path, display, Some(provenance))
+        .with_context(|| format!("the picture {} was not written", path.display()))
 }
 
 /// Where pictures go.
@@ -119,11 +124,15 @@ impl Sequence {
             bail!("{}: expected a name that ends in .exr, .png or .pfm", pattern.display());
         }
         if let Some(folder) = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).with_context(|| format!("the folder {} cannot be made", folder.display()))?;
+            std::fs::create_dir_all(folder)
+                .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
         }
         let numbered = pattern.to_string_lossy().contains('#');
         if numbered && frames == 1 {
-            eprintln!("note: {} is numbered, and one frame is rendered; --frames N makes a sequence", pattern.display());
+            eprintln!(
+                "note: {} is numbered, and one frame is rendered; --frames N makes a sequence",
+                pattern.display()
+            );
         }
         Ok(Sequence { pattern: pattern.to_owned(), numbered })
     }
@@ -141,9 +150,17 @@ impl Sequence {
     }
 }
 
-fn report(context: &Context, args: &Args, renderer: &Renderer, written: &[PathBuf], times: &[Vec<f64>], seconds: f64) -> Result<()> {
+fn report(
+    context: &Context,
+    args: &Args,
+    renderer: &Renderer,
+    written: &[PathBuf],
+    times: &[Vec<f64>],
+    seconds: f64,
+) -> Result<()> {
     let Some(plan) = renderer.plan() else { return Ok(()) };
-    let rows: Vec<(String, f64)> = plan.passes.iter().enumerate().map(|(i, pass)| (pass.name.to_string(), median(times, i))).collect();
+    let rows: Vec<(String, f64)> =
+        plan.passes.iter().enumerate().map(|(i, pass)| (pass.name.to_string(), median(times, i))).collect();
     let clamped = clamped_share(renderer);
     if context.json {
         output::json(&json!({
@@ -158,21 +175,27 @@ fn report(context: &Context, args: &Args, renderer: &Renderer, written: &[PathBu
         return Ok(());
     }
     if args.time {
-        println!("{:<40} {:>10}", "pass", "GPU ms");
+        say!("{:<40} {:>10}", "pass", "GPU ms");
         for (name, ms) in &rows {
-            println!("{name:<40} {ms:>10.3}");
+            say!("{name:<40} {ms:>10.3}");
         }
-        println!("{:<40} {:>10.3}", "all", rows.iter().map(|(_, ms)| ms).sum::<f64>());
-        println!("on {}; transients {} (unshared {}, bound {})", renderer.gpu().describe(), bytes(plan.memory.shared), bytes(plan.memory.unshared), bytes(plan.memory.bound));
+        say!("{:<40} {:>10.3}", "all", rows.iter().map(|(_, ms)| ms).sum::<f64>());
+        say!(
+            "on {}; transients {} (unshared {}, bound {})",
+            renderer.gpu().describe(),
+            bytes(plan.memory.shared),
+            bytes(plan.memory.unshared),
+            bytes(plan.memory.bound)
+        );
     }
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
-        println!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
+        say!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
     }
     if let Some(path) = written.last() {
         let shown = path.canonicalize().unwrap_or_else(|_| path.clone());
         match written.len() {
-            1 => println!("{}", shown.display()),
-            n => println!("{n} pictures, the last {}", shown.display()),
+            1 => say!("{}", shown.display()),
+            n => say!("{n} pictures, the last {}", shown.display()),
         }
     }
     Ok(())

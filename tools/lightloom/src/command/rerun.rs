@@ -1,9 +1,9 @@
 //! `lightloom rerun`: a picture again, from the record that it carries.
 
 use crate::context::Context;
-use crate::output;
+use crate::output::{self, say};
 use anyhow::{Context as _, Result, bail};
-use frame_graph::CompileOptions;
+use frame_graph::{Overrides, Source, diff, parse, resolve_description};
 use metrics::{Display, Image, Pair, read_provenance};
 use renderer::{Gpu, Provenance, Renderer};
 use serde_json::json;
@@ -25,21 +25,21 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let Some(text) = read_provenance(&args.file)? else {
         bail!("{file} carries no record of Lightloom: it was made by another program, or saved again by one");
     };
-    let record = Provenance::from_json(&text).with_context(|| format!("the record in {file} cannot be read"))?;
+    let record =
+        Provenance::from_json(&text).with_context(|| format!("the record in {file} cannot be read"))?;
     let scene = renderer::load_scene(&context.catalog, &record.scene)?;
     let mut renderer = Renderer::new(Gpu::open()?, context.catalog.clone(), scene, record.size)?;
     renderer.set_seed(record.seed);
     renderer.set_frame_index(record.first_frame);
-    let is_resource = record.output.contains('.');
-    let keep = if is_resource { vec![record.output.clone()] } else { Vec::new() };
-    renderer.set_compile_options(CompileOptions { sharing: true, outputs: Vec::new(), keep })?;
     renderer.set_pipeline(&record.pipeline, &record.overrides())?;
+    renderer.keep(&record.output)?;
     for _ in record.first_frame..=record.frame {
         renderer.frame()?;
     }
-    let picture = if is_resource { renderer.resource(&record.output, 0)? } else { renderer.output(&record.output)? };
-    let now = Provenance::new(&renderer, &record.scene, &record.output, record.first_frame);
+    let picture = renderer.picture(&record.output, record.layer)?;
+    let now = Provenance::new(&renderer, &record.scene, (&record.output, record.layer), record.first_frame);
     let mut differences = record.differences(&now);
+    differences.extend(pipeline_differences(context, &record.resolved, &now.resolved));
     // Only linear files hold every bit to compare.
     let largest = if metrics::FileFormat::of(&args.file).is_some_and(|format| !format.is_display_referred()) {
         let before = Image::read(&args.file)?;
@@ -57,9 +57,31 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     if context.json {
         output::json(&json!({ "differences": differences, "largest_difference": largest }));
     } else if differences.is_empty() {
-        println!("{}", if largest.is_some() { "the same, bit for bit" } else { "the same pipeline, shaders, scene and adapter" });
+        say!(
+            "{}",
+            if largest.is_some() {
+                "the same, bit for bit"
+            } else {
+                "the same pipeline, shaders, scene and adapter"
+            }
+        );
     } else {
-        differences.iter().for_each(|line| println!("{line}"));
+        differences.iter().for_each(|line| say!("{line}"));
     }
     Ok(())
+}
+
+/// What the flattened pipeline of the record and that of now differ in.
+fn pipeline_differences(context: &Context, before: &str, now: &str) -> Vec<String> {
+    let flat = |name: &str, text: &str| {
+        let description = parse(Source::new(name, text)).ok()?;
+        resolve_description(name, &description, context.catalog.pipelines(), &Overrides::default()).ok()
+    };
+    match (flat("record", before), flat("now", now)) {
+        (Some(before), Some(now)) => {
+            diff(&before, &now).iter().map(|line| format!("pipeline: {line}")).collect()
+        }
+        // A record of a version whose language was another is still told of by the plan's id.
+        _ => Vec::new(),
+    }
 }

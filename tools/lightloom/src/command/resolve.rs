@@ -1,6 +1,7 @@
 //! `lightloom resolve`: a pipeline without its inheritance.
 
 use crate::context::{Context, overrides};
+use crate::output::say;
 use anyhow::Result;
 use frame_graph::resolve;
 
@@ -20,7 +21,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     if context.json {
         crate::output::json(&serde_json::json!({ "ron": resolved.to_ron() }));
     } else {
-        println!("{}", resolved.to_ron());
+        say!("{}", resolved.to_ron());
     }
     Ok(())
 }

@@ -8,9 +8,9 @@
 //! | `camera`, `frame`, `scene_…` | nothing: the host program has it |
 //! | an `#option` named as a trait of the scene in capitals (`TEXTURED`) | nothing: the scene decides |
 
-use pass::{
+use crate::{
     Clear, Define, Extent, Format, InputPort, KindError, OutputContext, OutputDesc, OutputPort, Ports,
-    RecordContext, Request, ResourceDesc, Setting, Settings, Usage, UseContext, Value, externals, interfaces,
+    RecordContext, Request, ResourceDesc, Setting, Usage, UseContext, Value, externals, interfaces,
 };
 use shader_library::{Access, Dimension, Entry, GlobalKind, Shader, Stage, TypeLayout};
 use std::fmt::Display;
@@ -184,7 +184,7 @@ impl Reflected {
             for (member, written) in group.members {
                 let resource = match &written.form {
                     Form::Target(ty) => {
-                        let format = format.or_else(|| documented_format(group.interface, member));
+                        let format = format.or_else(|| interfaces::format_of(group.interface, member));
                         ResourceDesc::texture_2d(target_format(&written.name, ty, format)?, size.clone())
                     }
                     Form::Texture { format: declared, array } => {
@@ -230,20 +230,6 @@ impl Reflected {
         request
     }
 
-    /// Values for members of the uniform that are no plain numbers: of a choice among words, the word's index.
-    pub fn words(&self, settings: &Settings) -> Result<Vec<(String, Value)>, KindError> {
-        let index = |setting: &Setting| {
-            let value = settings.get(&setting.name)?;
-            value.as_text()?;
-            setting.one_of.iter().position(|word| word == value).map(|index| Value::U32(index as u32))
-        };
-        Ok(self
-            .settings()?
-            .iter()
-            .filter_map(|setting| Some((setting.name.clone(), index(setting)?)))
-            .collect())
-    }
-
     /// `port` or `port.member` of each target that is written, in order.
     pub fn targets(&self, cx: &UseContext<'_>, written: &[Written]) -> Result<Vec<String>, KindError> {
         let groups = self.groups(cx, written)?;
@@ -278,7 +264,7 @@ impl Reflected {
                 ) => "Texture",
                 Some(GlobalKind::Storage { writable: false, .. }) => "Buffer",
                 Some(GlobalKind::Sampler { .. }) => {
-                    let help = "textures are read by `textureLoad`, or through the host's `scene_sampler`";
+                    let help = "there are `linear_sampler` and `nearest_sampler`; else read by `textureLoad`";
                     return refused(format!("`{name}` is a sampler, which no link brings"), help);
                 }
                 Some(GlobalKind::Uniform { .. }) => {
@@ -376,13 +362,6 @@ fn member_of<'a>(global: &'a str, port: &str) -> Option<&'a str> {
 fn covering<'a>(global: &str, linked: &'a [String]) -> Option<&'a String> {
     let covers = |port: &&String| global == **port || member_of(global, port).is_some();
     linked.iter().filter(covers).max_by_key(|port| port.len())
-}
-
-/// The format that the documentation of an interface names first: `rgba32float: …`.
-fn documented_format(interface: &str, member: &str) -> Option<Format> {
-    let known = interfaces::INTERFACES.iter().find(|known| known.name == interface)?;
-    let doc = known.members.iter().find(|m| m.name == member)?.doc;
-    Format::from_name(doc.split([':', ' ']).next()?)
 }
 
 /// The format of a target: as said, or the widest that every GPU can blend for the type of its texels.
