@@ -5,6 +5,7 @@
 mod adapter;
 mod cli;
 mod direct;
+mod flux;
 mod frames;
 mod host;
 mod pairs;
