@@ -17,8 +17,8 @@ mod timing;
 pub use error::ExecutorError;
 pub use format::texture_format;
 pub use gpu::Gpu;
-pub use object::{Object, ObjectUsage};
-pub use run::{Executor, External, FrameOptions, FrameReport, LoadReport};
+pub use object::{External, Object, ObjectUsage};
+pub use run::{Executor, FrameOptions, FrameReport, LoadReport};
 
 /// Waits for a future of wgpu's, which are done when they are made on native systems.
 pub use pollster::block_on;

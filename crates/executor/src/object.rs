@@ -20,6 +20,17 @@ pub enum Object {
     Buffer(wgpu::Buffer),
 }
 
+/// Data of the host program, bound by name.
+#[derive(Clone, Debug)]
+pub enum External {
+    /// A uniform or storage buffer.
+    Buffer(wgpu::Buffer),
+    /// A texture.
+    Texture(wgpu::TextureView),
+    /// A sampler.
+    Sampler(wgpu::Sampler),
+}
+
 /// What an object is used for, beside being bound and read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ObjectUsage {

@@ -3,7 +3,7 @@
 use crate::error::ExecutorError;
 use crate::fill::{fill, poison_buffer, poison_object};
 use crate::gpu::Gpu;
-use crate::object::{Object, ObjectUsage, Pool};
+use crate::object::{External, Object, ObjectUsage, Pool};
 use crate::pipeline::Pipelines;
 use crate::readback;
 use crate::step::{LoadedStep, StepContext};
@@ -14,17 +14,6 @@ use frame_graph::{Change, ResetCause, ResourceDesc};
 use pass::{LinkedStep, PastFact, Source, pass_seed};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-
-/// Data of the host program, bound by name.
-#[derive(Clone, Debug)]
-pub enum External {
-    /// A uniform or storage buffer.
-    Buffer(wgpu::Buffer),
-    /// A texture.
-    Texture(wgpu::TextureView),
-    /// A sampler.
-    Sampler(wgpu::Sampler),
-}
 
 /// How frames run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,9 +3,8 @@
 use crate::error::ExecutorError;
 use crate::fill::layer_view;
 use crate::gpu::Gpu;
-use crate::object::{Object, ObjectUsage};
+use crate::object::{External, Object, ObjectUsage};
 use crate::pipeline::{Pipeline, PipelineKind, Pipelines, TargetFormats};
-use crate::run::External;
 use frame_graph::plan::{AllocationId, HistoryId, Plan, PlannedPass, ResourceId};
 use pass::{Draw, LinkedStep, Load, PastFact, Source, Step, Threads};
 use shader_library::GlobalKind;

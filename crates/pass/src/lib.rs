@@ -14,6 +14,7 @@
 pub mod externals;
 pub mod interfaces;
 mod link;
+pub mod paraboloid;
 mod record;
 pub mod reflected;
 pub mod setting;

@@ -1,7 +1,6 @@
 //! The algorithm in plain f64: same names as paraboloid-shadow-maps.wgsl.
 
-#[path = "../../../shaders/paraboloid.rs"]
-pub mod paraboloid;
+pub use pass::paraboloid;
 
 use paraboloid::{
     Vec2, Vec3, above_horizon, direction_from_paraboloid, dot, frame_from_normal, into_frame,

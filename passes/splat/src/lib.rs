@@ -16,8 +16,8 @@ pub struct Splat;
 
 const SHADER: &str = "passes/splat/splat.wgsl";
 
-/// The most bytes that a shader may bind of one buffer on every adapter: WebGPU's default.
-const MAX_BYTES: u64 = 128 << 20;
+/// The most texels of all maps: their index is a u32. What an adapter allows less is told when it is asked for.
+const MAX_TEXELS: u64 = u32::MAX as u64;
 
 impl Pass for Splat {
     fn info(&self) -> Info {
@@ -77,16 +77,12 @@ impl Pass for Splat {
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let tile = cx.settings.u32("map");
         let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(0).max(1);
-        let bytes = u64::from(count) * u64::from(tile).pow(2) * 4;
-        if bytes > MAX_BYTES {
-            let most = MAX_BYTES / 4 / u64::from(tile).pow(2);
+        let texels = u64::from(count) * u64::from(tile).pow(2);
+        if texels > MAX_TEXELS {
+            let most = MAX_TEXELS / u64::from(tile).pow(2);
             return Err(KindError::setting(
                 "map",
-                format!(
-                    "{count} maps of {tile}² take {} MiB; a buffer holds at most {}",
-                    bytes >> 20,
-                    MAX_BYTES >> 20
-                ),
+                format!("{count} maps of {tile}² have more than 2³² texels"),
             )
             .help(format!("take smaller maps, or at most {most} virtual lights")));
         }
@@ -94,7 +90,7 @@ impl Pass for Splat {
         // texel, or within a splat of the usual two to four.
         let slack = if cx.settings.text("kernel") == "surfel" { 1.0 } else { 2.0 };
         Ok(vec![
-            OutputDesc::one("depth", ResourceDesc::<Extent>::buffer(bytes))
+            OutputDesc::one("depth", ResourceDesc::<Extent>::buffer(texels * 4))
                 .fact("tile", Value::U32(tile))
                 .fact("count", Value::U32(count))
                 .fact("slack", Value::F32(slack)),

@@ -1,4 +1,5 @@
-//! Twin of `paraboloid.wgsl`: the same functions in f64. See there for what they mean.
+//! The f64 twin of `shaders/paraboloid.wgsl`, for the twins of passes that share it: the same functions, by the
+//! same names. See there for what they mean.
 
 /// A vector of three.
 pub type Vec3 = [f64; 3];
