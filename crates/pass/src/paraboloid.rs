@@ -45,7 +45,7 @@ pub fn direction_from_paraboloid(at: Vec2) -> Vec3 {
     scale([2.0 * at[0], 2.0 * at[1], 1.0 - r2], 1.0 / (1.0 + r2))
 }
 
-/// Solid angle per area of the square [sr].
+/// Solid angle per area of the square \[sr\].
 pub fn paraboloid_density(at: Vec2) -> f64 {
     (2.0 / (1.0 + at[0] * at[0] + at[1] * at[1])).powi(2)
 }
@@ -55,7 +55,7 @@ pub fn texel_area(tile: u32) -> f64 {
     (2.0 / f64::from(tile)).powi(2)
 }
 
-/// Position in a tile [px].
+/// Position in a tile \[px\].
 pub fn tile_position(at: Vec2, tile: u32) -> Vec2 {
     at.map(|x| (x * 0.5 + 0.5) * f64::from(tile))
 }

@@ -10,13 +10,13 @@ fn dot(a: Vec3, b: Vec3) -> f64 {
 /// A virtual light of one channel.
 #[derive(Clone, Copy, Debug)]
 pub struct VirtualLight {
-    /// [m]
+    /// \[m\]
     pub position: Vec3,
     /// Unit.
     pub normal: Vec3,
-    /// Φ [W].
+    /// Φ \[W\].
     pub flux: f64,
-    /// A [m²].
+    /// A \[m²\].
     pub area: f64,
 }
 

@@ -79,7 +79,7 @@ pub fn hit(direction: Vec3, [a, b, c]: [Vec3; 3], extent: f64) -> Option<f64> {
     (distance > 0.0 && above_horizon(scale(direction, distance), extent)).then_some(distance)
 }
 
-/// The map of a light: row by row the distance [m], infinite where nothing is.
+/// The map of a light: row by row the distance \[m\], infinite where nothing is.
 pub fn map(triangles: &[[Vec3; 3]], light: Vec3, light_normal: Vec3, tile: u32, extent: f64) -> Vec<f64> {
     let frame = frame_from_normal(light_normal);
     let local: Vec<[Vec3; 3]> = triangles

@@ -1,6 +1,6 @@
 //! The algorithm in plain f64 on one map: same names as the WGSL, levels as whole images.
 
-/// An image of distances [m], infinite in holes.
+/// An image of distances \[m\], infinite in holes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// Texels a side.

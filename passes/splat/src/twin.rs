@@ -15,26 +15,26 @@ pub fn points_per_map(tile: u32) -> u32 {
 /// What a point leaves in a map: a square of one distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
-    /// Centre in the tile [px].
+    /// Centre in the tile \[px\].
     pub position: Vec2,
-    /// Side [px].
+    /// Side \[px\].
     pub side: f64,
-    /// Distance from the light [m].
+    /// Distance from the light \[m\].
     pub distance: f64,
 }
 
 /// The settings that shape a splat, and what the scene gives.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    /// Side of a map [px].
+    /// Side of a map \[px\].
     pub tile: u32,
-    /// Area that a point stands for [m²].
+    /// Area that a point stands for \[m²\].
     pub area: f64,
-    /// Diagonal of the scene [m].
+    /// Diagonal of the scene \[m\].
     pub extent: f64,
     /// Factor on the side.
     pub splat_scale: f64,
-    /// Greatest side [px].
+    /// Greatest side \[px\].
     pub max_splat: f64,
 }
 
@@ -73,7 +73,7 @@ impl Splat {
     }
 }
 
-/// A map of these points: row by row the distance [m], infinite where nothing fell.
+/// A map of these points: row by row the distance \[m\], infinite where nothing fell.
 pub fn map(points: &[(Vec3, Vec3)], light: Vec3, light_normal: Vec3, shape: &Shape) -> Vec<f64> {
     let mut depth = vec![f64::INFINITY; (shape.tile * shape.tile) as usize];
     for (point, normal) in points {

@@ -41,7 +41,7 @@ pub(crate) fn line(text: std::fmt::Arguments<'_>) {
     }
 }
 
-/// As `println!`, by [`line`].
+/// As `println!`, by [`line()`].
 macro_rules! say {
     ($($text:tt)*) => { $crate::output::line(format_args!($($text)*)) };
 }
