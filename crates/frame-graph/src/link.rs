@@ -220,12 +220,12 @@ impl<'a> Linker<'a> {
     fn find_outputs(&mut self) {
         for output in &self.resolved.outputs {
             let link = &output.link;
-            // It must be sound with everything on, and lead somewhere as things are.
-            let sound = match self.follow(link, None, false) {
-                Found::End(_) => self.follow(link, None, true),
-                other => other,
-            };
-            match sound {
+            // It must be sound with everything on, and lead somewhere as things are. What shows a pass that a
+            // patch took out goes with it.
+            if !matches!(self.follow(link, None, false), Found::End(_)) {
+                continue;
+            }
+            match self.follow(link, None, true) {
                 Found::End(end) => self.outputs.push((output, end)),
                 Found::Nothing(off) => {
                     let error = self.off_read(format!("the output `{}`", output.name.value), link.place, off);
