@@ -4,7 +4,7 @@ use super::{Node, Resolved};
 use crate::description::{At, Body, Dim, Group, InputDecl, Link, Off, OutDecl, OutputDecl, SetValue, Size};
 use crate::diagnostic::Place;
 use crate::resource::Clear;
-use crate::value::Value;
+use crate::value::{Value, ValueType};
 use std::fmt::Write as _;
 
 struct Printer<'a> {
@@ -139,8 +139,12 @@ impl Printer<'_> {
         self.map(1, "parameters", &resolved.parameters, |p, parameter| {
             let setting = &parameter.setting;
             let mut fields = vec![format!("default: {}", value(&parameter.value))];
-            fields.extend(setting.min.map(|min| format!("min: {min:?}")));
-            fields.extend(setting.max.map(|max| format!("max: {max:?}")));
+            // The bounds of whole numbers are written as whole numbers.
+            let whole = matches!(setting.ty, ValueType::U32 | ValueType::I32);
+            let bound =
+                |name: &str, at: f64| if whole { format!("{name}: {at}") } else { format!("{name}: {at:?}") };
+            fields.extend(setting.min.map(|min| bound("min", min)));
+            fields.extend(setting.max.map(|max| bound("max", max)));
             if !setting.one_of.is_empty() {
                 let choices: Vec<String> = setting.one_of.iter().map(value).collect();
                 fields.push(format!("one_of: [{}]", choices.join(", ")));
