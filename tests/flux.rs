@@ -21,10 +21,8 @@ fn virtual_lights_carry_the_reflected_flux() {
             renderer.keep("lights.lights").unwrap();
             renderer.frame().unwrap();
             let bytes = |name: &str| {
-                let plan = renderer.plan().unwrap();
-                let index =
-                    plan.resources.iter().position(|resource| resource.name.as_str() == name).unwrap();
-                renderer.resource_bytes(frame_graph::plan::ResourceId(index as u32)).unwrap()
+                let id = renderer.plan().unwrap().resource(name).unwrap();
+                renderer.resource_bytes(id).unwrap()
             };
             let reflected: f64 = floats(&bytes("rsm.rsm.flux")).chunks_exact(4).map(luminance).sum();
             let lights = bytes("lights.lights");

@@ -382,9 +382,11 @@ impl Executor {
 impl Loaded {
     fn write_uniforms(&mut self, gpu: &Gpu, schedule: &FrameSchedule, seed: u32) {
         let Some(buffer) = &self.uniforms else { return };
-        for (pass, steps) in self.plan.passes.iter().zip(&mut self.steps) {
+        let runs =
+            self.plan.passes.iter().zip(&mut self.steps).zip(&schedule.runs).filter(|(_, runs)| **runs);
+        for ((pass, steps), _) in runs {
+            let seed = pass_seed(seed, &pass.name);
             for step in steps {
-                let seed = pass_seed(seed, &pass.name);
                 step.write_uniform(gpu, buffer, seed, |history: HistoryId, fact| {
                     let slot = &schedule.histories[history.0 as usize];
                     match fact {

@@ -71,12 +71,11 @@ impl LoadedStep {
 
     /// Whether both do the same with the same resources' names; values of the uniform included.
     pub(crate) fn same_work(&self, other: &LoadedStep) -> bool {
-        let values =
-            |step: &LoadedStep| step.linked.settings.as_ref().map(|settings| settings.values.clone());
         self.linked.shader.hash == other.linked.shader.hash
             && self.linked.entries == other.linked.entries
-            && format!("{:?}", self.linked.step) == format!("{:?}", other.linked.step)
-            && values(self) == values(other)
+            && self.linked.step == other.linked.step
+            && self.linked.settings.as_ref().map(|fill| &fill.values)
+                == other.linked.settings.as_ref().map(|fill| &fill.values)
     }
 
     pub(crate) fn forget_bindings(&mut self) {

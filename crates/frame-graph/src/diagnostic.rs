@@ -125,7 +125,7 @@ impl Diagnostic {
 }
 
 /// The known name nearest to one that is wrong, where any is near enough to be meant.
-pub(crate) fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // One edit in three characters; a name that is a part of the other one is near as well.
     let limit = (wrong.chars().count() / 3).max(1);
     let lower = wrong.to_lowercase();

@@ -83,7 +83,7 @@ pub mod value;
 
 pub use compile::{CompileOptions, compile};
 pub use description::{Description, parse};
-pub use diagnostic::{Diagnostic, Diagnostics, Label, Source, Span};
+pub use diagnostic::{Diagnostic, Diagnostics, Label, Source, Span, nearest};
 pub use frame::{Change, FrameState, ResetCause};
 pub use link::{Graph, LinkContext, link};
 pub use name::Name;

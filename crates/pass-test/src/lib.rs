@@ -145,9 +145,11 @@ impl scene::SceneFiles for Description<'_> {
 
 impl Outputs {
     fn find(&self, name: &str) -> ResourceId {
-        let found = self.plan.resources.iter().position(|resource| resource.name.as_str() == name);
-        let names: Vec<&str> = self.plan.resources.iter().map(|resource| resource.name.as_str()).collect();
-        ResourceId(found.unwrap_or_else(|| panic!("no resource `{name}` among {names:?}")) as u32)
+        self.plan.resource(name).unwrap_or_else(|| {
+            let names: Vec<&str> =
+                self.plan.resources.iter().map(|resource| resource.name.as_str()).collect();
+            panic!("no resource `{name}` among {names:?}")
+        })
     }
 
     /// The elements of an output, scratch or input, by `port` or `port.member`.

@@ -5,7 +5,7 @@ use crate::record::{Compute, PortDesc, Raster, RecordContext, Recording, Step, T
 use crate::{Pass, UseContext, externals};
 use fit::{describe, describe_global, mismatch};
 use frame_graph::plan::{HistoryId, PassId, Plan, PlannedPass, ResourceId};
-use frame_graph::{Diagnostic, Diagnostics, Externals, Setting, Traits, Use, Value};
+use frame_graph::{Diagnostic, Diagnostics, Externals, Setting, Traits, Use, Value, nearest};
 use names::{Named, Names};
 use shader_library::{GlobalKind, Library, Request, Shader, Stage, StructLayout};
 use std::collections::BTreeMap;
@@ -340,9 +340,9 @@ impl StepLinker<'_> {
             if !answered && !member.name.starts_with("pad") {
                 let names = known
                     .keys()
-                    .cloned()
-                    .chain(past.iter().map(|(name, ..)| name.clone()))
-                    .chain([String::from("seed")]);
+                    .map(String::as_str)
+                    .chain(past.iter().map(|(name, ..)| name.as_str()))
+                    .chain(["seed"]);
                 let mut notes = nearest(&member.name, names)
                     .map(|name| format!("did you mean `{name}`?"))
                     .into_iter()
@@ -395,7 +395,8 @@ impl StepLinker<'_> {
     }
 
     fn unknown(&self, request: &Request, name: &str) -> Diagnostics {
-        let mut notes: Vec<String> = nearest(name, self.names.all())
+        let names: Vec<String> = self.names.all().collect();
+        let mut notes: Vec<String> = nearest(name, names.iter().map(String::as_str))
             .map(|name| format!("did you mean `{name}`?"))
             .into_iter()
             .collect();
@@ -415,12 +416,4 @@ impl StepLinker<'_> {
 
 fn one(code: &'static str, message: String, notes: Vec<String>) -> Diagnostics {
     Diagnostics(vec![Diagnostic { code, message, labels: Vec::new(), notes }])
-}
-
-fn nearest(name: &str, candidates: impl Iterator<Item = String>) -> Option<String> {
-    candidates
-        .map(|candidate| (strsim::damerau_levenshtein(name, &candidate), candidate))
-        .filter(|(distance, candidate)| *distance <= 2 + candidate.len() / 4)
-        .min()
-        .map(|(_, candidate)| candidate)
 }

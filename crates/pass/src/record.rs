@@ -123,7 +123,7 @@ pub struct Recording {
 /// name: `values` of the step; the settings of the pass; `seed` (u32, made from the run's seed and the pass's
 /// name); `PORT_size` (`vec2<u32>`, texels of the port's first texture), `PORT_layers`, `PORT_FACT` for each
 /// fact; and for an input that is a past version `PORT_age` (frames, 0 where there is none) and `PORT_reset`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     /// A dispatch.
     Compute(Compute),
@@ -132,7 +132,7 @@ pub enum Step {
 }
 
 /// One dispatch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Compute {
     /// The shader.
     pub shader: Request,
@@ -166,7 +166,7 @@ pub enum Threads {
 }
 
 /// One draw.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
     /// The shader with both entry points.
     pub shader: Request,
@@ -189,7 +189,7 @@ pub struct Raster {
 }
 
 /// A colour target.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// `port` or `port.member` of an output or of scratch.
     pub resource: String,
@@ -221,7 +221,7 @@ pub enum Load {
 }
 
 /// A depth target, tested with *greater or equal* (reversed z) unless `less` is set.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DepthTarget {
     /// `port` or `port.member` of an output or of scratch.
     pub resource: String,

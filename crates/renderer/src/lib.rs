@@ -30,7 +30,7 @@ pub use reload::Reload;
 
 use executor::{Executor, Object};
 use frame_graph::plan::{PlannedOutput, ResourceId};
-use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause};
+use frame_graph::{Change, CompileOptions, LinkContext, Name, Overrides, Plan, ResetCause};
 use metrics::Image;
 use scene::{Camera, Scene};
 use scene_upload::{Frame, Host};
@@ -267,13 +267,8 @@ impl Renderer {
         };
         let found = plan.resources.iter().position(|resource| fits(&resource.name));
         found.map(|index| ResourceId(index as u32)).ok_or_else(|| {
-            let resources = plan.resources.iter().map(|resource| resource.name.as_str());
-            let outputs = plan.outputs.iter().map(|output| output.name.as_str());
-            RenderError::NoOutput {
-                pipeline: self.pipeline_name().to_owned(),
-                output: name.to_owned(),
-                has: outputs.chain(resources).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
-            }
+            let outputs = plan.outputs.iter().map(|output| &output.name);
+            self.no_output(name, outputs.chain(plan.resources.iter().map(|resource| &resource.name)))
         })
     }
 
@@ -315,16 +310,15 @@ impl Renderer {
 
     fn planned_output(&self, name: &str) -> Result<&PlannedOutput, RenderError> {
         let plan = self.plan().ok_or(RenderError::NoPipeline)?;
-        plan.outputs.iter().find(|output| output.name.as_str() == name).ok_or_else(|| RenderError::NoOutput {
+        plan.output(name).ok_or_else(|| self.no_output(name, plan.outputs.iter().map(|output| &output.name)))
+    }
+
+    fn no_output<'a>(&self, name: &str, has: impl Iterator<Item = &'a Name>) -> RenderError {
+        RenderError::NoOutput {
             pipeline: self.pipeline_name().to_owned(),
             output: name.to_owned(),
-            has: plan
-                .outputs
-                .iter()
-                .map(|output| format!("`{}`", output.name))
-                .collect::<Vec<_>>()
-                .join(", "),
-        })
+            has: has.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        }
     }
 
     /// The plan that runs.

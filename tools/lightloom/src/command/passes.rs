@@ -4,7 +4,7 @@ use crate::context::Context;
 use crate::output::{self, say};
 use anyhow::{Result, bail};
 use frame_graph::port::Kinds;
-use frame_graph::{Ports, Setting, Settings, Use};
+use frame_graph::{Ports, Setting, Settings, Use, nearest};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -31,8 +31,10 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     };
     let Some(pass) = catalog::find(name) else {
         let names = context.catalog.names();
-        let nearest = names.iter().min_by_key(|kind| strsim::damerau_levenshtein(kind, name));
-        bail!("there is no kind `{name}`; did you mean `{}`?", nearest.map_or("", String::as_str));
+        match nearest(name, names.iter().map(String::as_str)) {
+            Some(near) => bail!("there is no kind `{name}`; did you mean `{near}`?"),
+            None => bail!("there is no kind `{name}`; there are {}", names.join(", ")),
+        }
     };
     let info = pass.info();
     let outputs = BTreeMap::new();
