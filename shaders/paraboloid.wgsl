@@ -4,22 +4,11 @@
 // the unit disc; the disc is inscribed in the square [-1, 1]², which a tile of the atlas covers. x grows with the
 // column, y with the row. The twin is paraboloid.rs.
 
+#import "tangent-frame.wgsl"
+
 /// What an atlas of distances holds where nothing is: more than any distance. Finite, because arithmetic with
 /// infinity differs between drivers.
 const NOTHING: f32 = 3.0e38;
-
-/// An orthonormal, right-handed frame whose z is a unit vector (Duff et al. 2017). World from local;
-/// `v * frame` goes back.
-fn frame_from_normal(n: vec3<f32>) -> mat3x3<f32> {
-    let side = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (side + n.z);
-    let b = n.x * n.y * a;
-    return mat3x3(
-        vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x),
-        vec3(b, side + n.y * n.y * a, -n.y),
-        n,
-    );
-}
 
 /// Point of the square for a unit direction; within the unit disc where z ≥ 0. Undefined straight down.
 fn paraboloid_from_direction(direction: vec3<f32>) -> vec2<f32> {

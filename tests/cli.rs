@@ -59,6 +59,7 @@ fn a_picture_can_be_made_again_from_itself() {
     let compared = run_in(folder.path(), &["compare", "a.exr", "b.exr", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&out(&compared)).unwrap();
     assert_eq!(json["rmse"], 0.0, "{json}");
+    assert_eq!(json["ssim"], 1.0, "{json}");
     std::fs::write(folder.path().join("c.png"), b"no picture").unwrap();
     assert_eq!(run_in(folder.path(), &["rerun", "c.png"]).status.code(), Some(1));
 }

@@ -12,3 +12,5 @@ mod pairs;
 mod pictures;
 mod reference;
 mod reload;
+mod study;
+mod truth;

@@ -15,9 +15,10 @@ const IMPORTANCES: [(&str, &str); 2] = [
     ("flux", r#"Replace("importance", Pass(kind: "importance-map", set: { "measure": "flux" }))"#),
 ];
 
-const VISIBILITIES: [(&str, &str); 4] = [
+const VISIBILITIES: [(&str, &str); 5] = [
     ("imperfect", r#"Set("shadows.map", 32)"#),
     ("exact", r#"Replace("shadows", Pass(kind: "paraboloid-shadow-maps", set: { "map": 32 }))"#),
+    ("ray-traced", r#"Replace("shadows", Pass(kind: "visibility-ray-traced"))"#),
     ("none", r#"Replace("shadows", Pass(kind: "visibility-none"))"#),
     ("unconnected", r#"Remove("shadows")"#),
 ];
@@ -67,10 +68,16 @@ fn samplers_agree_under_each_visibility() {
 /// Every kind of light, alone and together, in every pipeline.
 #[test]
 fn every_pipeline_lights_every_kind_of_scene() {
-    for pipeline in ["ism", "ism-invtm", "ism-uniform", "ism-invtm-2", "ism-classic"] {
+    let pipelines =
+        ["ism", "ism-invtm", "ism-uniform", "ism-invtm-2", "ism-classic", "ism-ray-traced", "exhaustive"];
+    for pipeline in pipelines {
         for scene in ["cornell-box", "cornell-box-point", "cornell-box-sun", "cornell-box-lights"] {
-            let values =
-                if pipeline == "ism-classic" { &["lights=32", "map=16", "rsm.size=32"][..] } else { SMALL };
+            let values = match pipeline {
+                "ism-classic" => &["lights=32", "map=16", "rsm.size=32"][..],
+                // Rays need no maps.
+                "ism-ray-traced" | "exhaustive" => &["lights=64", "rsm.size=64"][..],
+                _ => SMALL,
+            };
             let Some(mut renderer) = renderer(pipeline, scene, (20, 20), values) else { return };
             renderer.frame().unwrap();
             let indirect = renderer.output("indirect").unwrap();
@@ -83,8 +90,9 @@ fn every_pipeline_lights_every_kind_of_scene() {
 /// Scenes without light or without surfaces are black, not broken.
 #[test]
 fn nothing_gives_nothing() {
-    for pipeline in ["ism", "ism-invtm", "ism-uniform"] {
-        let Some(mut renderer) = renderer(pipeline, "empty", (8, 8), SMALL) else { return };
+    for pipeline in ["ism", "ism-invtm", "ism-uniform", "reference"] {
+        let values = if pipeline == "reference" { &[][..] } else { SMALL };
+        let Some(mut renderer) = renderer(pipeline, "empty", (8, 8), values) else { return };
         renderer.frame().unwrap();
         assert_eq!(mean(&renderer.output("image").unwrap()), [0.0; 3], "{pipeline}");
     }

@@ -7,7 +7,8 @@
 
 #import "camera.wgsl"
 #import "color.wgsl"
-#import "lights.wgsl"
+#import "ggx.wgsl"
+#import "incident-light.wgsl"
 #import "scene.wgsl"
 
 struct Settings {
@@ -57,25 +58,6 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
         radiance += reflected * irradiance * visibility(layer_that_sees(light, at), at, normal);
     }
     textureStore(direct, id.xy, vec4(radiance, 1.0));
-}
-
-struct Incident {
-    /// The way the light travels, unit.
-    direction: vec3<f32>,
-    /// On a plane across it [W/m²].
-    irradiance: vec3<f32>,
-}
-
-fn incident_light(light: Light, at: vec3<f32>) -> Incident {
-    if light.kind == LIGHT_DIRECTIONAL {
-        return Incident(light.direction, light.intensity);
-    }
-    let offset = at - light.position;
-    // A light that lies on a surface would shine on it without bound: nearer than this it stays as bright.
-    let nearest = 1e-6 * scene_info.extent;
-    let distance = max(length(offset), nearest);
-    let direction = offset / distance;
-    return Incident(direction, light_intensity(light, direction) / distance / distance);
 }
 
 /// Index of the layer of a light that sees a point: of a point light's six, that along whose axis it lies farthest.
@@ -151,25 +133,3 @@ fn plane_distance(receiver: vec3<f32>, n: vec3<f32>, tap: vec2<f32>, perspective
     }
     return select(-receiver.z, dot(n.xy, tap - receiver.xy) / n.z - receiver.z, n.z > 0.0);
 }
-
-#if SPECULAR
-/// Microfacet reflection [1/sr]: GGX with the height-correlated Smith term (Heitz 2014) and Schlick's Fresnel.
-/// All directions leave the surface, unit.
-fn ggx(normal: vec3<f32>, to_light: vec3<f32>, to_camera: vec3<f32>, f0: vec3<f32>, roughness: f32) -> vec3<f32> {
-    let nl = dot(normal, to_light);
-    // A shading normal at a silhouette may turn from the camera; the surface is seen all the same.
-    let nv = max(dot(normal, to_camera), 1e-3);
-    // A mirror shows a light without extent nowhere, or without bound: it is kept this rough.
-    let a = max(roughness * roughness, 1e-3);
-    let a2 = a * a;
-    let half_way = normalize(to_light + to_camera);
-    let nh = clamp(dot(normal, half_way), 0.0, 1.0);
-    // 1 − nh² by the cross product, which does not cancel near the peak.
-    let sine = cross(normal, half_way);
-    let spread = a2 * nh * nh + dot(sine, sine);
-    let distribution = a2 / (PI * spread * spread);
-    let shadowing = 0.5 / (nl * sqrt(a2 + (1.0 - a2) * nv * nv) + nv * sqrt(a2 + (1.0 - a2) * nl * nl));
-    let fresnel = f0 + (1.0 - f0) * pow(1.0 - clamp(dot(to_light, half_way), 0.0, 1.0), 5.0);
-    return distribution * shadowing * fresnel;
-}
-#endif

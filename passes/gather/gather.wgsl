@@ -6,6 +6,7 @@
 // irradiance: rgba32float [W/m²]; in alpha the luminance of what the clamp removed [W/m²].
 
 #option VISIBILITY false // whether something says which lights are seen
+#option PARTS false // whether the lights take several dispatches
 #option VISIBILITY_FILTER single one_of [single, pcf] // for visibility-atlas.wgsl, where that is the module
 
 #import "camera.wgsl"
@@ -23,6 +24,11 @@ struct Settings {
     /// 1 where a subset is a run of the lights, 0 where it is every n·m-th.
     runs: u32,
     clamp: f32,
+    /// The part of each subset that this dispatch takes: lights `begin` to `end`.
+    begin: u32,
+    end: u32,
+    /// 1 for the dispatch that takes the last part.
+    last: u32,
     // For the module of the port `visibility`.
     visibility_tile: u32,
     visibility_columns: u32,
@@ -34,6 +40,10 @@ var<storage, read> lights: VirtualLights;
 var view_depth: texture_2d<f32>;
 var view_normal: texture_2d<f32>;
 var irradiance: texture_storage_2d<rgba32float, write>;
+#if PARTS
+/// What the parts before brought, pixel by pixel.
+var<storage, read_write> sums: array<vec4<f32>>;
+#endif
 
 const STAGED: u32 = 64u;
 var<workgroup> staged: array<VirtualLight, STAGED>;
@@ -112,12 +122,13 @@ fn gather(
         receivers[r].normal = normalize(textureLoad(view_normal, inside, 0).xyz);
     }
     let own = subset(image, subsets, min(lights.count, arrayLength(&lights.lights)));
-    for (var begin = 0u; begin < own.count; begin += STAGED) {
-        if begin + local_index < own.count {
+    let part_end = min(own.count, settings.end);
+    for (var begin = settings.begin; begin < part_end; begin += STAGED) {
+        if begin + local_index < part_end {
             staged[local_index] = lights.lights[own.first + (begin + local_index) * own.stride];
         }
         workgroupBarrier();
-        let end = min(own.count - begin, STAGED);
+        let end = min(part_end - begin, STAGED);
         for (var i = 0u; i < end; i++) {
             let light = staged[i];
             let flux_luminance = luminance(light.flux);
@@ -138,7 +149,17 @@ fn gather(
     for (var r = 0u; r < SPAN * SPAN; r++) {
         if all(receivers[r].pixel < settings.view_size) {
             // A subset stands for all lights: the mean over the sub-images is the sum.
-            let sum = select(vec4(0.0), receivers[r].sum * f32(subsets), receivers[r].seen);
+            var sum = select(vec4(0.0), receivers[r].sum * f32(subsets), receivers[r].seen);
+#if PARTS
+            let index = receivers[r].pixel.y * settings.view_size.x + receivers[r].pixel.x;
+            if settings.begin > 0u {
+                sum += sums[index];
+            }
+            if settings.last == 0u {
+                sums[index] = sum;
+                continue;
+            }
+#endif
             textureStore(irradiance, receivers[r].pixel, sum);
         }
     }

@@ -3,11 +3,14 @@
 // The unit square is laid over the surface, area for area: the first number picks the triangle, and where it
 // fell in the triangle's interval it is, with the second, the place there. So two numbers do, and the evenness
 // of their sequence in the square is evenness on the surface.
+//
+// DEVIATION(sequence): the paper picks triangles and places at random.
 
 #import "dispatch.wgsl"
 #import "points.wgsl"
 #import "random.wgsl"
 #import "scene.wgsl"
+#import "sobol.wgsl"
 
 struct Settings {
     count: u32,
@@ -16,35 +19,6 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read_write> points: array<Point>;
-
-/// Element `index` of Sobol's sequence in two dimensions, in fixed point: 2^-32 is one.
-///
-/// DEVIATION(sequence): the paper picks triangles and places at random.
-///
-/// A (0, 2)-sequence in base 2: of every 2^m elements that start at a multiple of 2^m, exactly one lies in each
-/// box of area 2^-m whose sides are aligned to powers of two, for all 2^32 indices.
-fn sobol2(index: u32) -> vec2<u32> {
-    var second = 0u;
-    var direction = 0x80000000u;
-    for (var rest = index; rest > 0u; rest >>= 1u) {
-        if (rest & 1u) != 0u {
-            second ^= direction;
-        }
-        direction ^= direction >> 1u;
-    }
-    return vec2(reverseBits(index), second);
-}
-
-/// Owen's nested scrambling (Laine & Karras 2011, constants of Burley 2020): keeps what `sobol2` promises, and
-/// takes away the pattern.
-fn scramble(value: u32, seed: u32) -> u32 {
-    var bits = reverseBits(value) + seed;
-    bits ^= bits * 0x6c50b47cu;
-    bits ^= bits * 0xb82f1e52u;
-    bits ^= bits * 0xc7afe638u;
-    bits ^= bits * 0x8d22f6e6u;
-    return reverseBits(bits);
-}
 
 /// The triangle whose interval of the table holds the number. Those without area have no interval.
 fn triangle_at(number: u32) -> u32 {

@@ -48,6 +48,16 @@ pub enum ExecutorError {
         /// What the driver said.
         message: String,
     },
+    /// A shader uses ray queries, and the adapter has none.
+    #[error(
+        "pass {pass} uses ray queries, which {adapter} does not have; passes that trace rays do without where their setting `rays` is \"bvh\""
+    )]
+    NoRayQueries {
+        /// Name of the pass.
+        pass: String,
+        /// The adapter's name.
+        adapter: String,
+    },
     /// The device is gone.
     #[error("the graphics device is gone: {message}")]
     Lost {

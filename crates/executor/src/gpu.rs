@@ -20,7 +20,8 @@ impl Gpu {
     /// Features that are used where they are there; none is needed.
     pub const WANTED: Features = Features::TIMESTAMP_QUERY
         .union(Features::FLOAT32_FILTERABLE)
-        .union(Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);
+        .union(Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES)
+        .union(Features::EXPERIMENTAL_RAY_QUERY);
 
     /// Opens the best adapter, without a window. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` choose another.
     ///
@@ -70,6 +71,7 @@ impl Gpu {
             label: Some("lightloom"),
             required_features: adapter.features() & Self::WANTED,
             required_limits: adapter.limits(),
+            experimental_features: experimental(),
             ..Default::default()
         }
     }
@@ -108,6 +110,11 @@ impl Gpu {
         self.device.features().contains(Features::TIMESTAMP_QUERY)
     }
 
+    /// Whether shaders can query an acceleration structure.
+    pub fn has_ray_queries(&self) -> bool {
+        self.device.features().contains(Features::EXPERIMENTAL_RAY_QUERY)
+    }
+
     /// Adapter and driver in one line, for provenance.
     pub fn describe(&self) -> String {
         let info = &self.info;
@@ -124,4 +131,12 @@ impl Gpu {
             .map(|_| ())
             .map_err(|error| ExecutorError::Lost { message: error.to_string() })
     }
+}
+
+/// Leave to use ray queries where an adapter has them. Nothing else that wgpu counts as experimental is asked for.
+#[expect(unsafe_code, reason = "wgpu's way of asking whether its warning was read")]
+fn experimental() -> wgpu::ExperimentalFeatures {
+    // SAFETY: the warning, that validation of experimental features may have holes, was read. Shaders initialise a
+    // query before they proceed, and every structure is built before what traverses it is submitted.
+    unsafe { wgpu::ExperimentalFeatures::enabled() }
 }

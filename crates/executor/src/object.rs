@@ -29,6 +29,8 @@ pub enum External {
     Texture(wgpu::TextureView),
     /// A sampler.
     Sampler(wgpu::Sampler),
+    /// What ray queries traverse.
+    AccelerationStructure(wgpu::Tlas),
 }
 
 /// What an object is used for, beside being bound and read back.

@@ -276,6 +276,9 @@ fn binding_type(kind: &GlobalKind) -> wgpu::BindingType {
                 wgpu::TextureViewDimension::D2
             },
         },
+        GlobalKind::AccelerationStructure => {
+            wgpu::BindingType::AccelerationStructure { vertex_return: false }
+        }
         GlobalKind::Sampler { comparison } => wgpu::BindingType::Sampler(if *comparison {
             wgpu::SamplerBindingType::Comparison
         } else {

@@ -131,12 +131,14 @@ impl Executor {
     /// one before stays.
     ///
     /// # Errors
-    /// A pipeline that the driver refuses, a limit, or memory used up: with the pass and the bytes.
+    /// A feature that the adapter lacks, a pipeline that the driver refuses, a limit, or memory used up: with
+    /// the pass and the bytes.
     pub fn load(
         &mut self,
         plan: Arc<Plan>,
         steps: Vec<Vec<LinkedStep>>,
     ) -> Result<LoadReport, ExecutorError> {
+        self.check_features(&plan, &steps)?;
         let mut pipelines = 0;
         let mut built = Vec::with_capacity(steps.len());
         for (pass, pass_steps) in plan.passes.iter().zip(steps) {
@@ -179,6 +181,17 @@ impl Executor {
         self.pipelines.trim(&used);
         self.pending.extend(changed.iter().copied());
         Ok(LoadReport { changed, pipelines, kept })
+    }
+
+    fn check_features(&self, plan: &Plan, steps: &[Vec<LinkedStep>]) -> Result<(), ExecutorError> {
+        let queries = |steps: &[LinkedStep]| steps.iter().any(LinkedStep::queries_rays);
+        match plan.passes.iter().zip(steps).find(|(_, steps)| queries(steps)) {
+            Some((pass, _)) if !self.gpu.has_ray_queries() => Err(ExecutorError::NoRayQueries {
+                pass: pass.name.to_string(),
+                adapter: self.gpu.info.name.clone(),
+            }),
+            _ => Ok(()),
+        }
     }
 
     fn changed_passes(&self, plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<PassId> {
@@ -279,6 +292,10 @@ impl Executor {
             uniforms: uniforms.as_ref(),
             object_of: &object_of,
         };
+        let timers = timers.as_ref().filter(|_| timed);
+        if let Some(timers) = timers {
+            timers.start(&mut encoder);
+        }
         let mut open: Option<wgpu::ComputePass<'static>> = None;
         for (index, pass) in plan.passes.iter().enumerate().filter(|(index, _)| schedule.runs[*index]) {
             let poisoned = poison.as_ref().filter(|_| options.poison);
@@ -307,15 +324,13 @@ impl Executor {
             }
             let count = steps[index].len();
             for (i, step) in steps[index].iter_mut().enumerate() {
-                let queries = timers.as_ref().filter(|_| timed).map(|timers| {
-                    let at = 2 * index as u32;
-                    (&timers.queries, (i == 0).then_some(at), (i + 1 == count).then_some(at + 1))
-                });
+                let end = (i + 1 == count).then(|| Timers::end_of(index));
+                let queries = timers.map(|timers| (&timers.queries, end));
                 step.encode(&context, &mut encoder, &mut open, queries);
             }
         }
         drop(open);
-        if timed && let Some(timers) = timers {
+        if let Some(timers) = timers {
             timers.resolve(&mut encoder);
         }
         self.gpu.queue.submit([encoder.finish()]);
@@ -323,8 +338,12 @@ impl Executor {
             return Err(ExecutorError::Pass { pass: "of this frame".to_owned(), message });
         }
         let times = match timers {
-            Some(timers) if timed => timers.read(&self.gpu, &schedule.runs)?,
-            _ => Vec::new(),
+            Some(timers) => {
+                let stamped =
+                    schedule.runs.iter().zip(steps.iter()).map(|(runs, steps)| *runs && !steps.is_empty());
+                timers.read(&self.gpu, &stamped.collect::<Vec<_>>())?
+            }
+            None => Vec::new(),
         };
         loaded.schedule = schedule;
         Ok(FrameReport { ran: loaded.schedule.runs.clone(), times })
@@ -406,6 +425,7 @@ fn reset_code(cause: ResetCause) -> u32 {
         ResetCause::Cut => 3,
         ResetCause::Scene => 4,
         ResetCause::Reload => 5,
+        ResetCause::Moved => 6,
     }
 }
 

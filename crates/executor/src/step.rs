@@ -33,13 +33,8 @@ pub(crate) struct StepContext<'a> {
     pub(crate) object_of: &'a dyn Fn(&Source) -> Option<(AllocationId, &'a Object)>,
 }
 
-/// Queries to write at the begin and the end of a step.
-pub(crate) type StepQueries<'a> = Option<(&'a wgpu::QuerySet, Option<u32>, Option<u32>)>;
-
-/// Whether a step is the first or the last of its pass, and so writes a timestamp.
-fn edge((_, begin, end): &(&wgpu::QuerySet, Option<u32>, Option<u32>)) -> bool {
-    begin.is_some() || end.is_some()
-}
+/// Where a frame is timed: the queries, and for the last step of a pass the one that it writes at its end.
+pub(crate) type StepQueries<'a> = Option<(&'a wgpu::QuerySet, Option<u32>)>;
 
 impl LoadedStep {
     /// Makes the pipeline; the flag says whether it was not there before.
@@ -146,10 +141,10 @@ impl LoadedStep {
                 let mut pass = open.take().unwrap_or_else(|| {
                     let descriptor = wgpu::ComputePassDescriptor {
                         label: Some(&self.label),
-                        timestamp_writes: queries.filter(edge).map(|(query_set, begin, end)| {
+                        timestamp_writes: queries.filter(|(_, end)| end.is_some()).map(|(query_set, end)| {
                             wgpu::ComputePassTimestampWrites {
                                 query_set,
-                                beginning_of_pass_write_index: begin,
+                                beginning_of_pass_write_index: None,
                                 end_of_pass_write_index: end,
                             }
                         }),
@@ -251,10 +246,10 @@ impl LoadedStep {
             label: Some(&self.label),
             color_attachments: &colors,
             depth_stencil_attachment: depth,
-            timestamp_writes: queries.filter(edge).map(|(query_set, begin, end)| {
+            timestamp_writes: queries.filter(|(_, end)| end.is_some()).map(|(query_set, end)| {
                 wgpu::RenderPassTimestampWrites {
                     query_set,
-                    beginning_of_pass_write_index: begin,
+                    beginning_of_pass_write_index: None,
                     end_of_pass_write_index: end,
                 }
             }),
@@ -325,6 +320,7 @@ impl LoadedStep {
                 Some(External::Buffer(buffer)) => buffer.as_entire_binding(),
                 Some(External::Texture(view)) => wgpu::BindingResource::TextureView(view),
                 Some(External::Sampler(sampler)) => wgpu::BindingResource::Sampler(sampler),
+                Some(External::AccelerationStructure(tlas)) => tlas.as_binding(),
                 None => panic!("{}: the host program has not set the external `{name}`", self.label),
             },
             _ => {

@@ -82,22 +82,25 @@ impl fmt::Display for Span {
 }
 
 impl Diagnostic {
-    pub(crate) fn new(code: &'static Code, message: impl Into<String>) -> Diagnostic {
+    /// An error without a place yet.
+    pub fn new(code: &'static Code, message: impl Into<String>) -> Diagnostic {
         Diagnostic { code: code.code, message: message.into(), labels: Vec::new(), notes: Vec::new() }
     }
 
-    pub(crate) fn label(mut self, span: Span, message: impl Into<String>) -> Diagnostic {
+    /// Adds a place; the first is the main one.
+    pub fn label(mut self, span: Span, message: impl Into<String>) -> Diagnostic {
         self.labels.push(Label { span, message: message.into() });
         self
     }
 
-    pub(crate) fn note(mut self, note: impl Into<String>) -> Diagnostic {
+    /// Adds what to do.
+    pub fn note(mut self, note: impl Into<String>) -> Diagnostic {
         self.notes.push(note.into());
         self
     }
 
     /// Adds `did you mean …?`, where a known name is near, and the names there are.
-    pub(crate) fn suggest<'a>(
+    pub fn suggest<'a>(
         mut self,
         what: &str,
         wrong: &str,
@@ -174,7 +177,7 @@ impl Diagnostics {
     }
 
     /// Sorts by place, and drops what is said twice.
-    pub(crate) fn sorted(mut list: Vec<Diagnostic>) -> Diagnostics {
+    pub fn sorted(mut list: Vec<Diagnostic>) -> Diagnostics {
         let key = |d: &Diagnostic| d.labels.first().map(|l| (l.span.source.name.clone(), l.span.start));
         list.sort_by_cached_key(key);
         list.dedup();

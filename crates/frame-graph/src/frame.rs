@@ -17,6 +17,18 @@ pub enum ResetCause {
     Scene,
     /// A shader, a setting or the pipeline changed.
     Reload,
+    /// What the pass that made the past reads of the host program changed, the frame's own number and time apart: the
+    /// camera moved, or a light, or geometry.
+    Moved,
+}
+
+impl ResetCause {
+    /// Those that end a past whose link names none. [`ResetCause::Moved`] is for what accumulates a still picture.
+    pub const DEFAULT: [ResetCause; 4] =
+        [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
+    /// Those that a link can name.
+    pub const NAMED: [ResetCause; 5] =
+        [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload, ResetCause::Moved];
 }
 
 impl fmt::Display for ResetCause {
@@ -135,7 +147,15 @@ impl FrameState {
             .histories
             .iter()
             .map(|history| {
-                begun.or_else(|| change.events.iter().find(|e| history.reset.contains(e)).copied())
+                let event = || change.events.iter().find(|e| history.reset.contains(e)).copied();
+                let moved = || {
+                    let producer = plan.resources[history.resource.0 as usize].producer;
+                    let reads =
+                        producer.map_or(Externals::NONE, |pass| plan.passes[pass.0 as usize].externals);
+                    let changed = reads.0 & change.externals.0 & !Externals::FRAME.0 != 0;
+                    (changed && history.reset.contains(&ResetCause::Moved)).then_some(ResetCause::Moved)
+                };
+                begun.or_else(event).or_else(moved)
             })
             .collect();
         let mut runs = self.renew(plan, change, &resets, begun.is_some());

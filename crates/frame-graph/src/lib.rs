@@ -31,7 +31,7 @@
 //! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `I32`, `F32`, `Bool`, `Text`. A variant gives only what differs |
 //! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)` |
 //! | PART | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, when: …?, off: …?)`: the passes of another file, named `part/pass` |
-//! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a part, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload]?)` |
+//! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a part, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Moved]?)` |
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or `"$parameter"`; text that begins with `$` is written with `$$` |
 //! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?)`, for kinds that take their ports from a shader |
 //! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`; any number may be `"$parameter"` (`"frame / $tile"`) |
@@ -42,7 +42,8 @@
 //! output. After the dot stands a port, or a member of the only port that has one of that name: `"view.depth"`.
 //! An input of the interface `Texture` or `Buffer` takes any single resource of that sort. `Prev` reads what the
 //! port held in the frame before, and may name any pass, also a later one or its own; `init` is what it holds where
-//! there is no past, and `reset` names the events that end it (all four, where it is left out).
+//! there is no past, and `reset` names the events that end it (the first four, where it is left out; `Moved` is any change of what
+//! the pass that writes the past reads of camera, lights and scene).
 //!
 //! **Patches.** They are applied in order, after the entries of the file itself. `Replace` keeps the links of the
 //! old pass whose ports the new kind has, its `when` and its `off`, unless they are given anew. `Insert` puts a pass
@@ -76,7 +77,7 @@ pub mod link;
 mod name;
 pub mod plan;
 pub mod port;
-mod reader;
+pub mod reader;
 pub mod resolve;
 pub mod resource;
 pub mod value;
@@ -92,6 +93,8 @@ pub use port::{
     Externals, Facts, InputPort, Interface, KindError, Kinds, Member, OutputContext, OutputDesc, OutputPort,
     Ports, Usage, Use,
 };
-pub use resolve::{Difference, Files, Overrides, Parameter, Resolved, diff, resolve, resolve_description};
+pub use resolve::{
+    Difference, Files, Overrides, Parameter, Resolved, Settable, diff, resolve, resolve_description,
+};
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc};
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

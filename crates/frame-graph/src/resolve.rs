@@ -11,6 +11,7 @@ use crate::codes;
 use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, parse_file};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span};
 use crate::name::Name;
+use crate::port::{Kinds, Use};
 use crate::value::{Setting, Value};
 use flatten::{Assignment, Resolver};
 use rustc_hash::FxHashMap;
@@ -40,6 +41,8 @@ pub struct Resolved {
     pub(crate) about: Option<String>,
     pub(crate) paper: Option<String>,
     pub(crate) parameters: Vec<Parameter>,
+    /// Parameters of each part; of a file that was flattened before, none.
+    pub(crate) part_parameters: Vec<(Name, Vec<Parameter>)>,
     /// Inputs, for a part.
     pub(crate) inputs: Vec<InputDecl>,
     pub(crate) nodes: Vec<Node>,
@@ -55,6 +58,17 @@ pub struct Parameter {
     /// What it is.
     pub value: Value,
     pub(crate) place: Place,
+}
+
+/// Something that a value can be given to from outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settable {
+    /// The path, as [`Overrides`] take it.
+    pub path: String,
+    /// What it may be.
+    pub setting: Setting,
+    /// What it is.
+    pub value: Value,
 }
 
 /// A pass, or the border of a part.
@@ -119,6 +133,40 @@ impl Resolved {
     /// The parameters, in the order of the file.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
+    }
+
+    /// All that a value can be given to from outside: parameters, `part.parameter`, `pass.setting`. Passes whose
+    /// kinds cannot say their settings are left out: linking tells why.
+    pub fn settable(&self, kinds: &dyn Kinds) -> Vec<Settable> {
+        let of = |prefix: &str, parameter: &Parameter| Settable {
+            path: format!("{prefix}{}", parameter.setting.name),
+            setting: parameter.setting.clone(),
+            value: parameter.value.clone(),
+        };
+        let own = self.parameters.iter().map(|parameter| of("", parameter));
+        let parts = self.part_parameters.iter().flat_map(|(part, parameters)| {
+            parameters.iter().map(move |parameter| of(&format!("{part}."), parameter))
+        });
+        let mut found: Vec<Settable> = own.chain(parts).collect();
+        for node in &self.nodes {
+            let Body::Pass { kind, shader } = &node.decl.body else { continue };
+            let settings = kinds.settings(Use {
+                kind: &kind.value,
+                shader: shader.as_ref().map(|shader| &*shader.value),
+                inputs: &node.decl.link_names,
+                outputs: &node.decl.overrides,
+            });
+            for setting in settings.iter().flat_map(|settings| settings.iter()) {
+                let given = node.decl.set.iter().find(|set| set.name.value == *setting.name);
+                let value = given.and_then(|set| set.value.get()).unwrap_or(&setting.default);
+                found.push(Settable {
+                    path: format!("{}.{}", node.name, setting.name),
+                    setting: setting.clone(),
+                    value: value.clone(),
+                });
+            }
+        }
+        found
     }
 
     /// Names and kinds of all passes, in the order of the file.

@@ -3,15 +3,18 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::{
-    Display, Epsilon, FlipMap, Image, ImageError, NonFinite, PIXELS_PER_DEGREE, Pair, flip, hdr_flip,
+    DEFAULT_TRIM, Display, Epsilon, FlipMap, Image, ImageError, NonFinite, PIXELS_PER_DEGREE, Pair, flip,
+    hdr_flip,
 };
 
 /// How two pictures are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ComparisonOptions {
-    /// ε of relMSE.
+    /// ε of relMSE, and its root that of MAPE.
     pub epsilon: Epsilon,
-    /// How radiance comes to the display on which ꟻLIP looks; `None` where both pictures are display
+    /// The share of pixels that trimmed relMSE leaves out; see [`DEFAULT_TRIM`].
+    pub trim: f64,
+    /// How radiance comes to the display on which ꟻLIP and SSIM look; `None` where both pictures are display
     /// light already, as PNG files are. HDR-ꟻLIP is taken of radiance only.
     pub display: Option<Display>,
     /// The viewing condition of ꟻLIP; see [`PIXELS_PER_DEGREE`].
@@ -22,6 +25,7 @@ impl Default for ComparisonOptions {
     fn default() -> Self {
         Self {
             epsilon: Epsilon::default(),
+            trim: DEFAULT_TRIM,
             display: Some(Display::default()),
             pixels_per_degree: PIXELS_PER_DEGREE,
         }
@@ -52,8 +56,14 @@ pub struct Comparison {
     pub normalised_rmse: Option<f64>,
     /// [`Pair::rel_mse`].
     pub rel_mse: Option<f64>,
+    /// [`Pair::trimmed_rel_mse`].
+    pub trimmed_rel_mse: Option<f64>,
+    /// [`Pair::mape`].
+    pub mape: Option<f64>,
     /// [`Pair::max_abs_difference`] (radiance).
     pub max_abs_difference: f64,
+    /// [`Pair::ssim`].
+    pub ssim: f64,
     /// [`flip`](fn@flip).
     pub flip: FlipStatistics,
     /// [`hdr_flip`], of radiance only.
@@ -86,6 +96,7 @@ impl Comparison {
         let pair = Pair::new(image, reference)?;
         let [mean, reference_mean] = pair.means();
         let ppd = options.pixels_per_degree;
+        let display = options.display.unwrap_or(Display::AS_IS);
         Ok(Self {
             width: image.width(),
             height: image.height(),
@@ -97,8 +108,11 @@ impl Comparison {
             rmse: pair.rmse(),
             normalised_rmse: pair.normalised_rmse(),
             rel_mse: pair.rel_mse(options.epsilon),
+            trimmed_rel_mse: pair.trimmed_rel_mse(options.epsilon, options.trim),
+            mape: pair.mape(options.epsilon),
             max_abs_difference: pair.max_abs_difference(),
-            flip: (&flip(&pair, options.display.unwrap_or(Display::AS_IS), ppd)).into(),
+            ssim: pair.ssim(display),
+            flip: (&flip(&pair, display, ppd)).into(),
             hdr_flip: options.display.map(|_| (&hdr_flip(&pair, ppd)).into()),
         })
     }
@@ -127,11 +141,19 @@ impl fmt::Display for Comparison {
         line("size", format!("{} x {}", self.width, self.height), "")?;
         line("RMSE", number(self.rmse), "")?;
         line("RMSE / mean", optional(self.normalised_rmse), "by the reference's mean")?;
-        let epsilon = match self.options.epsilon {
-            Epsilon::Relative(share) => format!("epsilon {share} of the reference's squared mean"),
-            Epsilon::Absolute(epsilon) => format!("epsilon {epsilon}"),
+        let [epsilon, root] = match self.options.epsilon {
+            Epsilon::Relative(share) => [
+                format!("epsilon {share} of the reference's squared mean"),
+                format!("epsilon {} of the reference's mean", share.sqrt()),
+            ],
+            Epsilon::Absolute(epsilon) => {
+                [format!("epsilon {epsilon}"), format!("epsilon {}", epsilon.sqrt())]
+            }
         };
         line("relMSE", optional(self.rel_mse), &epsilon)?;
+        let trim = format!("the worst {} % of the pixels left out", self.options.trim * 100.0);
+        line("relMSE trimmed", optional(self.trimmed_rel_mse), &trim)?;
+        line("MAPE", optional(self.mape), &root)?;
         line("max |difference|", number(self.max_abs_difference), "")?;
         line("mean RGB", rgb(self.mean), "image")?;
         line("", rgb(self.reference_mean), "reference")?;
@@ -140,14 +162,16 @@ impl fmt::Display for Comparison {
             Some(display) => format!("{} at {:+} EV", display.tonemap, display.exposure),
             None => "display light".into(),
         };
+        line("SSIM", format!("{:.5}", self.ssim), &how)?;
         line("FLIP", flip(&self.flip), &spread(&self.flip, &how))?;
         if let Some(hdr) = &self.hdr_flip {
             line("HDR-FLIP", flip(hdr), &spread(hdr, "all exposures"))?;
         }
         let NonFinite { image, reference, excluded } = self.non_finite;
         if excluded > 0 {
-            let note =
-                format!("pixels: {image} in the image, {reference} in the reference; left out, FLIP 1");
+            let note = format!(
+                "pixels: {image} in the image, {reference} in the reference; left out, FLIP 1, SSIM 0"
+            );
             line("NaN or infinite", excluded.to_string(), &note)?;
         }
         Ok(())
@@ -170,6 +194,24 @@ mod tests {
         assert_eq!(json["rmse"], 1.0);
         assert_eq!(json["non_finite"]["excluded"], 1);
         assert_eq!(json["flip"]["max"], 1.0);
+    }
+
+    #[test]
+    fn each_measure_is_under_its_name() {
+        let grey = |values: [f32; 4]| Image::new(2, 2, values.map(|v| [v, v, v, 1.0]).to_vec()).unwrap();
+        let (image, reference) = (grey([0.5, 2.0, 3.0, 9.0]), grey([1.0, 2.0, 2.0, 1.0]));
+        let options = ComparisonOptions { trim: 0.25, ..Default::default() };
+        let comparison = Comparison::new(&image, &reference, options).unwrap();
+        let pair = Pair::new(&image, &reference).unwrap();
+        assert_eq!(comparison.rel_mse, pair.rel_mse(options.epsilon));
+        assert_eq!(comparison.trimmed_rel_mse, pair.trimmed_rel_mse(options.epsilon, 0.25));
+        assert_eq!(comparison.mape, pair.mape(options.epsilon));
+        assert_eq!(comparison.ssim, pair.ssim(Display::default()));
+        let table = comparison.to_string();
+        let row = |name: &str| table.lines().find(|line| line.starts_with(name)).unwrap().to_owned();
+        assert!(row("relMSE trimmed").ends_with("the worst 25 % of the pixels left out"), "{table}");
+        assert!(row("MAPE").ends_with("epsilon 0.1 of the reference's mean"), "{table}");
+        assert!(row("SSIM").ends_with("reinhard at +0 EV"), "{table}");
     }
 
     #[test]

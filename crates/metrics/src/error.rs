@@ -72,7 +72,32 @@ pub enum ImageError {
         /// Width and height of the reference in pixels.
         reference: (usize, usize),
     },
-    /// Every pixel is NaN or infinite in at least one of the two images.
+    /// Images that belong together have different sizes.
+    #[error(
+        "the sizes differ: {what} is {}x{}, {other} {}x{}; all need one size",
+        found.0, found.1, expected.0, expected.1
+    )]
+    SizesDiffer {
+        /// The image that does not fit.
+        what: &'static str,
+        /// Its width and height in pixels.
+        found: (usize, usize),
+        /// The image it should fit.
+        other: &'static str,
+        /// Width and height of that one in pixels.
+        expected: (usize, usize),
+    },
+    /// A measure over several images got fewer than it needs.
+    #[error("this takes at least {expected} {what}, got {found}")]
+    TooFew {
+        /// What there are too few of, in the plural.
+        what: &'static str,
+        /// The least number.
+        expected: usize,
+        /// How many there were.
+        found: usize,
+    },
+    /// Every pixel is NaN or infinite in at least one of the images.
     #[error("nothing to compare: each of the {pixels} pixels is NaN or infinite in one of the images")]
     NoFinitePixels {
         /// Number of pixels.

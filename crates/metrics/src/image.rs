@@ -57,6 +57,22 @@ impl Image {
         &mut self.pixels
     }
 
+    /// # Errors
+    /// [`ImageError::SizesDiffer`], with what the two are called, where this is not of the size of `other`.
+    pub(crate) fn expect_size_of(
+        &self,
+        other: &Self,
+        what: &'static str,
+        other_name: &'static str,
+    ) -> Result<(), ImageError> {
+        let [found, expected] = [self, other].map(|image| (image.width, image.height));
+        if found == expected {
+            Ok(())
+        } else {
+            Err(ImageError::SizesDiffer { what, found, other: other_name, expected })
+        }
+    }
+
     /// The same size with every pixel's RGB replaced; alpha is kept.
     pub(crate) fn map_rgb(&self, map: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
         let pixels = self.pixels.iter().map(|&[r, g, b, a]| {

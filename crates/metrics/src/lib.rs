@@ -2,13 +2,16 @@
 //!
 //! * [`Image`]: linear Rec. 709 RGBA in `f32`, read from and written to EXR, PNG and PFM, with the
 //!   provenance of the picture inside the file.
-//! * [`Pair`]: an image and its reference, and the measures between them: RMSE, relMSE, mean energy,
-//!   difference images.
+//! * [`Pair`]: an image and its reference, and the measures between them: RMSE, relMSE, MAPE, SSIM, mean
+//!   energy, difference images.
 //! * [`flip`] and [`hdr_flip`]: the perceived difference ꟻLIP.
 //! * [`Comparison`]: all of these at once, as a table or as JSON.
+//! * [`temporal`]: flicker, error over time and lag of a sequence of frames.
+//! * [`virtual_lights`]: how many reach the image, how many move, what a clamp removes.
+//! * [`seeds`] and [`statistics`]: bias and variance apart, and intervals over several runs.
 //!
-//! Sums are `f64`, taken row by row and then over the rows in order, so a measure does not depend on
-//! the number of threads.
+//! Sums are `f64` in a fixed order, over rows and then over the sums of the rows where threads share the
+//! work, so a measure does not depend on their number.
 
 mod compare;
 mod difference;
@@ -19,6 +22,12 @@ mod flip;
 mod image;
 mod pair;
 mod pfm;
+mod ssim;
+
+pub mod seeds;
+pub mod statistics;
+pub mod temporal;
+pub mod virtual_lights;
 
 pub use compare::{Comparison, ComparisonOptions, FlipStatistics};
 pub use display::{Display, Tonemap, linear_from_srgb, srgb_from_linear};
@@ -26,4 +35,4 @@ pub use error::ImageError;
 pub use file::{FileFormat, PROVENANCE_KEY, read_provenance};
 pub use flip::{FlipMap, PIXELS_PER_DEGREE, flip, hdr_flip};
 pub use image::{Image, luminance};
-pub use pair::{Epsilon, NonFinite, Pair};
+pub use pair::{DEFAULT_TRIM, Epsilon, NonFinite, Pair};

@@ -4,6 +4,10 @@ use serde::Serialize;
 use crate::image::is_finite;
 use crate::{Image, ImageError};
 
+/// The share of pixels that [`Pair::trimmed_rel_mse`] leaves out by default: 0.1 %, as in papers on path
+/// guiding, where a few fireflies would else decide the figure.
+pub const DEFAULT_TRIM: f64 = 1e-3;
+
 /// The ε of [`Pair::rel_mse`], which keeps dark pixels from counting without bound.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -104,11 +108,37 @@ impl<'a> Pair<'a> {
     ///
     /// The value depends much on ε where the picture has dark parts: state it beside the figure.
     pub fn rel_mse(&self, epsilon: Epsilon) -> Option<f64> {
-        let epsilon = match epsilon {
-            Epsilon::Relative(share) => share * self.mean_over_channels(|_, r| r).powi(2),
-            Epsilon::Absolute(epsilon) => epsilon,
-        };
-        (epsilon > 0.0).then(|| self.mean_over_channels(|i, r| (i - r).powi(2) / (r * r + epsilon)))
+        let epsilon = self.squared_radiance(epsilon)?;
+        Some(self.mean_over_channels(|i, r| (i - r).powi(2) / (r * r + epsilon)))
+    }
+
+    /// [`rel_mse`](Self::rel_mse) without its worst pixels: the mean over RGB is taken of each pixel, and
+    /// the share `trim` (0..=1, rounded down to whole pixels) of the pixels with the greatest is left out
+    /// of the mean over pixels. `None` as for `rel_mse`, and where no pixel is left.
+    ///
+    /// It hides fireflies: state it beside the untrimmed figure. [`DEFAULT_TRIM`] leaves nothing out of
+    /// a picture of fewer than 1000 pixels. O(pixels log pixels).
+    pub fn trimmed_rel_mse(&self, epsilon: Epsilon, trim: f64) -> Option<f64> {
+        let epsilon = self.squared_radiance(epsilon)?;
+        let term = |i: f64, r: f64| (i - r).powi(2) / (r * r + epsilon);
+        let mut errors: Vec<f64> = self
+            .finite()
+            .map(|(i, r)| [0, 1, 2].map(|c| term(i[c], r[c])).iter().sum::<f64>() / 3.0)
+            .collect();
+        errors.sort_unstable_by(f64::total_cmp);
+        // A hair more, so that a share that is whole in decimals is not rounded down a pixel further.
+        let left_out = (trim.clamp(0.0, 1.0) * errors.len() as f64 + 1e-6) as usize;
+        let kept = &errors[..errors.len() - left_out];
+        (!kept.is_empty()).then(|| kept.iter().sum::<f64>() / kept.len() as f64)
+    }
+
+    /// Mean absolute relative error (1; 100 times it is a percentage): mean over pixels and RGB of
+    /// |I − R| / (|R| + √ε). ε is the squared radiance of [`rel_mse`](Self::rel_mse), so both measures
+    /// stop being relative at the same radiance √ε; a relative ε of 10⁻² is 0.1 of the reference's mean
+    /// here. `None` where ε is 0.
+    pub fn mape(&self, epsilon: Epsilon) -> Option<f64> {
+        let knee = self.squared_radiance(epsilon)?.sqrt();
+        Some(self.mean_over_channels(|i, r| (i - r).abs() / (r.abs() + knee)))
     }
 
     /// Largest |I − R| over pixels and RGB (radiance); 0 only for identical pictures.
@@ -127,6 +157,15 @@ impl<'a> Pair<'a> {
     /// lost or gained; `None` where the reference's is 0.
     pub fn energy_ratio(&self) -> Option<f64> {
         ratio(self.mean_over_channels(|i, _| i), self.mean_over_channels(|_, r| r))
+    }
+
+    /// ε as squared radiance, where it is above 0.
+    fn squared_radiance(&self, epsilon: Epsilon) -> Option<f64> {
+        let epsilon = match epsilon {
+            Epsilon::Relative(share) => share * self.mean_over_channels(|_, r| r).powi(2),
+            Epsilon::Absolute(epsilon) => epsilon,
+        };
+        (epsilon > 0.0).then_some(epsilon)
     }
 
     fn mean_over_channels(&self, term: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
@@ -197,9 +236,33 @@ mod tests {
         // The reference's mean is 5.5/6.
         let share = 0.5 / (5.5_f64 / 6.0).powi(2);
         close(pair.rel_mse(Epsilon::Relative(share)).unwrap(), rel_mse);
+        // √ε = 1/2: 0 + 1/1.5 + 2/1.5 in the first pixel, 2/2.5 + 0 + 1/0.5 in the second.
+        close(pair.mape(Epsilon::Absolute(0.25)).unwrap(), (2.0 + 0.8 + 2.0) / 6.0);
         close(pair.max_abs_difference(), 2.0);
         assert_eq!(pair.means(), [[0.5, 1.25, 2.0], [1.5, 0.75, 0.5]]);
         close(pair.energy_ratio().unwrap(), 7.5 / 5.5);
+    }
+
+    #[test]
+    fn trimming_leaves_the_worst_pixels_out() {
+        // Against black with ε = 1 the errors of the pixels are 1/3, 16 and 4, and one is NaN.
+        let i = image(&[[1.0, 0.0, 0.0], [4.0; 3], [2.0; 3], [f32::NAN; 3]]);
+        let r = image(&[[0.0; 3]; 4]);
+        let pair = Pair::new(&i, &r).unwrap();
+        let trimmed = |trim| pair.trimmed_rel_mse(Epsilon::Absolute(1.0), trim);
+        close(trimmed(0.0).unwrap(), pair.rel_mse(Epsilon::Absolute(1.0)).unwrap());
+        close(trimmed(0.33).unwrap(), (1.0 / 3.0 + 16.0 + 4.0) / 3.0);
+        close(trimmed(1.0 / 3.0).unwrap(), (1.0 / 3.0 + 4.0) / 2.0);
+        close(trimmed(0.67).unwrap(), 1.0 / 3.0);
+        assert_eq!(trimmed(1.0), None);
+        assert_eq!(pair.trimmed_rel_mse(Epsilon::default(), 0.0), None, "the reference is black");
+        // Whole shares are whole: 29 of 100 pixels, though 0.29 · 100 is 28.999999999999996, and 1 of 1000.
+        for (bad, all, share) in [(29, 100, 0.29), (1, 1000, DEFAULT_TRIM)] {
+            let i = image(&[vec![[9.0; 3]; bad], vec![[1.0; 3]; all - bad]].concat());
+            let r = image(&vec![[1.0; 3]; all]);
+            let trimmed = Pair::new(&i, &r).unwrap().trimmed_rel_mse(Epsilon::Absolute(1.0), share);
+            assert_eq!(trimmed, Some(0.0), "{share}");
+        }
     }
 
     #[test]
@@ -229,6 +292,7 @@ mod tests {
         assert_eq!(pair.normalised_rmse(), None);
         assert_eq!(pair.energy_ratio(), None);
         assert_eq!(pair.rel_mse(Epsilon::default()), None);
+        assert_eq!(pair.mape(Epsilon::default()), None);
         close(pair.rel_mse(Epsilon::Absolute(1e-2)).unwrap(), 100.0);
     }
 
@@ -239,6 +303,7 @@ mod tests {
         let (pair, bright) = (Pair::new(&i, &r).unwrap(), Pair::new(&bright_i, &bright_r).unwrap());
         let epsilon = Epsilon::default();
         close(pair.rel_mse(epsilon).unwrap(), bright.rel_mse(epsilon).unwrap());
+        close(pair.mape(epsilon).unwrap(), bright.mape(epsilon).unwrap());
         close(pair.normalised_rmse().unwrap(), bright.normalised_rmse().unwrap());
         close(pair.energy_ratio().unwrap(), bright.energy_ratio().unwrap());
     }

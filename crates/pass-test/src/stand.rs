@@ -11,7 +11,7 @@ use frame_graph::{
     Change, Clear, Extent, Externals, Facts, Name, OutputContext, ResourceDesc, Setting, Settings,
     TextureDesc, Traits, Usage, Use, Value,
 };
-use pass::{Library, Pass, UseContext};
+use pass::{Library, LinkedStep, Pass, UseContext};
 use scene::{Camera, Scene};
 use scene_upload::{Frame, Host};
 use std::collections::BTreeMap;
@@ -27,6 +27,7 @@ pub struct Stand<'a> {
     inputs: Vec<Input>,
     scene: Option<Scene>,
     camera: Option<Camera>,
+    time: f32,
     traits: BTreeMap<String, Value>,
     seed: u32,
     poison: bool,
@@ -51,6 +52,7 @@ impl<'a> Stand<'a> {
             inputs: Vec::new(),
             scene: None,
             camera: None,
+            time: 0.0,
             traits: BTreeMap::new(),
             seed: 0,
             poison: true,
@@ -98,6 +100,12 @@ impl<'a> Stand<'a> {
     /// A camera in place of the scene's.
     pub fn camera(mut self, camera: Camera) -> Self {
         self.camera = Some(camera);
+        self
+    }
+
+    /// When the scene is seen \[s\], in place of 0.
+    pub fn time(mut self, time: f32) -> Self {
+        self.time = time;
         self
     }
 
@@ -160,6 +168,7 @@ impl<'a> Stand<'a> {
             .map_err(ExecutorError::Shader)?;
         let mut executor = Executor::new(gpu);
         let mut host = Host::upload(&mut executor, &scene);
+        host.provide(&mut executor, &scene, steps.iter().flat_map(LinkedStep::externals))?;
         executor.set_seed(self.seed);
         executor.load(Arc::clone(&plan), vec![steps])?;
         let members = self.inputs.iter().flat_map(|input| &input.members);
@@ -168,13 +177,12 @@ impl<'a> Stand<'a> {
                 executor.write(id, bytes);
             }
         }
-        let mut pose = scene.at(0.0);
+        let mut pose = scene.at(self.time);
         if let Some(camera) = self.camera {
             pose.camera = camera;
         }
-        let queue = executor.gpu().queue.clone();
-        let frame = Frame { index: 0, time: 0.0, step: 0.0, pad: 0.0 };
-        let externals = host.update(&queue, &scene, &pose, self.frame, frame);
+        let frame = Frame { index: 0, time: self.time, step: 0.0, pad: 0.0 };
+        let externals = host.update(&mut executor, &scene, &pose, self.frame, frame)?;
         let change = Change { externals, all: true, ..Change::default() };
         executor.frame(change, FrameOptions { timed: false, poison: self.poison })?;
         Ok(Outputs { executor, plan })

@@ -11,6 +11,10 @@ pub static GLOBALS: &[(&str, Externals)] = &[
     ("scene_indices", Externals::SCENE),
     ("scene_materials", Externals::SCENE),
     ("scene_area_table", Externals::SCENE),
+    ("scene_bvh", Externals::SCENE),
+    ("scene_bvh_triangles", Externals::SCENE),
+    // Only on adapters that have ray queries.
+    ("scene_acceleration", Externals::SCENE),
     ("scene_textures", Externals::SCENE),
     ("scene_textures_linear", Externals::SCENE),
     ("scene_sampler", Externals::SCENE),

@@ -66,7 +66,7 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "Visibility",
-        doc: "Whether a virtual light is seen from a point. Facts: `module`, the WGSL that answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`; for an atlas `tile` [px], `columns`, `slack` (factor on the bias of a lookup).",
+        doc: "Whether a virtual light is seen from a point. Facts: `module`, the WGSL that answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`; in capitals, options of the module; `rounds`, how often a look goes around loops; for an atlas `tile` [px], `columns`, `slack` (factor on the bias of a lookup).",
         members: &[optional(
             "atlas",
             "r32float: paraboloid maps of the distance [m], one tile a virtual light, row by row; a large number where nothing is",
@@ -79,6 +79,23 @@ pub static INTERFACES: &[Interface] = &[
             "",
             "rgba32float: [W/m²]; in alpha the luminance of what clamping removed [W/m²]",
         )],
+    },
+    Interface {
+        name: "PathSamples",
+        doc: "Sums of a progressive picture: what the next frame goes on from.",
+        members: &[
+            required("image", "rgba32float: all light [W/(m² sr)]; in alpha its squared luminance"),
+            required(
+                "direct",
+                "rgba32float: light reflected once [W/(m² sr)]; in alpha the samples that saw something",
+            ),
+            required("indirect", "rgba32float: light reflected more than once [W/(m² sr)]"),
+            required(
+                "irradiance",
+                "rgba32float: indirect irradiance [W/m²]; in alpha the luminance of what clamping removed",
+            ),
+            required("progress", "buffer: struct Progress of shaders/path-progress.wgsl"),
+        ],
     },
     Interface {
         name: "Radiance",
@@ -109,6 +126,10 @@ pub static FORMATS: &[(&str, &str, Format)] = &[
     ("ImportanceMap", "", Format::R32Float),
     ("Visibility", "atlas", Format::R32Float),
     ("Irradiance", "", Format::Rgba32Float),
+    ("PathSamples", "image", Format::Rgba32Float),
+    ("PathSamples", "direct", Format::Rgba32Float),
+    ("PathSamples", "indirect", Format::Rgba32Float),
+    ("PathSamples", "irradiance", Format::Rgba32Float),
     ("Radiance", "", Format::Rgba32Float),
     ("Display", "", Format::Rgba8Unorm),
 ];

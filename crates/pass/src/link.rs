@@ -57,6 +57,22 @@ pub struct LinkedStep {
     pub indirect: Option<ResourceId>,
 }
 
+impl LinkedStep {
+    /// The data of the host program that it reads, by names of globals.
+    pub fn externals(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.bindings.iter().filter_map(|bound| match bound.source {
+            Source::External(name) => Some(name),
+            _ => None,
+        })
+    }
+
+    /// Whether it needs an adapter with ray queries.
+    pub fn queries_rays(&self) -> bool {
+        let globals = &self.shader.interface.globals;
+        self.bindings.iter().any(|bound| globals[bound.global].kind == GlobalKind::AccelerationStructure)
+    }
+}
+
 /// How the uniform of a step is filled.
 #[derive(Clone, Debug)]
 pub struct SettingsFill {

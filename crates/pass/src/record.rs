@@ -89,7 +89,7 @@ impl<'a> RecordContext<'a> {
     }
 
     /// A shader with these defines, and with the modules that the connected inputs bring: an input whose facts
-    /// have a `module` answers `#import interface "PORT"`.
+    /// have a `module` answers `#import interface "PORT"`. Its facts in capitals are values for the module's options.
     pub fn shader(&self, path: &str, defines: &[(&str, Define)]) -> Request {
         let mut request = request(path, defines);
         for input in self.inputs {
@@ -97,7 +97,37 @@ impl<'a> RecordContext<'a> {
                 request.modules.insert(input.name.to_string(), module.clone());
             }
         }
+        let offered: Vec<(&String, Define)> = self
+            .inputs
+            .iter()
+            .filter(|input| input.facts.contains_key("module"))
+            .flat_map(|input| input.facts.iter())
+            .filter_map(|(name, value)| Some((name, option_value(name, value)?)))
+            .filter(|(name, _)| !request.defines.contains_key(*name))
+            .collect();
+        if !offered.is_empty() {
+            // Not every shader of a pass imports the module. Errors come when the shader itself is loaded.
+            let declared = self.shaders.outline(&request).map(|outline| outline.options).unwrap_or_default();
+            for (name, value) in offered {
+                if declared.iter().any(|option| option.name == *name) {
+                    request.defines.insert(name.clone(), value);
+                }
+            }
+        }
         request
+    }
+}
+
+/// The value of an option, where a fact names one.
+fn option_value(name: &str, value: &Value) -> Option<Define> {
+    if name.chars().any(|letter| letter.is_ascii_lowercase()) {
+        return None;
+    }
+    match value {
+        Value::Bool(value) => Some(Define::Bool(*value)),
+        Value::U32(value) => Some(Define::Int(i64::from(*value))),
+        Value::Text(value) => Some(Define::Text(value.clone())),
+        _ => None,
     }
 }
 

@@ -272,6 +272,10 @@ impl Reflected {
                         "numbers are members of `struct Settings`, in `var<uniform> settings: Settings`";
                     return refused(format!("`{name}` is a uniform, which no link brings"), help);
                 }
+                Some(GlobalKind::AccelerationStructure) => {
+                    let message = format!("`{name}` is an acceleration structure, which no link brings");
+                    return refused(message, "there is `scene_acceleration`");
+                }
                 _ => {
                     let message = format!("`{name}` is written by the shader, and inputs are only read");
                     return refused(message, "write another global; it becomes an output");

@@ -34,6 +34,16 @@ pub enum RenderError {
         /// What it is.
         what: String,
     },
+    /// The output `progress` is something else.
+    #[error(
+        "the output `progress` is `{resource}`, of {bytes} bytes; expected 16: struct Progress of shaders/path-progress.wgsl"
+    )]
+    NoProgress {
+        /// `pass.port`
+        resource: String,
+        /// Its size.
+        bytes: usize,
+    },
     /// No pipeline is set.
     #[error("no pipeline is set")]
     NoPipeline,

@@ -18,6 +18,7 @@
 mod compile;
 mod error;
 mod picture;
+mod progress;
 mod provenance;
 mod reload;
 
@@ -25,6 +26,7 @@ pub use catalog::{Assets, Catalog};
 pub use compile::Compiled;
 pub use error::RenderError;
 pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, wgpu};
+pub use progress::Progress;
 pub use provenance::{Provenance, parse_value};
 pub use reload::Reload;
 
@@ -32,6 +34,7 @@ use executor::{Executor, Object};
 use frame_graph::plan::{PlannedOutput, ResourceId};
 use frame_graph::{Change, CompileOptions, LinkContext, Name, Overrides, Plan, ResetCause};
 use metrics::Image;
+use pass::LinkedStep;
 use scene::{Camera, Scene};
 use scene_upload::{Frame, Host};
 use std::sync::Arc;
@@ -85,7 +88,7 @@ impl Renderer {
         size: (u32, u32),
     ) -> Result<Renderer, RenderError> {
         let mut executor = Executor::new(gpu);
-        let host = upload(&mut executor, &scene)?;
+        let host = upload(&mut executor, &scene, &[])?;
         Ok(Renderer {
             catalog,
             executor,
@@ -111,6 +114,8 @@ impl Renderer {
     /// Everything that is wrong with the pipeline and its shaders; limits of the adapter.
     pub fn set_pipeline(&mut self, name: &str, overrides: &Overrides) -> Result<LoadReport, RenderError> {
         let compiled = Compiled::new(&self.catalog, name, overrides, &self.link_context(), &self.options)?;
+        let externals = compiled.steps.iter().flatten().flat_map(LinkedStep::externals);
+        self.host.provide(&mut self.executor, &self.scene, externals)?;
         let report = self.executor.load(Arc::clone(&compiled.plan), compiled.steps.clone())?;
         self.pipeline = Some(Loaded { name: name.to_owned(), overrides: overrides.clone(), compiled });
         Ok(report)
@@ -143,7 +148,9 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_pipeline`]: a pipeline may ask of a scene what another has not.
     pub fn set_scene(&mut self, scene: Scene) -> Result<(), RenderError> {
-        let host = upload(&mut self.executor, &scene)?;
+        // What runs now runs on, should the pipeline not take the scene.
+        let steps = self.compiled().map_or_else(Vec::new, |compiled| compiled.steps.concat());
+        let host = upload(&mut self.executor, &scene, &steps)?;
         (self.scene, self.host) = (scene, host);
         self.events.push(ResetCause::Scene);
         self.everything = true;
@@ -201,7 +208,7 @@ impl Renderer {
         }
         let step = self.step.unwrap_or_else(|| self.scene.frame_time(1));
         let frame = Frame { index: self.index, time, step, pad: 0.0 };
-        let externals = self.host.update(&self.executor.gpu().queue, &self.scene, &pose, self.size, frame);
+        let externals = self.host.update(&mut self.executor, &self.scene, &pose, self.size, frame)?;
         let change = Change {
             externals,
             passes: Vec::new(),
@@ -294,6 +301,41 @@ impl Renderer {
         Ok(if encoded { picture::decoded(picture) } else { picture })
     }
 
+    /// How far a picture is that is made over several frames: what the pipeline's output `progress` says. `None` where
+    /// it has none, and so is done with every frame. Waits for the GPU.
+    ///
+    /// # Errors
+    /// Where the output is no buffer of a struct Progress (shaders/path-progress.wgsl), or the device is gone.
+    pub fn progress(&self) -> Result<Option<Progress>, RenderError> {
+        let Some(output) = self.plan().and_then(|plan| plan.output("progress")) else { return Ok(None) };
+        let Some((_, resource)) = output.members.first() else { return Ok(None) };
+        let bytes = self.executor.read(*resource)?;
+        Progress::from_bytes(&bytes)
+            .map(Some)
+            .ok_or_else(|| RenderError::NoProgress { resource: output.from.to_string(), bytes: bytes.len() })
+    }
+
+    /// Runs frames of the same number, and so of the same time, until the pipeline says that its picture is done;
+    /// one frame where it says nothing. `told` hears of each frame.
+    ///
+    /// # Errors
+    /// As [`Renderer::frame`] and [`Renderer::progress`].
+    pub fn frame_until_done(
+        &mut self,
+        mut told: impl FnMut(&FrameReport, Option<Progress>),
+    ) -> Result<FrameReport, RenderError> {
+        let index = self.index;
+        loop {
+            self.index = index;
+            let report = self.frame()?;
+            let progress = self.progress()?;
+            told(&report, progress);
+            if progress.is_none_or(|progress| progress.done) {
+                return Ok(report);
+            }
+        }
+    }
+
     /// The texture of an output, for a host program that draws with it.
     ///
     /// # Errors
@@ -371,7 +413,8 @@ impl Renderer {
     }
 }
 
-fn upload(executor: &mut Executor, scene: &Scene) -> Result<Host, RenderError> {
+/// Uploads a scene with what the steps read of it.
+fn upload(executor: &mut Executor, scene: &Scene, steps: &[LinkedStep]) -> Result<Host, RenderError> {
     let limits = executor.gpu().limits();
     let bytes = size_of_val(scene.vertices.as_slice()).max(size_of_val(scene.indices.as_slice())) as u64;
     if bytes > limits.max_storage_buffer_binding_size {
@@ -382,7 +425,8 @@ fn upload(executor: &mut Executor, scene: &Scene) -> Result<Host, RenderError> {
             limit: "max_storage_buffer_binding_size",
         }));
     }
-    let host = Host::upload(executor, scene);
+    let mut host = Host::upload(executor, scene);
+    host.provide(executor, scene, steps.iter().flat_map(LinkedStep::externals))?;
     match executor.gpu().take_fault() {
         Some(message) => Err(RenderError::Gpu(ExecutorError::Pass {
             pass: format!("upload of `{}`", scene.name),

@@ -100,7 +100,7 @@ pub fn layouts() -> Vec<StructLayout> {
         layout.name = name.to_owned();
         layout
     };
-    vec![
+    let mut layouts = vec![
         struct_layout!(Camera {
             clip_from_world: "mat4x4<f32>",
             previous_clip_from_world: "mat4x4<f32>",
@@ -161,7 +161,9 @@ pub fn layouts() -> Vec<StructLayout> {
             light: "u32",
             kind: "u32",
         }),
-    ]
+    ];
+    layouts.extend(ray_tracing::layouts());
+    layouts
 }
 
 impl Camera {

@@ -1,15 +1,19 @@
 //! The data of the host program on the GPU: scene, camera, lights, frame; in the layouts of `shaders/`.
 
+mod acceleration;
 mod gpu_data;
+mod hierarchy;
 mod textures;
 
 pub use gpu_data::{Frame, layouts};
 
+use acceleration::Acceleration;
 use bytemuck::cast_slice;
 use executor::wgpu::{self, BufferUsages};
-use executor::{Executor, External};
+use executor::{Executor, ExecutorError, External};
 use frame_graph::Externals;
 use gpu_data::GpuMaterial;
+use hierarchy::Hierarchy;
 use scene::{Pose, Scene};
 
 /// Buffers that frames write into, and what they hold.
@@ -25,6 +29,8 @@ pub struct Host {
     lights_bytes: (Vec<u8>, Vec<u8>),
     moved: Vec<scene::MovedVertices>,
     previous_camera: Option<scene::Camera>,
+    hierarchy: Hierarchy,
+    acceleration: Acceleration,
 }
 
 fn buffer(device: &wgpu::Device, label: &str, bytes: &[u8], usage: BufferUsages) -> wgpu::Buffer {
@@ -50,10 +56,20 @@ impl Host {
         let storage = BufferUsages::STORAGE;
         let info = gpu_data::SceneInfo::new(scene, scene.textures.len() as u32);
         let materials: Vec<GpuMaterial> = scene.materials.iter().map(GpuMaterial::new).collect();
-        let vertices =
-            buffer(&device, "scene vertices", cast_slice(&scene.vertices), storage | BufferUsages::VERTEX);
-        let indices =
-            buffer(&device, "scene indices", cast_slice(&scene.indices), storage | BufferUsages::INDEX);
+        let built_from =
+            if executor.gpu().has_ray_queries() { BufferUsages::BLAS_INPUT } else { BufferUsages::empty() };
+        let vertices = buffer(
+            &device,
+            "scene vertices",
+            cast_slice(&scene.vertices),
+            storage | BufferUsages::VERTEX | built_from,
+        );
+        let indices = buffer(
+            &device,
+            "scene indices",
+            cast_slice(&scene.indices),
+            storage | BufferUsages::INDEX | built_from,
+        );
         let (light_bytes, layer_rows) = gpu_data::lights(&scene.lights, scene.bounds());
         let layer_bytes = cast_slice(&layer_rows).to_vec();
         let array = textures::upload(&device, &executor.gpu().queue, &scene.textures);
@@ -82,6 +98,8 @@ impl Host {
             lights_bytes: (light_bytes, layer_bytes),
             moved: Vec::new(),
             previous_camera: None,
+            hierarchy: Hierarchy::default(),
+            acceleration: Acceleration::new(&vertices, &indices),
         };
         use wgpu::{AddressMode, FilterMode};
         let externals = [
@@ -132,15 +150,35 @@ impl Host {
         host
     }
 
+    /// Makes what costs too much to have for every scene and is among `externals`, the names that steps read:
+    /// what rays are traced through. It follows what moves as long as it is asked for.
+    ///
+    /// # Errors
+    /// Where it is larger than the adapter can bind.
+    pub fn provide(
+        &mut self,
+        executor: &mut Executor,
+        scene: &Scene,
+        externals: impl IntoIterator<Item = &'static str>,
+    ) -> Result<(), ExecutorError> {
+        let externals: Vec<&str> = externals.into_iter().collect();
+        self.acceleration.provide(executor, scene, &externals);
+        self.hierarchy.provide(executor, scene, &externals)
+    }
+
     /// Writes what a frame needs, and says what of it is new.
+    ///
+    /// # Errors
+    /// As [`Host::provide`], where what moves needs more.
     pub fn update(
         &mut self,
-        queue: &wgpu::Queue,
+        executor: &mut Executor,
         scene: &Scene,
         pose: &Pose,
         size: (u32, u32),
         frame: gpu_data::Frame,
-    ) -> Externals {
+    ) -> Result<Externals, ExecutorError> {
+        let queue = executor.gpu().queue.clone();
         let mut changed = Externals::FRAME;
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
         let previous = self.previous_camera.replace(pose.camera);
@@ -165,8 +203,12 @@ impl Host {
                 queue.write_buffer(&self.vertices, offset, cast_slice(&moved.vertices));
             }
             self.moved.clone_from(&pose.moved);
+            self.hierarchy.moved();
+            self.acceleration.moved();
             changed = changed.and(Externals::SCENE);
         }
-        changed
+        self.hierarchy.follow(executor, scene, &self.moved)?;
+        self.acceleration.follow(executor);
+        Ok(changed)
     }
 }

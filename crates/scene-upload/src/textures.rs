@@ -87,9 +87,7 @@ fn mip_chain(texture: &Texture, side: u32) -> Vec<Vec<u8>> {
     let base = if texture.width == side && texture.height == side {
         texture.pixels.clone()
     } else {
-        let image = image::RgbaImage::from_raw(texture.width, texture.height, texture.pixels.clone())
-            .unwrap_or_else(|| image::RgbaImage::from_pixel(1, 1, image::Rgba([255; 4])));
-        image::imageops::resize(&image, side, side, image::imageops::FilterType::Triangle).into_raw()
+        stretch(texture, side)
     };
     let mut chain = vec![base];
     let mut width = side;
@@ -99,6 +97,27 @@ fn mip_chain(texture: &Texture, side: u32) -> Vec<Vec<u8>> {
         width /= 2;
     }
     chain
+}
+
+/// A texture over a square, colours interpolated in linear light: in their encoding they would come out darker.
+fn stretch(texture: &Texture, side: u32) -> Vec<u8> {
+    let decoded = texture.pixels.iter().enumerate().map(|(i, v)| {
+        let value = f32::from(*v) / 255.0;
+        if is_color(texture.encoding, i % 4) { metrics::linear_from_srgb(value) } else { value }
+    });
+    let image = image::Rgba32FImage::from_raw(texture.width, texture.height, decoded.collect())
+        .unwrap_or_else(|| image::Rgba32FImage::from_pixel(1, 1, image::Rgba([1.0; 4])));
+    let stretched = image::imageops::resize(&image, side, side, image::imageops::FilterType::Triangle);
+    let encoded = stretched.into_raw().into_iter().enumerate().map(|(i, value)| {
+        let value = if is_color(texture.encoding, i % 4) { metrics::srgb_from_linear(value) } else { value };
+        (value * 255.0).round() as u8
+    });
+    encoded.collect()
+}
+
+/// Whether a channel holds light in the encoding of sRGB: all but alpha.
+fn is_color(encoding: Encoding, channel: usize) -> bool {
+    encoding == Encoding::Srgb && channel < 3
 }
 
 /// The mean of each 2×2 texels, of colours in linear light.
@@ -111,8 +130,7 @@ fn halve(pixels: &[u8], width: u32, encoding: Encoding) -> Vec<u8> {
             for channel in 0..4 {
                 let texel = |dx: usize, dy: usize| pixels[((2 * y + dy) * width + 2 * x + dx) * 4 + channel];
                 let four = [texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)];
-                let color = encoding == Encoding::Srgb && channel < 3;
-                let mean = if color {
+                let mean = if is_color(encoding, channel) {
                     let sum: f32 =
                         four.iter().map(|v| metrics::linear_from_srgb(f32::from(*v) / 255.0)).sum();
                     metrics::srgb_from_linear(sum / 4.0) * 255.0
@@ -124,4 +142,33 @@ fn halve(pixels: &[u8], width: u32, encoding: Encoding) -> Vec<u8> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texture(width: u32, encoding: Encoding, pixels: Vec<u8>) -> Texture {
+        let height = pixels.len() as u32 / 4 / width;
+        let wrap = [scene::Wrap::Repeat; 2];
+        Texture { name: String::new(), width, height, pixels, encoding, wrap }
+    }
+
+    /// The mean light of a checkerboard is ½, which is 188 in sRGB and not 128.
+    #[test]
+    fn colours_are_mixed_as_light() {
+        let (black, white) = ([0, 0, 0, 255], [255; 4]);
+        let row = [black, white, black].concat();
+        let stretched = stretch(&texture(3, Encoding::Srgb, row.clone()), 4);
+        let light: Vec<f32> =
+            stretched.chunks(4).map(|p| metrics::linear_from_srgb(f32::from(p[0]) / 255.0)).collect();
+        // Four texels over three: their centres lie at 1/4 of the way into the neighbours.
+        let expected = [0.0, 0.625, 0.625, 0.0];
+        for (found, expected) in light[..4].iter().zip(expected) {
+            assert!((found - expected).abs() < 0.01, "{light:?}");
+        }
+        assert!(stretched.chunks(4).all(|pixel| pixel[3] == 255), "alpha is no light");
+        let plain = stretch(&texture(3, Encoding::Linear, row), 4);
+        assert!((f32::from(plain[4]) / 255.0 - 0.625).abs() < 0.01, "{plain:?}");
+    }
 }

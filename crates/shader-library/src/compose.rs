@@ -37,6 +37,7 @@ pub(crate) fn compose(
         origins: BTreeMap::new(),
         touched: BTreeSet::new(),
         errors: Vec::new(),
+        enables: Vec::new(),
         depth: 0,
     };
     let main = composer.main();
@@ -72,6 +73,8 @@ struct Composer<'a> {
     origins: BTreeMap<String, Option<Import>>,
     touched: BTreeSet<String>,
     errors: Vec<Diagnostic>,
+    /// `enable` lines of all files.
+    enables: Vec<(Arc<Source>, Range<usize>)>,
     /// Files that are being read: each imports the next.
     depth: usize,
 }
@@ -101,6 +104,7 @@ impl Composer<'_> {
         };
         self.include(&main, None);
         self.constants();
+        self.enable();
         self.unknown_defines(&main);
         Some(main)
     }
@@ -141,6 +145,22 @@ impl Composer<'_> {
         }
     }
 
+    /// Puts the `enable` lines of all files where WGSL wants them: before all else, each once.
+    fn enable(&mut self) {
+        let mut head = String::new();
+        let mut copies = Vec::new();
+        for (source, range) in std::mem::take(&mut self.enables) {
+            let line = source.text[range.clone()].trim_end();
+            if !head.lines().any(|other| other == line) {
+                head.push_str(line);
+                head.push('\n');
+                copies.push((line.len() + 1, source.clone(), range));
+            }
+        }
+        self.map.prepend(&copies);
+        self.text.insert_str(0, &head);
+    }
+
     fn fail(&mut self, source: &Arc<Source>, fault: Fault) {
         let labels = vec![Label { span: span(source, fault.range), message: fault.label }];
         let mut notes = fault.notes;
@@ -174,8 +194,14 @@ impl Composer<'_> {
             at += line.len();
             let active = branches.last().is_none_or(|branch| branch.active);
             let bare = if start == 0 { line.trim_start_matches('\u{feff}') } else { line };
+            let enable = comments.open.is_empty() && bare.trim_start().starts_with("enable ");
             if !comments.open.is_empty() || !bare.trim_start().starts_with('#') {
                 comments.scan(line, start);
+                if enable && active {
+                    self.copy(source, copied..start);
+                    self.enables.push((source.clone(), at - bare.len()..at));
+                    copied = at;
+                }
                 continue;
             }
             if active {

@@ -84,6 +84,8 @@ pub enum GlobalKind {
         /// `sampler_comparison`
         comparison: bool,
     },
+    /// What ray queries traverse.
+    AccelerationStructure,
 }
 
 /// The dimension of a texture.

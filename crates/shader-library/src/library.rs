@@ -61,10 +61,13 @@ struct Made {
 
 impl Library {
     /// What WebGPU itself allows and every adapter has: no 64-bit types, no `f16`, no subgroups, no texture
-    /// atomics, no immediates.
+    /// atomics, no immediates. And ray queries, which a shader must `enable` and
+    /// [`GlobalKind::AccelerationStructure`](crate::GlobalKind::AccelerationStructure) shows: who runs it sees
+    /// whether the adapter has them.
     pub const PORTABLE: Capabilities = Capabilities::MULTISAMPLED_SHADING
         .union(Capabilities::CUBE_ARRAY_TEXTURES)
-        .union(Capabilities::SHADER_FLOAT16_IN_FLOAT32);
+        .union(Capabilities::SHADER_FLOAT16_IN_FLOAT32)
+        .union(Capabilities::RAY_QUERY);
 
     /// A library of `files`, whose imports are looked for beside the importing file and then at the root of
     /// all files, validated for [`Library::PORTABLE`].

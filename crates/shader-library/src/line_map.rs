@@ -41,6 +41,18 @@ impl LineMap {
         });
     }
 
+    /// Says that copies of these ranges, each of so many bytes, stand before all else.
+    pub(crate) fn prepend(&mut self, copies: &[(usize, Arc<Source>, Range<usize>)]) {
+        let mut rest = std::mem::take(&mut self.pieces);
+        let mut at = 0;
+        for (bytes, source, range) in copies {
+            self.copied(at, source, range.clone());
+            at += bytes;
+        }
+        rest.iter_mut().for_each(|piece| piece.composed += at as u32);
+        self.pieces.append(&mut rest);
+    }
+
     /// The file and byte that the byte at `at` came from; and the range it was made from, for what was made.
     fn origin(&self, at: u32) -> Option<(&Arc<Source>, Range<u32>)> {
         let index = self.pieces.partition_point(|piece| piece.composed <= at).checked_sub(1)?;

@@ -101,6 +101,7 @@ impl Reflector<'_> {
                 layout: self.type_layout(variable.ty),
             },
             (_, TypeInner::Sampler { comparison }) => GlobalKind::Sampler { comparison: *comparison },
+            (_, TypeInner::AccelerationStructure { .. }) => GlobalKind::AccelerationStructure,
             (_, TypeInner::Image { dim, arrayed, class }) => {
                 let dimension = match (dim, arrayed) {
                     (ImageDimension::D1, _) => Dimension::D1,

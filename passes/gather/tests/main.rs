@@ -214,6 +214,22 @@ fn the_mean_over_the_sub_images_is_the_sum_over_all_lights() {
     assert!((all - interleaved).abs() < 1e-4 * all, "{interleaved} for {all}");
 }
 
+/// More lights than one dispatch may take: drivers end loops that go on for too long.
+#[test]
+fn many_lights_take_several_dispatches() {
+    let view = View { width: 9, height: 5, fov: 0.8 };
+    let light = lights(1)[0];
+    let run = |count: usize| {
+        let lights = vec![light; count];
+        Some(read(&view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).run()?))
+    };
+    let (Some(one), Some(many)) = (run(1), run(70_000)) else { return };
+    for (one, many) in one.iter().zip(&many) {
+        // So many roundings of a growing sum add up to a thousandth.
+        assert!((many[0] / one[0] / 70_000.0 - 1.0).abs() < 2e-3, "{many:?} for 70,000 times {one:?}");
+    }
+}
+
 #[test]
 fn extremes_stay_finite() {
     let view = View { width: 3, height: 3, fov: 1.0 };

@@ -9,3 +9,4 @@ pub(crate) mod passes;
 pub(crate) mod render;
 pub(crate) mod rerun;
 pub(crate) mod resolve;
+pub(crate) mod study;

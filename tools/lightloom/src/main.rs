@@ -38,8 +38,10 @@ enum Command {
     Diff(command::diff::Args),
     /// Make a picture again from its own record, and say what differs
     Rerun(command::rerun::Args),
-    /// Compare two pictures: RMSE, relMSE, ꟻLIP
+    /// Compare two pictures: RMSE, relMSE, MAPE, SSIM, ꟻLIP
     Compare(command::compare::Args),
+    /// Run an ablation study: pipelines, scenes and values against time and error
+    Study(command::study::Args),
     /// List the kinds of passes, or show one with its ports and settings
     Passes(command::passes::Args),
     /// List the pipelines
@@ -79,6 +81,7 @@ fn main() -> ExitCode {
         Command::Diff(args) => command::diff::run(&context, args),
         Command::Rerun(args) => command::rerun::run(&context, args),
         Command::Compare(args) => command::compare::run(&context, args),
+        Command::Study(args) => command::study::run(&context, args),
         Command::Passes(args) => command::passes::run(&context, args),
         Command::Pipelines(_) => command::lists::pipelines(&context),
         Command::Scenes(_) => command::lists::scenes(&context),

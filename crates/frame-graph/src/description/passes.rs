@@ -1,13 +1,13 @@
 //! Passes, their links, and patches.
 
 use super::form::{At, Body, Dim, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Set, When};
-use super::read::{Reader, out_overrides, within};
+use super::read::{out_overrides, within};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::expression;
 use crate::frame::ResetCause;
 use crate::name::Name;
-use crate::reader::{Form, Node};
+use crate::reader::{Form, Node, Reader};
 use crate::resource::{Clear, Format};
 use std::sync::Arc;
 
@@ -37,17 +37,18 @@ impl Reader<'_> {
         let expected = "a link or `Prev(port: \"pass.port\")`";
         let fields = self.fields(node, expected, &[("Prev", known)])?;
         let init = fields.get("init").map_or(Some(Clear::Zero), |n| self.clear(n, "Zero", &["Black"]));
-        let all = [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
         let reset = match fields.get("reset") {
-            None => all.to_vec(),
+            None => ResetCause::DEFAULT.to_vec(),
             Some(node) => {
                 let mut causes = Vec::new();
-                for item in self.list(node, "a list of `Resize`, `Cut`, `Scene` and `Reload`") {
-                    let cause = all.into_iter().find(|cause| item.form == Form::Word(cause.to_string()));
+                for item in self.list(node, "a list of `Resize`, `Cut`, `Scene`, `Reload` and `Moved`") {
+                    let cause = ResetCause::NAMED
+                        .into_iter()
+                        .find(|cause| item.form == Form::Word(cause.to_string()));
                     match cause {
                         Some(cause) if !causes.contains(&cause) => causes.push(cause),
                         Some(_) => {}
-                        None => self.wrong(item, "`Resize`, `Cut`, `Scene` or `Reload`"),
+                        None => self.wrong(item, "`Resize`, `Cut`, `Scene`, `Reload` or `Moved`"),
                     }
                 }
                 causes.sort_unstable();

@@ -1,10 +1,9 @@
 //! Values: links, settings, colours, sizes.
 
 use super::form::{At, Dim, SetValue, Size, Target, is_name};
-use super::read::Reader;
 use crate::codes;
 use crate::name::Name;
-use crate::reader::{Form, Node, Number};
+use crate::reader::{Form, Node, Number, Reader};
 use crate::resource::Clear;
 use crate::value::Value;
 

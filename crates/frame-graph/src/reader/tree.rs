@@ -7,19 +7,27 @@ const MAX_DEPTH: u32 = 64;
 
 /// A value, with the bytes it covers.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Node {
-    pub(crate) start: u32,
-    pub(crate) end: u32,
-    pub(crate) form: Form,
+pub struct Node {
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+    /// What it is.
+    pub form: Form,
 }
 
+/// What stands in the text.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Form {
+pub enum Form {
+    /// `true` or `false`.
     Bool(bool),
+    /// A number.
     Number(Number),
+    /// A character in single quotes.
     Char(char),
     /// Text, and where its content starts if it holds no escapes.
     Text(String, Option<u32>),
+    /// `b"…"`
     Bytes(Vec<u8>),
     /// A name alone: `Black`.
     Word(String),
@@ -27,30 +35,41 @@ pub(crate) enum Form {
     Struct(Option<Word>, Vec<Field>),
     /// `Replace("a", …)` or, without a name, `(1, 2)`; also `()`.
     Tuple(Option<Word>, Vec<Node>),
+    /// `[…]`
     List(Vec<Node>),
+    /// `{ key: value }`
     Map(Vec<(Node, Node)>),
     /// Something unreadable, told already.
     Bad,
 }
 
+/// A number, as it is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Number {
+pub enum Number {
+    /// Whole.
     Integer(i128),
+    /// With a point or an exponent; also `inf` and `NaN`.
     Float(f64),
 }
 
 /// A name in the text.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Word {
-    pub(crate) text: String,
-    pub(crate) start: u32,
-    pub(crate) end: u32,
+pub struct Word {
+    /// The name.
+    pub text: String,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
 }
 
+/// A named field of a form.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Field {
-    pub(crate) name: Word,
-    pub(crate) value: Node,
+pub struct Field {
+    /// Its name.
+    pub name: Word,
+    /// Its value.
+    pub value: Node,
 }
 
 /// What went wrong while reading, with its bytes; nesting that is too deep apart from the rest.

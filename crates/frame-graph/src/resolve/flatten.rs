@@ -49,6 +49,7 @@ pub(super) struct Resolver<'a> {
     loaded: FxHashMap<String, Option<Rc<Description>>>,
     pub(super) errors: Vec<Diagnostic>,
     nodes: Vec<Node>,
+    part_parameters: Vec<(Name, Vec<Parameter>)>,
     /// The parts that are being flattened, outermost first.
     parts: Vec<String>,
 }
@@ -64,6 +65,7 @@ impl<'a> Resolver<'a> {
             loaded: FxHashMap::default(),
             errors: Vec::new(),
             nodes: Vec::new(),
+            part_parameters: Vec::new(),
             parts: Vec::new(),
         }
     }
@@ -125,8 +127,8 @@ impl<'a> Resolver<'a> {
             return Err(Diagnostics::sorted(self.errors));
         }
         self.adopt(&index);
-        let (sources, nodes) = (self.sources, self.nodes);
-        Ok(Resolved { sources, about, paper, parameters, inputs, nodes, outputs, index })
+        let Resolver { sources, nodes, part_parameters, .. } = self;
+        Ok(Resolved { sources, about, paper, parameters, part_parameters, inputs, nodes, outputs, index })
     }
 
     /// In a file that was flattened before, passes belong to the groups whose names theirs begin with.
@@ -272,7 +274,8 @@ impl<'a> Resolver<'a> {
         decl.body = Body::Removed;
         self.nodes.push(Node { name: name.clone(), place, parent, decl: Arc::new(decl.clone()) });
         self.parts.push(path);
-        let (_, outputs) = self.flatten(document, &name, Some(group), given);
+        let (scope, outputs) = self.flatten(document, &name, Some(group), given);
+        self.part_parameters.push((name, scope));
         self.parts.pop();
         decl.body = Body::Group(Group { inputs, outputs });
         self.nodes[group as usize].decl = Arc::new(decl);

@@ -334,3 +334,29 @@ fn a_plan_that_follows_another_tells_why() {
     assert!(schedule.runs.iter().all(|run| *run));
     assert_eq!(state.age(frame_graph::plan::HistoryId(0)), 0);
 }
+
+#[test]
+fn movement_ends_the_past_of_what_reads_it() {
+    use frame_graph::{Change, Externals, FrameState, ResetCause};
+    let with = |reset: &str| {
+        plan(&format!(
+            r#"patch: [ Replace("filter", Pass(kind: "blur", in: {{ "irradiance": "gather", "view": Prev(port: "view", reset: [{reset}]) }})) ]"#
+        ))
+    };
+    let reset_by = |plan: &Plan, externals: Externals| {
+        let mut state = FrameState::new(plan);
+        state.begin(plan, &Change { externals, ..Change::default() });
+        let schedule = state.begin(plan, &Change { externals, ..Change::default() });
+        let of_view =
+            |h: &frame_graph::plan::History| plan.resources[h.resource.0 as usize].name.starts_with("view.");
+        let found = plan.histories.iter().position(of_view).expect("a history of the view");
+        schedule.histories[found].reset
+    };
+    let moved = with("Cut, Moved");
+    assert_eq!(reset_by(&moved, Externals::CAMERA), Some(ResetCause::Moved));
+    assert_eq!(reset_by(&moved, Externals::SCENE.and(Externals::FRAME)), Some(ResetCause::Moved));
+    // The view reads no lights, and time goes on in a still scene too.
+    assert_eq!(reset_by(&moved, Externals::LIGHTS), None);
+    assert_eq!(reset_by(&moved, Externals::FRAME), None);
+    assert_eq!(reset_by(&with("Cut"), Externals::CAMERA), None);
+}

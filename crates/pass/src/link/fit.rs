@@ -37,6 +37,7 @@ pub(super) fn mismatch(global: &GlobalKind, desc: &ResourceDesc, writable: bool)
                 None
             }
         }
+        (GlobalKind::AccelerationStructure, _) => Some("only the host program has one"),
         _ => Some("one is a texture, the other a buffer"),
     }
 }
@@ -64,5 +65,6 @@ pub(super) fn describe_global(kind: &GlobalKind) -> String {
             format!("a {dimension:?} storage texture of {format}, {access:?}")
         }
         GlobalKind::Sampler { .. } => "a sampler".to_owned(),
+        GlobalKind::AccelerationStructure => "an acceleration structure".to_owned(),
     }
 }

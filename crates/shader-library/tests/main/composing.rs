@@ -1,7 +1,7 @@
 //! Imports and variants.
 
 use crate::{errors_of, library};
-use shader_library::{Define, DiskFiles, Library, MemoryFiles, Overlay, Request};
+use shader_library::{Define, DiskFiles, GlobalKind, Library, MemoryFiles, Overlay, Request};
 use std::sync::Arc;
 
 const MAIN: &str = "@compute @workgroup_size(1) fn main() { _ = ";
@@ -164,6 +164,23 @@ fn directives_of_wgsl_may_stand_below_options_but_not_below_code() {
     let text =
         "#option A true\ndiagnostic(off, derivative_uniformity);\n@compute @workgroup_size(1) fn main() {}";
     assert!(library(&[("main.wgsl", text)]).load(&Request::new("main.wgsl")).is_ok());
+}
+
+#[test]
+fn an_enable_line_of_any_file_goes_before_all_code() {
+    let query = "const A = 1u;\nenable wgpu_ray_query; // ä\nvar scene: acceleration_structure;\n/*\nenable f16;\n*/\n#if false_option\nenable f16;\n#endif\nfn kind() -> u32 {\n    var query: ray_query;\n    rayQueryInitialize(&query, scene, RayDesc(0u, 255u, 0.0, 1.0, vec3(0.0), vec3(1.0)));\n    return rayQueryGetCommittedIntersection(&query).kind;\n}";
+    let main = "#option false_option false\n#import \"a.wgsl\"\n#import \"b.wgsl\"\n@compute @workgroup_size(1) fn main() { _ = kind() + a; }";
+    let again = "enable wgpu_ray_query; // ä\nconst a = 1u;";
+    let library = library(&[("main.wgsl", main), ("a.wgsl", again), ("b.wgsl", query)]);
+    let shader = library.load(&Request::new("main.wgsl")).unwrap_or_else(|errors| panic!("{errors}"));
+    assert_eq!(shader.text().matches("enable wgpu").count(), 1, "{}", shader.text());
+    assert_eq!(shader.interface.globals[0].kind, GlobalKind::AccelerationStructure);
+    for (what, place) in
+        [("enable wgpu", "a.wgsl:1:1"), ("var query", "b.wgsl:11:5"), ("_ = kind", "main.wgsl:4:41")]
+    {
+        let at = shader.text().find(what).unwrap() as u32;
+        assert_eq!(shader.place(at..at + 1).unwrap().to_string(), place);
+    }
 }
 
 #[test]

@@ -1,22 +1,25 @@
 //! `lightloom check`: everything that can be proved without a GPU.
 
+use crate::command::study::{self, CatalogRegistry};
 use crate::context::Context;
 use crate::output::{self, say};
+use ::study::Plan;
 use anyhow::{Result, bail};
 use frame_graph::resolve::Files;
 use frame_graph::{CompileOptions, Diagnostics, LinkContext, Overrides, Traits, resolve};
 use renderer::{Catalog, Compiled, load_scene};
 use serde_json::json;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-/// Prove pipelines, their shaders and scenes.
+/// Prove pipelines, their shaders, scenes and studies.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   lightloom check                      everything there is
   lightloom check ism-invtm my.ron     these alone
   lightloom check --scene sponza.glb ism")]
 pub(crate) struct Args {
-    /// Pipelines, scenes or files; all that there are where none is named
+    /// Pipelines, scenes, studies or files; all that there are where none is named
     names: Vec<String>,
     /// The scene whose traits decide switches and variants [default: each of the built-in scenes]
     #[arg(long)]
@@ -28,8 +31,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let scenes: Vec<String> = catalog.assets().list("scenes", "ron").iter().map(|path| stem(path)).collect();
     let pipelines: Vec<String> =
         catalog.pipelines().list().iter().map(|path| path.trim_end_matches(".ron").to_owned()).collect();
+    let studies = study::names(context);
     let names: Vec<String> = if args.names.is_empty() {
-        scenes.iter().cloned().chain(pipelines.iter().cloned()).collect()
+        scenes.iter().cloned().chain(pipelines.iter().cloned()).chain(studies.iter().cloned()).collect()
     } else {
         args.names.clone()
     };
@@ -41,8 +45,12 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         let is_scene = name.ends_with(".glb")
             || name.ends_with(".gltf")
             || (scenes.contains(name) && !is_pipeline(catalog, name))
-            || is_scene_file(catalog, name);
-        let result = if is_scene {
+            || is_file_of(catalog, name, "Scene");
+        let is_study =
+            (studies.contains(name) && !is_pipeline(catalog, name)) || is_file_of(catalog, name, "Study");
+        let result = if is_study {
+            check_study(context, name)
+        } else if is_scene {
             load_scene(catalog, name)
                 .map(|scene| format!("scene of {} triangles", scene.triangles()))
                 .map_err(|error| error.to_string())
@@ -82,14 +90,23 @@ fn is_pipeline(catalog: &Catalog, name: &str) -> bool {
     catalog.pipelines().read(name).is_some()
 }
 
-/// Whether a `.ron` file describes a scene: its first word says so.
-fn is_scene_file(catalog: &Catalog, name: &str) -> bool {
+/// Every name and value of a study; what it would run.
+fn check_study(context: &Context, name: &str) -> Result<String, String> {
+    let plan = || -> Result<Plan> {
+        let study = ::study::parse(study::source(context, name)?)?;
+        Ok(Plan::new(study, &CatalogRegistry::new(Arc::clone(&context.catalog)))?)
+    };
+    plan().map(|plan| format!("study of {} cells", plan.cells.len())).map_err(|error| error.to_string())
+}
+
+/// Whether a `.ron` file describes a scene or a study: its first word says so.
+fn is_file_of(catalog: &Catalog, name: &str, what: &str) -> bool {
     let text = catalog.assets().text(name).unwrap_or_default();
     let code = text
         .lines()
         .map(str::trim)
         .find(|line| !line.is_empty() && !line.starts_with("//") && !line.starts_with("#!"));
-    name.ends_with(".ron") && code.is_some_and(|line| line.starts_with("Scene"))
+    name.ends_with(".ron") && code.is_some_and(|line| line.starts_with(what))
 }
 
 /// Compiles a pipeline for every scene: each has other switches on.

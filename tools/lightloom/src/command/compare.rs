@@ -6,7 +6,7 @@ use anyhow::Result;
 use metrics::{Comparison, ComparisonOptions, Display, FileFormat, Image, Pair, flip};
 use std::path::PathBuf;
 
-/// Compare a picture with a reference: RMSE, relMSE, ꟻLIP.
+/// Compare a picture with a reference: RMSE, relMSE, MAPE, SSIM, ꟻLIP.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  lightloom compare box.exr reference.exr -o difference.png")]
 pub(crate) struct Args {
@@ -17,7 +17,7 @@ pub(crate) struct Args {
     /// A picture of the difference: the ꟻLIP map as .png, or the signed difference as .exr
     #[arg(short, long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Exposure in EV at which ꟻLIP sees linear pictures
+    /// Exposure in EV at which SSIM and ꟻLIP see linear pictures
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
 }

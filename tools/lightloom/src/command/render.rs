@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// Size of the frame in pixels
     #[arg(long, default_value = "512x512", value_parser = parse_size)]
     size: (u32, u32),
-    /// How many frames to run
+    /// How many frames to run; a pipeline that says when it is done runs each until then
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
     /// Number of the first frame: where in the animation to begin
@@ -78,7 +78,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     renderer.set_pipeline(&args.pipeline, &overrides(&args.set)?)?;
     renderer.keep(&args.output)?;
     renderer.set_frame_options(FrameOptions { timed: args.time, poison: args.poison });
-    let bar = progress(u64::from(frames), "rendering");
+    // A picture that takes many frames to be done is a long task, too.
+    let progressive = frames == 1 && renderer.plan().is_some_and(|plan| plan.output("progress").is_some());
+    let bar = progress(if progressive { u64::MAX } else { u64::from(frames) }, "rendering");
     let start = Instant::now();
     let mut times: Vec<Vec<f64>> = Vec::new();
     let mut written = Vec::new();
@@ -86,8 +88,13 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         if args.time {
             renderer.run_everything();
         }
-        let report = renderer.frame()?;
-        times.push(report.times);
+        renderer.frame_until_done(|report, progress| {
+            times.push(report.times.clone());
+            if let Some(progress) = progress.filter(|_| progressive) {
+                bar.set_length(u64::from(progress.limit));
+                bar.set_position(u64::from(progress.samples));
+            }
+        })?;
         if out.wants(frame, frames) {
             let picture = renderer.picture(&args.output, args.layer)?;
             let provenance =
@@ -96,7 +103,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             write(&picture, &path, args, &provenance.to_json())?;
             written.push(path);
         }
-        bar.inc(1);
+        if !progressive {
+            bar.inc(1);
+        }
     }
     bar.finish_and_clear();
     report(context, args, &renderer, &written, &times, start.elapsed().as_secs_f64())
@@ -162,6 +171,7 @@ fn report(
     let rows: Vec<(String, f64)> =
         plan.passes.iter().enumerate().map(|(i, pass)| (pass.name.to_string(), median(times, i))).collect();
     let clamped = clamped_share(renderer);
+    let progress = renderer.progress()?;
     if context.json {
         output::json(&json!({
             "pictures": written,
@@ -171,6 +181,8 @@ fn report(
             "passes": rows.iter().map(|(name, ms)| json!({ "pass": name, "gpu_ms": if args.time { Some(*ms) } else { None } })).collect::<Vec<_>>(),
             "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
             "clamped_energy": clamped,
+            "samples": progress.map(|progress| progress.samples),
+            "estimated_rel_mse": progress.map(|progress| progress.error),
         }));
         return Ok(());
     }
@@ -190,6 +202,9 @@ fn report(
     }
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
         say!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
+    }
+    if let Some(progress) = progress {
+        say!("{} samples a pixel; relMSE by their spread {:.2e}", progress.samples, progress.error);
     }
     if let Some(path) = written.last() {
         let shown = path.canonicalize().unwrap_or_else(|_| path.clone());
@@ -211,11 +226,5 @@ fn median(times: &[Vec<f64>], pass: usize) -> f64 {
 
 /// The share of the irradiance that clamping removed, where the pipeline has an output `irradiance`.
 fn clamped_share(renderer: &Renderer) -> Option<f64> {
-    let picture = renderer.output("irradiance").ok()?;
-    let (mut kept, mut removed) = (0.0, 0.0);
-    for [r, g, b, clamped] in picture.pixels() {
-        kept += f64::from(metrics::luminance([*r, *g, *b]));
-        removed += f64::from(*clamped);
-    }
-    (kept + removed > 0.0).then(|| removed / (kept + removed))
+    metrics::virtual_lights::clamped_share(&renderer.output("irradiance").ok()?)
 }

@@ -34,7 +34,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     renderer.set_pipeline(&record.pipeline, &record.overrides())?;
     renderer.keep(&record.output)?;
     for _ in record.first_frame..=record.frame {
-        renderer.frame()?;
+        renderer.frame_until_done(|_, _| {})?;
     }
     let picture = renderer.picture(&record.output, record.layer)?;
     let now = Provenance::new(&renderer, &record.scene, (&record.output, record.layer), record.first_frame);

@@ -2,59 +2,12 @@
 //! flip-evaluator 1.7 (`evaluate(reference, test, "LDR" or "HDR", …)`) on the same pictures.
 //! Agreement is to 10⁻⁴ for the mean and 10⁻³ for one pixel: theirs, too, is in `f32`.
 
-use metrics::{Display, FlipMap, Image, PIXELS_PER_DEGREE, Pair, flip, hdr_flip, linear_from_srgb};
+use metrics::{Display, FlipMap, Image, PIXELS_PER_DEGREE, Pair, flip, hdr_flip};
 
-const WIDTH: usize = 64;
-const HEIGHT: usize = 48;
-
-/// A picture of bytes, from column, row and channel.
-type Pattern = fn(u32, u32, u32) -> u32;
-
-fn noise(x: u32, y: u32, channel: u32) -> u32 {
-    let n = x
-        .wrapping_mul(374_761_393)
-        .wrapping_add(y.wrapping_mul(668_265_263))
-        .wrapping_add(channel.wrapping_mul(2_246_822_519));
-    let n = (n ^ (n >> 13)).wrapping_mul(1_274_126_177);
-    (n ^ (n >> 16)) & 0xff
-}
-
-fn gradient(x: u32, y: u32, channel: u32) -> u32 {
-    [x * 4, y * 5, (x + y) * 2][channel as usize]
-}
-
-fn noisy_gradient(x: u32, y: u32, channel: u32) -> u32 {
-    (gradient(x, y, channel) + noise(x, y, channel) / 4).saturating_sub(32).min(255)
-}
-
-fn shifted_gradient(x: u32, y: u32, channel: u32) -> u32 {
-    gradient(x.saturating_sub(2), y, channel)
-}
-
-fn checkers(x: u32, y: u32, _: u32) -> u32 {
-    if (x / 8 + y / 8) % 2 == 1 { 230 } else { 25 }
-}
-
-fn tinted_checkers(x: u32, y: u32, channel: u32) -> u32 {
-    if ((x + 1) / 8 + y / 8) % 2 == 1 { 230 } else { [25, 60, 25][channel as usize] }
-}
-
-fn picture(pattern: Pattern, decode: fn(f32) -> f32) -> Image {
-    Image::from_fn(WIDTH, HEIGHT, |x, y| {
-        let [r, g, b] = [0, 1, 2].map(|c| decode(pattern(x as u32, y as u32, c) as f32));
-        [r, g, b, 1.0]
-    })
-    .unwrap()
-}
-
-fn srgb(byte: f32) -> f32 {
-    linear_from_srgb(byte / 255.0)
-}
-
-/// Radiance from 0 to some 63.
-fn radiance(byte: f32) -> f32 {
-    (byte / 32.0).powi(2)
-}
+use crate::patterns::{
+    HEIGHT, Pattern, WIDTH, checkers, gradient, noise, noisy_gradient, picture, radiance, shifted_gradient,
+    srgb, tinted_checkers,
+};
 
 fn check(map: &FlipMap, mean: f64, pixels: [f32; 4]) {
     assert!((map.mean() - mean).abs() < 1e-4, "mean {} instead of {mean}", map.mean());

@@ -1,0 +1,132 @@
+//! Bias and variance apart, from pictures of several seeds.
+
+use serde::Serialize;
+
+use crate::image::is_finite;
+use crate::{Image, ImageError};
+
+/// The error of an estimator taken apart: mse = bias² + variance, each a mean over pixels and RGB
+/// (squared radiance).
+///
+/// With K pictures I of independent seeds, their mean M and the reference R, at each pixel and channel:
+///
+/// * variance = Σ (I − M)² / (K − 1),
+/// * bias² = (M − R)² − variance / K, since the mean of K pictures still has that much noise in it,
+/// * mse = Σ (I − R)² / K, the sum of the two.
+///
+/// All three are unbiased. The price is that bias² comes out slightly below 0 now and then where the
+/// bias is small; it is not cut off, for then averages over many would be too high. Noise of the
+/// reference counts as bias: its variance is added.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Decomposition {
+    /// Number K of pictures.
+    pub seeds: usize,
+    /// Mean squared error of one picture.
+    pub mse: f64,
+    /// What any number of seeds would leave; may be slightly negative.
+    pub bias_squared: f64,
+    /// What another seed changes.
+    pub variance: f64,
+    /// √(variance / K) (radiance): the noise, root mean square over pixels and RGB, that is left in the
+    /// mean of the K pictures.
+    pub standard_error: f64,
+    /// Standard error of `bias_squared` itself (squared radiance), by leaving out one seed at a time
+    /// (jackknife); `None` for two seeds. Pixels of one picture share their virtual lights and do not
+    /// vary independently, so it is taken over seeds.
+    pub bias_squared_error: Option<f64>,
+    /// Pixels left out: NaN or infinite in the reference or in some picture.
+    pub non_finite: usize,
+}
+
+impl Decomposition {
+    /// Takes apart the error of pictures that differ in their seeds alone. O(pictures · pixels).
+    ///
+    /// # Errors
+    /// [`ImageError::TooFew`] for fewer than two pictures; [`ImageError::SizesDiffer`];
+    /// [`ImageError::NoFinitePixels`] where each pixel is broken in some picture.
+    pub fn of(pictures: &[Image], reference: &Image) -> Result<Self, ImageError> {
+        if pictures.len() < 2 {
+            return Err(ImageError::TooFew { what: "pictures", expected: 2, found: pictures.len() });
+        }
+        for picture in pictures {
+            picture.expect_size_of(reference, "a picture", "the reference")?;
+        }
+        // With errors e = I − R and their sum S over the seeds, all there is to know are the means of
+        // e² and of e·S for each seed.
+        let mut squares = vec![0.0; pictures.len()];
+        let mut products = vec![0.0; pictures.len()];
+        let mut non_finite = 0;
+        for (pixel, &expected) in reference.pixels().iter().enumerate() {
+            let values = || pictures.iter().map(|picture| picture.pixels()[pixel]);
+            if !(is_finite(expected) && values().all(is_finite)) {
+                non_finite += 1;
+                continue;
+            }
+            for channel in 0..3 {
+                let errors =
+                    || values().map(|value| f64::from(value[channel]) - f64::from(expected[channel]));
+                let sum: f64 = errors().sum();
+                for ((square, product), error) in squares.iter_mut().zip(&mut products).zip(errors()) {
+                    *square += error * error;
+                    *product += error * sum;
+                }
+            }
+        }
+        let pixels = reference.pixels().len();
+        if non_finite == pixels {
+            return Err(ImageError::NoFinitePixels { pixels });
+        }
+        let terms = 3.0 * (pixels - non_finite) as f64;
+        for value in squares.iter_mut().chain(&mut products) {
+            *value /= terms;
+        }
+
+        let k = pictures.len() as f64;
+        let (all_squares, all_products): (f64, f64) = (squares.iter().sum(), products.iter().sum());
+        // Mean of the products of errors of two different seeds, which noise does not enter.
+        let bias_squared = (all_products - all_squares) / (k * (k - 1.0));
+        let mse = all_squares / k;
+        // Not below 0 but for rounding.
+        let variance = (mse - bias_squared).max(0.0);
+        let without = |(square, product): (&f64, &f64)| {
+            let (products, squares) = (all_products - 2.0 * product + square, all_squares - square);
+            (products - squares) / ((k - 1.0) * (k - 2.0))
+        };
+        let bias_squared_error = (pictures.len() > 2).then(|| {
+            let left_out: Vec<f64> = squares.iter().zip(&products).map(without).collect();
+            let mean = left_out.iter().sum::<f64>() / k;
+            let scatter: f64 = left_out.iter().map(|value| (value - mean).powi(2)).sum();
+            ((k - 1.0) / k * scatter).sqrt()
+        });
+        Ok(Self {
+            seeds: pictures.len(),
+            mse,
+            bias_squared,
+            variance,
+            standard_error: (variance / k).sqrt(),
+            bias_squared_error,
+            non_finite,
+        })
+    }
+}
+
+/// Mean of each channel of each pixel, alpha too; NaN or infinite where one of the images is.
+///
+/// # Errors
+/// [`ImageError::TooFew`] for no images; [`ImageError::SizesDiffer`].
+pub fn mean_image(images: &[Image]) -> Result<Image, ImageError> {
+    let Some(first) = images.first() else {
+        return Err(ImageError::TooFew { what: "images", expected: 1, found: 0 });
+    };
+    for image in images {
+        image.expect_size_of(first, "an image", "the first image")?;
+    }
+    let mut mean = first.clone();
+    for (pixel, out) in mean.pixels_mut().iter_mut().enumerate() {
+        *out = std::array::from_fn(|channel| {
+            let sum: f64 = images.iter().map(|image| f64::from(image.pixels()[pixel][channel])).sum();
+            (sum / images.len() as f64) as f32
+        });
+    }
+    Ok(mean)
+}

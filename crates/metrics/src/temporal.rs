@@ -1,0 +1,14 @@
+//! How a sequence of frames behaves: flicker seen through a moving camera, error and its change at
+//! tracked pixels, deviation of a still picture, lag behind a light.
+
+mod difference;
+mod error_series;
+mod lag;
+mod pinhole;
+mod static_deviation;
+
+pub use difference::{TemporalDifference, Tid, View, temporal_difference};
+pub use error_series::{ErrorSeries, TRACKED_PIXELS, tracked_pixels};
+pub use lag::lag;
+pub use pinhole::Pinhole;
+pub use static_deviation::{StaticDeviation, static_deviation};

@@ -1,0 +1,199 @@
+//! What becomes of virtual lights: how many reach the image, how many move from frame to frame, how
+//! much of their light a clamp removes.
+
+use rayon::prelude::*;
+
+use crate::Image;
+use crate::image::{is_finite, luminance};
+
+/// Bytes before the first light, and bytes of a light, as `shaders/virtual-lights.wgsl` lays them out.
+const HEADER: usize = 16;
+const STRIDE: usize = 48;
+
+/// A light on a surface that stands for light reflected there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VirtualLight {
+    /// World space \[m\].
+    pub position: [f32; 3],
+    /// Unit; light leaves on this side.
+    pub normal: [f32; 3],
+    /// Φ \[W\], RGB.
+    pub flux: [f32; 3],
+    /// \[m²\]; 0 for a point.
+    pub area: f32,
+}
+
+/// A point of a surface that the image shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Receiver {
+    /// World space \[m\].
+    pub position: [f32; 3],
+    /// Unit, towards the viewer's side.
+    pub normal: [f32; 3],
+}
+
+/// Reads the buffer of the interface `VirtualLights`: a header of 16 bytes with the count, then 48
+/// bytes for each light, little-endian. What lies beyond the counted lights has no meaning.
+///
+/// `None` where the buffer is too short for its header or for the lights that it counts.
+pub fn read_virtual_lights(bytes: &[u8]) -> Option<Vec<VirtualLight>> {
+    let (header, lights) = bytes.split_at_checked(HEADER)?;
+    let [count, ..] = *header.as_chunks::<4>().0 else { return None };
+    let count = usize::try_from(u32::from_le_bytes(count)).ok()?;
+    let lights = lights.get(..count.checked_mul(STRIDE)?)?;
+    let light = |bytes: &[u8; STRIDE]| {
+        let words: [f32; STRIDE / 4] = std::array::from_fn(|word| {
+            f32::from_le_bytes(std::array::from_fn(|byte| bytes[4 * word + byte]))
+        });
+        // Word 7 is the texel, word 11 padding.
+        let [x, y, z, area, nx, ny, nz, _, r, g, b, _] = words;
+        VirtualLight { position: [x, y, z], normal: [nx, ny, nz], flux: [r, g, b], area }
+    };
+    Some(lights.as_chunks::<STRIDE>().0.iter().map(light).collect())
+}
+
+/// How many lights moved by more than `tolerance_m` \[m\] between two frames. Lights are matched by their
+/// place in the buffer; where the counts differ, each light without a counterpart has come or gone, and
+/// counts as moved. So does one whose position is NaN.
+pub fn lights_moved(previous: &[VirtualLight], current: &[VirtualLight], tolerance_m: f32) -> usize {
+    let stays = |(a, b): &(&VirtualLight, &VirtualLight)| {
+        length(difference(a.position, b.position)) <= f64::from(tolerance_m)
+    };
+    previous.len().max(current.len()) - previous.iter().zip(current).filter(stays).count()
+}
+
+/// [`lights_moved`] over the greater of the two counts; `None` where neither frame has lights.
+pub fn share_of_lights_moved(
+    previous: &[VirtualLight],
+    current: &[VirtualLight],
+    tolerance_m: f32,
+) -> Option<f64> {
+    let all = previous.len().max(current.len());
+    (all > 0).then(|| lights_moved(previous, current, tolerance_m) as f64 / all as f64)
+}
+
+/// How many lights bring light to at least one of the `receivers`: they have flux in some channel, the
+/// two face each other, and nothing is between. `occluded(light, receiver)` says whether something is,
+/// for two positions \[m\]; it keeps off the surfaces themselves. Lights run on all threads, each until
+/// the first receiver that it reaches. O(lights · receivers) at worst.
+///
+/// Receivers are a sample of the pixels, so the count is a lower bound that rises with their number.
+pub fn lights_that_reach(
+    lights: &[VirtualLight],
+    receivers: &[Receiver],
+    occluded: &(dyn Fn([f32; 3], [f32; 3]) -> bool + Sync),
+) -> usize {
+    let reaches = |light: &&VirtualLight| {
+        light.flux.iter().any(|&channel| channel > 0.0)
+            && receivers.iter().any(|receiver| {
+                let towards = difference(light.position, receiver.position);
+                dot(towards, light.normal) > 0.0
+                    && dot(towards, receiver.normal) < 0.0
+                    && !occluded(light.position, receiver.position)
+            })
+    };
+    lights.par_iter().filter(reaches).count()
+}
+
+/// The share of the irradiance that clamping removed: `irradiance` has in RGB what was kept and in alpha
+/// the luminance of what was not. Pixels with a NaN or infinite channel are left out; `None` where there
+/// is no light at all.
+pub fn clamped_share(irradiance: &Image) -> Option<f64> {
+    let (mut kept, mut removed) = (0.0, 0.0);
+    let pixels = irradiance.pixels().iter();
+    for &[r, g, b, clamped] in pixels.filter(|&&pixel| is_finite(pixel) && pixel[3].is_finite()) {
+        kept += f64::from(luminance([r, g, b]));
+        removed += f64::from(clamped);
+    }
+    (kept + removed > 0.0).then(|| removed / (kept + removed))
+}
+
+/// From `a` to `b`.
+fn difference(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| f64::from(b[k]) - f64::from(a[k]))
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn dot(a: [f64; 3], b: [f32; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * f64::from(b)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UP: [f32; 3] = [0.0, 1.0, 0.0];
+    const DOWN: [f32; 3] = [0.0, -1.0, 0.0];
+
+    fn light(x: f32, normal: [f32; 3]) -> VirtualLight {
+        VirtualLight { position: [x, 0.0, 0.0], normal, flux: [1.0; 3], area: 0.0 }
+    }
+
+    /// One light as `virtual-lights.wgsl` lays it out: words 0 to 11 with the texel as an integer.
+    fn buffer(count: u32) -> Vec<u8> {
+        let words = [1.0_f32, 2.0, 3.0, 0.25, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
+        let flux = [5.0_f32, 6.0, 7.0, 0.0].map(f32::to_le_bytes);
+        let header = [count, 0, 0, 0].map(u32::to_le_bytes);
+        [&header[..], &words, &[77_u32.to_le_bytes()], &flux].concat().concat()
+    }
+
+    #[test]
+    fn lights_come_out_of_their_buffer() {
+        let expected =
+            VirtualLight { position: [1.0, 2.0, 3.0], normal: UP, flux: [5.0, 6.0, 7.0], area: 0.25 };
+        assert_eq!(read_virtual_lights(&buffer(1)), Some(vec![expected]));
+        assert_eq!(read_virtual_lights(&buffer(0)), Some(vec![]), "what lies beyond has no meaning");
+        assert_eq!(read_virtual_lights(&buffer(2)), None, "one is missing");
+        assert_eq!(read_virtual_lights(&buffer(u32::MAX)), None);
+        assert_eq!(read_virtual_lights(&buffer(1)[..63]), None, "a byte is missing");
+        assert_eq!(read_virtual_lights(&buffer(0)[..15]), None, "no header");
+    }
+
+    #[test]
+    fn moved_lights_by_hand() {
+        let before = [0.0, 1.0, 2.0].map(|x| light(x, UP));
+        // The first moves by 0.5, the second stays, the third is gone.
+        let now = [0.5, 1.0].map(|x| light(x, UP));
+        assert_eq!(lights_moved(&before, &now, 0.1), 2);
+        assert_eq!(lights_moved(&before, &now, 0.5), 1);
+        assert_eq!(lights_moved(&now, &before, 0.1), 2, "one that comes counts as one that goes");
+        assert_eq!(lights_moved(&before, &[f32::NAN, 1.0, 2.0].map(|x| light(x, UP)), 1e9), 1);
+        assert_eq!(share_of_lights_moved(&before, &now, 0.1), Some(2.0 / 3.0));
+        assert_eq!(share_of_lights_moved(&[], &[], 0.1), None);
+    }
+
+    #[test]
+    fn reaching_lights_by_hand() {
+        // The receiver looks down at the lights from a metre above.
+        let receivers = [Receiver { position: [0.0, 1.0, 0.0], normal: DOWN }];
+        let mut dark = light(0.0, UP);
+        dark.flux = [0.0; 3];
+        let lights = [light(0.0, UP), light(5.0, UP), light(0.0, DOWN), dark];
+        let free = |_: [f32; 3], _: [f32; 3]| false;
+        assert_eq!(lights_that_reach(&lights, &receivers, &free), 2);
+        // Something stands about x = 5; it is asked about the light first, then the receiver.
+        let wall = |from: [f32; 3], to: [f32; 3]| from[0] > 4.0 && to[1] == 1.0;
+        assert_eq!(lights_that_reach(&lights, &receivers, &wall), 1);
+        let turned = [Receiver { normal: UP, ..receivers[0] }];
+        assert_eq!(lights_that_reach(&lights, &turned, &free), 0);
+        assert_eq!(lights_that_reach(&lights, &[turned, receivers].concat(), &free), 2, "any of them");
+        assert_eq!(lights_that_reach(&lights, &[], &free), 0);
+    }
+
+    #[test]
+    fn clamped_share_by_hand() {
+        // Kept: luminances 3 and 0; removed: 0.5 and 0.5. The broken pixels would add 9 and NaN.
+        let pixels = vec![
+            [3.0, 3.0, 3.0, 0.5],
+            [0.0, 0.0, 0.0, 0.5],
+            [f32::NAN, 0.0, 0.0, 9.0],
+            [1.0, 1.0, 1.0, f32::NAN],
+        ];
+        let share = clamped_share(&Image::new(4, 1, pixels).unwrap()).unwrap();
+        assert!((share - 0.25).abs() < 1e-6, "{share}");
+        assert_eq!(clamped_share(&Image::new(1, 1, vec![[0.0; 4]]).unwrap()), None);
+    }
+}

@@ -1,0 +1,8 @@
+//! Measures against other implementations and by their properties, and files.
+
+mod files;
+mod flip;
+mod patterns;
+mod seeds;
+mod ssim;
+mod temporal;

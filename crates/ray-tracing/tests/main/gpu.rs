@@ -1,0 +1,208 @@
+//! The shader against its twin.
+
+use crate::shared::{Mesh, Random, Ray};
+use bytemuck::{Pod, Zeroable};
+use frame_graph::port::OutputOverride;
+use glam::{Vec2, Vec3};
+use pass_test::Stand;
+use ray_tracing::STACK;
+use scene::{Encoding, Scene, Texture, Wrap};
+use shader_library::Request;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GivenRay {
+    origin: Vec3,
+    nearest: f32,
+    direction: Vec3,
+    farthest: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct FoundHit {
+    barycentrics: [f32; 2],
+    distance: f32,
+    triangle: u32,
+    occluded: u32,
+    leaves: u32,
+}
+
+/// How the shader traces rays: by the hierarchy, and by ray queries where the adapter has them.
+fn ways() -> Vec<&'static str> {
+    let queries = pass_test::gpu().is_some_and(|gpu| gpu.has_ray_queries());
+    if !queries {
+        eprintln!("skipped: ray queries, which the adapter does not have");
+    }
+    if queries { vec!["bvh", "query"] } else { vec!["bvh"] }
+}
+
+fn follow(scene: &Scene, time: f32, way: &str, rays: &[Ray]) -> Option<Vec<FoundHit>> {
+    let given: Vec<GivenRay> = rays
+        .iter()
+        .map(|ray| GivenRay {
+            origin: ray.origin,
+            nearest: ray.nearest,
+            direction: ray.direction,
+            farthest: ray.farthest,
+        })
+        .collect();
+    let bytes: Vec<u8> = bytemuck::cast_slice(&given).to_vec();
+    let out = OutputOverride { count: Some(rays.len() as u32), ..OutputOverride::default() };
+    let outputs = Stand::new(compute::PASS)
+        .shader("crates/ray-tracing/tests/rays.wgsl")
+        // The kind gives options the values of traits of their names.
+        .scene_trait("rays", way)
+        .out("hits", out)
+        .input("rays", "Buffer", &[], vec![("", pass_test::buffer(bytes.len() as u64), bytes)])
+        .with_scene(scene.clone())
+        .time(time)
+        .run()?;
+    Some(outputs.read("hits"))
+}
+
+/// The shader has the hits that the twin has of the mesh, by either way of tracing.
+fn assert_twins(scene: &Scene, time: f32, mesh: &Mesh, rays: &[Ray]) {
+    let bvh = mesh.bvh();
+    for way in ways() {
+        let what = format!("{}, {way}", scene.name);
+        let Some(found) = follow(scene, time, way, rays) else { return };
+        for (ray, found) in rays.iter().zip(found) {
+            let twin = bvh.intersect(ray.origin, ray.direction, ray.nearest, ray.farthest);
+            assert_eq!(found.occluded == 1, twin.is_some(), "{what}: any hit of {ray:?}");
+            let Some(hit) = twin else {
+                assert_eq!(found.triangle, u32::MAX, "{what}: {found:?} of {ray:?}");
+                continue;
+            };
+            // How an adapter rounds is its own: within a millionth of the scene.
+            let rounding = 1e-6 * scene.extent() / ray.direction.length();
+            let spacing = if way == "query" { rounding } else { 0.0 };
+            let error = (found.distance - hit.distance).abs();
+            assert!(error < 1e-5 * hit.distance + spacing, "{what}: {found:?} is not {hit:?} of {ray:?}");
+            let other = found.triangle != hit.triangle;
+            let close = Vec2::from(found.barycentrics).abs_diff_eq(hit.barycentrics, 1e-3);
+            assert!(other || close, "{what}: {found:?} is not {hit:?} of {ray:?}");
+        }
+    }
+}
+
+#[test]
+fn the_shader_has_the_hits_of_its_twin() {
+    for name in ["cornell-box", "atrium", "nave"] {
+        let scene = pass_test::scene(name);
+        let rays = Random(8).rays(scene.bounds(), 20_000);
+        assert_twins(&scene, 0.0, &Mesh::of(&scene), &rays);
+    }
+}
+
+#[test]
+fn a_scene_of_none_or_few_triangles_can_be_traced() {
+    for name in ["empty", "plane"] {
+        let scene = pass_test::scene(name);
+        let rays = Random(9).rays((Vec3::NEG_ONE, Vec3::ONE), 500);
+        assert_twins(&scene, 0.0, &Mesh::of(&scene), &rays);
+    }
+}
+
+#[test]
+fn masked_triangles_do_not_count() {
+    let mut scene = pass_test::scene("cornell-box");
+    // The back wall and its like let everything pass; the right wall nothing.
+    let (gone, kept) = (0, scene.materials.len() - 1);
+    for (material, alpha) in [(gone, 0.25), (kept, 0.75)] {
+        scene.materials[material].alpha_cutoff = Some(0.5);
+        scene.materials[material].base_color.w = alpha;
+    }
+    let mut mesh = Mesh::of(&scene);
+    for triangle in mesh.indices.chunks_exact_mut(3) {
+        if scene.vertices[triangle[0] as usize].material == gone as u32 {
+            triangle.fill(0);
+        }
+    }
+    assert_ne!(mesh.indices, scene.indices);
+    let rays = Random(11).rays(scene.bounds(), 20_000);
+    assert_twins(&scene, 0.0, &mesh, &rays);
+}
+
+#[test]
+fn holes_of_a_texture_do_not_count() {
+    // The plane, 2 m wide, with a texture along x: left of the middle nothing, right of it all.
+    let mut scene = pass_test::scene("plane");
+    let pixels = (0..64 * 64).flat_map(|i| [255, 255, 255, if i % 64 < 32 { 0 } else { 255 }]).collect();
+    scene.textures = vec![Texture {
+        name: "half".into(),
+        width: 64,
+        height: 64,
+        pixels,
+        encoding: Encoding::Srgb,
+        wrap: [Wrap::Clamp; 2],
+    }];
+    scene.materials[0].base_color_texture = Some(0);
+    scene.materials[0].alpha_cutoff = Some(0.5);
+    scene.vertices.iter_mut().for_each(|v| v.uv = [v.position[0] * 0.5 + 0.5, v.position[2] * 0.5 + 0.5]);
+    let mut random = Random(12);
+    let places: Vec<Vec3> = (0..4000).map(|_| random.in_cube() * Vec3::new(0.99, 0.0, 0.99)).collect();
+    let rays: Vec<Ray> = places
+        .iter()
+        .map(|place| {
+            let origin = *place + Vec3::new(0.3, 1.0, -0.2);
+            Ray::new(origin, *place - origin)
+        })
+        .collect();
+    for way in ways() {
+        let Some(found) = follow(&scene, 0.0, way, &rays) else { return };
+        // Texels are half a texel wide of the edge.
+        for (place, found) in places.iter().zip(found).filter(|(place, _)| place.x.abs() > 1.0 / 32.0) {
+            assert_eq!(found.triangle != u32::MAX, place.x > 0.0, "{way}: at {place}");
+            assert_eq!(found.occluded == 1, place.x > 0.0, "{way}: any hit at {place}");
+        }
+    }
+}
+
+#[test]
+fn what_moves_is_hit_where_it_is() {
+    let scene = pass_test::scene("cornell-box-moving");
+    let time = scene.duration * 0.4;
+    let (rest, mut mesh) = (Mesh::of(&scene), Mesh::of(&scene));
+    for moved in scene.at(time).moved {
+        let places = &mut mesh.positions[moved.first_vertex as usize..];
+        places.iter_mut().zip(&moved.vertices).for_each(|(place, vertex)| *place = vertex.position);
+    }
+    assert_ne!(mesh.positions, rest.positions);
+    let rays = Random(13).rays(scene.bounds(), 5000);
+    assert_twins(&scene, time, &mesh, &rays);
+}
+
+#[test]
+fn ray_queries_are_refused_where_there_are_none() {
+    if pass_test::gpu().is_none_or(|gpu| gpu.has_ray_queries()) {
+        return eprintln!("skipped: the adapter has ray queries");
+    }
+    let refused = std::panic::catch_unwind(|| follow(&pass_test::scene("plane"), 0.0, "query", &[])).err();
+    let words = refused.and_then(|words| words.downcast::<String>().ok()).unwrap();
+    assert!(words.starts_with("pass compute uses ray queries, which "), "{words}");
+}
+
+#[test]
+fn rays_leave_the_surfaces_that_they_start_from() {
+    for name in ["atrium", "nave", "cornell-box"] {
+        let scene = pass_test::scene(name);
+        let rays = Random(10).rays(scene.bounds(), 20_000);
+        for way in ways() {
+            let Some(found) = follow(&scene, 0.0, way, &rays) else { return };
+            for (ray, found) in rays.iter().zip(found) {
+                assert_eq!(found.leaves, 1, "{name}, {way}: {found:?} of {ray:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_shader_keeps_as_many_nodes_as_trees_may_need() {
+    let shader = pass_test::shaders().load(&Request::new("crates/ray-tracing/tests/rays.wgsl")).unwrap();
+    let constant =
+        shader.module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some("BVH_STACK"));
+    let value = &shader.module.global_expressions[constant.unwrap().1.init];
+    assert_eq!(*value, naga::Expression::Literal(naga::Literal::U32(STACK as u32)));
+    shader.check_layout(&ray_tracing::layouts(), "ray-tracing").unwrap();
+}

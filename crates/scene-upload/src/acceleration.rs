@@ -1,0 +1,109 @@
+//! The adapter's own structure for ray queries, over the scene's triangles.
+
+use executor::wgpu;
+use executor::{Executor, External};
+use scene::{Scene, Vertex};
+
+const NAME: &str = "scene_acceleration";
+
+/// Made when it is first asked for, on adapters that have ray queries.
+#[derive(Debug)]
+pub(crate) struct Acceleration {
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    made: Option<Made>,
+    /// Whether the steps that run ask for it.
+    wanted: bool,
+    /// Whether vertices have moved since it was built.
+    stale: bool,
+}
+
+#[derive(Debug)]
+struct Made {
+    size: wgpu::BlasTriangleGeometrySizeDescriptor,
+    /// `None` for a scene without triangles.
+    triangles: Option<wgpu::Blas>,
+    scene: wgpu::Tlas,
+}
+
+impl Acceleration {
+    pub(crate) fn new(vertices: &wgpu::Buffer, indices: &wgpu::Buffer) -> Acceleration {
+        let (vertices, indices) = (vertices.clone(), indices.clone());
+        Acceleration { vertices, indices, made: None, wanted: false, stale: false }
+    }
+
+    pub(crate) fn provide(&mut self, executor: &mut Executor, scene: &Scene, externals: &[&str]) {
+        // The executor tells which pass asks an adapter for what it has not.
+        self.wanted = externals.contains(&NAME) && executor.gpu().has_ray_queries();
+        if self.wanted && self.made.is_none() {
+            let made = Made::new(&executor.gpu().device, scene);
+            executor.set_external(NAME, External::AccelerationStructure(made.scene.clone()));
+            self.made = Some(made);
+            self.stale = true;
+            self.follow(executor);
+        }
+    }
+
+    pub(crate) fn moved(&mut self) {
+        self.stale = true;
+    }
+
+    /// Builds it over the vertices as they are now.
+    pub(crate) fn follow(&mut self, executor: &Executor) {
+        let Some(made) = self.made.as_ref().filter(|_| self.wanted && self.stale) else { return };
+        self.stale = false;
+        let geometry = wgpu::BlasTriangleGeometry {
+            size: &made.size,
+            vertex_buffer: &self.vertices,
+            first_vertex: 0,
+            vertex_stride: size_of::<Vertex>() as u64,
+            index_buffer: Some(&self.indices),
+            first_index: Some(0),
+            transform_buffer: None,
+            transform_buffer_offset: None,
+        };
+        let entry = made.triangles.as_ref().map(|blas| wgpu::BlasBuildEntry {
+            blas,
+            geometry: wgpu::BlasGeometries::TriangleGeometries(vec![geometry]),
+        });
+        let gpu = executor.gpu();
+        let label = Some("scene acceleration");
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
+        encoder.build_acceleration_structures(&entry, [&made.scene]);
+        gpu.queue.submit([encoder.finish()]);
+    }
+}
+
+impl Made {
+    fn new(device: &wgpu::Device, scene: &Scene) -> Made {
+        let size = wgpu::BlasTriangleGeometrySizeDescriptor {
+            vertex_format: wgpu::VertexFormat::Float32x3,
+            vertex_count: scene.vertices.len() as u32,
+            index_format: Some(wgpu::IndexFormat::Uint32),
+            index_count: Some(scene.indices.len() as u32),
+            // Shaders decide which hits count.
+            flags: wgpu::AccelerationStructureGeometryFlags::empty(),
+        };
+        let (flags, update_mode) = (
+            wgpu::AccelerationStructureFlags::PREFER_FAST_TRACE,
+            wgpu::AccelerationStructureUpdateMode::Build,
+        );
+        let triangles = (scene.triangles() > 0).then(|| {
+            device.create_blas(
+                &wgpu::CreateBlasDescriptor { label: Some("scene triangles"), flags, update_mode },
+                wgpu::BlasGeometrySizeDescriptors::Triangles { descriptors: vec![size.clone()] },
+            )
+        });
+        let mut whole = device.create_tlas(&wgpu::CreateTlasDescriptor {
+            label: Some("scene"),
+            max_instances: 1,
+            flags,
+            update_mode,
+        });
+        whole[0] = triangles.as_ref().map(|blas| {
+            let identity = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+            wgpu::TlasInstance::new(blas, identity, 0, 0xff)
+        });
+        Made { size, triangles, scene: whole }
+    }
+}

@@ -1,0 +1,194 @@
+//! Equal time: the whole number that makes a frame take so many milliseconds.
+
+use frame_graph::{Setting, Value, ValueType};
+
+/// How near is near enough.
+const TOLERANCE: f64 = 0.05;
+const MOST_PROBES: usize = 8;
+/// The largest step up, as a factor: a guess from one slow probe shall not ask for a million lights.
+const LARGEST_STEP: f64 = 8.0;
+/// Where a setting has no greatest value.
+const LARGEST: i64 = 1 << 20;
+
+/// What a search came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Found {
+    pub(crate) value: i64,
+    pub(crate) ms: f64,
+}
+
+impl Found {
+    /// Whether it is within 5 % of the budget.
+    pub(crate) fn meets(&self, ms: f64) -> bool {
+        (self.ms / ms - 1.0).abs() <= TOLERANCE
+    }
+}
+
+/// The values that a setting may take, in rising order: a range, or choices.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Domain {
+    Range(i64, i64),
+    Choices(Vec<i64>),
+}
+
+impl Domain {
+    pub(crate) fn of(setting: &Setting) -> Domain {
+        let whole = |value: &Value| match value {
+            Value::U32(n) => Some(i64::from(*n)),
+            Value::I32(n) => Some(i64::from(*n)),
+            _ => None,
+        };
+        if !setting.one_of.is_empty() {
+            let mut choices: Vec<i64> = setting.one_of.iter().filter_map(whole).collect();
+            choices.sort_unstable();
+            return Domain::Choices(choices);
+        }
+        let least = if setting.ty == ValueType::U32 { 0.0 } else { -(LARGEST as f64) };
+        let (min, max) = (setting.min.unwrap_or(least), setting.max.unwrap_or(LARGEST as f64));
+        Domain::Range(min.ceil() as i64, max.floor().min(LARGEST as f64) as i64)
+    }
+
+    /// First and last place.
+    fn bounds(&self) -> (i64, i64) {
+        match self {
+            Domain::Range(min, max) => (*min, *max.max(min)),
+            Domain::Choices(choices) => (0, choices.len() as i64 - 1),
+        }
+    }
+
+    fn value(&self, place: i64) -> i64 {
+        match self {
+            Domain::Range(..) => place,
+            Domain::Choices(choices) => choices[place as usize],
+        }
+    }
+
+    fn place(&self, value: i64) -> i64 {
+        match self {
+            Domain::Range(min, max) => value.clamp(*min, *max.max(min)),
+            Domain::Choices(choices) => choices.partition_point(|choice| *choice < value) as i64,
+        }
+    }
+}
+
+/// Searches the value at which `cost` is nearest to `ms`, beginning at `start`: the secant through the two nearest
+/// probes, within what is known to be too cheap and too dear, at most eight probes. `cost` rises with the value, noise
+/// apart. A value that cannot be run counts as too dear.
+///
+/// # Errors
+/// What `cost` said, where no value can be run.
+pub(crate) fn search(
+    domain: &Domain,
+    start: i64,
+    ms: f64,
+    mut cost: impl FnMut(i64) -> Result<f64, String>,
+) -> Result<Found, String> {
+    let (min, max) = domain.bounds();
+    let mut at = domain.place(start).clamp(min, max);
+    // The nearest first.
+    let mut probes: Vec<(i64, f64)> = Vec::new();
+    let mut between = Between { low: min, high: max };
+    let mut refusal = String::new();
+    for _ in 0..MOST_PROBES {
+        let found = cost(domain.value(at)).map_err(|why| refusal = why).ok();
+        if let Some(found) = found {
+            probes.push((at, found));
+            probes.sort_by(|a, b| (a.1 / ms).ln().abs().total_cmp(&(b.1 / ms).ln().abs()));
+            if (Found { value: at, ms: found }).meets(ms) {
+                break;
+            }
+        }
+        match found {
+            Some(found) if found < ms => between.low = between.low.max(at + 1),
+            _ => between.high = between.high.min(at - 1),
+        }
+        if between.low > between.high {
+            break;
+        }
+        at = between.guess(&probes, ms, at);
+    }
+    probes.first().map(|(at, ms)| Found { value: domain.value(*at), ms: *ms }).ok_or(refusal)
+}
+
+/// The places that are not known to be too cheap or too dear; never empty.
+#[derive(Clone, Copy, Debug)]
+struct Between {
+    low: i64,
+    high: i64,
+}
+
+impl Between {
+    fn guess(self, probes: &[(i64, f64)], ms: f64, last: i64) -> i64 {
+        let guess = match probes {
+            [] => self.low.midpoint(last) as f64,
+            // One probe says no more than that cost is at most proportional.
+            [(at, found)] => (*at).max(1) as f64 * ms / found,
+            [(a, a_ms), (b, b_ms), ..] => {
+                let slope = (b_ms - a_ms) / (b - a) as f64;
+                if slope > 0.0 {
+                    *a as f64 + (ms - a_ms) / slope
+                } else {
+                    self.low.midpoint(self.high) as f64
+                }
+            }
+        };
+        let most = probes.iter().map(|(at, _)| *at).max().unwrap_or(last).max(1) as f64 * LARGEST_STEP;
+        let guess = guess.min(most);
+        // Beyond what cannot be run there is no use in asking for the last value before it.
+        let refused = probes.iter().all(|(at, _)| *at <= self.high);
+        if guess > self.high as f64 && refused && last > self.high {
+            return self.low.midpoint(self.high);
+        }
+        (guess.round() as i64).clamp(self.low, self.high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted(domain: &Domain, start: i64, ms: f64, cost: impl Fn(i64) -> f64) -> (Found, usize) {
+        let mut probes = 0;
+        let found = search(domain, start, ms, |value| {
+            probes += 1;
+            Ok(cost(value))
+        });
+        (found.unwrap(), probes)
+    }
+
+    #[test]
+    fn an_affine_cost_is_met_in_a_few_probes() {
+        let domain = Domain::Range(1, LARGEST);
+        for ms in [12.0, 20.0, 100.0, 5000.0] {
+            let (found, probes) = counted(&domain, 256, ms, |n| 10.0 + 0.02 * n as f64);
+            assert!(found.meets(ms) && probes <= 6, "{ms}: {found:?} after {probes}");
+        }
+        // A quadratic one too.
+        let (found, probes) = counted(&domain, 16, 400.0, |n| 1.0 + (n as f64 / 50.0).powi(2));
+        assert!(found.meets(400.0) && probes <= MOST_PROBES, "{found:?} after {probes}");
+    }
+
+    #[test]
+    fn what_cannot_be_met_gives_the_nearest() {
+        let domain = Domain::Range(1, 512);
+        let cost = |n: i64| 10.0 + 0.02 * n as f64;
+        let (found, _) = counted(&domain, 256, 5.0, cost);
+        assert_eq!((found.value, found.meets(5.0)), (1, false));
+        let (found, _) = counted(&domain, 256, 50.0, cost);
+        assert_eq!((found.value, found.meets(50.0)), (512, false));
+        // Of choices, the nearer one: 3.2 is nearer to 5 than 12.8.
+        let choices = Domain::Choices(vec![32, 64, 128, 256]);
+        let (found, _) = counted(&choices, 256, 5.0, |n| (n * n) as f64 * 1e-3 * 0.78125);
+        assert_eq!(found.value, 64);
+    }
+
+    #[test]
+    fn values_that_cannot_run_are_too_dear() {
+        let domain = Domain::Range(1, LARGEST);
+        let run = |n: i64| if n > 600 { Err("out of memory".to_owned()) } else { Ok(n as f64 * 0.01) };
+        let found = search(&domain, 100, 100.0, run).unwrap();
+        assert!((400..=600).contains(&found.value), "{found:?}");
+        let never = search(&domain, 100, 1.0, |_| Err("no device".to_owned()));
+        assert_eq!(never, Err("no device".to_owned()));
+    }
+}

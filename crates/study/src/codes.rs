@@ -1,0 +1,40 @@
+//! The stable codes of what can be wrong with a study, beside those of `frame_graph::codes` for its text.
+
+use frame_graph::codes::Code;
+
+macro_rules! codes {
+    ($($name:ident = $code:literal: $meaning:literal;)*) => {
+        $(pub(crate) static $name: Code = Code { code: $code, meaning: $meaning };)*
+        /// Every code, in order.
+        pub static CODES: &[&Code] = &[$(&$name),*];
+    };
+}
+
+codes! {
+    SCENE = "T001": "A scene is not there, or cannot be loaded.";
+    PIPELINE = "T002": "A pipeline is not there, or is broken.";
+    PATH = "T003": "An axis or a value names a parameter or setting that a pipeline does not have.";
+    VALUE = "T004": "A value is of the wrong type, out of range, or not one of the choices.";
+    EMPTY = "T005": "There is nothing to run: no scenes, no pipelines, an axis without values, no frames, no seeds.";
+    TWICE = "T006": "A scene, a variant's name, an axis, a value, a seed or a measure is given twice.";
+    PAIRED = "T007": "Axes that are paired have different numbers of values.";
+    MEASURE = "T008": "There is no measure of that name.";
+    NEEDS = "T009": "A measure lacks what it needs: a reference, several frames, several seeds, a jump.";
+    OUTPUT = "T010": "A pipeline has no output of that name.";
+    BUDGET = "T011": "A budget cannot be met: what it sets is varied as well, or is no whole number.";
+    RANGE = "T012": "A number is out of range.";
+    REFERENCE = "T013": "What a reference names is not there.";
+}
+
+/// The table of codes in Markdown, as kept in `ERRORS.md`.
+pub fn table() -> String {
+    let mut text = String::from(
+        "# Errors of studies\n\nErrors of the text itself have the codes of \
+         [frame-graph](../frame-graph/ERRORS.md). An example of each, with the whole text as it is shown, is in \
+         `tests/broken` and `tests/snapshots`.\n\n| code | meaning |\n|---|---|\n",
+    );
+    for code in CODES {
+        text.push_str(&format!("| {} | {} |\n", code.code, code.meaning));
+    }
+    text
+}

@@ -1,0 +1,105 @@
+//! Changes to a study from the command line.
+
+use crate::description::{At, Budget, Group, Reference, SIZE, Set, Study, Vary};
+use crate::record::AxisValue;
+use frame_graph::{Source, Span};
+
+/// What a run asks for in place of what the file says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Edits {
+    /// Scenes.
+    pub scenes: Vec<String>,
+    /// Size of frames \[px\].
+    pub size: Option<(u32, u32)>,
+    /// Values by path: an axis of that path is pinned to it, and pipelines without the path go without it.
+    pub set: Vec<(String, AxisValue)>,
+    /// Values of the pipeline that makes references.
+    pub set_reference: Vec<(String, AxisValue)>,
+    /// So many seeds.
+    pub seeds: Option<u32>,
+    /// Measured frames.
+    pub frames: Option<u32>,
+    /// A look before the real thing: a quarter of each side, one seed, first and last value of each axis.
+    pub quick: bool,
+}
+
+impl Study {
+    /// Changes the study. What is changed is checked with the rest, by [`Plan::new`](crate::Plan::new).
+    pub fn edit(&mut self, edits: &Edits) {
+        if edits.quick {
+            self.size = (self.size.0.div_ceil(4), self.size.1.div_ceil(4));
+            self.seeds.truncate(1);
+            for axis in self.vary.iter_mut().flat_map(Group::axes_mut) {
+                let last = axis.values.len() - 1;
+                axis.values = [0, last].iter().map(|at| axis.values[*at].clone()).collect();
+                if last == 0 {
+                    axis.values.truncate(1);
+                }
+            }
+        }
+        if let Some(size) = edits.size {
+            self.size = size;
+            self.vary.iter_mut().for_each(|group| {
+                group.axes_mut().retain(|axis| axis.path.value != SIZE);
+            });
+            self.vary.retain(|group| !group.axes().is_empty());
+        }
+        if let Some(seeds) = edits.seeds {
+            self.seeds = (1..=seeds).collect();
+        }
+        if let Some(wanted) = edits.frames {
+            match &mut self.budget {
+                Budget::Frames(frames) | Budget::Time { frames, .. } | Budget::Lights { frames, .. } => {
+                    *frames = wanted;
+                }
+            }
+        }
+        if !edits.scenes.is_empty() {
+            self.scenes = edits.scenes.iter().map(|scene| given("--scene", scene)).collect();
+        }
+        for (path, value) in &edits.set {
+            self.pin(path, value);
+        }
+        if let Reference::Pipeline { set, .. } = &mut self.reference {
+            for (path, value) in &edits.set_reference {
+                set.retain(|set| set.path.value != *path);
+                set.push(from_outside("--set-reference", path, value, false));
+            }
+        }
+    }
+
+    /// Gives a path one value, wherever the file gives it others.
+    fn pin(&mut self, path: &str, value: &AxisValue) {
+        let set = from_outside("--set", path, value, true);
+        let pinned = |axis: &Vary| axis.path.value == path;
+        for axis in self.vary.iter_mut().flat_map(Group::axes_mut).filter(|axis| pinned(axis)) {
+            axis.values = axis.values.iter().map(|_| set.value.clone()).collect();
+        }
+        for group in &mut self.vary {
+            if let Group::Grid(axes) = group {
+                axes.iter_mut().filter(|axis| pinned(axis)).for_each(|axis| axis.values.truncate(1));
+            }
+        }
+        if !self.vary.iter().flat_map(Group::axes).any(pinned) {
+            self.set.retain(|set| set.path.value != path);
+            self.set.push(set);
+        }
+    }
+}
+
+fn given(option: &str, text: &str) -> At<String> {
+    let source = Source::new(option, text);
+    At { value: text.to_owned(), span: Span { source, start: 0, end: text.len() as u32 } }
+}
+
+fn from_outside(option: &str, path: &str, value: &AxisValue, optional: bool) -> Set {
+    let written = value.to_string();
+    let source = Source::new(option, format!("{path}={written}"));
+    let (from, to) = (path.len() as u32, (path.len() + 1 + written.len()) as u32);
+    let span = |start, end| Span { source: std::sync::Arc::clone(&source), start, end };
+    Set {
+        path: At { value: path.to_owned(), span: span(0, from) },
+        value: At { value: value.clone(), span: span(from + 1, to) },
+        optional,
+    }
+}

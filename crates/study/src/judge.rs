@@ -1,0 +1,353 @@
+//! What the frames of a cell measure.
+
+use crate::laboratory::{CellRun, Observed, Occluded, SceneFacts};
+use crate::measure::Measure;
+use crate::record::PassTime;
+use crate::reference::Truth;
+use metrics::temporal::{self, ErrorSeries, TRACKED_PIXELS, Tid, View};
+use metrics::virtual_lights::{self, Receiver, VirtualLight};
+use metrics::{DEFAULT_TRIM, Display, Epsilon, Image, PIXELS_PER_DEGREE, Pair, flip, hdr_flip, luminance};
+use std::collections::BTreeMap;
+
+/// How far depths may differ and still be of one surface, as a share.
+const SAME_SURFACE: f64 = 0.01;
+/// How near to the settled value the light has arrived, as a share of the way.
+const ARRIVED: f64 = 0.1;
+/// Pixels that are asked which lights reach them.
+const RECEIVERS: usize = 256;
+
+/// Takes in the frames of one cell.
+pub(crate) struct Judge<'a> {
+    measures: &'a [Measure],
+    facts: &'a SceneFacts,
+    /// Frame of the jump, counted from the first measured one.
+    jump: Option<usize>,
+    truth: Option<Truth>,
+    pub(crate) frames: u32,
+    passes: Vec<(String, Vec<f64>)>,
+    totals: Vec<f64>,
+    /// Errors of the frames that are judged.
+    errors: BTreeMap<Measure, Vec<Option<f64>>>,
+    tid: Tid,
+    tracked: Vec<(usize, usize)>,
+    found: Vec<Vec<f64>>,
+    expected: Vec<Vec<f64>>,
+    means: Vec<f64>,
+    pictures: Vec<Image>,
+    moved: Vec<f64>,
+    last: Option<Observed>,
+    /// The first frame with pixels that are no numbers.
+    broken: Option<String>,
+}
+
+/// What a cell came to.
+#[derive(Debug, Default)]
+pub(crate) struct Verdict {
+    pub(crate) measures: BTreeMap<String, Option<f64>>,
+    pub(crate) passes: Vec<PassTime>,
+    pub(crate) frames: u32,
+    pub(crate) image: Option<Image>,
+    pub(crate) flip: Option<Image>,
+    /// Why errors are missing.
+    pub(crate) failure: Option<String>,
+}
+
+impl<'a> Judge<'a> {
+    pub(crate) fn new(
+        measures: &'a [Measure],
+        facts: &'a SceneFacts,
+        jump: Option<usize>,
+        truth: Option<Truth>,
+    ) -> Judge<'a> {
+        Judge {
+            measures,
+            facts,
+            jump,
+            truth,
+            frames: 0,
+            passes: Vec::new(),
+            totals: Vec::new(),
+            errors: BTreeMap::new(),
+            tid: Tid::default(),
+            tracked: Vec::new(),
+            found: Vec::new(),
+            expected: Vec::new(),
+            means: Vec::new(),
+            pictures: Vec::new(),
+            moved: Vec::new(),
+            last: None,
+            broken: None,
+        }
+    }
+
+    fn wants(&self, measure: Measure) -> bool {
+        self.measures.contains(&measure)
+    }
+
+    /// Takes in the next measured frame.
+    pub(crate) fn observe(&mut self, frame: Observed) -> Result<(), String> {
+        self.time(&frame.passes);
+        let broken =
+            frame.image.pixels().iter().filter(|pixel| !pixel[..3].iter().all(|c| c.is_finite())).count();
+        if broken > 0 && self.broken.is_none() {
+            let all = frame.image.pixels().len();
+            self.broken =
+                Some(format!("{broken} of {all} pixels of frame {} are NaN or infinite", frame.frame));
+        }
+        if self.broken.is_none() {
+            self.compare(&frame)?;
+        }
+        if self.wants(Measure::LightsMoved)
+            && let (Some(before), Some(now)) = (self.last.as_ref().and_then(lights), lights(&frame))
+        {
+            self.moved.extend(virtual_lights::share_of_lights_moved(&before, &now, self.facts.small_length));
+        }
+        self.frames += 1;
+        self.last = Some(frame);
+        Ok(())
+    }
+
+    fn time(&mut self, passes: &[(String, f64)]) {
+        if passes.is_empty() {
+            return;
+        }
+        if self.passes.is_empty() {
+            self.passes = passes.iter().map(|(name, _)| (name.clone(), Vec::new())).collect();
+        }
+        for ((_, column), (_, ms)) in self.passes.iter_mut().zip(passes) {
+            column.push(*ms);
+        }
+        self.totals.push(passes.iter().map(|(_, ms)| ms).sum());
+    }
+
+    /// What is measured on a frame beside its neighbours and its reference.
+    fn compare(&mut self, frame: &Observed) -> Result<(), String> {
+        let index = self.frames as usize;
+        if self.facts.moves {
+            self.judge(&frame.image, index)?;
+        }
+        if self.wants(Measure::Tid)
+            && let Some(before) = &self.last
+            && let (Some(before), Some(now)) = (view(before), view(frame))
+        {
+            let pair =
+                temporal::temporal_difference(&before, &now, SAME_SURFACE).map_err(|e| e.to_string())?;
+            self.tid.add(&pair);
+        }
+        if self.wants(Measure::E) || self.wants(Measure::EPrime) {
+            self.track(frame, index)?;
+        }
+        if self.wants(Measure::Lag) {
+            let sum: f64 = frame.image.pixels().iter().map(|pixel| grey(*pixel)).sum();
+            self.means.push(sum / frame.image.pixels().len() as f64);
+        }
+        if self.wants(Measure::StaticDeviation) && !self.facts.moves {
+            self.pictures.push(frame.image.clone());
+        }
+        Ok(())
+    }
+
+    fn track(&mut self, frame: &Observed, index: usize) -> Result<(), String> {
+        if self.tracked.is_empty()
+            && let Some(depth) = &frame.depth
+        {
+            self.tracked = temporal::tracked_pixels(depth, TRACKED_PIXELS);
+        }
+        let at = |image: &Image, places: &[(usize, usize)]| -> Vec<f64> {
+            places.iter().map(|(x, y)| grey(image.pixels()[y * image.width() + x])).collect()
+        };
+        if let Some(truth) = &mut self.truth {
+            let expected = at(truth.frame(index)?, &self.tracked);
+            self.expected.push(expected);
+            self.found.push(at(&frame.image, &self.tracked));
+        }
+        Ok(())
+    }
+
+    /// Adds the errors of a picture beside the reference of frame number `index` of those measured.
+    fn judge(&mut self, image: &Image, index: usize) -> Result<(), String> {
+        let Some(truth) = &mut self.truth else { return Ok(()) };
+        let pair = Pair::new(image, truth.frame(index)?).map_err(|error| error.to_string())?;
+        let wanted = self.measures.iter().filter(|measure| {
+            let needs = measure.needs();
+            needs.reference && !needs.seeds && !needs.every_frame
+        });
+        for measure in wanted {
+            self.errors.entry(*measure).or_default().push(error_of(*measure, &pair));
+        }
+        Ok(())
+    }
+
+    /// What all of it comes to. `occluded` is asked for where lights that reach the image are counted.
+    pub(crate) fn finish(
+        mut self,
+        run: &CellRun,
+        over_frames: bool,
+        occluded: impl FnOnce(u32) -> Result<Occluded, String>,
+    ) -> Verdict {
+        let mut failure = self.broken.clone();
+        let last = self.last.take();
+        let mut flip_map = None;
+        if let (Some(last), None) = (&last, &failure)
+            && self.truth.is_some()
+        {
+            let index = self.frames.saturating_sub(1) as usize;
+            let judged = if self.facts.moves { Ok(()) } else { self.judge(&last.image, index) };
+            let map = judged.and_then(|()| self.flip_map(&last.image, index));
+            match map {
+                Ok(map) => flip_map = map,
+                Err(why) => failure = Some(why),
+            }
+        }
+        let mut measures = BTreeMap::new();
+        let mut occluded = Some(occluded);
+        for measure in self.measures {
+            let fine = failure.is_none() || !needs_pixels(*measure);
+            let value = match measure {
+                _ if !fine => None,
+                Measure::LightsThatReach => {
+                    let reach = last.as_ref().and_then(|last| {
+                        let occluded = occluded.take()?;
+                        reaching(last, occluded)
+                    });
+                    match reach {
+                        Some(Err(why)) => {
+                            failure = Some(why);
+                            None
+                        }
+                        Some(Ok(share)) => share,
+                        None => None,
+                    }
+                }
+                _ => self.value(*measure, run, over_frames, last.as_ref()),
+            };
+            measures.insert(measure.key().to_owned(), value.filter(|value| value.is_finite()));
+        }
+        let passes = self.passes.iter_mut();
+        let passes =
+            passes.map(|(pass, ms)| PassTime { pass: pass.clone(), gpu_ms: median(ms).unwrap_or(0.0) });
+        Verdict {
+            measures,
+            passes: passes.collect(),
+            frames: self.frames,
+            image: last.map(|last| last.image),
+            flip: flip_map,
+            failure,
+        }
+    }
+
+    fn flip_map(&mut self, image: &Image, index: usize) -> Result<Option<Image>, String> {
+        let Some(truth) = &mut self.truth else { return Ok(None) };
+        let pair = Pair::new(image, truth.frame(index)?).map_err(|error| error.to_string())?;
+        Ok(Some(flip(&pair, Display::default(), PIXELS_PER_DEGREE).to_image()))
+    }
+
+    fn value(
+        &mut self,
+        measure: Measure,
+        run: &CellRun,
+        over_frames: bool,
+        last: Option<&Observed>,
+    ) -> Option<f64> {
+        match measure {
+            Measure::GpuMs if over_frames => (!self.totals.is_empty()).then(|| self.totals.iter().sum()),
+            Measure::GpuMs => median(&mut self.totals),
+            Measure::Memory => Some(run.memory.held as f64 / f64::from(1 << 20)),
+            Measure::Tid => self.tid.value(),
+            Measure::E | Measure::EPrime => {
+                let series = ErrorSeries::of(&self.found, &self.expected, self.facts.seconds_per_frame)?;
+                Some(if measure == Measure::E { series.average_error } else { series.average_change })
+            }
+            Measure::StaticDeviation => temporal::static_deviation(&self.pictures).ok()?.normalised,
+            Measure::Lag => temporal::lag(&self.means, self.jump?, ARRIVED).map(|frames| frames as f64),
+            Measure::LightsMoved => mean(&self.moved),
+            Measure::ClampedEnergy => virtual_lights::clamped_share(last?.irradiance.as_ref()?),
+            // Taken from the pictures of all seeds, once they are there; or beside this.
+            Measure::Bias2 | Measure::Variance | Measure::LightsThatReach => None,
+            _ => {
+                let values: Option<Vec<f64>> = self.errors.get(&measure)?.iter().copied().collect();
+                let values = values?;
+                if measure == Measure::Rmse {
+                    let squares: Vec<f64> = values.iter().map(|value| value * value).collect();
+                    return mean(&squares).map(f64::sqrt);
+                }
+                mean(&values)
+            }
+        }
+    }
+}
+
+/// Whether a picture that is no picture leaves the measure without meaning.
+fn needs_pixels(measure: Measure) -> bool {
+    !matches!(measure, Measure::GpuMs | Measure::Memory | Measure::LightsMoved | Measure::LightsThatReach)
+}
+
+/// An error of one picture.
+fn error_of(measure: Measure, pair: &Pair<'_>) -> Option<f64> {
+    let epsilon = Epsilon::default();
+    match measure {
+        Measure::Rmse => Some(pair.rmse()),
+        Measure::NormalisedRmse => pair.normalised_rmse(),
+        Measure::RelMse => pair.rel_mse(epsilon),
+        Measure::TrimmedRelMse => pair.trimmed_rel_mse(epsilon, DEFAULT_TRIM),
+        Measure::Mape => pair.mape(epsilon),
+        Measure::Ssim => Some(pair.ssim(Display::default())),
+        Measure::Flip => Some(flip(pair, Display::default(), PIXELS_PER_DEGREE).mean()),
+        Measure::HdrFlip => Some(hdr_flip(pair, PIXELS_PER_DEGREE).mean()),
+        Measure::Energy => pair.energy_ratio(),
+        _ => None,
+    }
+}
+
+fn grey([r, g, b, _]: [f32; 4]) -> f64 {
+    f64::from(luminance([r, g, b]))
+}
+
+fn view(frame: &Observed) -> Option<View<'_>> {
+    Some(View { image: &frame.image, depth: frame.depth.as_ref()?, camera: frame.camera })
+}
+
+fn lights(frame: &Observed) -> Option<Vec<VirtualLight>> {
+    virtual_lights::read_virtual_lights(frame.lights.as_deref()?)
+}
+
+/// The share of the lights of a frame that reach a sample of its pixels; `None` without lights or G-buffer.
+fn reaching(
+    frame: &Observed,
+    occluded: impl FnOnce(u32) -> Result<Occluded, String>,
+) -> Option<Result<Option<f64>, String>> {
+    let lights = lights(frame).filter(|lights| !lights.is_empty())?;
+    let (depth, normal) = (frame.depth.as_ref()?, frame.normal.as_ref()?);
+    let size = (depth.width(), depth.height());
+    let receivers: Vec<Receiver> = temporal::tracked_pixels(depth, RECEIVERS)
+        .into_iter()
+        .map(|(x, y)| {
+            let index = y * size.0 + x;
+            let depth = f64::from(depth.pixels()[index][0]);
+            let position = frame.camera.world(x as f64 + 0.5, y as f64 + 0.5, depth, size);
+            let [nx, ny, nz, _] = normal.pixels()[index];
+            Receiver { position: position.map(|c| c as f32), normal: [nx, ny, nz] }
+        })
+        .collect();
+    let occluded = match occluded(frame.frame) {
+        Ok(occluded) => occluded,
+        Err(why) => return Some(Err(why)),
+    };
+    let reach = virtual_lights::lights_that_reach(&lights, &receivers, &*occluded);
+    Some(Ok(Some(reach as f64 / lights.len() as f64)))
+}
+
+/// The middle one, or the mean of the two in the middle; `None` of nothing.
+pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let half = values.len() / 2;
+    match values.len() {
+        0 => None,
+        n if n % 2 == 1 => Some(values[half]),
+        _ => Some(0.5 * (values[half - 1] + values[half])),
+    }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}

@@ -1,0 +1,103 @@
+//! Ablation studies: what to vary, the cells that follow, what each of them measured, and the report.
+//!
+//! ```text
+//! RON ─parse─▶ Study ─edit─▶ Study ─Plan::new─▶ Plan ─run─▶ folder ─Results::read─▶ Results ─▶ tables, report
+//! ```
+//!
+//! Nothing here knows a GPU: what there is to study comes through the trait [`Registry`], and what renders a cell
+//! through [`Laboratory`].
+//!
+//! # The files
+//!
+//! A study is a RON file, read by the reader of `frame-graph`: its text has the same rules, and all errors are told at
+//! once. `…?` is optional, `…*` any number of entries.
+//!
+//! ```text
+//! Study(
+//!     about: "text"?,  paper: "ISM Fig. 4"?,
+//!     scenes: ["name or file" *],
+//!     pipelines: ["name or file" or VARIANT *] or All or All(except: ["name" *]),
+//!     output: "indirect"?,                  // the output that is judged; each pipeline has it
+//!     size: (512, 512)?,                    // of frames [px]
+//!     set: { "path": VALUE * }?,            // values for all pipelines
+//!     vary: GROUP or [GROUP *]?,            // the cells are the product of the groups
+//!     budget: Frames(5)?,                   // how much each cell may spend
+//!     warm_up: 1?,                          // frames before those that are measured
+//!     first_frame: 0?,                      // number of the first frame that runs, and so the time of animations
+//!     jump: 30?,                            // number of the first frame under a new light, for `lag`
+//!     seeds: 5 or [1, 2, 3]?,               // 5 is 1 to 5; left out it is [0], the papers' plain sequences
+//!     measures: ["rel-mse", "gpu-ms" *],
+//!     reference: REFERENCE?,                // left out it is None
+//! )
+//! ```
+//!
+//! | form | is |
+//! |---|---|
+//! | VARIANT | `Variant(name: "as tables name it", pipeline: "name or file", set: { "path": VALUE * }?)` |
+//! | path | as [`frame_graph::Overrides`] take it: `parameter`, `part.parameter`, `pass.setting` |
+//! | VALUE | `true`, a number or text; `Optional(value)` where pipelines without the path go without it |
+//! | GROUP | `Grid({ "path": VALUES * })`, every combination; or `Paired({ … })`, the first values, the second values, and so on |
+//! | VALUES | `[value *]`; `Optional([value *])` where pipelines without the path run once, without it. The axis `"size"` takes `[(width, height) *]` and is the size of frames |
+//! | budget | `Frames(8)`: equal frames. `Lights(1024)`: equal lights; with names `Lights(count: 1024, by: "lights"?, frames: 5?)`. `Time(ms: 20.0, by: "lights", frames: 5?)`: equal time a frame; the whole number `by` is searched so that the median frame meets it within 5 %, once for all seeds. `Time(ms: 500.0, frames: …?)`: frames accumulate until the GPU time is spent |
+//! | REFERENCE | `Pipeline(pipeline: "reference", set: { … }?, follow: ["path" *]?, frames: …?)`, `Picture("file.exr")`, `Pictures({ "scene": "file.exr" * })` or `None` |
+//!
+//! **References.** A pipeline with an output `progress` accumulates until it says that it is done, or for `frames`
+//! frames; another renders one frame. It takes its own values alone, and those of the axes that it is to `follow`
+//! (`"seed"` is one): a reference with the same lights isolates visibility. A reference is made once, kept, and made
+//! again only if what it depends on has changed.
+//!
+//! **What is judged.** Of a scene that stands still, the last measured frame. Of a scene that moves, every measured
+//! frame beside a reference of its own; RMSE is then over all of them, other errors are means. Measures are listed by
+//! [`Measure::info`].
+//!
+//! **Keys.** The key of a cell is a hash of its plan, shaders, scene, values, size, seed, frames, budget, measures,
+//! reference, adapter and version. So a study goes on where it stopped, and after an edit only the cells that it
+//! touches run again; records of others stay in the folder and are not reported. Failed cells run again.
+//!
+//! # Failures
+//!
+//! What is wrong with the file, a name or a value is told before anything runs. A cell whose pipeline cannot be made,
+//! whose device fails, or whose picture has pixels that are NaN or infinite is recorded as failed with what was
+//! measured of it, and the others go on. Where a reference fails, its cells do; those of studies with other measures
+//! than errors keep them. A full disk ends the run: what is finished stays, and the same call goes on from there.
+
+mod budget;
+mod clock;
+pub mod codes;
+pub mod description;
+mod edit;
+mod error;
+mod folder;
+mod judge;
+mod key;
+mod laboratory;
+mod measure;
+mod merge;
+mod page;
+mod plan;
+mod record;
+mod reference;
+mod remaining;
+mod report;
+mod run;
+mod seeds;
+mod table;
+
+pub use description::{Study, parse};
+pub use edit::Edits;
+pub use error::StudyError;
+pub use laboratory::{
+    CellRun, Identity, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts,
+    Values,
+};
+pub use measure::Measure;
+pub use merge::merge;
+pub use page::publish;
+pub use plan::{Plan, PlannedCell};
+pub use record::{
+    Axis, AxisValue, Better, Cell, CellImages, Difference, MeasureInfo, Memory, Outcome, PassTime,
+    PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
+};
+pub use report::report;
+pub use run::{Event, Ran, RunOptions, Shard, name_of, run};
+pub use table::{Figure, Row, write as write_tables};

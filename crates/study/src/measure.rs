@@ -1,0 +1,350 @@
+//! The measures there are.
+
+use crate::record::{Better, MeasureInfo};
+
+/// Bumped when a measure comes to mean something else: its cells are then measured anew.
+pub(crate) const DEFINITIONS: u32 = 1;
+
+/// A measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Measure {
+    /// Root mean squared error.
+    Rmse,
+    /// RMSE over the reference's mean.
+    NormalisedRmse,
+    /// Relative mean squared error.
+    RelMse,
+    /// The same without the worst pixels.
+    TrimmedRelMse,
+    /// Mean absolute percentage error.
+    Mape,
+    /// Structural similarity.
+    Ssim,
+    /// ꟻLIP.
+    Flip,
+    /// HDR-ꟻLIP.
+    HdrFlip,
+    /// Energy over the reference's.
+    Energy,
+    /// Bias², over seeds.
+    Bias2,
+    /// Variance, over seeds.
+    Variance,
+    /// GPU time.
+    GpuMs,
+    /// Memory of a frame.
+    Memory,
+    /// Temporal image difference.
+    Tid,
+    /// |E| at tracked pixels.
+    E,
+    /// |E′| at tracked pixels.
+    EPrime,
+    /// Deviation of a still picture over frames.
+    StaticDeviation,
+    /// Frames until a jump of the light has arrived.
+    Lag,
+    /// Virtual lights that move from frame to frame.
+    LightsMoved,
+    /// Virtual lights that reach the image.
+    LightsThatReach,
+    /// Energy that clamping removed.
+    ClampedEnergy,
+}
+
+/// What a measure asks of a study.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Needs {
+    pub(crate) reference: bool,
+    /// A reference for every frame, also of a scene that stands still.
+    pub(crate) every_frame: bool,
+    /// Frames, at least.
+    pub(crate) frames: u32,
+    pub(crate) seeds: bool,
+    pub(crate) jump: bool,
+    pub(crate) timed: bool,
+    /// Depth and camera.
+    pub(crate) views: bool,
+    pub(crate) lights: bool,
+}
+
+struct Row {
+    measure: Measure,
+    key: &'static str,
+    label: &'static str,
+    unit: &'static str,
+    better: Better,
+    is_error: bool,
+    needs: Needs,
+    doc: &'static str,
+}
+
+const NONE: Needs = Needs {
+    reference: false,
+    every_frame: false,
+    frames: 1,
+    seeds: false,
+    jump: false,
+    timed: false,
+    views: false,
+    lights: false,
+};
+const REFERENCE: Needs = Needs { reference: true, ..NONE };
+const SEEDS: Needs = Needs { seeds: true, ..REFERENCE };
+const SERIES: Needs = Needs { every_frame: true, frames: 2, views: true, ..REFERENCE };
+
+const fn error(
+    measure: Measure,
+    key: &'static str,
+    label: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+) -> Row {
+    Row { measure, key, label, unit, better: Better::Lower, is_error: true, needs: REFERENCE, doc }
+}
+
+const fn other(
+    measure: Measure,
+    key: &'static str,
+    label: &'static str,
+    unit: &'static str,
+    needs: Needs,
+    doc: &'static str,
+) -> Row {
+    Row { measure, key, label, unit, better: Better::Lower, is_error: false, needs, doc }
+}
+
+const RADIANCE: &str = "W/(m² sr)";
+
+static ROWS: &[Row] = &[
+    error(Measure::Rmse, "rmse", "RMSE", RADIANCE, "Root mean squared error over pixels and RGB"),
+    error(
+        Measure::NormalisedRmse,
+        "normalised-rmse",
+        "nRMSE",
+        "",
+        "RMSE over the mean of the reference (ISM Fig. 4)",
+    ),
+    error(
+        Measure::RelMse,
+        "rel-mse",
+        "relMSE",
+        "",
+        "Mean of (I − R)² / (R² + ε), ε = 10⁻² of the squared mean of R (Rousselle et al. 2011)",
+    ),
+    error(
+        Measure::TrimmedRelMse,
+        "trimmed-rel-mse",
+        "trimmed relMSE",
+        "",
+        "relMSE without the worst 0.1 % of the pixels",
+    ),
+    error(Measure::Mape, "mape", "MAPE", "", "Mean of |I − R| / (|R| + ε)"),
+    Row {
+        better: Better::Higher,
+        ..error(
+            Measure::Ssim,
+            "ssim",
+            "SSIM",
+            "",
+            "Structural similarity of the tone-mapped pictures (Wang et al. 2004)",
+        )
+    },
+    error(
+        Measure::Flip,
+        "flip",
+        "ꟻLIP",
+        "",
+        "Mean perceived difference of the tone-mapped pictures (Andersson et al. 2020)",
+    ),
+    error(
+        Measure::HdrFlip,
+        "hdr-flip",
+        "HDR-ꟻLIP",
+        "",
+        "The same over all exposures (Andersson et al. 2021)",
+    ),
+    Row {
+        better: Better::One,
+        ..other(
+            Measure::Energy,
+            "energy",
+            "energy",
+            "",
+            REFERENCE,
+            "Mean of the picture over that of the reference",
+        )
+    },
+    Row {
+        needs: SEEDS,
+        ..error(
+            Measure::Bias2,
+            "bias2",
+            "bias²",
+            "(W/(m² sr))²",
+            "What any number of seeds would leave of the squared error; one figure for all seeds",
+        )
+    },
+    Row {
+        needs: SEEDS,
+        ..error(
+            Measure::Variance,
+            "variance",
+            "variance",
+            "(W/(m² sr))²",
+            "What another seed changes, squared; one figure for all seeds",
+        )
+    },
+    other(
+        Measure::GpuMs,
+        "gpu-ms",
+        "GPU time",
+        "ms",
+        Needs { timed: true, ..NONE },
+        "GPU time of a frame in which every pass runs: the median over the measured frames. Where a budget of time is spent over frames, the sum of all of them",
+    ),
+    other(
+        Measure::Memory,
+        "memory",
+        "memory",
+        "MiB",
+        NONE,
+        "All that frames work on, histories too, the scene apart",
+    ),
+    Row {
+        needs: Needs { frames: 2, views: true, ..NONE },
+        ..error(
+            Measure::Tid,
+            "tid",
+            "TID",
+            RADIANCE,
+            "Temporal image difference: RMS over the surfaces that two consecutive frames both see (TCAS §6.2)",
+        )
+    },
+    Row {
+        needs: SERIES,
+        ..error(
+            Measure::E,
+            "e",
+            "|E|",
+            "",
+            "Mean absolute error of tone-mapped luminance at 8 tracked pixels (SMC-IR §5.2)",
+        )
+    },
+    Row {
+        needs: SERIES,
+        ..error(
+            Measure::EPrime,
+            "e-prime",
+            "|E′|",
+            "1/s",
+            "Mean absolute change of that error with time (SMC-IR Eq. 10)",
+        )
+    },
+    Row {
+        needs: Needs { frames: 2, ..NONE },
+        ..error(
+            Measure::StaticDeviation,
+            "static-deviation",
+            "static deviation",
+            "",
+            "Standard deviation of each pixel's luminance over the frames, its mean over the mean luminance; of a scene that stands still",
+        )
+    },
+    other(
+        Measure::Lag,
+        "lag",
+        "lag",
+        "frames",
+        Needs { frames: 3, jump: true, ..NONE },
+        "Frames after `jump` until the mean luminance stays within a tenth of the way of where it settles",
+    ),
+    Row {
+        better: Better::Neither,
+        ..other(
+            Measure::LightsMoved,
+            "lights-moved",
+            "lights moved",
+            "",
+            Needs { frames: 2, lights: true, ..NONE },
+            "Share of the virtual lights that are elsewhere in the next frame, mean over the frames",
+        )
+    },
+    Row {
+        better: Better::Higher,
+        ..other(
+            Measure::LightsThatReach,
+            "lights-that-reach",
+            "lights that reach",
+            "",
+            Needs { views: true, lights: true, ..NONE },
+            "Share of the virtual lights that bring light to some of 256 pixels of the last frame",
+        )
+    },
+    other(
+        Measure::ClampedEnergy,
+        "clamped-energy",
+        "clamped energy",
+        "",
+        NONE,
+        "Share of the indirect irradiance that clamping removed, in the last frame",
+    ),
+];
+
+impl Measure {
+    /// Every measure, in the order of the documentation.
+    pub fn all() -> impl Iterator<Item = Measure> {
+        ROWS.iter().map(|row| row.measure)
+    }
+
+    /// The measure of that key.
+    pub fn find(key: &str) -> Option<Measure> {
+        ROWS.iter().find(|row| row.key == key).map(|row| row.measure)
+    }
+
+    fn row(self) -> &'static Row {
+        // The order of the rows is that of the variants.
+        &ROWS[self as usize]
+    }
+
+    /// Its name in a study and in tables: `rel-mse`.
+    pub fn key(self) -> &'static str {
+        self.row().key
+    }
+
+    pub(crate) fn needs(self) -> Needs {
+        self.row().needs
+    }
+
+    /// Whether it is one figure for all seeds of a cell.
+    pub fn is_over_seeds(self) -> bool {
+        self.row().needs.seeds
+    }
+
+    /// As tables and charts show it.
+    pub fn info(self) -> MeasureInfo {
+        let row = self.row();
+        MeasureInfo {
+            key: row.key.to_owned(),
+            label: row.label.to_owned(),
+            unit: row.unit.to_owned(),
+            better: row.better,
+            doc: row.doc.to_owned(),
+            is_error: row.is_error,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_measure_has_its_own_row() {
+        for (index, row) in ROWS.iter().enumerate() {
+            assert_eq!(row.measure as usize, index, "{}", row.key);
+            assert_eq!(Measure::find(row.key), Some(row.measure));
+        }
+        assert_eq!(ROWS.last().map(|row| row.measure), Some(Measure::ClampedEnergy));
+    }
+}

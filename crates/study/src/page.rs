@@ -1,0 +1,133 @@
+//! Results in a page of documentation: sections that studies write and people do not.
+
+use crate::error::{StudyError, io};
+use crate::folder::write;
+use crate::record::{Outcome, Results};
+use crate::report;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+const END: &str = "<!-- end -->";
+
+fn begin(name: &str) -> String {
+    format!("<!-- study: {name} -->")
+}
+
+/// Puts the results of studies into a page of Markdown, each between `<!-- study: NAME -->` and `<!-- end -->`; at the
+/// end of the page where it has no such place. All else stays as it is. Writes the studies' reports anew.
+///
+/// # Errors
+/// Folders that are no studies, a section without its end, what the disk refused.
+pub fn publish(folders: &[PathBuf], page: &Path) -> Result<(), StudyError> {
+    let mut text = match std::fs::read_to_string(page) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+        Err(error) => return Err(io(page, "cannot read")(error)),
+    };
+    for folder in folders {
+        let results = Results::read(folder)?;
+        let mut tables = Vec::new();
+        for file in report(&results, folder)? {
+            if file.extension().is_some_and(|extension| extension == "md") {
+                tables.push(std::fs::read_to_string(&file).map_err(io(&file, "cannot read"))?);
+            }
+        }
+        text = replaced(&text, &results.study.name, &section(&results, &tables))
+            .map_err(|reason| StudyError::Damaged { path: page.to_owned(), reason })?;
+    }
+    write(page, text.as_bytes())
+}
+
+/// The page with another text in the section of that name.
+fn replaced(page: &str, name: &str, section: &str) -> Result<String, String> {
+    let begin = begin(name);
+    let Some((before, rest)) = page.split_once(&begin) else {
+        let gap = if page.is_empty() || page.ends_with("\n\n") { "" } else { "\n" };
+        return Ok(format!("{page}{gap}{begin}\n{section}{END}\n"));
+    };
+    let next = rest.find("<!-- study: ");
+    match rest.find(END).filter(|end| next.is_none_or(|next| *end < next)) {
+        Some(end) => Ok(format!("{before}{begin}\n{section}{}", &rest[end..])),
+        None => Err(format!("`{begin}` has no `{END}`")),
+    }
+}
+
+fn section(results: &Results, tables: &[String]) -> String {
+    let study = &results.study;
+    let mut text = format!("\n## {}\n\n{}", study.name, study.about);
+    if !study.paper.is_empty() {
+        let _ = write!(text, " ({})", study.paper);
+    }
+    let (width, height) = study.size;
+    let _ = write!(
+        text,
+        ". {}; Lightloom {}; begun {}. Frames of {width}×{height}, {}",
+        study.adapter, study.version, study.started, study.budget
+    );
+    let _ = match study.seeds.len() {
+        0 | 1 => write!(text, "."),
+        seeds => write!(text, "; mean and 95 % interval over {seeds} seeds."),
+    };
+    for reference in &study.references {
+        let _ = match (&reference.image, reference.noise) {
+            (None, _) => write!(text, " The reference of `{}` failed: {}.", reference.scene, reference.error),
+            (Some(_), Some(noise)) => write!(
+                text,
+                " Reference of `{}`: {}; its own relMSE is estimated at {noise:.1e}.",
+                reference.scene, reference.from
+            ),
+            (Some(_), None) => write!(text, " Reference of `{}`: {}.", reference.scene, reference.from),
+        };
+    }
+    if !study.command.is_empty() {
+        let _ = write!(text, "\n\n```sh\n{}\n```", study.command);
+    }
+    text.push('\n');
+    for table in tables {
+        let _ = write!(text, "\n{}\n", table.trim_end());
+    }
+    let missing = study.cell_count.saturating_sub(results.cells.len());
+    if missing > 0 {
+        let _ = write!(text, "\n{missing} of {} cells have not been run.\n", study.cell_count);
+    }
+    let mut notes: Vec<&str> = Vec::new();
+    for cell in &results.cells {
+        let failure = match &cell.outcome {
+            Outcome::Failed { error } => Some(error.as_str()),
+            Outcome::Done => None,
+        };
+        for note in cell.notes.iter().map(String::as_str).chain(failure) {
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+    }
+    if !notes.is_empty() {
+        text.push('\n');
+    }
+    for note in notes {
+        let _ = writeln!(text, "- {}", note.lines().next().unwrap_or_default());
+    }
+    text.push('\n');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::replaced;
+
+    #[test]
+    fn only_the_section_changes() {
+        let page = "# Results\n\nBy hand.\n\n<!-- study: a -->\nold\n<!-- end -->\n\n<!-- study: b -->\nkept\n<!-- end -->\n";
+        let page = replaced(page, "a", "new\n").unwrap();
+        assert_eq!(
+            page,
+            "# Results\n\nBy hand.\n\n<!-- study: a -->\nnew\n<!-- end -->\n\n<!-- study: b -->\nkept\n<!-- end -->\n"
+        );
+        assert_eq!(replaced(&page, "a", "new\n").unwrap(), page, "twice is once");
+        let added = replaced("By hand.\n", "c", "new\n").unwrap();
+        assert_eq!(added, "By hand.\n\n<!-- study: c -->\nnew\n<!-- end -->\n");
+        let open = "<!-- study: a -->\n<!-- study: b -->\n<!-- end -->\n";
+        assert!(replaced(open, "a", "").unwrap_err().contains("<!-- study: a -->"));
+    }
+}

@@ -1,0 +1,337 @@
+//! From a study to its cells: every name looked up, every value checked, before anything runs.
+
+mod check;
+
+use crate::description::{At, Budget, Group, Reference, SEED, SIZE, Study, Vary};
+use crate::laboratory::{PipelineFacts, Registry, RunRequest, SceneFacts, Values};
+use crate::measure::Measure;
+use crate::record::{Axis, AxisValue, Difference, PipelineRecord};
+use check::Checker;
+use frame_graph::{Diagnostics, Setting};
+use std::collections::BTreeMap;
+
+/// A study with every name resolved.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// What was asked.
+    pub study: Study,
+    /// The scenes, in order.
+    pub scenes: Vec<SceneFacts>,
+    /// The pipelines, in order.
+    pub pipelines: Vec<PipelineRecord>,
+    /// What varies, in order.
+    pub axes: Vec<Axis>,
+    /// The measures, in order.
+    pub measures: Vec<Measure>,
+    /// What each pipeline differs in from the first.
+    pub differences: Vec<Difference>,
+    /// The cells: scene, pipeline, axes, seed.
+    pub cells: Vec<PlannedCell>,
+    pub(crate) references: Vec<PlannedReference>,
+}
+
+/// A cell before it runs.
+#[derive(Clone, Debug)]
+pub struct PlannedCell {
+    /// Index into [`Plan::scenes`].
+    pub scene: usize,
+    /// Index into [`Plan::pipelines`].
+    pub pipeline: usize,
+    /// Value of each axis that the pipeline has.
+    pub axes: BTreeMap<String, AxisValue>,
+    /// What is run.
+    pub request: RunRequest,
+    pub(crate) search: Option<Search>,
+    /// Index into [`Plan::references`].
+    pub(crate) reference: Option<usize>,
+}
+
+/// The value that a budget of time chooses.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Search {
+    pub(crate) setting: Setting,
+    pub(crate) path: String,
+    /// \[ms\] a frame.
+    pub(crate) ms: f64,
+}
+
+/// A reference before it is made.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PlannedReference {
+    /// Index into [`Plan::scenes`].
+    pub(crate) scene: usize,
+    pub(crate) size: (u32, u32),
+    /// What it comes from, in words.
+    pub(crate) from: String,
+    pub(crate) made: Made,
+}
+
+/// How a reference is made.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Made {
+    /// Read from this file.
+    Picture(String),
+    /// Run: one request for all frames, or one a frame.
+    Run(Vec<RunRequest>),
+}
+
+/// The most cells of a study.
+const MOST_CELLS: usize = 100_000;
+
+impl Plan {
+    /// Resolves a study.
+    ///
+    /// # Errors
+    /// All that is wrong with its names and values, each at its place in the file.
+    pub fn new(study: Study, registry: &dyn Registry) -> Result<Plan, Diagnostics> {
+        let mut checker = Checker::new(&study, registry);
+        let scenes = checker.scenes();
+        let pipelines = checker.pipelines();
+        let axes = checker.axes(&pipelines);
+        checker.sets(&pipelines);
+        let reference = checker.reference(&scenes);
+        checker.budget(&scenes, &pipelines);
+        let combinations =
+            checker.combinations(MOST_CELLS, scenes.len() * pipelines.len() * study.seeds.len());
+        checker.finish()?;
+        let measures = study.measures.iter().map(|at| at.value).collect();
+        let records: Vec<PipelineRecord> = pipelines.iter().map(|pipeline| pipeline.record.clone()).collect();
+        let differences = differences(registry, &pipelines);
+        let scenes = scenes.into_iter().map(|(_, facts)| facts).collect();
+        let mut plan = Plan {
+            study,
+            scenes,
+            pipelines: records,
+            axes,
+            measures,
+            differences,
+            cells: Vec::new(),
+            references: Vec::new(),
+        };
+        for scene in 0..plan.scenes.len() {
+            for (index, pipeline) in pipelines.iter().enumerate() {
+                plan.add_cells((scene, index), pipeline, reference.as_ref(), &combinations);
+            }
+        }
+        Ok(plan)
+    }
+
+    fn add_cells(
+        &mut self,
+        (scene, index): (usize, usize),
+        pipeline: &Resolved,
+        reference: Option<&PipelineFacts>,
+        combinations: &[Values],
+    ) {
+        let mut seen: Vec<BTreeMap<String, AxisValue>> = Vec::new();
+        for combination in combinations {
+            let has = |path: &str| path == SIZE || pipeline.has(path);
+            let axes: BTreeMap<String, AxisValue> =
+                combination.iter().filter(|(path, _)| has(path)).cloned().collect();
+            // Combinations that differ only in axes that this pipeline does not have.
+            if seen.contains(&axes) {
+                continue;
+            }
+            seen.push(axes.clone());
+            for seed in self.study.seeds.clone() {
+                let (request, search) = self.request((scene, pipeline), &axes, combination, seed);
+                let reference = self.reference_of(scene, &request, combination, reference);
+                self.cells.push(PlannedCell {
+                    scene,
+                    pipeline: index,
+                    axes: axes.clone(),
+                    request,
+                    search,
+                    reference,
+                });
+            }
+        }
+    }
+
+    fn request(
+        &self,
+        (scene, pipeline): (usize, &Resolved),
+        axes: &BTreeMap<String, AxisValue>,
+        combination: &[(String, AxisValue)],
+        seed: u32,
+    ) -> (RunRequest, Option<Search>) {
+        let study = &self.study;
+        let mut set = pipeline.set.clone();
+        set.extend(
+            axes.iter().filter(|(path, _)| *path != SIZE).map(|(path, value)| (path.clone(), value.clone())),
+        );
+        let mut search = None;
+        match &study.budget {
+            Budget::Frames(_) | Budget::Time { by: None, .. } => {}
+            Budget::Lights { count, by, .. } => {
+                set.push((by.value.clone(), AxisValue::Number(f64::from(count.value))));
+            }
+            Budget::Time { ms, by: Some(by), .. } => {
+                search = pipeline.setting(&by.value).map(|setting| Search {
+                    setting: setting.clone(),
+                    path: by.value.clone(),
+                    ms: *ms,
+                });
+            }
+        }
+        let needs = |what: fn(&crate::measure::Needs) -> bool| {
+            self.measures.iter().any(|measure| what(&measure.needs()))
+        };
+        let stop_after_ms = match &study.budget {
+            Budget::Time { ms, by: None, .. } => Some(*ms),
+            _ => None,
+        };
+        let request = RunRequest {
+            scene: study.scenes[scene].value.clone(),
+            pipeline: pipeline.record.pipeline.clone(),
+            set,
+            output: study.output.value.clone(),
+            size: size_in(combination).unwrap_or(study.size),
+            seed,
+            first_frame: study.first_frame,
+            warm_up: study.warm_up,
+            frames: study.budget.frames(),
+            timed: needs(|needs| needs.timed) || matches!(study.budget, Budget::Time { .. }),
+            views: needs(|needs| needs.views),
+            lights: needs(|needs| needs.lights),
+            stop_after_ms,
+            until_done: false,
+        };
+        (request, search)
+    }
+
+    /// The index of the reference that judges a request, added where it is new.
+    fn reference_of(
+        &mut self,
+        scene: usize,
+        request: &RunRequest,
+        combination: &[(String, AxisValue)],
+        facts: Option<&PipelineFacts>,
+    ) -> Option<usize> {
+        if !self.measures.iter().any(|measure| measure.needs().reference) {
+            return None;
+        }
+        let reference = match &self.study.reference {
+            Reference::None => return None,
+            Reference::Pictures(files) => {
+                let name = &self.study.scenes[scene].value;
+                let of = |at: &Option<At<String>>| at.as_ref().is_none_or(|scene| scene.value == *name);
+                let (_, file) = files.iter().find(|(scene, _)| of(scene))?;
+                PlannedReference {
+                    scene,
+                    size: request.size,
+                    from: file.value.clone(),
+                    made: Made::Picture(file.value.clone()),
+                }
+            }
+            Reference::Pipeline { pipeline, set, follow, frames, .. } => {
+                let mut values: Values =
+                    set.iter().map(|set| (set.path.value.clone(), set.value.value.clone())).collect();
+                let followed = |name: &str| follow.iter().any(|at| at.value == name);
+                let axes = combination.iter().filter(|(path, _)| *path != SIZE);
+                values.extend(axes.filter(|(path, _)| followed(path)).cloned());
+                let accumulates =
+                    facts.is_some_and(|facts| facts.outputs.iter().any(|name| name == "progress"));
+                let moves = self.scenes[scene].moves;
+                let first = request.first_frame + request.warm_up;
+                let base = RunRequest {
+                    pipeline: pipeline.value.clone(),
+                    set: values.clone(),
+                    seed: if followed(SEED) { request.seed } else { 0 },
+                    timed: false,
+                    views: false,
+                    lights: false,
+                    stop_after_ms: None,
+                    until_done: accumulates,
+                    frames: if moves { request.frames } else { 1 },
+                    ..request.clone()
+                };
+                let at = |frame: u32| RunRequest {
+                    first_frame: frame,
+                    warm_up: 0,
+                    frames: *frames,
+                    ..base.clone()
+                };
+                let requests = match (accumulates, moves) {
+                    (false, _) => vec![base],
+                    (true, false) => vec![at(first)],
+                    (true, true) => (first..first + request.frames).map(at).collect(),
+                };
+                let values: Vec<String> =
+                    values.iter().map(|(path, value)| format!("{path} = {value}")).collect();
+                PlannedReference {
+                    scene,
+                    size: request.size,
+                    from: [vec![format!("pipeline {}", pipeline.value)], values].concat().join(", "),
+                    made: Made::Run(requests),
+                }
+            }
+        };
+        let known = self.references.iter().position(|other| *other == reference);
+        Some(known.unwrap_or_else(|| {
+            self.references.push(reference);
+            self.references.len() - 1
+        }))
+    }
+}
+
+/// A pipeline of the study with its facts.
+struct Resolved {
+    record: PipelineRecord,
+    facts: PipelineFacts,
+    set: Values,
+}
+
+impl Resolved {
+    fn setting(&self, path: &str) -> Option<&Setting> {
+        self.facts.settings.iter().find(|settable| settable.path == path).map(|settable| &settable.setting)
+    }
+
+    fn has(&self, path: &str) -> bool {
+        self.setting(path).is_some()
+    }
+}
+
+fn differences(registry: &dyn Registry, pipelines: &[Resolved]) -> Vec<Difference> {
+    let Some((first, others)) = pipelines.split_first() else { return Vec::new() };
+    let of = |pipeline: &Resolved| (pipeline.record.pipeline.clone(), pipeline.set.clone());
+    let (name, set) = of(first);
+    others
+        .iter()
+        .map(|other| {
+            let (other_name, other_set) = of(other);
+            Difference {
+                from: first.record.name.clone(),
+                to: other.record.name.clone(),
+                lines: registry.differences((&name, &set), (&other_name, &other_set)),
+            }
+        })
+        .collect()
+}
+
+/// The frame's size in a combination, where it varies.
+fn size_in(combination: &[(String, AxisValue)]) -> Option<(u32, u32)> {
+    let (_, value) = combination.iter().find(|(path, _)| *path == SIZE)?;
+    let AxisValue::Text(text) = value else { return None };
+    let (width, height) = text.split_once('x')?;
+    Some((width.parse().ok()?, height.parse().ok()?))
+}
+
+/// Every combination of the values of a group: the first axis varies slowest.
+fn combinations_of(group: &Group) -> Vec<Values> {
+    let pair = |axis: &Vary, row: usize| (axis.path.value.clone(), axis.values[row].value.clone());
+    match group {
+        Group::Paired(axes) => {
+            let rows = axes.iter().map(|axis| axis.values.len()).min().unwrap_or(0);
+            (0..rows).map(|row| axes.iter().map(|axis| pair(axis, row)).collect()).collect()
+        }
+        Group::Grid(axes) => axes.iter().fold(vec![Vec::new()], |rows, axis| {
+            product(&rows, &(0..axis.values.len()).map(|row| vec![pair(axis, row)]).collect::<Vec<_>>())
+        }),
+    }
+}
+
+/// Every row of `slow` followed by every row of `fast`.
+fn product(slow: &[Values], fast: &[Values]) -> Vec<Values> {
+    slow.iter().flat_map(|row| fast.iter().map(move |tail| [&row[..], tail].concat())).collect()
+}

@@ -1,0 +1,342 @@
+//! What can be wrong with the names and values of a study.
+
+use super::{Resolved, combinations_of, product};
+use crate::codes;
+use crate::description::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant};
+use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
+use crate::record::{Axis, AxisValue, PipelineRecord};
+use frame_graph::codes::Code;
+use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, ValueType};
+
+pub(super) struct Checker<'a> {
+    study: &'a Study,
+    registry: &'a dyn Registry,
+    errors: Vec<Diagnostic>,
+}
+
+impl<'a> Checker<'a> {
+    pub(super) fn new(study: &'a Study, registry: &'a dyn Registry) -> Checker<'a> {
+        Checker { study, registry, errors: Vec::new() }
+    }
+
+    pub(super) fn finish(self) -> Result<(), Diagnostics> {
+        if self.errors.is_empty() { Ok(()) } else { Err(Diagnostics::sorted(self.errors)) }
+    }
+
+    pub(super) fn scenes(&mut self) -> Vec<(String, SceneFacts)> {
+        let mut found = Vec::new();
+        for scene in &self.study.scenes {
+            match self.registry.scene(&scene.value) {
+                Ok(mut facts) => {
+                    facts.record.name.clone_from(&scene.value);
+                    found.push((scene.value.clone(), facts));
+                }
+                Err(why) => {
+                    let known = self.registry.scenes();
+                    let error = refused(&codes::SCENE, ("scene", "scenes"), scene, &why, &known);
+                    self.errors.push(error);
+                }
+            }
+        }
+        found
+    }
+
+    fn facts(&mut self, name: &At<String>) -> Option<PipelineFacts> {
+        match self.registry.pipeline(&name.value) {
+            Ok(facts) => Some(facts),
+            Err(why) => {
+                let known = self.registry.pipelines();
+                let error = refused(&codes::PIPELINE, ("pipeline", "pipelines"), name, &why, &known);
+                self.errors.push(error);
+                None
+            }
+        }
+    }
+
+    /// The pipelines with the values that hold in all their cells.
+    pub(super) fn pipelines(&mut self) -> Vec<Resolved> {
+        let variants = match &self.study.pipelines {
+            Pipelines::These(variants) => variants.clone(),
+            Pipelines::All { except, span } => {
+                let names = self.registry.pipelines();
+                for name in except.iter().filter(|name| !names.contains(&name.value)) {
+                    let error =
+                        Diagnostic::new(&codes::PIPELINE, format!("there is no pipeline `{}`", name.value))
+                            .label(name.span.clone(), "")
+                            .suggest("pipelines", &name.value, names.iter().map(String::as_str));
+                    self.errors.push(error);
+                }
+                let wanted =
+                    names.into_iter().filter(|name| !except.iter().any(|other| other.value == *name));
+                // One that is broken, or has no such output, is not one of those that can be compared.
+                let usable = wanted.filter(|name| {
+                    self.registry
+                        .pipeline(name)
+                        .is_ok_and(|facts| facts.outputs.contains(&self.study.output.value))
+                });
+                let at = |value: String| At { value, span: span.clone() };
+                usable
+                    .map(|name| Variant { name: at(name.clone()), pipeline: at(name), set: Vec::new() })
+                    .collect()
+            }
+        };
+        if variants.is_empty()
+            && let Pipelines::All { span, .. } = &self.study.pipelines
+        {
+            let message = format!("no pipeline is left that has the output `{}`", self.study.output.value);
+            self.errors.push(Diagnostic::new(&codes::EMPTY, message).label(span.clone(), ""));
+        }
+        let mut found = Vec::new();
+        for variant in variants {
+            let Some(facts) = self.facts(&variant.pipeline) else { continue };
+            self.output(&variant.pipeline, &facts);
+            let has = |set: &&Set| facts.settings.iter().any(|settable| settable.path == set.path.value);
+            let set = self.study.set.iter().filter(has).chain(&variant.set);
+            let set: Vec<(String, AxisValue)> =
+                set.map(|set| (set.path.value.clone(), set.value.value.clone())).collect();
+            for own in &variant.set {
+                self.value(&variant.name.value, &facts, own, false);
+            }
+            let record = PipelineRecord {
+                name: variant.name.value,
+                pipeline: variant.pipeline.value,
+                about: facts.about.clone(),
+                paper: facts.paper.clone(),
+                set: set.iter().cloned().collect(),
+            };
+            found.push(Resolved { record, facts, set });
+        }
+        found
+    }
+
+    fn output(&mut self, pipeline: &At<String>, facts: &PipelineFacts) {
+        let output = &self.study.output.value;
+        if !facts.outputs.contains(output) {
+            let error =
+                Diagnostic::new(&codes::OUTPUT, format!("`{}` has no output `{output}`", pipeline.value))
+                    .label(pipeline.span.clone(), "")
+                    .suggest("outputs", output, facts.outputs.iter().map(String::as_str));
+            self.errors.push(error);
+        }
+    }
+
+    /// A value of one pipeline alone.
+    fn value(&mut self, name: &str, facts: &PipelineFacts, set: &Set, optional: bool) {
+        let found = facts.settings.iter().find(|settable| settable.path == set.path.value);
+        match found {
+            Some(settable) => self.fits(name, &settable.setting, &set.path.value, &set.value),
+            None if optional => {}
+            None => self.unknown(&[name], &set.path, facts),
+        }
+    }
+
+    fn fits(&mut self, pipeline: &str, setting: &Setting, path: &str, value: &At<AxisValue>) {
+        let setting = Setting { name: path.to_owned(), ..setting.clone() };
+        let Err(Misfit::Type(message) | Misfit::Range(message)) = setting.check(value.value.to_value())
+        else {
+            return;
+        };
+        let error = Diagnostic::new(&codes::VALUE, message).label(value.span.clone(), "");
+        // Pipelines that share a declaration refuse alike; it is told once.
+        if !self.errors.iter().any(|other| other.message == error.message && other.labels == error.labels) {
+            self.errors.push(error.note(format!("in the pipeline `{pipeline}`")));
+        }
+    }
+
+    fn unknown(&mut self, pipelines: &[&str], path: &At<String>, facts: &PipelineFacts) {
+        let names: Vec<String> = pipelines.iter().map(|name| format!("`{name}`")).collect();
+        let verb = if names.len() == 1 { "has" } else { "have" };
+        let message = format!("{} {verb} no parameter or setting `{}`", names.join(", "), path.value);
+        let known = facts.settings.iter().map(|settable| settable.path.as_str());
+        let error = Diagnostic::new(&codes::PATH, message).label(path.span.clone(), "").suggest(
+            "there are",
+            &path.value,
+            known,
+        );
+        self.errors.push(error);
+    }
+
+    /// A path that several pipelines are given: who lacks it, and whether that is meant.
+    fn path(&mut self, path: &At<String>, optional: bool, form: Option<&str>, pipelines: &[Resolved]) {
+        let lacking: Vec<&Resolved> =
+            pipelines.iter().filter(|pipeline| !pipeline.has(&path.value)).collect();
+        let Some(first) = lacking.first() else { return };
+        let all = lacking.len() == pipelines.len();
+        if optional && !all {
+            return;
+        }
+        let names: Vec<&str> = lacking.iter().map(|pipeline| pipeline.record.name.as_str()).collect();
+        self.unknown(&names, path, &first.facts);
+        if let (false, Some(form), Some(error)) = (all, form, self.errors.last_mut()) {
+            error.notes.push(format!("write `Optional({form})` where pipelines may go without it"));
+        }
+    }
+
+    /// The axes, for the record.
+    pub(super) fn axes(&mut self, pipelines: &[Resolved]) -> Vec<Axis> {
+        let study = self.study;
+        let axes = study.vary.iter().flat_map(|group| group.axes());
+        axes.map(|axis| {
+            let values = axis.values.iter().map(|at| at.value.clone()).collect();
+            let name = axis.path.value.clone();
+            if name == SIZE {
+                return Axis { name, doc: "Size of the frame".to_owned(), unit: "px".to_owned(), values };
+            }
+            self.path(&axis.path, axis.optional, Some("[…]"), pipelines);
+            for pipeline in pipelines {
+                for (setting, value) in
+                    axis.values.iter().filter_map(|at| Some((pipeline.setting(&name)?, at)))
+                {
+                    self.fits(&pipeline.record.name, setting, &name, value);
+                }
+            }
+            let setting = pipelines.iter().find_map(|pipeline| pipeline.setting(&name));
+            Axis {
+                doc: setting.map(|setting| setting.doc.clone()).unwrap_or_default(),
+                unit: setting.map(|setting| setting.unit.clone()).unwrap_or_default(),
+                name,
+                values,
+            }
+        })
+        .collect()
+    }
+
+    /// Values that all pipelines are given.
+    pub(super) fn sets(&mut self, pipelines: &[Resolved]) {
+        for set in &self.study.set {
+            self.path(&set.path, set.optional, Some("value"), pipelines);
+            for pipeline in pipelines {
+                self.value(&pipeline.record.name, &pipeline.facts, set, true);
+            }
+        }
+    }
+
+    /// The facts of the pipeline that makes references.
+    pub(super) fn reference(&mut self, scenes: &[(String, SceneFacts)]) -> Option<PipelineFacts> {
+        match &self.study.reference {
+            Reference::None => None,
+            Reference::Pictures(files) => {
+                for (name, _) in scenes {
+                    let of = |at: &Option<At<String>>| at.as_ref().is_none_or(|scene| scene.value == *name);
+                    if !files.iter().any(|(scene, _)| of(scene)) {
+                        let span =
+                            self.study.scenes.iter().find(|at| at.value == *name).map(|at| at.span.clone());
+                        let error = Diagnostic::new(
+                            &codes::REFERENCE,
+                            format!("there is no picture for the scene `{name}`"),
+                        );
+                        self.errors.push(match span {
+                            Some(span) => error.label(span, ""),
+                            None => error,
+                        });
+                    }
+                }
+                for scene in files.iter().filter_map(|(scene, _)| scene.as_ref()) {
+                    let known: Vec<&str> = self.study.scenes.iter().map(|at| at.value.as_str()).collect();
+                    if !known.contains(&scene.value.as_str()) {
+                        let error = Diagnostic::new(
+                            &codes::REFERENCE,
+                            format!("`{}` is no scene of this study", scene.value),
+                        )
+                        .label(scene.span.clone(), "")
+                        .suggest("scenes", &scene.value, known);
+                        self.errors.push(error);
+                    }
+                }
+                None
+            }
+            Reference::Pipeline { pipeline, set, follow, .. } => {
+                let facts = self.facts(pipeline)?;
+                self.output(pipeline, &facts);
+                for set in set {
+                    self.value(&pipeline.value, &facts, set, set.optional);
+                }
+                let axes = follow.iter().filter(|at| at.value != SIZE && at.value != SEED);
+                for axis in axes {
+                    if !facts.settings.iter().any(|settable| settable.path == axis.value) {
+                        self.unknown(&[&pipeline.value], axis, &facts);
+                    }
+                }
+                Some(facts)
+            }
+        }
+    }
+
+    pub(super) fn budget(&mut self, scenes: &[(String, SceneFacts)], pipelines: &[Resolved]) {
+        if let Budget::Time { by: None, .. } = self.study.budget
+            && let Some((name, _)) = scenes.iter().find(|(_, facts)| facts.moves)
+            && let Some(at) = self.study.scenes.iter().find(|at| at.value == *name)
+        {
+            let error = Diagnostic::new(
+                &codes::BUDGET,
+                format!("time cannot be spent over frames of `{name}`, which moves"),
+            )
+            .label(at.span.clone(), "")
+            .note("`Time(ms: …, by: \"lights\")` gives each frame its time");
+            self.errors.push(error);
+        }
+        let Some(by) = self.study.budget.by() else { return };
+        self.path(by, false, None, pipelines);
+        for pipeline in pipelines {
+            let Some(setting) = pipeline.setting(&by.value) else { continue };
+            if let Budget::Lights { count, .. } = &self.study.budget {
+                let value = At { value: AxisValue::Number(f64::from(count.value)), span: count.span.clone() };
+                self.fits(&pipeline.record.name, setting, &by.value, &value);
+            } else if !matches!(setting.ty, ValueType::U32 | ValueType::I32) {
+                let message =
+                    format!("a budget sets whole numbers, and `{}` is of type {}", by.value, setting.ty);
+                self.errors.push(
+                    Diagnostic::new(&codes::BUDGET, message)
+                        .label(by.span.clone(), "")
+                        .note(format!("in the pipeline `{}`", pipeline.record.name)),
+                );
+            }
+        }
+    }
+
+    /// Every combination of the values of all axes.
+    pub(super) fn combinations(&mut self, most: usize, times: usize) -> Vec<Values> {
+        let study = self.study;
+        let count = study.vary.iter().fold(times, |count, group| {
+            let sizes = group.axes().iter().map(|axis| axis.values.len());
+            let of_group = match group {
+                Group::Grid(_) => sizes.fold(1, usize::saturating_mul),
+                Group::Paired(_) => sizes.min().unwrap_or(0),
+            };
+            count.saturating_mul(of_group)
+        });
+        if count > most {
+            let place = study.vary.first().and_then(|group| group.axes().first());
+            let error = Diagnostic::new(
+                &codes::RANGE,
+                format!("these are {count} cells; a study has at most {most}"),
+            );
+            self.errors.push(match place {
+                Some(axis) => error.label(axis.path.span.clone(), ""),
+                None => error,
+            });
+            return Vec::new();
+        }
+        study.vary.iter().fold(vec![Vec::new()], |rows, group| product(&rows, &combinations_of(group)))
+    }
+}
+
+/// One that is there, or a file, is told why it cannot be used; another, what there is.
+fn refused(
+    code: &'static Code,
+    (one, many): (&str, &str),
+    name: &At<String>,
+    why: &str,
+    known: &[String],
+) -> Diagnostic {
+    let is_file = name.value.contains(['/', '\\', '.']);
+    if is_file || known.contains(&name.value) {
+        let message = format!("the {one} `{}` cannot be used", name.value);
+        return Diagnostic::new(code, message).label(name.span.clone(), "").note(why);
+    }
+    Diagnostic::new(code, format!("there is no {one} `{}`", name.value)).label(name.span.clone(), "").suggest(
+        many,
+        &name.value,
+        known.iter().map(String::as_str),
+    )
+}

@@ -1,0 +1,298 @@
+//! References: made once, kept in the study's folder, shared by the cells that they judge.
+
+use crate::error::StudyError;
+use crate::folder::{Folder, REFERENCES, read_json};
+use crate::key::{self, Key};
+use crate::laboratory::{Laboratory, RunRequest};
+use crate::plan::{Made, PlannedReference};
+use crate::record::ReferenceRecord;
+use metrics::Image;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// What stands beside the pictures of a reference, once all are there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Kept {
+    from: String,
+    /// One for all frames, or one a frame; relative to the study's folder.
+    images: Vec<String>,
+    seconds: f64,
+    noise: Option<f64>,
+    provenance: String,
+}
+
+/// The references of a study, as far as they are known.
+#[derive(Debug)]
+pub(crate) struct References<'a> {
+    planned: &'a [PlannedReference],
+    scenes: Vec<String>,
+    /// Key of each, or why there is none.
+    keys: Vec<Result<Key, String>>,
+    /// What became of those that were asked for.
+    known: Vec<Option<Result<Kept, String>>>,
+    /// Where references of other studies are looked for and put as well.
+    shared: Option<PathBuf>,
+}
+
+/// The pictures that judge a cell.
+#[derive(Debug)]
+pub(crate) struct Truth {
+    files: Vec<PathBuf>,
+    read: Option<(usize, Image)>,
+}
+
+impl Truth {
+    /// The reference of a frame, counted from the first measured one.
+    pub(crate) fn frame(&mut self, index: usize) -> Result<&Image, String> {
+        // One picture stands for all frames of a scene that stands still.
+        let file = if self.files.len() > 1 { index } else { 0 };
+        if self.read.as_ref().is_none_or(|(read, _)| *read != file) {
+            let path = self.files.get(file).ok_or_else(|| format!("frame {index} has no reference"))?;
+            self.read = Some((file, Image::read(path).map_err(|error| error.to_string())?));
+        }
+        match &self.read {
+            Some((_, image)) => Ok(image),
+            None => Err(format!("frame {index} has no reference")),
+        }
+    }
+}
+
+impl<'a> References<'a> {
+    pub(crate) fn new(
+        planned: &'a [PlannedReference],
+        scenes: Vec<String>,
+        lab: &mut dyn Laboratory,
+        shared: Option<PathBuf>,
+    ) -> References<'a> {
+        let keys = planned.iter().map(|reference| key::of_reference(&reference.made, lab)).collect();
+        References { planned, scenes, keys, known: vec![None; planned.len()], shared }
+    }
+
+    /// The key of a reference: part of those of the cells that it judges.
+    pub(crate) fn key(&self, index: usize) -> String {
+        match &self.keys[index] {
+            Ok(key) => key.to_string(),
+            Err(why) => format!("none: {why}"),
+        }
+    }
+
+    /// Estimate of the time of those that have not been asked for yet: as the others took.
+    pub(crate) fn left(&self) -> Duration {
+        let made = self.known.iter().flatten().flatten();
+        let (seconds, count) = made.fold((0.0, 0), |sum, kept| (sum.0 + kept.seconds, sum.1 + 1));
+        let open = self.known.iter().filter(|known| known.is_none()).count();
+        let left = open as f64 * seconds / f64::from(count.max(1));
+        Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX)
+    }
+
+    /// Takes up references that are in the folder already, without making any.
+    pub(crate) fn recall(&mut self, folder: &Folder) {
+        for (index, key) in self.keys.iter().enumerate() {
+            if let Ok(key) = key
+                && let Some(kept) = recall(&folder.path, key)
+            {
+                self.known[index] = Some(Ok(kept));
+            }
+        }
+    }
+
+    /// Whether it is known what became of a reference.
+    pub(crate) fn is_known(&self, index: usize) -> bool {
+        self.known[index].is_some()
+    }
+
+    /// The pictures of a reference, made where they are not there yet; why there are none. An error of the folder
+    /// ends the study.
+    pub(crate) fn get(
+        &mut self,
+        index: usize,
+        folder: &Folder,
+        lab: &mut dyn Laboratory,
+    ) -> Result<Result<Truth, String>, StudyError> {
+        if self.known[index].is_none() {
+            let made = match &self.keys[index] {
+                Ok(key) => self.make(index, &key.clone(), folder, lab)?,
+                Err(why) => Err(why.clone()),
+            };
+            self.known[index] = Some(made);
+        }
+        let known = self.known[index].as_ref();
+        Ok(match known {
+            Some(Ok(kept)) => {
+                let files = kept.images.iter().map(|image| folder.path.join(image)).collect();
+                Ok(Truth { files, read: None })
+            }
+            Some(Err(why)) => Err(why.clone()),
+            None => Err("the reference was not made".to_owned()),
+        })
+    }
+
+    fn make(
+        &self,
+        index: usize,
+        key: &Key,
+        folder: &Folder,
+        lab: &mut dyn Laboratory,
+    ) -> Result<Result<Kept, String>, StudyError> {
+        if let Some(shared) = &self.shared
+            && let Some(kept) = recall(shared, key)
+        {
+            copy(&kept, key, shared, &folder.path)?;
+            return Ok(Ok(kept));
+        }
+        let start = Instant::now();
+        let planned = &self.planned[index];
+        let mut kept = Kept {
+            from: planned.from.clone(),
+            images: Vec::new(),
+            seconds: 0.0,
+            noise: None,
+            provenance: String::new(),
+        };
+        match &planned.made {
+            Made::Picture(file) => {
+                let image = match Image::read(file).map_err(|error| error.to_string()) {
+                    Ok(image) => image,
+                    Err(why) => return Ok(Err(why)),
+                };
+                if let Err(why) = sound(&image, planned.size) {
+                    return Ok(Err(format!("{file}: {why}")));
+                }
+                kept.provenance = metrics::read_provenance(file).ok().flatten().unwrap_or_default();
+                let name = format!("{REFERENCES}/{key}.exr");
+                folder.write_image(
+                    &name,
+                    &image,
+                    Some(&kept.provenance).filter(|text| !text.is_empty()).map(String::as_str),
+                )?;
+                kept.images.push(name);
+            }
+            Made::Run(requests) => {
+                for request in requests {
+                    if let Err(why) = run(request, key, &mut kept, folder, lab)? {
+                        return Ok(Err(why));
+                    }
+                }
+                kept.seconds = start.elapsed().as_secs_f64();
+            }
+        }
+        folder.write_json(&format!("{REFERENCES}/{key}.json"), &kept)?;
+        if let Some(shared) = &self.shared {
+            copy(&kept, key, &folder.path, shared)?;
+        }
+        Ok(Ok(kept))
+    }
+
+    /// What is known of each, for the record.
+    pub(crate) fn records(&self) -> Vec<ReferenceRecord> {
+        let pairs = self.planned.iter().zip(&self.known);
+        pairs
+            .filter_map(|(planned, known)| {
+                let scene = self.scenes[planned.scene].clone();
+                Some(match known.as_ref()? {
+                    Ok(kept) => ReferenceRecord {
+                        scene,
+                        from: kept.from.clone(),
+                        image: kept.images.last().cloned(),
+                        seconds: kept.seconds,
+                        noise: kept.noise,
+                        error: String::new(),
+                        provenance: kept.provenance.clone(),
+                    },
+                    Err(why) => ReferenceRecord {
+                        scene,
+                        from: planned.from.clone(),
+                        image: None,
+                        seconds: 0.0,
+                        noise: None,
+                        error: why.clone(),
+                        provenance: String::new(),
+                    },
+                })
+            })
+            .collect()
+    }
+
+    /// The picture of a reference that stands beside the last frame of its cells.
+    pub(crate) fn image(&self, index: usize) -> Option<String> {
+        self.known[index].as_ref()?.as_ref().ok()?.images.last().cloned()
+    }
+
+    /// In words, what failed.
+    pub(crate) fn name(&self, index: usize) -> String {
+        let planned = &self.planned[index];
+        format!("{} at {}x{}", self.scenes[planned.scene], planned.size.0, planned.size.1)
+    }
+}
+
+/// Runs one request of a reference and keeps its pictures.
+fn run(
+    request: &RunRequest,
+    key: &Key,
+    kept: &mut Kept,
+    folder: &Folder,
+    lab: &mut dyn Laboratory,
+) -> Result<Result<(), String>, StudyError> {
+    // The folder's error is kept apart: it ends the study, not the reference.
+    let mut disk = None;
+    let images = &mut kept.images;
+    let done = lab.run(request, &mut |frame| {
+        sound(&frame.image, request.size).map_err(|why| format!("frame {}: {why}", frame.frame))?;
+        let name = format!("{REFERENCES}/{key}-{:04}.exr", frame.frame);
+        match folder.write_image(&name, &frame.image, None) {
+            Ok(()) => images.push(name),
+            Err(error) => {
+                let told = error.to_string();
+                disk = Some(error);
+                return Err(told);
+            }
+        }
+        Ok(())
+    });
+    if let Some(error) = disk {
+        return Err(error);
+    }
+    Ok(match done {
+        Ok(_) if kept.images.is_empty() => Err("it gave no picture".to_owned()),
+        Ok(run) => {
+            kept.noise = run.noise;
+            kept.provenance = run.provenance;
+            Ok(())
+        }
+        Err(why) => Err(why),
+    })
+}
+
+/// Whether a picture can judge others.
+fn sound(image: &Image, size: (u32, u32)) -> Result<(), String> {
+    let found = (image.width(), image.height());
+    if found != (size.0 as usize, size.1 as usize) {
+        return Err(format!(
+            "the reference is {}x{}, the frames are {}x{}",
+            found.0, found.1, size.0, size.1
+        ));
+    }
+    let broken = image.pixels().iter().filter(|pixel| !pixel[..3].iter().all(|c| c.is_finite())).count();
+    if broken > 0 {
+        return Err(format!(
+            "{broken} of {} pixels of the reference are NaN or infinite",
+            image.pixels().len()
+        ));
+    }
+    Ok(())
+}
+
+fn recall(folder: &Path, key: &Key) -> Option<Kept> {
+    let kept: Kept = read_json(&folder.join(REFERENCES).join(format!("{key}.json"))).ok()?;
+    kept.images.iter().all(|image| folder.join(image).is_file()).then_some(kept)
+}
+
+/// Copies a reference from folder to folder; its record last, so that it is whole or absent.
+fn copy(kept: &Kept, key: &Key, from: &Path, to: &Path) -> Result<(), StudyError> {
+    let record = format!("{REFERENCES}/{key}.json");
+    for name in kept.images.iter().chain([&record]) {
+        crate::folder::copy(&from.join(name), &to.join(name))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,63 @@
+//! The report of a study: one page, figures and tables, made from what the study left behind.
+
+mod chart;
+mod digest;
+mod escape;
+mod figures;
+mod number;
+mod page;
+mod pictures;
+mod table;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use crate::error::io;
+use crate::{Results, StudyError, folder};
+use digest::Digest;
+use figures::Figures;
+use pictures::Pictures;
+use table::Table;
+
+/// Folders of the report's files inside the study's.
+const FIGURES: &str = "figures";
+const TABLES: &str = "tables";
+
+/// Writes into the study's folder, which holds the pictures that `results` names: `report.html`, a single file
+/// that needs no other and no network; the charts in it as `figures/*.svg`; the tables as `tables/*.md` and
+/// `tables/*.tex`. The same results give the same bytes. A file is complete or absent, also while it replaces
+/// one. Gives the files that were written, the page first.
+///
+/// # Errors
+/// Where a file cannot be written. Pictures that cannot be read are no errors, the page tells them.
+pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
+    let digest = Digest::new(results);
+    let figures = Figures::new(&digest);
+    let tables: Vec<Table> = (0..digest.scenes.len())
+        .map(|scene| Table::new(&digest, scene))
+        .filter(|table| !table.is_empty())
+        .collect();
+    let pictures = Pictures::new(&digest, folder);
+
+    let mut files = vec![(PathBuf::from("report.html"), page::page(&digest, &figures, &tables, &pictures))];
+    for figure in figures.all {
+        files.push((Path::new(FIGURES).join(&figure.file), figure.svg));
+    }
+    let mut taken = BTreeSet::new();
+    for table in &tables {
+        let name = figures::unique(&mut taken, &format!("{}.md", escape::file_name(&table.scene)));
+        let path = Path::new(TABLES).join(name);
+        files.push((path.with_extension("tex"), table.latex()));
+        files.push((path, table.markdown()));
+    }
+    for part in [FIGURES, TABLES] {
+        let part = folder.join(part);
+        std::fs::create_dir_all(&part).map_err(io(&part, "cannot make the folder"))?;
+    }
+    let write = |(name, text): (PathBuf, String)| {
+        let path = folder.join(name);
+        folder::write(&path, text.as_bytes())?;
+        Ok(path)
+    };
+    files.into_iter().map(write).collect()
+}

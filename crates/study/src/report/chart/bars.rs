@@ -1,0 +1,133 @@
+//! Horizontal bars from zero, in parts or beside each other, one row for each combination of values.
+
+use super::axis::{Axis, BELOW, Frame};
+use super::legend::{self, Mark};
+use super::palette::Ink;
+use super::scale::Scale;
+use super::svg::{Anchor, SMALL, Svg, TEXT, Text, shortened, text_width};
+
+const WIDTH: f64 = 680.0;
+/// Widest label of a row [px]; longer ones are cut.
+const LABELS: f64 = 210.0;
+/// Thickness of a bar that is alone in its row, and of one among others [px].
+const ALONE: f64 = 17.0;
+const AMONG: f64 = 8.0;
+/// Free height of a row [px].
+const GAP: f64 = 7.0;
+/// Height of the line that names a pipeline [px].
+const HEADING: f64 = 24.0;
+
+/// A chart of bars.
+pub(in crate::report) struct BarChart {
+    /// What it shows, for those who cannot see it.
+    pub(in crate::report) about: String,
+    /// Title of the axis, with its unit.
+    pub(in crate::report) title: String,
+    /// Rows by heading: a heading is drawn where it differs from the row's before and rows have labels.
+    pub(in crate::report) rows: Vec<BarRow>,
+    /// Names of what the parts are.
+    pub(in crate::report) legend: Vec<(Ink, String)>,
+}
+
+/// A row of bars.
+pub(in crate::report) struct BarRow {
+    pub(in crate::report) heading: String,
+    /// Empty where the heading says all.
+    pub(in crate::report) label: String,
+    /// From the top; each in parts from the left.
+    pub(in crate::report) bars: Vec<Vec<Segment>>,
+    /// Stands behind the longest bar.
+    pub(in crate::report) total: String,
+}
+
+/// A part of a bar.
+pub(in crate::report) struct Segment {
+    pub(in crate::report) ink: Ink,
+    /// At least 0.
+    pub(in crate::report) value: f64,
+    /// What a reader is told who asks about it.
+    pub(in crate::report) tip: String,
+}
+
+impl BarRow {
+    fn thickness(&self) -> f64 {
+        if self.bars.len() > 1 { AMONG } else { ALONE }
+    }
+
+    fn height(&self) -> f64 {
+        self.bars.len().max(1) as f64 * self.thickness() + GAP
+    }
+
+    /// The value at which the longest bar ends.
+    fn end(&self) -> f64 {
+        let length = |bar: &Vec<Segment>| bar.iter().map(|segment| segment.value).sum();
+        self.bars.iter().map(length).fold(0.0, f64::max)
+    }
+
+    /// What stands left of the bars.
+    fn name(&self) -> &str {
+        if self.label.is_empty() { &self.heading } else { &self.label }
+    }
+}
+
+impl BarChart {
+    /// The SVG file.
+    pub(in crate::report) fn svg(&self) -> String {
+        let greatest = self.rows.iter().map(BarRow::end).fold(0.0, f64::max);
+        let totals = self.rows.iter().map(|row| text_width(&row.total, SMALL)).fold(0.0, f64::max);
+        let labels = self.rows.iter().map(|row| text_width(row.name(), SMALL)).fold(0.0, f64::max);
+        let left = labels.min(LABELS) + 16.0;
+        let height =
+            |(index, row): (usize, &BarRow)| row.height() + self.heading(index).map_or(0.0, |_| HEADING);
+        let height: f64 = self.rows.iter().enumerate().map(height).sum();
+        let frame = Frame { left, top: 6.0, width: WIDTH - left - totals - 16.0, height: height + 4.0 };
+        let axis = Axis::new(Scale::from_zero(greatest), self.title.clone(), 7);
+
+        let mut svg = Svg::new();
+        frame.draw_x(&mut svg, &axis, true);
+        let mut y = frame.top;
+        for (index, row) in self.rows.iter().enumerate() {
+            if let Some(heading) = self.heading(index) {
+                let heading = shortened(heading, TEXT, left + frame.width);
+                let text = Text { bold: true, ..Text::new(&heading, TEXT, Ink::Text, Anchor::Start) };
+                svg.text((4.0, y + HEADING - 7.0), &text);
+                y += HEADING;
+            }
+            let label = shortened(row.name(), SMALL, LABELS);
+            let text = Text::new(&label, SMALL, Ink::Text, Anchor::End);
+            svg.text((left - 8.0, y + row.height() / 2.0 + 4.0), &text);
+            draw_row(&mut svg, frame, &axis, row, y);
+            y += row.height();
+        }
+        svg.line((frame.left, frame.top), (frame.left, frame.bottom()), Ink::Text, 1.0);
+        let entries: Vec<(Mark, String)> =
+            self.legend.iter().map(|(ink, name)| (Mark::Square(*ink), name.clone())).collect();
+        let below = frame.bottom() + BELOW + 4.0;
+        let legend = legend::draw(&mut svg, (16.0, below), WIDTH - 32.0, &entries);
+        svg.finish((WIDTH, below + legend + 6.0), &self.about)
+    }
+
+    /// The line above a row, where one is due.
+    fn heading(&self, row: usize) -> Option<&str> {
+        let BarRow { heading, label, .. } = &self.rows[row];
+        let continued = row > 0 && self.rows[row - 1].heading == *heading;
+        (!continued && !label.is_empty()).then_some(heading)
+    }
+}
+
+fn draw_row(svg: &mut Svg, frame: Frame, axis: &Axis, row: &BarRow, top: f64) {
+    for (index, bar) in row.bars.iter().enumerate() {
+        let y = top + GAP / 2.0 + index as f64 * row.thickness();
+        let outline = (bar.len() > 1).then_some(Ink::Paper);
+        let mut from = 0.0;
+        for segment in bar.iter().filter(|segment| segment.value > 0.0) {
+            let (left, right) = (frame.x(axis, from), frame.x(axis, from + segment.value));
+            svg.open("mark", &segment.tip);
+            svg.rectangle((left, y), (right - left, row.thickness()), segment.ink, outline);
+            svg.close();
+            from += segment.value;
+        }
+    }
+    let total = Text::new(&row.total, SMALL, Ink::Faint, Anchor::Start);
+    svg.text((frame.x(axis, row.end()) + 6.0, top + row.height() / 2.0 + 4.0), &total);
+}

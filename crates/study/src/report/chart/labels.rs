@@ -1,0 +1,118 @@
+//! Labels that do not lie on each other.
+
+/// A rectangle: left, top, right, bottom [px].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rect {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
+impl Rect {
+    /// Around a centre.
+    pub(super) fn around((x, y): (f64, f64), width: f64, height: f64) -> Rect {
+        Rect {
+            left: x - width / 2.0,
+            top: y - height / 2.0,
+            right: x + width / 2.0,
+            bottom: y + height / 2.0,
+        }
+    }
+
+    fn meets(&self, other: &Rect) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.top < other.bottom
+            && other.top < self.bottom
+    }
+
+    fn lies_in(&self, other: &Rect) -> bool {
+        self.left >= other.left
+            && self.right <= other.right
+            && self.top >= other.top
+            && self.bottom <= other.bottom
+    }
+}
+
+/// Which of the labels along an axis are shown: from the first on, each that keeps a gap from the one before.
+/// `labels` are centre and width [px], by centre.
+pub(super) fn thinned(labels: &[(f64, f64)], gap: f64) -> Vec<bool> {
+    let mut free = f64::NEG_INFINITY;
+    let fits = |&(centre, width): &(f64, f64)| {
+        let fits = centre - width / 2.0 >= free;
+        if fits {
+            free = centre + width / 2.0 + gap;
+        }
+        fits
+    };
+    labels.iter().map(fits).collect()
+}
+
+/// A label that is to stand beside a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    pub(super) point: (f64, f64),
+    pub(super) width: f64,
+    pub(super) height: f64,
+}
+
+/// The centre of each label beside its point: above right, below left, above, below, right, left, whichever is
+/// the first that is inside `area` and free; `None` where none is. `taken` is what they must not cover.
+pub(super) fn beside(labels: &[Wanted], area: Rect, taken: &[Rect]) -> Vec<Option<(f64, f64)>> {
+    const REACH: f64 = 7.0;
+    let mut taken = taken.to_vec();
+    let place = |&Wanted { point: (x, y), width, height }: &Wanted| {
+        let (dx, dy) = (REACH + width / 2.0, REACH + height / 2.0);
+        let candidates = [
+            (x + dx - 2.0, y - dy + 4.0),
+            (x - dx + 2.0, y + dy - 4.0),
+            (x, y - dy),
+            (x, y + dy),
+            (x + dx, y),
+            (x - dx, y),
+        ];
+        let free = candidates.into_iter().find(|&centre| {
+            let place = Rect::around(centre, width, height);
+            place.lies_in(&area) && !taken.iter().any(|other| other.meets(&place))
+        });
+        taken.extend(free.map(|centre| Rect::around(centre, width, height)));
+        free
+    };
+    labels.iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_label_that_would_touch_the_one_before_is_left_out() {
+        assert_eq!(thinned(&[(0.0, 10.0), (8.0, 10.0), (16.0, 10.0)], 2.0), [true, false, true]);
+        assert_eq!(thinned(&[(0.0, 10.0), (12.0, 10.0)], 2.0), [true, true]);
+    }
+
+    #[test]
+    fn labels_of_near_points_take_turns_and_then_give_up() {
+        let area = Rect { left: 0.0, top: 0.0, right: 100.0, bottom: 100.0 };
+        let label = Wanted { point: (50.0, 50.0), width: 20.0, height: 10.0 };
+        let placed = beside(&[label; 12], area, &[]);
+        let boxes: Vec<Rect> =
+            placed.iter().flatten().map(|&centre| Rect::around(centre, 20.0, 10.0)).collect();
+        // Above right and below left; the other places would touch one of them.
+        assert_eq!(boxes.len(), 2, "{placed:?}");
+        for (index, place) in boxes.iter().enumerate() {
+            assert!(place.lies_in(&area));
+            assert!(boxes[..index].iter().all(|other| !other.meets(place)), "{boxes:?}");
+        }
+    }
+
+    #[test]
+    fn a_label_stays_in_the_area() {
+        let area = Rect { left: 0.0, top: 0.0, right: 100.0, bottom: 100.0 };
+        let label = Wanted { point: (99.0, 1.0), width: 20.0, height: 10.0 };
+        let [corner] = beside(&[label], area, &[])[..] else { panic!("one label") };
+        let (x, y) = corner.expect("room to the left");
+        assert!(x < 99.0 && y > 1.0, "{x} {y}");
+    }
+}

@@ -1,0 +1,258 @@
+//! Points with intervals over two axes, joined to lines, with the Pareto front.
+
+use std::fmt::Write;
+
+use super::axis::{Axis, BELOW, Frame};
+use super::labels::{self, Rect, Wanted};
+use super::legend::{self, FLOOR, FRONT, Mark};
+use super::palette::{self, Ink};
+use super::scale::{Label, Scale, Tick};
+use super::svg::{Anchor, SMALL, Svg, TINY, Text, n, text_width};
+
+/// Size of the chart without legend and notes [px].
+const WIDTH: f64 = 680.0;
+const HEIGHT: f64 = 400.0;
+const RADIUS: f64 = 4.8;
+
+/// A chart over two axes.
+pub(in crate::report) struct XyChart {
+    /// What it shows, for those who cannot see it.
+    pub(in crate::report) about: String,
+    pub(in crate::report) x: XyAxis,
+    pub(in crate::report) y: XyAxis,
+    /// One a pipeline.
+    pub(in crate::report) series: Vec<Series>,
+    /// Corners of the Pareto front, by x; empty for none.
+    pub(in crate::report) front: Vec<(f64, f64)>,
+    /// Whether larger y is better: then the front begins at the bottom.
+    pub(in crate::report) front_rises: bool,
+    /// What the dashes of lines stand for, by [`Line::dashes`]; empty where they say nothing.
+    pub(in crate::report) dashes: Vec<String>,
+    /// The error of the reference itself, drawn where the axis reaches it.
+    pub(in crate::report) floor: Option<f64>,
+}
+
+/// Title and kind of an axis.
+pub(in crate::report) struct XyAxis {
+    pub(in crate::report) title: String,
+    pub(in crate::report) kind: AxisKind,
+}
+
+/// What stands on an axis.
+pub(in crate::report) enum AxisKind {
+    /// A quantity.
+    Quantity,
+    /// A quantity of which these values are marked.
+    Values(Vec<f64>),
+    /// Choices by name; points stand at 0, 1, …
+    Choices(Vec<String>),
+}
+
+/// The points of one pipeline.
+pub(in crate::report) struct Series {
+    pub(in crate::report) name: String,
+    /// Decides colour and marker.
+    pub(in crate::report) index: usize,
+    pub(in crate::report) lines: Vec<Line>,
+}
+
+/// Points that are joined, in order.
+pub(in crate::report) struct Line {
+    pub(in crate::report) points: Vec<Point>,
+    /// Index of its dashes, below [`MOST_DASHES`](super::MOST_DASHES).
+    pub(in crate::report) dashes: usize,
+}
+
+/// A point with its intervals.
+#[derive(Clone, Debug)]
+pub(in crate::report) struct Point {
+    pub(in crate::report) x: f64,
+    pub(in crate::report) y: f64,
+    /// Half the width of the interval of x; 0 for none.
+    pub(in crate::report) x_half: f64,
+    /// Half the width of the interval of y; 0 for none.
+    pub(in crate::report) y_half: f64,
+    /// Stands beside the point where there is room; empty for none.
+    pub(in crate::report) label: String,
+    /// What a reader is told who asks about the point.
+    pub(in crate::report) tip: String,
+}
+
+impl XyChart {
+    /// The SVG file.
+    pub(in crate::report) fn svg(&self) -> String {
+        let points = || self.points();
+        let ends = |value: f64, half: f64| [value, value - half, value + half];
+        // An interval that reaches below zero does not make an axis linear, it is cut.
+        let reach = |value: f64, half: f64| {
+            ends(value, half).into_iter().filter(move |end| value < 0.0 || *end > 0.0 || *end == value)
+        };
+        let x = axis(&self.x, points().flat_map(|p| reach(p.x, p.x_half)), 7);
+        let y = axis(&self.y, points().flat_map(|p| reach(p.y, p.y_half)), 6);
+        let left = y.width() + 6.0;
+        let frame = Frame { left, top: 10.0, width: WIDTH - left - 14.0, height: HEIGHT - BELOW - 10.0 };
+
+        let mut svg = Svg::new();
+        frame.draw_x(&mut svg, &x, !matches!(self.x.kind, AxisKind::Choices(_)));
+        frame.draw_y(&mut svg, &y);
+        let has_floor = self.draw_floor(&mut svg, frame, &y);
+        self.draw_front(&mut svg, frame, &x, &y);
+        for series in &self.series {
+            draw_series(&mut svg, frame, &x, &y, series);
+        }
+        self.draw_labels(&mut svg, frame, &x, &y);
+
+        let mut entries: Vec<(Mark, String)> =
+            self.series.iter().map(|s| (Mark::Series(s.index), s.name.clone())).collect();
+        entries.extend(self.dashes.iter().enumerate().map(|(index, name)| (Mark::Line(index), name.clone())));
+        if has_floor {
+            entries.push((Mark::Floor, "noise of the reference".to_owned()));
+        }
+        if !self.front.is_empty() {
+            entries.push((Mark::Front, "Pareto front".to_owned()));
+        }
+        let mut height = HEIGHT + 4.0;
+        height += legend::draw(&mut svg, (frame.left, height), frame.width, &entries);
+        let outside = points().filter(|p| !(x.scale.holds(p.x) && y.scale.holds(p.y))).count();
+        if outside > 0 {
+            let note = format!("hollow, at the edge: 0 or less ({outside} of {})", points().count());
+            svg.text((frame.left, height + 14.0), &Text::new(&note, SMALL, Ink::Faint, Anchor::Start));
+            height += 20.0;
+        }
+        svg.finish((WIDTH, height + 6.0), &self.about)
+    }
+
+    fn points(&self) -> impl Iterator<Item = &Point> + Clone {
+        self.series.iter().flat_map(|series| &series.lines).flat_map(|line| &line.points)
+    }
+
+    /// Whether the axis reaches it.
+    fn draw_floor(&self, svg: &mut Svg, frame: Frame, y: &Axis) -> bool {
+        let reached = self.floor.filter(|&floor| {
+            let place = y.scale.place(floor);
+            floor > 0.0 && place > 0.0 && place < 1.0
+        });
+        if let Some(floor) = reached {
+            let path = format!("M{} {}H{}", n(frame.left), n(frame.y(y, floor)), n(frame.right()));
+            svg.path(&path, None, Some((Ink::Faint, 1.4)), FLOOR);
+        }
+        reached.is_some()
+    }
+
+    /// Stairs: with so much time, no less error was measured.
+    fn draw_front(&self, svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis) {
+        let Some(&(first, _)) = self.front.first() else { return };
+        let start = if self.front_rises { frame.bottom() } else { frame.top };
+        let mut path = format!("M{} {}", n(frame.x(x, first)), n(start));
+        for &(corner_x, corner_y) in &self.front {
+            let _ = write!(path, "H{}V{}", n(frame.x(x, corner_x)), n(frame.y(y, corner_y)));
+        }
+        let _ = write!(path, "H{}", n(frame.right()));
+        svg.open("front", "Pareto front: nothing measured is both faster and better");
+        svg.path(&path, None, Some(FRONT), "");
+        svg.close();
+    }
+
+    fn draw_labels(&self, svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis) {
+        let points: Vec<&Point> = self.points().collect();
+        let place = |p: &Point| (frame.x(x, p.x), frame.y(y, p.y));
+        let taken: Vec<Rect> =
+            points.iter().map(|p| Rect::around(place(p), 2.0 * RADIUS, 2.0 * RADIUS)).collect();
+        let named: Vec<&Point> = points.into_iter().filter(|p| !p.label.is_empty()).collect();
+        let wanted = named.iter().map(|p| Wanted {
+            point: place(p),
+            width: text_width(&p.label, TINY) + 2.0,
+            height: TINY + 1.0,
+        });
+        let wanted: Vec<Wanted> = wanted.collect();
+        for (point, centre) in named.iter().zip(labels::beside(&wanted, frame.area(), &taken)) {
+            if let Some((x, y)) = centre {
+                svg.text((x, y + 3.5), &Text::new(&point.label, TINY, Ink::Faint, Anchor::Middle));
+            }
+        }
+    }
+}
+
+fn draw_series(svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis, series: &Series) {
+    let ink = Ink::Series(series.index);
+    svg.open(&format!("series series-{}", series.index), "");
+    for line in &series.lines {
+        let corners: Vec<String> = line
+            .points
+            .iter()
+            .map(|point| format!("{} {}", n(frame.x(x, point.x)), n(frame.y(y, point.y))))
+            .collect();
+        if corners.len() > 1 {
+            let dashes = palette::dashes(line.dashes);
+            svg.path(&format!("M{}", corners.join("L")), None, Some((ink, 1.8)), dashes);
+        }
+    }
+    for point in series.lines.iter().flat_map(|line| &line.points) {
+        svg.open("mark", &point.tip);
+        let (px, py) = (frame.x(x, point.x), frame.y(y, point.y));
+        let whiskers = whiskers(frame, x, y, point);
+        if !whiskers.is_empty() {
+            svg.path(&whiskers, None, Some((ink, 1.2)), "");
+        }
+        let marker = palette::marker(series.index, (px, py), RADIUS);
+        if x.scale.holds(point.x) && y.scale.holds(point.y) {
+            svg.path(&marker, Some(ink), Some((Ink::Paper, 1.0)), "");
+        } else {
+            svg.path(&marker, Some(Ink::Paper), Some((ink, 1.4)), "");
+        }
+        svg.close();
+    }
+    svg.close();
+}
+
+/// The intervals of a point as path data. An end that lies outside the axis has no cap.
+fn whiskers(frame: Frame, x: &Axis, y: &Axis, point: &Point) -> String {
+    const CAP: f64 = 3.5;
+    let (px, py) = (frame.x(x, point.x), frame.y(y, point.y));
+    let mut path = String::new();
+    if point.y_half > 0.0 && y.scale.holds(point.y) {
+        let (low, high) = (point.y - point.y_half, point.y + point.y_half);
+        let (top, bottom) = (frame.y(y, high), frame.y(y, low));
+        let _ = write!(path, "M{} {}V{}", n(px), n(top), n(bottom));
+        for (end, value) in [(top, high), (bottom, low)] {
+            if (0.0..=1.0).contains(&y.scale.place(value)) && y.scale.holds(value) {
+                let _ = write!(path, "M{} {}h{}", n(px - CAP), n(end), 2.0 * CAP);
+            }
+        }
+    }
+    if point.x_half > 0.0 && x.scale.holds(point.x) {
+        let (low, high) = (point.x - point.x_half, point.x + point.x_half);
+        let (left, right) = (frame.x(x, low), frame.x(x, high));
+        let _ = write!(path, "M{} {}H{}", n(left), n(py), n(right));
+        for (end, value) in [(left, low), (right, high)] {
+            if (0.0..=1.0).contains(&x.scale.place(value)) && x.scale.holds(value) {
+                let _ = write!(path, "M{} {}v{}", n(end), n(py - CAP), 2.0 * CAP);
+            }
+        }
+    }
+    path
+}
+
+fn axis(axis: &XyAxis, values: impl Iterator<Item = f64> + Clone, most: usize) -> Axis {
+    match &axis.kind {
+        AxisKind::Quantity => Axis::new(Scale::fit(values), axis.title.clone(), most),
+        AxisKind::Values(marked) => {
+            let scale = Scale::fit(marked.iter().copied());
+            let ticks = marked.iter().map(|&value| Tick {
+                value,
+                label: Some(Label::plain(&crate::report::number::plain(value))),
+            });
+            Axis { scale, title: axis.title.clone(), ticks: ticks.collect() }
+        }
+        AxisKind::Choices(names) => {
+            let band = (WIDTH - 80.0) / names.len().max(1) as f64 - 8.0;
+            let label = |name: &String| Label::plain(&super::svg::shortened(name, SMALL, band));
+            let ticks = names
+                .iter()
+                .enumerate()
+                .map(|(index, name)| Tick { value: index as f64, label: Some(label(name)) });
+            let scale = Scale::Bands { count: names.len() };
+            Axis { scale, title: axis.title.clone(), ticks: ticks.collect() }
+        }
+    }
+}

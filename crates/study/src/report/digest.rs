@@ -1,0 +1,264 @@
+//! Cells grouped for the report: one row for each scene, pipeline and combination of values, over its seeds.
+
+use metrics::statistics::Summary;
+
+use super::number;
+use crate::{Axis, AxisValue, Better, Cell, MeasureInfo, Outcome, Results};
+
+/// The measure that is a pipeline's GPU time; where a study has none, the sum of its passes stands in.
+const TIME: &str = "gpu-ms";
+
+/// Results in the order in which tables and charts show them.
+pub(super) struct Digest<'a> {
+    pub(super) results: &'a Results,
+    /// Names of the scenes: as the study orders them, then any that only cells name.
+    pub(super) scenes: Vec<&'a str>,
+    /// Names of the pipelines, likewise.
+    pub(super) pipelines: Vec<&'a str>,
+    /// By scene, pipeline and values, in the study's order.
+    pub(super) rows: Vec<Row<'a>>,
+    /// The values that each axis takes among the rows, in the study's order.
+    pub(super) taken: Vec<Vec<&'a AxisValue>>,
+}
+
+/// A scene, a pipeline and a value of each axis.
+pub(super) struct Row<'a> {
+    /// Index into [`Digest::scenes`].
+    pub(super) scene: usize,
+    /// Index into [`Digest::pipelines`].
+    pub(super) pipeline: usize,
+    /// Of each of the study's axes; `None` where the cells do not say.
+    pub(super) values: Vec<Option<&'a AxisValue>>,
+    /// By seed.
+    pub(super) cells: Vec<&'a Cell>,
+}
+
+/// A mean over seeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Interval {
+    /// How many seeds, at least 1.
+    pub(super) seeds: usize,
+    pub(super) mean: f64,
+    /// Half the width of the 95 % interval; `None` for one seed, and where all seeds agree.
+    pub(super) half: Option<f64>,
+}
+
+impl Interval {
+    fn of(values: &[f64]) -> Option<Interval> {
+        let first = *values.first()?;
+        let half = if values.iter().all(|value| *value == first) { None } else { Summary::of(values) };
+        Some(match half {
+            Some(summary) => {
+                Interval { seeds: summary.n, mean: summary.mean, half: Some(summary.half_width_95) }
+            }
+            None => Interval { seeds: values.len(), mean: first, half: None },
+        })
+    }
+}
+
+impl<'a> Digest<'a> {
+    pub(super) fn new(results: &'a Results) -> Digest<'a> {
+        let study = &results.study;
+        let scenes = names(
+            study.scenes.iter().map(|scene| &*scene.name),
+            results.cells.iter().map(|cell| &*cell.scene),
+        );
+        let pipelines = names(
+            study.pipelines.iter().map(|pipeline| &*pipeline.name),
+            results.cells.iter().map(|cell| &*cell.pipeline),
+        );
+        let mut rows: Vec<Row<'_>> = Vec::new();
+        for cell in &results.cells {
+            let scene = position(&scenes, &cell.scene);
+            let pipeline = position(&pipelines, &cell.pipeline);
+            let values: Vec<_> = study.axes.iter().map(|axis| cell.axes.get(&axis.name)).collect();
+            let same =
+                |row: &&mut Row<'_>| (row.scene, row.pipeline) == (scene, pipeline) && row.values == values;
+            match rows.iter_mut().find(same) {
+                Some(row) => row.cells.push(cell),
+                None => rows.push(Row { scene, pipeline, values, cells: vec![cell] }),
+            }
+        }
+        for row in &mut rows {
+            row.cells.sort_by_key(|cell| cell.seed);
+        }
+        // Values that the study does not name come last, in the order of the cells: the sort is stable.
+        let rank = |row: &Row<'_>| -> Vec<usize> {
+            let places = study.axes.iter().zip(&row.values).map(|(axis, value)| {
+                axis.values.iter().position(|v| Some(v) == *value).unwrap_or(usize::MAX)
+            });
+            [row.scene, row.pipeline].into_iter().chain(places).collect()
+        };
+        rows.sort_by_cached_key(rank);
+        let taken = (0..study.axes.len()).map(|axis| taken(&study.axes[axis], axis, &rows)).collect();
+        Digest { results, scenes, pipelines, rows, taken }
+    }
+
+    /// The rows of a scene.
+    pub(super) fn of_scene(&self, scene: usize) -> impl Iterator<Item = &Row<'a>> {
+        self.rows.iter().filter(move |row| row.scene == scene)
+    }
+
+    /// The axes that have at least two values among the rows.
+    pub(super) fn varied(&self) -> Vec<usize> {
+        (0..self.taken.len()).filter(|&axis| self.taken[axis].len() > 1).collect()
+    }
+
+    /// `lights = 64, filter = true`: the values of a row on some of the axes.
+    pub(super) fn values_text(&self, row: &Row<'_>, axes: &[usize]) -> String {
+        let text = |&axis: &usize| {
+            let value = row.values[axis].map_or_else(|| "–".to_owned(), ToString::to_string);
+            let axis = &self.results.study.axes[axis];
+            let unit = if axis.unit.is_empty() { String::new() } else { format!(" {}", axis.unit) };
+            format!("{} = {value}{unit}", axis.name)
+        };
+        axes.iter().map(text).collect::<Vec<_>>().join(", ")
+    }
+
+    /// A row as a line to read: `ISM, lights = 64`.
+    pub(super) fn row_text(&self, row: &Row<'_>) -> String {
+        match self.values_text(row, &self.varied()) {
+            values if values.is_empty() => self.pipelines[row.pipeline].to_owned(),
+            values => format!("{}, {values}", self.pipelines[row.pipeline]),
+        }
+    }
+
+    /// Label of the axis of GPU time.
+    pub(super) fn time_label(&self) -> String {
+        let info = self.results.study.measures.iter().find(|measure| measure.key == TIME);
+        info.map_or_else(|| "GPU time [ms]".to_owned(), label_with_unit)
+    }
+
+    /// The measures that have a value in some row.
+    pub(super) fn measured(&self) -> impl Iterator<Item = &'a MeasureInfo> {
+        let measures = self.results.study.measures.iter();
+        measures.filter(|measure| self.rows.iter().any(|row| row.summary(&measure.key).is_some()))
+    }
+}
+
+impl Row<'_> {
+    /// Cells that were finished.
+    pub(super) fn done(&self) -> impl Iterator<Item = &Cell> {
+        self.cells.iter().copied().filter(|cell| cell.outcome == Outcome::Done)
+    }
+
+    /// The first error, and how many cells failed.
+    pub(super) fn failure(&self) -> Option<(&str, usize)> {
+        let mut errors = self.cells.iter().filter_map(|cell| match &cell.outcome {
+            Outcome::Failed { error } => Some(&**error),
+            Outcome::Done => None,
+        });
+        let first = errors.next()?;
+        Some((first, 1 + errors.count()))
+    }
+
+    /// Mean and interval of a measure over the seeds; `None` where no seed has it.
+    pub(super) fn summary(&self, key: &str) -> Option<Interval> {
+        self.over(|cell| cell.measures.get(key).copied().flatten())
+    }
+
+    /// GPU time of a frame [ms] over the seeds.
+    pub(super) fn time(&self) -> Option<Interval> {
+        self.summary(TIME).or_else(|| {
+            self.over(|cell| {
+                let sum: f64 = cell.passes.iter().map(|pass| pass.gpu_ms).sum();
+                (sum > 0.0).then_some(sum)
+            })
+        })
+    }
+
+    /// Mean GPU time of each pass [ms], in the order of the plan.
+    pub(super) fn passes(&self) -> Vec<(String, f64)> {
+        let mut sums: Vec<(String, f64)> = Vec::new();
+        for pass in self.done().flat_map(|cell| &cell.passes) {
+            if !pass.gpu_ms.is_finite() {
+                continue;
+            }
+            match sums.iter_mut().find(|(name, _)| *name == pass.pass) {
+                Some((_, sum)) => *sum += pass.gpu_ms,
+                None => sums.push((pass.pass.clone(), pass.gpu_ms)),
+            }
+        }
+        let timed = self.done().filter(|cell| !cell.passes.is_empty()).count().max(1) as f64;
+        sums.into_iter().map(|(name, sum)| (name, sum / timed)).collect()
+    }
+
+    /// What the budget chose, `lights = 480`; a range where the seeds differ.
+    pub(super) fn chosen(&self, name: &str) -> Option<String> {
+        let mut values: Vec<&AxisValue> = Vec::new();
+        for value in self.done().filter_map(|cell| cell.chosen.get(name)) {
+            if !values.contains(&value) {
+                values.push(value);
+            }
+        }
+        let numbers: Option<Vec<f64>> = values
+            .iter()
+            .map(|value| if let AxisValue::Number(number) = value { Some(*number) } else { None })
+            .collect();
+        match (numbers, values.as_slice()) {
+            (_, []) => None,
+            (_, [only]) => Some(only.to_string()),
+            (Some(numbers), _) => {
+                let (low, high) =
+                    numbers.iter().fold((f64::MAX, f64::MIN), |(l, h), n| (l.min(*n), h.max(*n)));
+                Some(format!("{}–{}", number::plain(low), number::plain(high)))
+            }
+            (None, values) => Some(values.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
+        }
+    }
+
+    fn over(&self, value: impl Fn(&Cell) -> Option<f64>) -> Option<Interval> {
+        let values: Vec<f64> = self.done().filter_map(value).filter(|value| value.is_finite()).collect();
+        Interval::of(&values)
+    }
+}
+
+/// The best of some means; `None` where neither way is better.
+pub(super) fn best(better: Better, means: impl Iterator<Item = f64>) -> Option<f64> {
+    let cost = |mean: f64| match better {
+        Better::Lower => mean,
+        Better::Higher => -mean,
+        Better::One => (mean - 1.0).abs(),
+        Better::Neither => 0.0,
+    };
+    if better == Better::Neither {
+        return None;
+    }
+    means.min_by(|a, b| cost(*a).total_cmp(&cost(*b)))
+}
+
+/// `relMSE`, `GPU time [ms]`.
+pub(super) fn label_with_unit(measure: &MeasureInfo) -> String {
+    if measure.unit.is_empty() {
+        measure.label.clone()
+    } else {
+        format!("{} [{}]", measure.label, measure.unit)
+    }
+}
+
+/// The values of an axis that rows take: those that it declares, then others.
+fn taken<'a>(declared: &'a Axis, axis: usize, rows: &[Row<'a>]) -> Vec<&'a AxisValue> {
+    let mut found: Vec<&AxisValue> = Vec::new();
+    for value in rows.iter().filter_map(|row| row.values[axis]) {
+        if !found.contains(&value) {
+            found.push(value);
+        }
+    }
+    let place = |value: &&AxisValue| declared.values.iter().position(|v| v == *value).unwrap_or(usize::MAX);
+    found.sort_by_key(place);
+    found
+}
+
+fn names<'a>(declared: impl Iterator<Item = &'a str>, used: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in declared.chain(used) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+fn position(names: &[&str], name: &str) -> usize {
+    names.iter().position(|n| *n == name).unwrap_or(names.len())
+}

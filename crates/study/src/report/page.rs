@@ -1,0 +1,315 @@
+//! The page: text of its sections in the frame of `page.html`.
+
+mod setup;
+
+use std::fmt::Write;
+
+use super::chart::style_sheet;
+use super::digest::Digest;
+use super::escape::html;
+use super::figures::{Figure, Figures, Kind};
+use super::number;
+use super::pictures::Pictures;
+use super::table::Table;
+use crate::Outcome;
+
+const FRAME: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// A section: its id, its name in the contents, and its text.
+struct Section {
+    id: &'static str,
+    name: &'static str,
+    body: String,
+}
+
+/// The whole file.
+pub(super) fn page(digest: &Digest<'_>, figures: &Figures, tables: &[Table], pictures: &Pictures) -> String {
+    let results = digest.results;
+    let charts = |kind: Kind, id: &'static str, name: &'static str, none: &str| {
+        let figures: Vec<&Figure> = figures.all.iter().filter(|figure| figure.kind == kind).collect();
+        Section { id, name, body: chooser(kind.choices(), &figures, none) }
+    };
+    let errors = [
+        charts(
+            Kind::ErrorTime,
+            "time",
+            "Error against time",
+            "Nothing to draw: this takes an error and a GPU time of the same cell.",
+        ),
+        charts(
+            Kind::ErrorAxis,
+            "axes",
+            "Error against each axis",
+            "Nothing to draw: nothing is varied over two values, or nothing was measured.",
+        ),
+    ];
+    let costs = [
+        charts(Kind::Passes, "passes", "Time per pass", "Nothing to draw: no cell has times of its passes."),
+        charts(Kind::Memory, "memory", "Memory", "Nothing to draw: no cell tells its memory."),
+    ];
+    let pictures_section = Section { id: "pictures", name: "Pictures", body: viewer(pictures) };
+    let tables_section = Section { id: "tables", name: "Tables", body: tables_body(digest, tables) };
+    let rest = [
+        Section { id: "differences", name: "Differences", body: setup::differences(results) },
+        Section { id: "references", name: "References", body: setup::references(results) },
+        Section { id: "setup", name: "Set-up", body: setup::setup(results) },
+        Section { id: "cells", name: "Cells", body: setup::cells(digest) },
+    ];
+
+    let mut sections = failures(digest) + &notes(figures, pictures);
+    sections += &grid(&errors);
+    sections += &section(&pictures_section);
+    sections += &section(&tables_section);
+    sections += &grid(&costs);
+    sections.extend(rest.iter().map(section));
+    let order = errors.iter().chain([&pictures_section, &tables_section]).chain(&costs).chain(&rest);
+    let contents = order.map(|part| format!("<li><a href=\"#{}\">{}</a></li>\n", part.id, part.name));
+    let contents: String = contents.collect();
+
+    filled(FRAME, |name| match name {
+        "title" => format!("{}: study", html(&results.study.name)),
+        "style" => style_sheet() + STYLE,
+        "head" => head(digest),
+        "contents" => contents.clone(),
+        "sections" => sections.clone(),
+        "foot" => format!(
+            "<p>Written by Lightloom {} from the study’s folder. It needs no other file and no network.</p>",
+            html(&results.study.version)
+        ),
+        "pictures" => json(pictures),
+        "script" => SCRIPT.to_owned(),
+        other => unreachable!("page.html has no place called `{other}`"),
+    })
+}
+
+/// Fills the places `<!--NAME-->` of a frame. What fills one is not looked at again.
+fn filled(frame: &str, fill: impl Fn(&str) -> String) -> String {
+    let mut parts = frame.split("<!--");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, after) = part.split_once("-->").unwrap_or((part, ""));
+        out += &fill(name);
+        out += after;
+    }
+    out
+}
+
+/// JSON for a `script` element: no `<` that could end it.
+fn json(value: &impl serde::Serialize) -> String {
+    let text = serde_json::to_string(value).expect("strings and whole numbers make JSON");
+    text.replace('<', "\\u003c")
+}
+
+fn section(section: &Section) -> String {
+    let Section { id, name, body } = section;
+    format!(
+        "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{name}</h2>\n{body}</section>\n"
+    )
+}
+
+fn grid(sections: &[Section]) -> String {
+    format!("<div class=grid>\n{}</div>\n", sections.iter().map(section).collect::<String>())
+}
+
+fn head(digest: &Digest<'_>) -> String {
+    let study = &digest.results.study;
+    let mut out = format!("<h1>{}</h1>\n", html(&study.name));
+    if !study.about.is_empty() {
+        let _ = writeln!(out, "<p class=lead>{}</p>", html(&study.about));
+    }
+    let seeds: Vec<String> = study.seeds.iter().map(u32::to_string).collect();
+    let failed = digest.results.cells.iter().filter(|cell| cell.outcome != Outcome::Done).count();
+    let total = study.cell_count.max(digest.results.cells.len());
+    let seconds: f64 = digest.results.cells.iter().map(|cell| cell.seconds).sum();
+    let facts = [
+        ("Cells", format!("{} of {total} done", digest.results.cells.len() - failed)),
+        ("Took", duration(seconds)),
+        ("Frame", format!("{} × {} px", study.size.0, study.size.1)),
+        ("Judged output", study.output.clone()),
+        ("Budget", study.budget.clone()),
+        ("Warm-up", format!("{} frames", study.warm_up)),
+        ("Seeds", seeds.join(", ")),
+        ("Paper", study.paper.clone()),
+        ("Adapter", study.adapter.clone()),
+        ("Started", study.started.clone()),
+        ("Lightloom", study.version.clone()),
+    ];
+    out.push_str("<dl class=facts>\n");
+    for (name, value) in facts.iter().filter(|(_, value)| !value.is_empty()) {
+        let _ = writeln!(out, "<div><dt>{name}</dt><dd>{}</dd></div>", html(value));
+    }
+    out + "</dl>\n"
+}
+
+/// What went wrong and what else a reader must know, first of all; empty where there is nothing.
+fn failures(digest: &Digest<'_>) -> String {
+    let results = digest.results;
+    // Each text with the cells that it is about.
+    let (mut errors, mut notes): (Vec<About<'_>>, Vec<About<'_>>) = Default::default();
+    for (row, cell) in digest.rows.iter().flat_map(|row| row.cells.iter().map(move |cell| (row, cell))) {
+        let who = || format!("{}, {}, seed {}", cell.scene, digest.row_text(row), cell.seed);
+        if let Outcome::Failed { error } = &cell.outcome {
+            add(&mut errors, error, who());
+        }
+        for note in &cell.notes {
+            add(&mut notes, note, who());
+        }
+    }
+    let references = results.study.references.iter().filter(|reference| !reference.error.is_empty());
+    let mut items: Vec<String> = references
+        .map(|reference| format!("No reference of {}: {}", html(&reference.scene), html(&reference.error)))
+        .collect();
+    items.extend(errors.iter().map(|(error, cells)| format!("Failed: {}", about(error, cells))));
+    let missing = results.study.cell_count.saturating_sub(results.cells.len());
+    if missing > 0 {
+        let of = results.study.cell_count;
+        items.push(format!("{missing} of {of} cells have not run yet: what follows is a part of the study."));
+    }
+    items.extend(notes.iter().map(|(note, cells)| about(note, cells)));
+    list("failures", "alert", "What to know first", &items)
+}
+
+/// A text with the cells that it is about.
+type About<'a> = (&'a str, Vec<String>);
+
+fn add<'a>(texts: &mut Vec<About<'a>>, text: &'a str, who: String) {
+    match texts.iter_mut().find(|(other, _)| *other == text) {
+        Some((_, cells)) => cells.push(who),
+        None => texts.push((text, vec![who])),
+    }
+}
+
+fn about(text: &str, cells: &[String]) -> String {
+    let list: String = cells.iter().map(|cell| format!("<li>{}</li>", html(cell))).collect();
+    let (count, plural) = (cells.len(), if cells.len() == 1 { "" } else { "s" });
+    format!("{} <details><summary>{count} cell{plural}</summary><ul>{list}</ul></details>", html(text))
+}
+
+/// A section of items, of a class; empty where there are none. The items are HTML.
+fn list(id: &str, class: &str, name: &str, items: &[String]) -> String {
+    if items.is_empty() {
+        return String::new();
+    }
+    let items: String = items.iter().map(|item| format!("<li>{item}</li>\n")).collect();
+    format!(
+        "<section id={id} class={class} aria-labelledby={id}-title>\n<h2 id={id}-title>{name}</h2>\n\
+         <ul>\n{items}</ul>\n</section>\n"
+    )
+}
+
+/// What the page leaves out.
+fn notes(figures: &Figures, pictures: &Pictures) -> String {
+    let notes: Vec<String> = figures.notes.iter().chain(&pictures.notes).map(|note| html(note)).collect();
+    list("notes", "notice", "Left out of this page", &notes)
+}
+
+/// Charts of which one is shown.
+fn chooser(names: &[&str], figures: &[&Figure], none: &str) -> String {
+    if figures.is_empty() {
+        return format!("<p class=note>{none}</p>\n");
+    }
+    let mut out =
+        format!("<div class=chooser data-names=\"{}\">\n<div class=selects></div>\n", html(&json(&names)));
+    for figure in figures {
+        let _ = writeln!(
+            out,
+            "<figure class=choice data-choice=\"{}\">\n<div class=drawing>{}</div>\n\
+             <figcaption>{} <button type=button class=save data-file=\"{file}\">Save SVG</button> \
+             <code>figures/{file}</code></figcaption>\n</figure>",
+            html(&json(&figure.choice)),
+            figure.svg,
+            html(&figure.caption),
+            file = html(&figure.file),
+        );
+    }
+    out + "</div>\n"
+}
+
+fn tables_body(digest: &Digest<'_>, tables: &[Table]) -> String {
+    if tables.is_empty() {
+        return "<p class=note>No cell has run yet.</p>\n".to_owned();
+    }
+    let names = html(&json(&["Scene"]));
+    let mut out = format!("<div class=chooser data-names=\"{names}\">\n<div class=selects></div>\n");
+    for table in tables {
+        let copyable = |name: &str, text: &str| {
+            format!(
+                "<details><summary>{name}</summary><div class=copyable>\
+                 <button type=button class=copy>Copy</button><pre>{}</pre></div></details>\n",
+                html(text)
+            )
+        };
+        let _ = writeln!(
+            out,
+            "<div class=choice data-choice=\"{}\">\n<div class=scroll>{}</div>\n<p class=note>{}</p>\n{}{}</div>",
+            html(&json(&[&table.scene])),
+            table.html(),
+            html(&table.caption),
+            copyable("LaTeX", &table.latex()),
+            copyable("Markdown", &table.markdown()),
+        );
+    }
+    out.push_str("</div>\n");
+    out + &setup::measures(digest)
+}
+
+/// The viewer, which the script fills.
+fn viewer(pictures: &Pictures) -> String {
+    if pictures.count() == 0 {
+        return "<p class=note>There are no pictures in this study’s results.</p>\n".to_owned();
+    }
+    let views = [
+        ("slider", "Slider"),
+        ("side", "Side by side"),
+        ("image", "Image"),
+        ("reference", "Reference"),
+        ("flip", "ꟻLIP"),
+        ("difference", "Difference"),
+    ];
+    let radio = |(value, name): (&str, &str)| {
+        format!("<label><input type=radio name=view value={value}> {name}</label>")
+    };
+    let views: String = views.into_iter().map(radio).collect();
+    format!(
+        "<div id=picture-selects class=selects></div>
+<div class=tools>
+<fieldset><legend>View</legend>{views}</fieldset>
+<div class=zooms role=group aria-label=Zoom>
+<button type=button id=zoom-out aria-label=\"Zoom out\">−</button>
+<button type=button id=zoom-in aria-label=\"Zoom in\">+</button>
+<button type=button id=zoom-fit>Fit</button>
+<button type=button id=zoom-one title=\"One pixel of the picture to one of the page\">1:1</button>
+<output id=zoom></output>
+</div>
+</div>
+<div class=pictures>
+<div>
+<div id=stage tabindex=0 role=group aria-label=\"Pictures; arrows move, + and − zoom, 0 fits\">
+<div class=\"pane under\"><img draggable=false alt=\"\"><span class=\"tag right\">reference</span></div>
+<div class=\"pane over\"><img draggable=false alt=\"\"><span class=\"tag left\"></span></div>
+<div id=divider role=slider tabindex=0 aria-label=\"Share of the image beside the reference\" aria-valuemin=0 \
+aria-valuemax=100 aria-valuenow=50></div>
+</div>
+<div class=bar id=flip-bar hidden><span>0</span><span></span><span>1</span>\
+<span>ꟻLIP: perceived difference of a pixel</span></div>
+<div class=bar id=difference-bar hidden><span id=difference-low></span><span></span><span id=difference-high></span>\
+<span>luminance of image − reference: blue is too dark, red too bright</span></div>
+<p class=note id=picture-note></p>
+<p class=note>Drag the divider; click the picture, then turn the wheel to zoom and drag to move. The address names \
+what is shown.</p>
+</div>
+<dl class=facts id=picture-facts></dl>
+</div>
+"
+    )
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 120.0 => format!("{} s", number::short(s, 3)),
+        s if s < 7200.0 => format!("{} min", number::short(s / 60.0, 3)),
+        s => format!("{} h", number::short(s / 3600.0, 3)),
+    }
+}

@@ -1,0 +1,216 @@
+//! What was compared with what, how it came about, and where every figure is from.
+
+use std::fmt::Write;
+
+use crate::report::digest::Digest;
+use crate::report::escape::html;
+use crate::report::number;
+use crate::{Better, Cell, Outcome, Results};
+
+/// Characters of provenance of all cells together; the rest is in the study's folder.
+const MOST_PROVENANCE: usize = 4_000_000;
+
+/// What the pipelines differ in.
+pub(super) fn differences(results: &Results) -> String {
+    let mut out = String::new();
+    for difference in &results.study.differences {
+        let (from, to) = (html(&difference.from), html(&difference.to));
+        let _ = writeln!(out, "<h3>{from} → {to}</h3>");
+        if difference.lines.is_empty() {
+            out.push_str("<p class=note>The same.</p>\n");
+        } else {
+            let _ = writeln!(out, "<pre>{}</pre>", html(&difference.lines.join("\n")));
+        }
+    }
+    if out.is_empty() { "<p class=note>There is one pipeline.</p>\n".to_owned() } else { out }
+}
+
+/// Where the references are from, and how good they are.
+pub(super) fn references(results: &Results) -> String {
+    if results.study.references.is_empty() {
+        return "<p class=note>This study has no reference.</p>\n".to_owned();
+    }
+    let mut out = String::from(
+        "<p>An error near the noise of its reference says nothing.</p>\n<div class=scroll><table>\n<thead><tr>\
+         <th scope=col>Scene</th><th scope=col>From</th><th scope=col class=number>Noise [relMSE]</th>\
+         <th scope=col class=number>Took [s]</th><th scope=col>Provenance</th></tr></thead>\n<tbody>\n",
+    );
+    for reference in &results.study.references {
+        let noise = reference.noise.map_or_else(|| "unknown".to_owned(), |noise| number::short(noise, 2));
+        let took = if reference.seconds > 0.0 {
+            number::short(reference.seconds, 3)
+        } else {
+            "was there".to_owned()
+        };
+        let from = if reference.error.is_empty() {
+            html(&reference.from)
+        } else {
+            format!("{}<br><span class=failed>{}</span>", html(&reference.from), html(&reference.error))
+        };
+        let _ = writeln!(
+            out,
+            "<tr><th scope=row>{}</th><td>{from}</td><td class=number>{noise}</td><td class=number>{took}</td>\
+             <td>{}</td></tr>",
+            html(&reference.scene),
+            provenance(&reference.provenance),
+        );
+    }
+    out + "</tbody></table></div>\n"
+}
+
+/// Scenes, pipelines, axes, and the description itself.
+pub(super) fn setup(results: &Results) -> String {
+    let study = &results.study;
+    let mut out = String::from("<h3>Scenes</h3>\n");
+    let scenes = study.scenes.iter().map(|scene| {
+        let triangles = scene.triangles.to_string();
+        vec![html(&scene.name), html(&scene.about), triangles, format!("<code>{}</code>", html(&scene.hash))]
+    });
+    out += &table(&["Scene", "Shows", "Triangles", "Hash"], scenes);
+    out.push_str("<h3>Pipelines</h3>\n");
+    let pipelines = study.pipelines.iter().map(|pipeline| {
+        let set: Vec<String> =
+            pipeline.set.iter().map(|(name, value)| format!("{name} = {}", value)).collect();
+        let file = format!("<code>{}</code>", html(&pipeline.pipeline));
+        vec![html(&pipeline.name), file, html(&pipeline.about), html(&pipeline.paper), html(&set.join(", "))]
+    });
+    out += &table(&["Name", "Pipeline", "Renders", "Paper", "With"], pipelines);
+    if !study.axes.is_empty() {
+        out.push_str("<h3>Axes</h3>\n");
+        let axes = study.axes.iter().map(|axis| {
+            let values: Vec<String> = axis.values.iter().map(ToString::to_string).collect();
+            vec![
+                format!("<code>{}</code>", html(&axis.name)),
+                html(&values.join(", ")),
+                html(&axis.unit),
+                html(&axis.doc),
+            ]
+        });
+        out += &table(&["Axis", "Values", "Unit", "Is"], axes);
+    }
+    if !study.command.is_empty() {
+        let _ = writeln!(out, "<h3>Command</h3>\n<pre>{}</pre>", html(&study.command));
+    }
+    let _ = write!(
+        out,
+        "<h3>Description</h3>\n<div class=copyable><button type=button class=copy>Copy</button><pre>{}</pre></div>\n",
+        html(&study.source)
+    );
+    out
+}
+
+/// What the measures are.
+pub(super) fn measures(digest: &Digest<'_>) -> String {
+    let rows = digest.results.study.measures.iter().map(|measure| {
+        let better = match measure.better {
+            Better::Lower => "lower",
+            Better::Higher => "higher",
+            Better::One => "nearer to 1",
+            Better::Neither => "neither",
+        };
+        vec![html(&measure.label), html(&measure.unit), better.to_owned(), html(&measure.doc)]
+    });
+    let table = table(&["Measure", "Unit", "Better", "Is"], rows);
+    format!("<details><summary>What the measures are</summary>\n{table}</details>\n")
+}
+
+/// Every cell, with what made it.
+pub(super) fn cells(digest: &Digest<'_>) -> String {
+    let results = digest.results;
+    if results.cells.is_empty() {
+        return "<p class=note>No cell has run yet.</p>\n".to_owned();
+    }
+    let mut out = String::from(
+        "<details>\n<summary>All cells and what made them</summary>\n<div class=filter>\
+         <label>Filter <input type=search id=cell-filter placeholder=\"words, in any order\"></label>\
+         <label><input type=checkbox id=cell-failed> only failed</label>\
+         <output id=cell-count></output></div>\n<div class=scroll><table id=cell-table>\n<thead><tr>\
+         <th scope=col>Scene</th><th scope=col>Pipeline</th><th scope=col>Values</th>\
+         <th scope=col class=number>Seed</th><th scope=col>Outcome</th><th scope=col class=number>Frames</th>\
+         <th scope=col class=number>Took [s]</th><th scope=col>Cell</th></tr></thead>\n",
+    );
+    let (mut left, mut left_out) = (MOST_PROVENANCE, 0);
+    for (row, cell) in digest.rows.iter().flat_map(|row| row.cells.iter().map(move |cell| (row, cell))) {
+        let told = if cell.provenance.len() > left {
+            left_out += 1;
+            "<p class=note>In the cell’s file.</p>".to_owned()
+        } else {
+            left -= cell.provenance.len();
+            provenance(&cell.provenance)
+        };
+        let axes: Vec<usize> = (0..results.study.axes.len()).collect();
+        let (data, outcome) = outcome(cell);
+        let _ = writeln!(
+            out,
+            "<tbody{data}><tr><th scope=row>{}</th><td>{}</td><td>{}</td><td class=number>{}</td>{outcome}\
+             <td class=number>{}</td><td class=number>{}</td><td><code>cells/{}.json</code></td></tr>\n\
+             <tr><td class=told colspan=8>{told}</td></tr></tbody>",
+            html(&cell.scene),
+            html(&cell.pipeline),
+            html(&digest.values_text(row, &axes)),
+            cell.seed,
+            cell.frames,
+            number::short(cell.seconds, 3),
+            html(&cell.key),
+        );
+    }
+    out.push_str("</table></div>\n");
+    if left_out > 0 {
+        let _ = writeln!(
+            out,
+            "<p class=note>Provenance of {left_out} cells is left out here to keep the page small; it stands in \
+             their files.</p>"
+        );
+    }
+    out + "</details>\n"
+}
+
+fn outcome(cell: &Cell) -> (&'static str, String) {
+    match &cell.outcome {
+        Outcome::Done => ("", "<td>done</td>".to_owned()),
+        Outcome::Failed { error } => {
+            (" data-failed", format!("<td class=failed>failed: {}</td>", html(error)))
+        }
+    }
+}
+
+/// Provenance that folds out: JSON by member, other text as it is.
+fn provenance(text: &str) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    let body = match serde_json::from_str::<serde_json::Value>(text) {
+        Ok(serde_json::Value::Object(members)) => {
+            let member = |(name, value): (&String, &serde_json::Value)| {
+                let shown = match value {
+                    serde_json::Value::String(text) => text.clone(),
+                    value @ (serde_json::Value::Object(_) | serde_json::Value::Array(_)) => {
+                        serde_json::to_string_pretty(value).unwrap_or_default()
+                    }
+                    value => value.to_string(),
+                };
+                let shown = html(&shown);
+                let shown = if shown.contains('\n') { format!("<pre>{shown}</pre>") } else { shown };
+                format!("<dt>{}</dt><dd>{shown}</dd>", html(name))
+            };
+            format!("<dl class=provenance>{}</dl>", members.iter().map(member).collect::<String>())
+        }
+        _ => format!("<pre>{}</pre>", html(text)),
+    };
+    format!("<details><summary>Provenance</summary>{body}</details>")
+}
+
+/// A plain table; the cells are HTML already.
+fn table(heads: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let head: String = heads.iter().map(|head| format!("<th scope=col>{head}</th>")).collect();
+    let row = |cells: Vec<String>| {
+        let cell = |(index, text): (usize, String)| {
+            if index == 0 { format!("<th scope=row>{text}</th>") } else { format!("<td>{text}</td>") }
+        };
+        format!("<tr>{}</tr>\n", cells.into_iter().enumerate().map(cell).collect::<String>())
+    };
+    let body: String = rows.map(row).collect();
+    format!(
+        "<div class=scroll><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div>\n"
+    )
+}

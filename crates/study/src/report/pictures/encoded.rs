@@ -1,0 +1,120 @@
+//! A picture as the page holds it: small enough, 8 bits, base64.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use metrics::{Display, Image, luminance, srgb_from_linear};
+use serde::Serialize;
+
+/// Longest side of a picture in the page [px]; larger ones are averaged down.
+const MOST_SIDE: usize = 1024;
+/// Share of the reference's pixels that the exposure keeps below white.
+const BELOW_WHITE: f64 = 0.99;
+
+/// A PNG file.
+#[derive(Serialize)]
+pub(super) struct Encoded {
+    width: usize,
+    height: usize,
+    /// Base64.
+    pub(super) data: String,
+}
+
+impl Encoded {
+    /// What `display` makes of a picture.
+    pub(super) fn new(image: &Image, display: Display) -> Encoded {
+        let image = reduced(image);
+        let mut bytes = Vec::with_capacity(image.pixels().len() * 3);
+        for &[r, g, b, _] in image.pixels() {
+            let shown = display.map([r, g, b]);
+            // Pixels that are NaN or infinite stand out, as in the PNG files of the program.
+            let shown = if shown[0].is_nan() { [1.0, 0.0, 1.0] } else { shown.map(srgb_from_linear) };
+            bytes.extend(shown.map(|channel| (channel * 255.0).round() as u8));
+        }
+        let data = STANDARD.encode(png(image.width(), image.height(), &bytes));
+        Encoded { width: image.width(), height: image.height(), data }
+    }
+}
+
+/// A PNG file of 8-bit RGB.
+fn png(width: usize, height: usize, rgb: &[u8]) -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(rgb)?;
+        writer.finish()
+    });
+    written.expect("memory takes a picture of at most MOST_SIDE squared, of the length its header tells");
+    file
+}
+
+/// The luminance that [`BELOW_WHITE`] of the pixels do not exceed; the greatest where that is not above 0, and
+/// 1 for a black picture.
+pub(super) fn white(image: &Image) -> f32 {
+    let of = |&[r, g, b, _]: &[f32; 4]| luminance([r, g, b]);
+    let mut values: Vec<f32> = image.pixels().iter().map(of).filter(|l| l.is_finite()).collect();
+    values.sort_by(f32::total_cmp);
+    let rank = (BELOW_WHITE * values.len() as f64).ceil() as usize;
+    let candidates = [values.get(rank.saturating_sub(1)), values.last()];
+    candidates.into_iter().flatten().copied().find(|value| *value > 0.0).unwrap_or(1.0)
+}
+
+/// Side of the blocks of pixels that are averaged.
+pub(super) fn step(image: &Image) -> usize {
+    image.width().max(image.height()).div_ceil(MOST_SIDE)
+}
+
+/// At most [`MOST_SIDE`] wide and high: means over blocks. A block with a broken pixel is broken.
+fn reduced(image: &Image) -> Image {
+    let step = step(image);
+    if step == 1 {
+        return image.clone();
+    }
+    let (width, height) = (image.width(), image.height());
+    let block = |x: usize, y: usize| {
+        let (columns, rows) =
+            (x * step..(x * step + step).min(width), y * step..(y * step + step).min(height));
+        let count = (columns.len() * rows.len()) as f32;
+        let mut sum = [0.0; 4];
+        for row in rows {
+            for pixel in &image.pixels()[row * width + columns.start..row * width + columns.end] {
+                sum = std::array::from_fn(|channel| sum[channel] + pixel[channel] / count);
+            }
+        }
+        sum
+    };
+    Image::from_fn(width.div_ceil(step), height.div_ceil(step), block)
+        .expect("a picture has at least a pixel")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_is_the_99th_percentile() {
+        let grey = |value: f32| [value, value, value, 1.0];
+        let ramp = Image::from_fn(100, 1, |x, _| grey(x as f32 + 1.0)).expect("pixels");
+        assert!((white(&ramp) - 99.0).abs() < 1e-3);
+        let mut broken = ramp.clone();
+        broken.pixels_mut()[99] = grey(f32::INFINITY);
+        assert!((white(&broken) - 99.0).abs() < 1e-3);
+        let spark = Image::from_fn(1000, 1, |x, _| grey(if x == 0 { 5.0 } else { 0.0 })).expect("pixels");
+        assert!((white(&spark) - 5.0).abs() < 1e-3, "the greatest where the percentile is black");
+        assert_eq!(white(&Image::from_fn(2, 2, |_, _| grey(0.0)).expect("pixels")), 1.0);
+    }
+
+    #[test]
+    fn large_pictures_are_averaged() {
+        let wide = Image::from_fn(2050, 2, |x, _| [x as f32, 0.0, 0.0, 1.0]).expect("pixels");
+        let small = reduced(&wide);
+        assert_eq!((small.width(), small.height()), (684, 1));
+        assert!((small.pixels()[0][0] - 1.0).abs() < 1e-5, "mean of 0, 1 and 2");
+        // The last block holds the single column 2049.
+        assert!((small.pixels()[683][0] - 2049.0).abs() < 1e-2);
+        let tiny = Image::from_fn(1, 1, |_, _| [0.5; 4]).expect("pixels");
+        assert_eq!(reduced(&tiny), tiny);
+    }
+}

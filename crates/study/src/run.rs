@@ -1,0 +1,407 @@
+//! Runs the cells of a study that are not finished.
+
+use crate::budget::{Domain, search};
+use crate::clock;
+use crate::description::Budget;
+use crate::error::StudyError;
+use crate::folder::{Folder, IMAGES, Index, read_study};
+use crate::judge::{Judge, Verdict, median};
+use crate::key;
+use crate::laboratory::{CellRun, Laboratory, RunRequest};
+use crate::plan::{Plan, PlannedCell, Search};
+use crate::record::{AxisValue, Cell, CellImages, Memory, Outcome, Results, StudyRecord};
+use crate::reference::{References, Truth};
+use crate::remaining::Remaining;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// How a study runs.
+#[derive(Clone, Debug, Default)]
+pub struct RunOptions {
+    /// Which part of how many, from 1.
+    pub shard: Option<Shard>,
+    /// A folder where references of other studies are looked for, and put.
+    pub references: Option<PathBuf>,
+    /// The command, for the record.
+    pub command: String,
+}
+
+/// Part `part` of `parts`, from 1: every so-manieth cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1.
+    pub part: u32,
+    /// At least `part`.
+    pub parts: u32,
+}
+
+impl Shard {
+    fn has(self, index: usize) -> bool {
+        index % self.parts as usize == self.part as usize - 1
+    }
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Shard, String> {
+        let pair =
+            text.split_once('/').and_then(|(part, parts)| Some((part.parse().ok()?, parts.parse().ok()?)));
+        match pair {
+            Some((part, parts)) if (1..=parts).contains(&part) => Ok(Shard { part, parts }),
+            _ => Err(format!("`{text}` is no part of a study: expected i/n with i from 1 to n, such as 2/8")),
+        }
+    }
+}
+
+/// What happens while a study runs.
+#[derive(Debug)]
+pub enum Event<'a> {
+    /// Before the first cell.
+    Begin {
+        /// Cells of this part.
+        cells: usize,
+        /// How many of them are finished already.
+        finished: usize,
+        /// Records in the folder that are not of this study as it is now.
+        stale: usize,
+    },
+    /// A reference is being made.
+    Reference {
+        /// What it is of.
+        name: String,
+    },
+    /// A cell is being rendered.
+    Cell {
+        /// What it is, in words.
+        name: String,
+    },
+    /// A cell has ended.
+    Ended {
+        /// Its record.
+        cell: &'a Cell,
+        /// Cells of this part that are finished or failed.
+        ended: usize,
+        /// Estimate of the time that the others take.
+        left: Duration,
+    },
+    /// Something that is told once.
+    Note(String),
+}
+
+/// What became of a run.
+#[derive(Debug)]
+pub struct Ran {
+    /// The study as it is in the folder now.
+    pub results: Results,
+    /// Cells that were run now.
+    pub run: usize,
+    /// Cells of this part that failed.
+    pub failed: usize,
+}
+
+/// Runs what is not finished of a study, into a folder.
+///
+/// # Errors
+/// What the folder refused: what is finished is kept, and the same call goes on from there. A cell or reference that
+/// fails is no error: it is told in its record.
+pub fn run(
+    plan: &Plan,
+    lab: &mut dyn Laboratory,
+    folder: &Path,
+    options: &RunOptions,
+    tell: &mut dyn FnMut(Event<'_>),
+) -> Result<Ran, StudyError> {
+    let folder = Folder::open(folder)?;
+    let scenes = plan.scenes.iter().map(|scene| scene.record.name.clone()).collect();
+    let references = References::new(&plan.references, scenes, lab, options.references.clone());
+    let mut session = Session { plan, lab, folder, references, chosen: HashMap::new(), refused: Vec::new() };
+    session.references.recall(&session.folder);
+    let keys = session.keys();
+    let index = Index { cells: keys };
+    let mine: Vec<usize> =
+        (0..plan.cells.len()).filter(|index| options.shard.is_none_or(|shard| shard.has(*index))).collect();
+    let mut remaining = Remaining::default();
+    let mut open = Vec::new();
+    for cell in &mine {
+        let kept = session.folder.cell(&index.cells[*cell]).filter(|cell| cell.outcome == Outcome::Done);
+        match kept {
+            Some(kept) => session.remember(*cell, &kept, &mut remaining),
+            None => open.push(*cell),
+        }
+    }
+    let record = session.record(options);
+    session.folder.write_study(&record, &index)?;
+    let finished = mine.len() - open.len();
+    tell(Event::Begin { cells: mine.len(), finished, stale: session.folder.stale(&index) });
+    let (mut failed, mut run) = (0, 0);
+    for (place, cell) in open.iter().enumerate() {
+        let cell = session.cell(*cell, &index.cells[*cell], tell)?;
+        session.folder.write_cell(&cell)?;
+        failed += usize::from(cell.outcome != Outcome::Done);
+        run += 1;
+        remaining.add(&cell);
+        let rest = open[place + 1..].iter().map(|index| &plan.cells[*index]);
+        let left = remaining.estimate(rest.map(|cell| {
+            (plan.study.scenes[cell.scene].value.as_str(), plan.pipelines[cell.pipeline].name.as_str())
+        }));
+        let left = left + session.references.left();
+        tell(Event::Ended { cell: &cell, ended: finished + place + 1, left });
+    }
+    let record = StudyRecord { started: record.started, ..session.record(options) };
+    session.folder.write_study(&record, &index)?;
+    let results = Results::read(&session.folder.path)?;
+    crate::table::write(&results, &session.folder.path)?;
+    Ok(Ran { results, run, failed })
+}
+
+/// A run of a study.
+struct Session<'a> {
+    plan: &'a Plan,
+    lab: &'a mut dyn Laboratory,
+    folder: Folder,
+    references: References<'a>,
+    /// What budgets chose, by all that a cell is but its seed: seeds share it.
+    chosen: HashMap<String, (AxisValue, Option<String>)>,
+    /// References whose failure has been told.
+    refused: Vec<usize>,
+}
+
+impl Session<'_> {
+    fn keys(&mut self) -> Vec<String> {
+        let plan = self.plan;
+        plan.cells
+            .iter()
+            .map(|cell| {
+                let reference = cell.reference.map(|index| self.references.key(index)).unwrap_or_default();
+                key::of_cell(cell, &plan.measures, &reference, self.lab).to_string()
+            })
+            .collect()
+    }
+
+    fn record(&self, options: &RunOptions) -> StudyRecord {
+        let (plan, study) = (self.plan, &self.plan.study);
+        let before = read_study(&self.folder.path).ok().map(|(record, _)| record);
+        StudyRecord {
+            name: study.name.clone(),
+            about: study.about.clone(),
+            paper: study.paper.clone(),
+            source: study.source.text.clone(),
+            size: study.size,
+            output: study.output.value.clone(),
+            budget: study.budget.line(),
+            warm_up: study.warm_up,
+            seeds: study.seeds.clone(),
+            scenes: plan.scenes.iter().map(|scene| scene.record.clone()).collect(),
+            pipelines: plan.pipelines.clone(),
+            axes: plan.axes.clone(),
+            measures: plan.measures.iter().map(|measure| measure.info()).collect(),
+            references: self.references.records(),
+            differences: plan.differences.clone(),
+            cell_count: plan.cells.len(),
+            adapter: self.lab.adapter(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            started: before.map_or_else(clock::now, |before| before.started),
+            command: options.command.clone(),
+        }
+    }
+
+    /// Takes up what a finished cell knows.
+    fn remember(&mut self, index: usize, kept: &Cell, remaining: &mut Remaining) {
+        remaining.add(kept);
+        let planned = &self.plan.cells[index];
+        if let Some(search) = &planned.search
+            && let Some(value) = kept.chosen.get(&search.path)
+        {
+            let note = kept.notes.first().cloned();
+            self.chosen.insert(without_seed(planned), (value.clone(), note));
+        }
+    }
+
+    fn cell(&mut self, index: usize, key: &str, tell: &mut dyn FnMut(Event<'_>)) -> Result<Cell, StudyError> {
+        let plan = self.plan;
+        let planned = &plan.cells[index];
+        let mut cell = Cell {
+            key: key.to_owned(),
+            scene: plan.scenes[planned.scene].record.name.clone(),
+            pipeline: plan.pipelines[planned.pipeline].name.clone(),
+            axes: planned.axes.clone(),
+            seed: planned.request.seed,
+            outcome: Outcome::Done,
+            measures: plan.measures.iter().map(|measure| (measure.key().to_owned(), None)).collect(),
+            passes: Vec::new(),
+            memory: Memory::default(),
+            chosen: BTreeMap::new(),
+            frames: 0,
+            seconds: 0.0,
+            images: CellImages::default(),
+            notes: Vec::new(),
+            provenance: String::new(),
+        };
+        let truth = match planned.reference {
+            Some(reference) => self.truth(reference, tell)?,
+            None => Ok(None),
+        };
+        tell(Event::Cell { name: name_of(&cell) });
+        let start = Instant::now();
+        // Cells that measure more than errors are run without a reference, and tell what is missing.
+        let only_errors = plan.measures.iter().all(|measure| measure.needs().reference);
+        let failure = match truth {
+            Err(why) if only_errors => Some(why),
+            truth => {
+                let (truth, missing) = match truth {
+                    Ok(truth) => (truth, None),
+                    Err(why) => (None, Some(why)),
+                };
+                match self.render(planned, truth, &mut cell) {
+                    Ok(verdict) => self.keep(verdict, planned, &mut cell)?.or(missing),
+                    Err(why) => Some(why),
+                }
+            }
+        };
+        if let Some(error) = failure {
+            cell.outcome = Outcome::Failed { error };
+        }
+        cell.seconds = start.elapsed().as_secs_f64();
+        Ok(cell)
+    }
+
+    /// The reference of a cell; its failure is told once.
+    fn truth(
+        &mut self,
+        reference: usize,
+        tell: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Result<Option<Truth>, String>, StudyError> {
+        let name = self.references.name(reference);
+        if !self.references.is_known(reference) {
+            tell(Event::Reference { name: name.clone() });
+        }
+        match self.references.get(reference, &self.folder, self.lab)? {
+            Ok(truth) => Ok(Ok(Some(truth))),
+            Err(why) => {
+                let why = format!("the reference of {name} failed: {why}");
+                if !self.refused.contains(&reference) {
+                    self.refused.push(reference);
+                    tell(Event::Note(why.clone()));
+                }
+                Ok(Err(why))
+            }
+        }
+    }
+
+    fn render(
+        &mut self,
+        planned: &PlannedCell,
+        truth: Option<Truth>,
+        cell: &mut Cell,
+    ) -> Result<Verdict, String> {
+        let plan = self.plan;
+        let mut request = planned.request.clone();
+        if let Some(search) = &planned.search {
+            let (value, note) = self.choose(planned, search)?;
+            cell.chosen.insert(search.path.clone(), value.clone());
+            cell.notes.extend(note);
+            request.set.push((search.path.clone(), value));
+        }
+        let facts = &plan.scenes[planned.scene];
+        let first = request.first_frame + request.warm_up;
+        let jump =
+            plan.study.jump.as_ref().and_then(|jump| jump.value.checked_sub(first)).map(|jump| jump as usize);
+        let mut judge = Judge::new(&plan.measures, facts, jump, truth);
+        let run = self.lab.run(&request, &mut |frame| judge.observe(frame))?;
+        if judge.frames == 0 {
+            return Err("no frame was measured".to_owned());
+        }
+        let over_frames = matches!(plan.study.budget, Budget::Time { by: None, .. });
+        let lab = &mut *self.lab;
+        let verdict = judge.finish(&run, over_frames, |frame| lab.occluded(&request.scene, frame));
+        let CellRun { memory, provenance, .. } = run;
+        (cell.memory, cell.provenance) = (memory, provenance);
+        Ok(verdict)
+    }
+
+    /// Puts a verdict into the record, and its pictures on disk. Returns why the cell failed, where it did.
+    fn keep(
+        &mut self,
+        verdict: Verdict,
+        planned: &PlannedCell,
+        cell: &mut Cell,
+    ) -> Result<Option<String>, StudyError> {
+        cell.measures = verdict.measures;
+        cell.passes = verdict.passes;
+        cell.frames = verdict.frames;
+        cell.images.reference = planned.reference.and_then(|reference| self.references.image(reference));
+        if let Some(image) = &verdict.image {
+            let name = format!("{IMAGES}/{}.exr", cell.key);
+            self.folder.write_image(&name, image, Some(&cell.provenance))?;
+            cell.images.image = Some(name);
+        }
+        if let Some(flip) = &verdict.flip {
+            let name = format!("{IMAGES}/{}-flip.png", cell.key);
+            self.folder.write_image(&name, flip, None)?;
+            cell.images.flip = Some(name);
+        }
+        Ok(verdict.failure)
+    }
+
+    /// The value that gives a frame its time, searched once for all seeds; a note where none does.
+    fn choose(
+        &mut self,
+        planned: &PlannedCell,
+        wanted: &Search,
+    ) -> Result<(AxisValue, Option<String>), String> {
+        let id = without_seed(planned);
+        if let Some(known) = self.chosen.get(&id) {
+            return Ok(known.clone());
+        }
+        let request = &planned.request;
+        let found = search(&Domain::of(&wanted.setting), start(wanted), wanted.ms, |value| {
+            let mut set = request.set.clone();
+            set.push((wanted.path.clone(), AxisValue::Number(value as f64)));
+            let probe = RunRequest {
+                set,
+                // Drivers compile in the first frame.
+                warm_up: request.warm_up.max(1),
+                frames: request.frames.min(3),
+                views: false,
+                lights: false,
+                ..request.clone()
+            };
+            let mut totals = Vec::new();
+            self.lab.run(&probe, &mut |frame| {
+                totals.push(frame.passes.iter().map(|(_, ms)| ms).sum::<f64>());
+                Ok(())
+            })?;
+            median(&mut totals)
+                .filter(|ms| *ms > 0.0)
+                .ok_or_else(|| "this adapter cannot time passes, which a budget of time needs".to_owned())
+        })?;
+        let note = (!found.meets(wanted.ms)).then(|| {
+            format!(
+                "{} ms cannot be met: with `{}` = {} a frame takes {:.3} ms",
+                wanted.ms, wanted.path, found.value, found.ms
+            )
+        });
+        let known = (AxisValue::Number(found.value as f64), note);
+        self.chosen.insert(id, known.clone());
+        Ok(known)
+    }
+}
+
+fn start(search: &Search) -> i64 {
+    match &search.setting.default {
+        frame_graph::Value::I32(value) => i64::from(*value),
+        value => value.as_u32().map_or(1, i64::from),
+    }
+}
+
+fn without_seed(cell: &PlannedCell) -> String {
+    format!("{:?} {:?}", RunRequest { seed: 0, ..cell.request.clone() }, cell.search)
+}
+
+/// A cell in words: `ism on atrium, lights = 256, seed 3`.
+pub fn name_of(cell: &Cell) -> String {
+    let axes: String = cell.axes.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
+    format!("{} on {}{axes}, seed {}", cell.pipeline, cell.scene, cell.seed)
+}

@@ -1,0 +1,156 @@
+//! Tables: `cells.csv`, tidy, a row for each cell and measure; `summary.csv`, with intervals over seeds.
+
+use crate::error::StudyError;
+use crate::folder::write as write_file;
+use crate::record::{AxisValue, Cell, Outcome, Results};
+use crate::seeds::groups;
+use metrics::statistics::Summary;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Cells that differ in their seeds alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row<'a> {
+    /// The scene.
+    pub scene: &'a str,
+    /// The pipeline.
+    pub pipeline: &'a str,
+    /// Value of each axis that the pipeline has.
+    pub axes: &'a BTreeMap<String, AxisValue>,
+    /// The cells, a seed each.
+    pub cells: Vec<&'a Cell>,
+}
+
+/// A measure of a [`Row`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figure {
+    /// Seeds that have a value.
+    pub n: usize,
+    /// Their mean.
+    pub mean: f64,
+    /// Half the width of the 95 % interval of the mean; `None` for one seed.
+    pub half_width_95: Option<f64>,
+}
+
+impl Results {
+    /// The cells by all that they are but their seeds, in the order of the study.
+    pub fn rows(&self) -> Vec<Row<'_>> {
+        groups(&self.cells)
+            .into_iter()
+            .map(|group| {
+                let first = &self.cells[group[0]];
+                let cells = group.iter().map(|index| &self.cells[*index]).collect();
+                Row { scene: &first.scene, pipeline: &first.pipeline, axes: &first.axes, cells }
+            })
+            .collect()
+    }
+}
+
+impl Row<'_> {
+    /// A measure over the seeds; `None` where no cell has it.
+    pub fn figure(&self, measure: &str) -> Option<Figure> {
+        let values: Vec<f64> =
+            self.cells.iter().filter_map(|cell| cell.measures.get(measure).copied().flatten()).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let half_width_95 = Summary::of(&values).map(|summary| summary.half_width_95);
+        (!values.is_empty()).then_some(Figure { n: values.len(), mean, half_width_95 })
+    }
+}
+
+/// Writes both tables into a folder.
+///
+/// # Errors
+/// What the folder refused.
+pub fn write(results: &Results, folder: &Path) -> Result<(), StudyError> {
+    write_file(&folder.join("cells.csv"), cells(results).as_bytes())?;
+    write_file(&folder.join("summary.csv"), summary(results).as_bytes())
+}
+
+/// One row a cell and measure; the GPU time of each pass is the measure `gpu-ms/PASS`.
+fn cells(results: &Results) -> String {
+    let mut lines = Lines::new(results, &["seed", "measure", "value", "unit", "outcome", "chosen", "note"]);
+    for cell in &results.cells {
+        let outcome = match &cell.outcome {
+            Outcome::Done => "done".to_owned(),
+            Outcome::Failed { error } => format!("failed: {error}"),
+        };
+        let chosen: Vec<String> = cell.chosen.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let (seed, chosen, note) = (cell.seed.to_string(), chosen.join(" "), cell.notes.join("; "));
+        let measures = results.study.measures.iter().map(|info| {
+            let value = cell.measures.get(&info.key).copied().flatten();
+            (info.key.clone(), value, info.unit.as_str())
+        });
+        let passes =
+            cell.passes.iter().map(|time| (format!("gpu-ms/{}", time.pass), Some(time.gpu_ms), "ms"));
+        for (measure, value, unit) in measures.chain(passes) {
+            let value = value.map(|value| value.to_string()).unwrap_or_default();
+            lines.push(cell, &[&seed, &measure, &value, unit, &outcome, &chosen, &note]);
+        }
+    }
+    lines.text
+}
+
+fn summary(results: &Results) -> String {
+    let mut lines = Lines::new(results, &["measure", "unit", "seeds", "mean", "half_width_95"]);
+    for row in results.rows() {
+        for info in &results.study.measures {
+            let figure = row.figure(&info.key);
+            let text = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+            let seeds = figure.map_or(0, |figure| figure.n).to_string();
+            let mean = text(figure.map(|figure| figure.mean));
+            let half = text(figure.and_then(|figure| figure.half_width_95));
+            if let Some(cell) = row.cells.first() {
+                lines.push(cell, &[&info.key, &info.unit, &seeds, &mean, &half]);
+            }
+        }
+    }
+    lines.text
+}
+
+/// Rows that begin with scene, pipeline and axes.
+struct Lines<'a> {
+    axes: Vec<&'a str>,
+    text: String,
+}
+
+impl<'a> Lines<'a> {
+    fn new(results: &'a Results, columns: &[&str]) -> Lines<'a> {
+        let axes: Vec<&str> = results.study.axes.iter().map(|axis| axis.name.as_str()).collect();
+        let head: Vec<&str> = ["scene", "pipeline"].iter().chain(&axes).chain(columns).copied().collect();
+        let mut lines = Lines { axes, text: String::new() };
+        lines.line(&head);
+        lines
+    }
+
+    fn push(&mut self, cell: &Cell, fields: &[&str]) {
+        let value = |axis: &&str| cell.axes.get(*axis).map(ToString::to_string).unwrap_or_default();
+        let axes: Vec<String> = self.axes.iter().map(value).collect();
+        let head = [cell.scene.as_str(), cell.pipeline.as_str()];
+        let row: Vec<&str> =
+            head.into_iter().chain(axes.iter().map(String::as_str)).chain(fields.iter().copied()).collect();
+        self.line(&row);
+    }
+
+    fn line(&mut self, fields: &[&str]) {
+        let fields: Vec<String> = fields.iter().map(|field| quoted(field)).collect();
+        self.text.push_str(&fields.join(","));
+        self.text.push('\n');
+    }
+}
+
+/// A field of a CSV file (RFC 4180); line breaks become spaces, so that a row is a line.
+fn quoted(field: &str) -> String {
+    let field = field.replace(['\r', '\n'], " ");
+    if field.contains([',', '"']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn fields_that_need_quotes_have_them() {
+        assert_eq!(quoted("W/(m² sr)"), "W/(m² sr)");
+        assert_eq!(quoted("a, \"b\"\nc"), "\"a, \"\"b\"\" c\"");
+    }
+}

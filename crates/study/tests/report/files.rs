@@ -1,0 +1,96 @@
+//! The files beside the page.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::sample;
+
+/// Every file below a folder with its bytes, by relative path.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let name = path.strip_prefix(folder).expect("below").to_string_lossy().into_owned();
+                found.insert(name, std::fs::read(&path).expect("a file"));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn the_same_results_give_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = sample::with_pictures(folder.path());
+    let files = study::report(&results, folder.path()).expect("a report");
+    let first = contents(folder.path());
+    for file in &files {
+        let name = file.strip_prefix(folder.path()).expect("in the folder").to_string_lossy();
+        assert!(first.contains_key(&*name), "{name}");
+    }
+    assert!(first.keys().all(|name| !name.contains(".part")), "what was half written is gone");
+    study::report(&results, folder.path()).expect("a report");
+    assert!(first == contents(folder.path()));
+}
+
+#[test]
+fn the_page_holds_the_figures_as_they_are_in_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    study::report(&sample::results(), folder.path()).expect("a report");
+    let files = contents(folder.path());
+    let page = String::from_utf8(files["report.html"].clone()).expect("text");
+    let figures: Vec<&String> = files.keys().filter(|name| name.starts_with("figures/")).collect();
+    // Three errors over time, five measures over two axes with the other one fixed, passes, memory; two scenes.
+    assert_eq!(figures.len(), 2 * (3 + 5 * 5 + 2), "{figures:?}");
+    for name in figures {
+        let svg = std::str::from_utf8(&files[name]).expect("text");
+        assert!(page.contains(svg), "{name}");
+        // Alone it has all it needs.
+        assert!(!svg.contains("var(") && svg.contains("fill=\"#") && svg.contains("xmlns="), "{name}");
+    }
+    for link in ["http://", "https://"] {
+        let outside = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!outside.contains(link), "the page points outside by {link}");
+    }
+}
+
+#[test]
+fn the_order_of_the_cells_does_not_matter() {
+    let mut results = sample::results();
+    let folders = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+    study::report(&results, folders[0].path()).expect("a report");
+    results.cells.reverse();
+    study::report(&results, folders[1].path()).expect("a report");
+    let [first, second] = folders.map(|folder| contents(folder.path()));
+    assert!(first == second);
+}
+
+#[test]
+fn figures_and_tables() {
+    let folder = tempfile::tempdir().expect("a folder");
+    study::report(&sample::results(), folder.path()).expect("a report");
+    let files = contents(folder.path());
+    for name in ["tables/cornell-box.md", "tables/cornell-box.tex", "figures/cornell-box-rel-mse-time.svg"] {
+        let text = std::str::from_utf8(&files[name]).expect("text");
+        let snapshot = name.rsplit('/').next().expect("a name");
+        insta::with_settings!({ prepend_module_to_snapshot => false, snapshot_path => "../snapshots", omit_expression => true }, {
+            insta::assert_snapshot!(snapshot, text);
+        });
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // A file where a folder has to be.
+    let place = folder.path().join("study");
+    std::fs::write(&place, "").expect("a file");
+    let error = study::report(&sample::results(), &place).expect_err("no folder");
+    let text = error.to_string();
+    assert!(text.contains("study/figures: cannot make the folder"), "{text}");
+}

@@ -1,0 +1,7 @@
+//! The report, from made-up results to what a reader sees in a browser.
+
+mod browser;
+mod files;
+mod odd;
+mod page;
+mod sample;

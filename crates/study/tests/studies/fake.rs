@@ -1,0 +1,215 @@
+//! A laboratory whose pictures and times are closed forms.
+
+use frame_graph::{Settable, Setting, Source, Value, ValueType};
+use metrics::Image;
+use metrics::temporal::Pinhole;
+use std::collections::BTreeMap;
+use std::path::Path;
+use study::{
+    AxisValue, CellRun, Event, Identity, Laboratory, Memory, Observed, Occluded, PipelineFacts, Plan, Ran,
+    Registry, RunOptions, RunRequest, SceneFacts, SceneRecord, Study, StudyError, Values,
+};
+
+/// What there is: `box` stands still, `walk` moves. `fast` has `lights` and `map`; `exact` has `lights`; `broken`
+/// fails; `nan` gives one pixel that is no number; `truth` accumulates.
+pub(crate) struct Shelf;
+
+/// Error of a picture of `fast` is ±`1 / lights`, by the seed, about a bias of 0.5 / `lights`.
+pub(crate) const TRUTH: f32 = 2.0;
+
+fn whole(name: &str, default: u32, one_of: &[u32]) -> Settable {
+    let one_of = one_of.iter().map(|value| Value::U32(*value)).collect();
+    let setting = Setting {
+        name: name.to_owned(),
+        ty: ValueType::U32,
+        default: Value::U32(default),
+        min: Some(1.0),
+        max: Some(4096.0),
+        one_of,
+        unit: String::new(),
+        doc: format!("Number of {name}"),
+    };
+    Settable { path: name.to_owned(), setting, value: Value::U32(default) }
+}
+
+impl Registry for Shelf {
+    fn scenes(&self) -> Vec<String> {
+        vec!["box".to_owned(), "walk".to_owned()]
+    }
+
+    fn scene(&self, name: &str) -> Result<SceneFacts, String> {
+        if !self.scenes().contains(&name.to_owned()) {
+            return Err(format!("there is no scene `{name}`"));
+        }
+        Ok(SceneFacts {
+            record: SceneRecord {
+                name: name.to_owned(),
+                about: String::new(),
+                hash: "0".to_owned(),
+                triangles: 2,
+            },
+            moves: name == "walk",
+            seconds_per_frame: 0.5,
+            small_length: 1e-6,
+        })
+    }
+
+    fn pipelines(&self) -> Vec<String> {
+        ["broken", "exact", "fast", "nan", "truth"].map(str::to_owned).to_vec()
+    }
+
+    fn pipeline(&self, name: &str) -> Result<PipelineFacts, String> {
+        let settings = match name {
+            "fast" | "nan" => vec![whole("lights", 64, &[]), whole("map", 32, &[32, 64])],
+            "exact" | "broken" => vec![whole("lights", 64, &[])],
+            "truth" => vec![whole("samples", 16, &[])],
+            _ => return Err(format!("there is no pipeline `{name}`")),
+        };
+        let outputs: &[&str] =
+            if name == "truth" { &["indirect", "progress"] } else { &["image", "indirect"] };
+        Ok(PipelineFacts {
+            about: format!("The pipeline {name}"),
+            paper: String::new(),
+            outputs: outputs.iter().map(|output| (*output).to_owned()).collect(),
+            settings,
+        })
+    }
+
+    fn differences(&self, first: (&str, &Values), second: (&str, &Values)) -> Vec<String> {
+        if first == second { Vec::new() } else { vec![format!("{} is not {}", second.0, first.0)] }
+    }
+}
+
+/// Renders by formulas, and keeps what it was asked.
+#[derive(Default)]
+pub(crate) struct Fake {
+    /// Pipelines of the requests that ran, probes too.
+    pub(crate) ran: Vec<RunRequest>,
+    /// The device is gone after so many runs.
+    pub(crate) dies_after: Option<usize>,
+    /// Part of every identity: stands for edits of shaders.
+    pub(crate) shaders: BTreeMap<String, u128>,
+    /// Whether `truth` fails.
+    pub(crate) no_truth: bool,
+}
+
+pub(crate) fn number(request: &RunRequest, path: &str, default: f64) -> f64 {
+    let value = request.set.iter().rev().find(|(name, _)| name == path).map(|(_, value)| value);
+    match value {
+        Some(AxisValue::Number(number)) => *number,
+        _ => default,
+    }
+}
+
+impl Laboratory for Fake {
+    fn adapter(&self) -> String {
+        "paper and pencil".to_owned()
+    }
+
+    fn identity(&mut self, request: &RunRequest) -> Result<Identity, String> {
+        let shader = self.shaders.get(&request.pipeline).copied().unwrap_or_default();
+        Ok(Identity { hash: shader })
+    }
+
+    fn run(
+        &mut self,
+        request: &RunRequest,
+        observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+    ) -> Result<CellRun, String> {
+        if self.dies_after.is_some_and(|runs| self.ran.len() >= runs) {
+            panic!("killed");
+        }
+        self.ran.push(request.clone());
+        if request.pipeline == "broken" || (request.pipeline == "truth" && self.no_truth) {
+            return Err("the device was lost".to_owned());
+        }
+        let lights = number(request, "lights", 64.0);
+        let per_light = if request.pipeline == "exact" { 0.1 } else { 0.01 };
+        let ms = 2.0 + per_light * lights;
+        let sign = if request.seed.is_multiple_of(2) { -1.0 } else { 1.0 };
+        let error = if request.pipeline == "truth" { 0.0 } else { (0.5 + sign) / lights };
+        let first =
+            if request.until_done { request.first_frame } else { request.first_frame + request.warm_up };
+        let mut spent = 0.0;
+        for frame in first..first + if request.until_done { 1 } else { request.frames } {
+            // The light of `walk` grows by the number of the frame.
+            let truth = if request.scene == "walk" { TRUTH + frame as f32 } else { TRUTH };
+            let (width, height) = (request.size.0 as usize, request.size.1 as usize);
+            let mut pixels =
+                vec![[truth + error as f32, truth + error as f32, truth + error as f32, 1.0]; width * height];
+            if request.pipeline == "nan" {
+                pixels[0][1] = f32::NAN;
+            }
+            observe(Observed {
+                frame,
+                image: Image::new(width, height, pixels).unwrap(),
+                passes: if request.timed {
+                    vec![("view".to_owned(), 2.0), ("gather".to_owned(), ms - 2.0)]
+                } else {
+                    Vec::new()
+                },
+                depth: request
+                    .views
+                    .then(|| Image::new(width, height, vec![[1.0; 4]; width * height]).unwrap()),
+                normal: None,
+                camera: camera(),
+                lights: None,
+                irradiance: None,
+            })?;
+            spent += ms;
+            if request.stop_after_ms.is_some_and(|most| spent >= most) {
+                break;
+            }
+        }
+        Ok(CellRun {
+            memory: Memory { unshared: 4 << 20, shared: 3 << 20, bound: 2 << 20, held: 3 << 20 },
+            provenance: format!("{{\"pipeline\":\"{}\"}}", request.pipeline),
+            parameters: BTreeMap::new(),
+            noise: (request.pipeline == "truth").then_some(1e-6),
+        })
+    }
+
+    fn occluded(&mut self, _scene: &str, _frame: u32) -> Result<Occluded, String> {
+        Ok(Box::new(|_, _| false))
+    }
+}
+
+fn camera() -> Pinhole {
+    Pinhole {
+        position: [0.0; 3],
+        right: [1.0, 0.0, 0.0],
+        up: [0.0, 1.0, 0.0],
+        back: [0.0, 0.0, 1.0],
+        half_extent: [1.0, 1.0],
+    }
+}
+
+/// A study with these fields beside scene, pipelines and size.
+pub(crate) fn study(fields: &str) -> Study {
+    let text = format!("Study(scenes: [\"box\"], pipelines: [\"fast\"], size: (8, 4), {fields})");
+    study::parse(Source::new("studies/test.ron", text)).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+pub(crate) fn plan(study: Study) -> Plan {
+    Plan::new(study, &Shelf).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+pub(crate) fn run(plan: &Plan, lab: &mut Fake, folder: &Path) -> Result<Ran, StudyError> {
+    study::run(plan, lab, folder, &RunOptions::default(), &mut |_| {})
+}
+
+/// What is told while a study runs, as lines.
+pub(crate) fn told(plan: &Plan, lab: &mut Fake, folder: &Path, options: &RunOptions) -> Vec<String> {
+    let mut lines = Vec::new();
+    let ran = study::run(plan, lab, folder, options, &mut |event| {
+        lines.push(match event {
+            Event::Begin { cells, finished, stale } => format!("begin {cells} {finished} {stale}"),
+            Event::Reference { name } => format!("reference {name}"),
+            Event::Cell { name } => format!("cell {name}"),
+            Event::Ended { ended, .. } => format!("ended {ended}"),
+            Event::Note(note) => format!("note {note}"),
+        });
+    });
+    ran.unwrap_or_else(|error| panic!("{error}"));
+    lines
+}

@@ -1,0 +1,204 @@
+//! Running, going on, parts.
+
+use super::fake::{Fake, plan, run, study, told};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::time::SystemTime;
+use study::{Outcome, Results, RunOptions, Shard};
+
+const SWEEP: &str = "vary: Grid({ \"lights\": [16, 64, 256] }), seeds: 2, budget: Frames(3),
+    measures: [\"rmse\", \"energy\", \"bias2\", \"variance\", \"gpu-ms\", \"memory\"], reference: Pipeline(pipeline: \"truth\")";
+
+fn close(found: Option<f64>, expected: f64) {
+    let found = found.expect("a value");
+    assert!((found - expected).abs() < 1e-6 * expected.abs().max(1.0), "{found} is not {expected}");
+}
+
+#[test]
+fn measures_are_those_of_the_closed_forms() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = run(&plan(study(SWEEP)), &mut Fake::default(), folder.path()).unwrap();
+    assert_eq!((ran.run, ran.failed, ran.results.cells.len()), (6, 0, 6));
+    for cell in &ran.results.cells {
+        let lights = cell.axes["lights"].to_string().parse::<f64>().unwrap();
+        let error: f64 = if cell.seed == 1 { 1.5 / lights } else { -0.5 / lights };
+        close(cell.measures["rmse"], error.abs());
+        close(cell.measures["energy"], 1.0 + error / 2.0);
+        close(cell.measures["gpu-ms"], 2.0 + 0.01 * lights);
+        close(cell.measures["memory"], 3.0);
+        assert_eq!((cell.frames, cell.passes.len()), (3, 2));
+        // Of e₁ = 1.5 and e₂ = −0.5 over the lights: variance Σ (e − 0.5)² / 1 = 2, bias² = 0.25 − 2 / 2.
+        if cell.seed == 1 {
+            close(cell.measures["variance"], 2.0 / (lights * lights));
+            close(cell.measures["bias2"], -0.75 / (lights * lights));
+        } else {
+            assert_eq!((cell.measures["variance"], cell.measures["bias2"]), (None, None));
+        }
+        for image in [&cell.images.image, &cell.images.flip, &cell.images.reference] {
+            assert!(folder.path().join(image.as_ref().unwrap()).is_file());
+        }
+    }
+    let reference = &ran.results.study.references[0];
+    assert_eq!((reference.noise, reference.from.as_str()), (Some(1e-6), "pipeline truth"));
+    assert_eq!(Results::read(folder.path()).unwrap(), ran.results);
+}
+
+/// Every file of a folder with the time of its last change.
+fn times(folder: &Path) -> BTreeMap<String, SystemTime> {
+    let entry = |entry: fs::DirEntry| {
+        (entry.file_name().to_string_lossy().into_owned(), entry.metadata().unwrap().modified().unwrap())
+    };
+    fs::read_dir(folder).unwrap().flatten().map(entry).collect()
+}
+
+fn without_times(mut results: Results) -> Results {
+    results.study.started.clear();
+    results.study.references.iter_mut().for_each(|reference| reference.seconds = 0.0);
+    results.cells.iter_mut().for_each(|cell| cell.seconds = 0.0);
+    results
+}
+
+#[test]
+fn a_study_goes_on_where_it_was_killed() {
+    let plan = plan(study(SWEEP));
+    let whole = tempfile::tempdir().unwrap();
+    let expected = run(&plan, &mut Fake::default(), whole.path()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    // One run for the reference, three for cells, then the end.
+    let killed = std::panic::catch_unwind(|| {
+        run(&plan, &mut Fake { dies_after: Some(4), ..Fake::default() }, folder.path()).map(|_| ())
+    });
+    assert!(killed.is_err());
+    fs::write(folder.path().join("cells/.lightloom-x.part"), "half").unwrap();
+    let before = times(&folder.path().join("cells"));
+    assert_eq!(before.len(), 4, "three cells and a rest: {before:?}");
+    let mut lab = Fake::default();
+    let ran = run(&plan, &mut lab, folder.path()).unwrap();
+    assert_eq!((ran.run, lab.ran.len()), (3, 3), "neither cells nor the reference are run again");
+    let after = times(&folder.path().join("cells"));
+    assert_eq!(after.len(), 6);
+    for (name, time) in before.iter().filter(|(name, _)| name.ends_with(".json")) {
+        assert_eq!(after[name], *time, "{name} was written again");
+    }
+    assert_eq!(without_times(ran.results), without_times(expected.results));
+}
+
+#[test]
+fn an_edit_runs_what_it_touches() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&plan(study(SWEEP)), &mut Fake::default(), folder.path()).unwrap();
+    // Another value: two new cells, of two seeds; two are of this study no more.
+    let edited = plan(study(&SWEEP.replace("256", "128")));
+    let lines = told(&edited, &mut Fake::default(), folder.path(), &RunOptions::default());
+    assert_eq!(lines[0], "begin 6 4 2");
+    assert_eq!(Results::read(folder.path()).unwrap().cells.len(), 6);
+    // A shader of the pipeline: all cells, but not the reference.
+    let mut lab = Fake { shaders: BTreeMap::from([("fast".to_owned(), 1)]), ..Fake::default() };
+    let lines = told(&edited, &mut lab, folder.path(), &RunOptions::default());
+    assert_eq!(lines[0], "begin 6 0 8");
+    assert!(lab.ran.iter().all(|request| request.pipeline == "fast"), "{:?}", lab.ran);
+    // Of the reference: the cells that it judges.
+    let mut lab = Fake { shaders: BTreeMap::from([("truth".to_owned(), 1)]), ..Fake::default() };
+    assert_eq!(told(&edited, &mut lab, folder.path(), &RunOptions::default())[0], "begin 6 0 14");
+}
+
+#[test]
+fn parts_join_to_the_whole() {
+    let plan = plan(study(SWEEP));
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let whole = run(&plan, &mut Fake::default(), &at("whole")).unwrap();
+    let shared = at("shared");
+    let mut references = 0;
+    for part in 1..=2 {
+        let options = RunOptions {
+            shard: Some(Shard { part, parts: 2 }),
+            references: Some(shared.clone()),
+            ..RunOptions::default()
+        };
+        let mut lab = Fake::default();
+        let lines = told(&plan, &mut lab, &at(&format!("part-{part}")), &options);
+        assert_eq!(lines[0], "begin 3 0 0");
+        references += lab.ran.iter().filter(|request| request.pipeline == "truth").count();
+    }
+    assert_eq!(references, 1, "the second part takes the reference of the first");
+    let merged = study::merge(&[at("part-1"), at("part-2")], &at("merged")).unwrap();
+    assert_eq!(without_times(merged), without_times(whole.results));
+    for table in ["cells.csv", "summary.csv"] {
+        let read = |name: &str| fs::read_to_string(at(name).join(table)).unwrap();
+        assert_eq!(read("merged"), read("whole"));
+    }
+    // Into one of the parts too.
+    assert_eq!(study::merge(&[at("part-1"), at("part-2")], &at("part-1")).unwrap().cells.len(), 6);
+}
+
+#[test]
+fn what_does_not_belong_together_is_not_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    run(&plan(study(SWEEP)), &mut Fake::default(), &at("a")).unwrap();
+    run(&plan(study(&SWEEP.replace("256", "128"))), &mut Fake::default(), &at("b")).unwrap();
+    let error = study::merge(&[at("a"), at("b")], &at("c")).unwrap_err().to_string();
+    assert!(error.contains("values differ") && error.contains("b: not a part"), "{error}");
+    let text = fs::read_to_string(at("b/study.json")).unwrap().replace("paper and pencil", "abacus");
+    fs::write(at("b/study.json"), text).unwrap();
+    let error = study::merge(&[at("a"), at("b")], &at("c")).unwrap_err().to_string();
+    assert!(error.contains("the adapter is abacus, not paper and pencil"), "{error}");
+    let error = study::merge(&[at("a"), at("nowhere")], &at("c")).unwrap_err().to_string();
+    assert!(error.contains("there is no study here"), "{error}");
+}
+
+#[test]
+fn shards_are_read_strictly() {
+    assert_eq!("2/8".parse(), Ok(Shard { part: 2, parts: 8 }));
+    for wrong in ["0/2", "3/2", "1", "a/b", "1/0", "-1/2"] {
+        assert!(wrong.parse::<Shard>().unwrap_err().contains("i/n"), "{wrong}");
+    }
+}
+
+#[test]
+fn a_walk_is_judged_frame_by_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut walk = study(
+        "budget: Frames(4), warm_up: 2, first_frame: 3, jump: 6, seeds: [2], reference: Pipeline(pipeline: \"truth\"),
+         measures: [\"rmse\", \"normalised-rmse\", \"e\", \"e-prime\", \"tid\", \"lag\", \"static-deviation\"]",
+    );
+    walk.edit(&study::Edits { scenes: vec!["walk".to_owned()], ..Default::default() });
+    let mut lab = Fake::default();
+    let ran = run(&plan(walk), &mut lab, folder.path()).unwrap();
+    // A reference each of the frames 5 to 8, at a time that stands still.
+    let frames: Vec<u32> =
+        lab.ran.iter().filter(|request| request.until_done).map(|request| request.first_frame).collect();
+    assert_eq!(frames, [5, 6, 7, 8]);
+    let cell = &ran.results.cells[0];
+    // Seed 2: an error of −0.5 / 64 beside 7, 8, 9, 10.
+    let error = 0.5 / 64.0;
+    close(cell.measures["rmse"], error);
+    close(cell.measures["normalised-rmse"], error * (1.0 / 7.0 + 1.0 / 8.0 + 1.0 / 9.0 + 1.0 / 10.0) / 4.0);
+    let shown = |x: f64| x / (1.0 + x);
+    let errors: Vec<f64> = (7..=10).map(|n| shown(f64::from(n) - error) - shown(f64::from(n))).collect();
+    let mean_error = errors.iter().map(|e| e.abs()).sum::<f64>() / 4.0;
+    assert!((cell.measures["e"].unwrap() / mean_error - 1.0).abs() < 1e-2, "{:?}", cell.measures);
+    let change = errors.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.5).sum::<f64>() / 3.0;
+    assert!((cell.measures["e-prime"].unwrap() / change - 1.0).abs() < 2e-2, "{:?}", cell.measures);
+    // Every pixel grows by 1 a frame.
+    close(cell.measures["tid"], 1.0);
+    assert_eq!(cell.measures["static-deviation"], None, "nothing stands still");
+    assert_eq!(cell.images.reference.as_deref().map(|name| name.ends_with("-0008.exr")), Some(true));
+}
+
+#[test]
+fn a_reference_follows_what_it_is_told_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let follows = "vary: Grid({ \"lights\": [16, 64] }), seeds: 2, measures: [\"rmse\"],
+        reference: Pipeline(pipeline: \"exact\", follow: [\"lights\", \"seed\"])";
+    let mut lab = Fake::default();
+    let ran = run(&plan(study(follows)), &mut lab, folder.path()).unwrap();
+    assert_eq!(ran.results.study.references.len(), 4);
+    assert!(lab.ran.iter().filter(|request| request.pipeline == "exact").all(|request| request.frames == 1));
+    // Lights and seed are those of the reference, and so is the error.
+    for cell in &ran.results.cells {
+        assert_eq!((cell.outcome.clone(), cell.measures["rmse"]), (Outcome::Done, Some(0.0)));
+    }
+}

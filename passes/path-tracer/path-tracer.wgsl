@@ -1,0 +1,283 @@
+// Paths from the camera with next-event estimation: the truth that others are measured by.
+//
+// A path leaves a point of a pixel, and at each surface collects what the lights of the scene give there. Light that
+// was reflected once is direct; after k more reflections it is of the k-th bounce. What surfaces emit is collected
+// where paths meet them.
+//
+// Sums over all samples, one texel a pixel; the count of samples is in the buffer `samples_progress`:
+//   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: squared luminance, for the estimate
+//   samples_direct: radiance reflected once; alpha: samples that saw something
+//   samples_indirect: radiance of bounces 1 to `bounces`
+//   samples_irradiance: indirect irradiance of the surface seen [W/m²]; alpha: luminance of what the clamp removed
+
+#option GLOSSY false // whether anything reflects other than diffusely
+#option PAST false // whether there are samples of earlier frames
+
+#import "camera.wgsl"
+#import "color.wgsl"
+#import "incident-light.wgsl"
+#import "path-progress.wgsl"
+#import "path-vertex.wgsl"
+#import "sobol.wgsl"
+#import "tangent-frame.wgsl"
+#if GLOSSY
+#import "ggx.wgsl"
+#endif
+
+struct Settings {
+    samples_size: vec2<u32>,
+    seed: u32,
+    bounces: u32,
+    samples: u32,
+    samples_per_frame: u32,
+    clamp: f32,
+    /// 1 where a pixel is the mean over its square, 0 where it is its centre.
+    over_square: u32,
+    /// 1 where direct and emitted light is wanted.
+    direct: u32,
+    /// 1 where anything emits.
+    emissive: u32,
+}
+
+var<uniform> settings: Settings;
+#if PAST
+var past_image: texture_2d<f32>;
+var past_direct: texture_2d<f32>;
+var past_indirect: texture_2d<f32>;
+var past_irradiance: texture_2d<f32>;
+var<storage, read> past_progress: Progress;
+#endif
+var samples_image: texture_storage_2d<rgba32float, write>;
+var samples_direct: texture_storage_2d<rgba32float, write>;
+var samples_indirect: texture_storage_2d<rgba32float, write>;
+var samples_irradiance: texture_storage_2d<rgba32float, write>;
+
+/// What a path brings.
+struct Sample {
+    direct: vec3<f32>,
+    indirect: vec3<f32>,
+    emitted: vec3<f32>,
+    /// Indirect irradiance at the surface seen [W/m²].
+    irradiance: vec3<f32>,
+    /// Luminance of the irradiance that the clamp removed [W/m²].
+    removed: f32,
+    seen: f32,
+}
+
+// Sequences of two numbers each; two for every surface of a path.
+const PIXEL: u32 = 0u;
+const DIRECTION: u32 = 1u;
+const LOBE: u32 = 2u;
+
+/// Beyond every scene, and finite.
+const FAR: f32 = 3.0e38;
+
+@compute @workgroup_size(8, 8)
+fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= settings.samples_size) {
+        return;
+    }
+    var image = vec4(0.0);
+    var direct = vec4(0.0);
+    var indirect = vec4(0.0);
+    var irradiance = vec4(0.0);
+    var first = 0u;
+    var count = settings.samples_per_frame;
+#if PAST
+    image = textureLoad(past_image, id.xy, 0);
+    direct = textureLoad(past_direct, id.xy, 0);
+    indirect = textureLoad(past_indirect, id.xy, 0);
+    irradiance = textureLoad(past_irradiance, id.xy, 0);
+    first = past_progress.samples;
+    count = select(count, 0u, past_progress.done != 0u);
+#endif
+    count = min(count, settings.samples - min(first, settings.samples));
+    let pixel_seed = hash2(settings.seed, id.y * settings.samples_size.x + id.x);
+    for (var s = 0u; s < count; s++) {
+        let sample = path(id.xy, first + s, pixel_seed);
+        let whole = sample.direct + sample.indirect + sample.emitted;
+        // Far below the root of the greatest float: the sum of squares stays finite at any intensity.
+        let bounded = min(luminance(whole), 1e16);
+        image += vec4(whole, bounded * bounded);
+        direct += vec4(sample.direct, sample.seen);
+        indirect += vec4(sample.indirect, 0.0);
+        irradiance += vec4(sample.irradiance, sample.removed);
+    }
+    textureStore(samples_image, id.xy, image);
+    textureStore(samples_direct, id.xy, direct);
+    textureStore(samples_indirect, id.xy, indirect);
+    textureStore(samples_irradiance, id.xy, irradiance);
+}
+
+fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
+    var sample: Sample;
+    var within = vec2(0.5);
+    if settings.over_square != 0u {
+        within = sobol2_of(index, hash2(pixel_seed, PIXEL));
+    }
+    var origin = camera.position;
+    var direction = view_ray(vec2<f32>(pixel) + within);
+    // The ray has length 1 along the viewing axis, where the near plane is measured.
+    var hit = trace(origin, direction, camera.near, FAR);
+    if hit.triangle == NO_HIT {
+        return sample;
+    }
+    direction = normalize(direction);
+    var vertex = path_vertex(hit, direction);
+    sample.seen = 1.0;
+    if settings.direct != 0u {
+        sample.emitted = vertex.surface.emission;
+    }
+    // The share of light that arrives along the path and reaches the camera; the same without the first reflection,
+    // for the irradiance; and what the clamp leaves of both.
+    var throughput = vec3(1.0);
+    var arriving = vec3(1.0);
+    var kept = 1.0;
+    for (var bounce = 0u; bounce <= settings.bounces; bounce++) {
+        if bounce > 0u {
+            collect(&sample, throughput, arriving, kept, reflected_light(vertex, -direction));
+        } else if settings.direct != 0u {
+            sample.direct += reflected_light(vertex, -direction);
+        }
+        // One more segment is for what paths meet that emits.
+        if bounce == settings.bounces && settings.emissive == 0u {
+            break;
+        }
+        let scattered = scatter(vertex, -direction, index, hash2(pixel_seed, 2u * bounce + DIRECTION),
+            hash2(pixel_seed, 2u * bounce + LOBE));
+        if !any(scattered.weight > vec3(0.0)) {
+            break;
+        }
+        throughput *= scattered.weight;
+        // Over the cosine the mean of π times the radiance that arrives is the irradiance.
+        arriving = select(arriving * scattered.weight, vec3(PI * scattered.cosine_share), bounce == 0u);
+        origin = offset_origin(vertex.position, facing(vertex.geometric, scattered.direction));
+        hit = trace(origin, scattered.direction, 0.0, FAR);
+        if hit.triangle == NO_HIT {
+            break;
+        }
+        let from_point = vertex.position;
+        direction = scattered.direction;
+        vertex = path_vertex(hit, direction);
+        if bounce > 0u {
+            collect(&sample, throughput, arriving, kept, vertex.surface.emission);
+        } else if settings.direct != 0u {
+            sample.direct += throughput * vertex.surface.emission;
+        }
+        if bounce == 0u && settings.clamp > 0.0 {
+            // SMC-IR §5.4: the first segment's geometry term is bounded as a virtual light's is; segments that end on
+            // a light are not.
+            let offset = (vertex.position - from_point) / (settings.clamp * scene_info.extent);
+            kept = min(dot(offset, offset), 1.0);
+        }
+    }
+    return sample;
+}
+
+/// Adds indirect radiance that leaves the last surface of a path.
+fn collect(sample: ptr<function, Sample>, throughput: vec3<f32>, arriving: vec3<f32>, kept: f32, radiance: vec3<f32>) {
+    (*sample).indirect += throughput * radiance * kept;
+    (*sample).irradiance += arriving * radiance * kept;
+    (*sample).removed += luminance(arriving * radiance) * (1.0 - kept);
+}
+
+/// The normal on the side of a direction.
+fn facing(normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
+    return select(normal, -normal, dot(normal, direction) < 0.0);
+}
+
+/// What a surface reflects of the lights of the scene [W/(m² sr)]. `leaving` goes where the path came from, unit.
+fn reflected_light(vertex: PathVertex, leaving: vec3<f32>) -> vec3<f32> {
+    var radiance = vec3(0.0);
+    for (var i = 0u; i < scene_lights.count; i++) {
+        let light = scene_lights.lights[i];
+        let incident = incident_light(light, vertex.position);
+        let to_light = -incident.direction;
+        let irradiance = incident.irradiance * dot(vertex.normal, to_light);
+        if !any(irradiance > vec3(0.0)) {
+            continue;
+        }
+        let origin = offset_origin(vertex.position, facing(vertex.geometric, to_light));
+        var shadowed: bool;
+        if light.kind == LIGHT_DIRECTIONAL {
+            shadowed = occluded(origin, to_light, 0.0, FAR);
+        } else {
+            // To just before the light: one that hangs on a surface shines from it.
+            shadowed = occluded(origin, light.position - origin, 0.0, 0.9999);
+        }
+        if !shadowed {
+            radiance += reflectance(vertex, to_light, leaving) * irradiance;
+        }
+    }
+    return radiance;
+}
+
+/// The bidirectional reflectance [1/sr].
+fn reflectance(vertex: PathVertex, to_light: vec3<f32>, leaving: vec3<f32>) -> vec3<f32> {
+    var value = vertex.surface.albedo / PI;
+#if GLOSSY
+    if any(vertex.surface.specular > vec3(0.0)) {
+        value += ggx(vertex.normal, to_light, leaving, vertex.surface.specular, vertex.surface.roughness);
+    }
+#endif
+    return value;
+}
+
+struct Scattered {
+    direction: vec3<f32>,
+    /// Reflectance · cosine / density.
+    weight: vec3<f32>,
+    /// Cosine / (π · density): 1 where directions are drawn by the cosine alone.
+    cosine_share: f32,
+}
+
+/// A direction in which a surface may have received what it reflects.
+fn scatter(vertex: PathVertex, leaving: vec3<f32>, index: u32, direction_seed: u32, lobe_seed: u32) -> Scattered {
+    let square = sobol2_of(index, direction_seed);
+    let tangents = frame_from_normal(vertex.normal);
+    let radius = sqrt(square.x);
+    let angle = 2.0 * PI * square.y;
+    var local = vec3(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - square.x, 0.0)));
+#if GLOSSY
+    let diffuse = luminance(vertex.surface.albedo);
+    let specular = luminance(vertex.surface.specular);
+    let toward = leaving * tangents;
+    // Each surface takes both kinds of directions in proportion to what they reflect at normal incidence.
+    let share = select(0.0, specular / (diffuse + specular), specular > 0.0);
+    let alpha = max(vertex.surface.roughness * vertex.surface.roughness, 1e-3);
+    if sobol2_of(index, lobe_seed).x < share {
+        local = reflect(-toward, visible_normal(toward, alpha, square));
+    }
+    if local.z <= 0.0 {
+        return Scattered(vec3(0.0), vec3(0.0), 0.0);
+    }
+    let density = (1.0 - share) * local.z / PI + share * visible_normal_density(toward, local, alpha);
+    let direction = tangents * local;
+    let weight = reflectance(vertex, direction, leaving) * local.z / density;
+    return Scattered(direction, weight, local.z / (PI * density));
+#else
+    return Scattered(tangents * local, vertex.surface.albedo, 1.0);
+#endif
+}
+
+#if GLOSSY
+/// A normal of a GGX surface among those that are seen from a direction (Dupuy & Benyoub 2023). Local frame, unit.
+fn visible_normal(toward: vec3<f32>, alpha: f32, square: vec2<f32>) -> vec3<f32> {
+    let stretched = normalize(vec3(toward.xy * alpha, max(toward.z, 1e-3)));
+    let angle = 2.0 * PI * square.x;
+    let z = (1.0 - square.y) * (1.0 + stretched.z) - stretched.z;
+    let radius = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
+    let half_way = vec3(radius * cos(angle), radius * sin(angle), z) + stretched;
+    return normalize(vec3(half_way.xy * alpha, half_way.z));
+}
+
+/// Density [1/sr] of the direction that such a normal reflects to: D G₁ / (4 cosθ) (Heitz 2018).
+fn visible_normal_density(toward: vec3<f32>, to_light: vec3<f32>, alpha: f32) -> f32 {
+    let half_way = normalize(toward + to_light);
+    let a2 = alpha * alpha;
+    let spread = a2 * half_way.z * half_way.z + dot(half_way.xy, half_way.xy);
+    let cosine = max(toward.z, 1e-3);
+    // G₁ / cosθ = 2 / (cosθ + √(α² + (1 − α²) cos²θ))
+    return a2 / (PI * spread * spread) * 0.5 / (cosine + sqrt(a2 + (1.0 - a2) * cosine * cosine));
+}
+#endif

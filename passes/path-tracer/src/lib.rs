@@ -1,0 +1,146 @@
+//! The truth: paths from the camera with next-event estimation, accumulated from frame to frame.
+
+use pass::{
+    Compute, Define, Extent, Externals, Facts, Format, Info, KindError, OutputContext, OutputDesc, Pass,
+    Ports, RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, Usage, UseContext, Value,
+    optional, output,
+    setting::{self, SettingExt},
+};
+
+/// The kind `path-tracer`.
+pub const PASS: &dyn Pass = &PathTracer;
+
+/// A progressive path tracer.
+#[derive(Debug)]
+pub struct PathTracer;
+
+const PATHS: &str = "passes/path-tracer/path-tracer.wgsl";
+const ESTIMATE: &str = "passes/path-tracer/estimate.wgsl";
+const MEAN: &str = "passes/path-tracer/mean.wgsl";
+
+/// Textures of the sums, by member of `PathSamples`.
+const SUMS: [&str; 4] = ["image", "direct", "indirect", "irradiance"];
+
+/// Rays of a pixel in one dispatch, at most. A driver takes a dispatch that goes on for seconds for a hang, and
+/// lavapipe ends all loops of a thread after 65,535 rounds, of which a ray takes up to some hundreds.
+const RAYS: u32 = 128;
+
+/// Bytes of `Progress` in shaders/path-progress.wgsl.
+const PROGRESS_BYTES: u64 = 16;
+
+impl Pass for PathTracer {
+    fn info(&self) -> Info {
+        Info {
+            kind: "path-tracer",
+            about: "Path tracing with next-event estimation, accumulated until enough samples are there.",
+            paper: "SMC-IR §5.4",
+            shaders: &[PATHS, ESTIMATE, MEAN],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![
+            setting::u32(
+                "bounces",
+                3,
+                "Most reflections between the surface that a light shines on and the one that is seen: 0 is direct \
+                 light alone. Time grows with it.",
+            )
+            .range(0.0, 63.0),
+            setting::u32("samples", 1024, "Samples a pixel after which it stops. Error falls as N^-½ or better.")
+                .range(1.0, 16_777_216.0),
+            setting::u32(
+                "samples_per_frame",
+                4,
+                "Samples a pixel in one frame; fewer where these would be more than 128 rays. The picture is done in \
+                 fewer frames, each of which takes longer.",
+            )
+            .range(1.0, 64.0),
+            setting::f32(
+                "error",
+                0.0,
+                "Estimated relMSE of the whole picture at which it stops before all samples are there; 0 takes all.",
+            )
+            .range(0.0, 1e6),
+            setting::f32(
+                "clamp",
+                0.0,
+                "Length of a path's first indirect segment below which its geometry term grows no more, as a fraction \
+                 of the scene's extent; 0 is no bound. As in `gather`: what virtual lights converge to that are \
+                 clamped so.",
+            )
+            .range(0.0, 1.0),
+            setting::choice(
+                "filter",
+                &["box", "centre"],
+                "What a pixel is: the mean over its square, or what its centre sees, as in a G-buffer.",
+            ),
+            setting::choice("rays", &["bvh", "query"], "How rays are traced: by shaders, or by the adapter's ray queries, where it has them."),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![optional(
+                "past",
+                "PathSamples",
+                "The samples so far: `Prev` of the output `samples`. Without it each frame begins anew.",
+            )],
+            outputs: vec![
+                output("image", "Radiance", "All light."),
+                output("direct", "Radiance", "Light that was reflected once."),
+                output("indirect", "Radiance", "Light of bounces 1 to `bounces`."),
+                output("irradiance", "Irradiance", "Indirect irradiance where the camera sees a surface."),
+                output("samples", "PathSamples", "Sums over all samples so far."),
+            ],
+            externals: Externals::SCENE.and(Externals::CAMERA).and(Externals::LIGHTS),
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let texture = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::FRAME);
+        let sums = SUMS.iter().map(|name| ((*name).to_owned(), texture(), Usage::Overwrites));
+        let progress = ("progress".to_owned(), ResourceDesc::buffer(PROGRESS_BYTES), Usage::Overwrites);
+        let samples = OutputDesc {
+            port: "samples".into(),
+            scratch: false,
+            members: sums.chain([progress]).collect(),
+            facts: Facts::new(),
+        };
+        let means = SUMS.iter().map(|name| OutputDesc::one(name, texture()));
+        Ok(means.chain([samples]).collect())
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let size = cx.size("samples");
+        let past = ("PAST", Define::Bool(cx.connected("past")));
+        let of_scene = |define: &'static str, name: &str| (define, Define::Bool(cx.trait_bool(name)));
+        let defines = [
+            past.clone(),
+            of_scene("TEXTURED", "textured"),
+            of_scene("GLOSSY", "glossy"),
+            of_scene("MASKED", "masked"),
+        ];
+        let paths = cx.shader(PATHS, &defines);
+        let estimate = cx.shader(ESTIMATE, &[past]);
+        // A ray to each light and one onwards, at each surface.
+        let rays = (1 + cx.trait_u32("lights")) * (1 + cx.settings.u32("bounces"));
+        let at_once = Value::U32(cx.settings.u32("samples_per_frame").min((RAYS / rays).max(1)));
+        let paths = Compute::per_texel(paths, "trace_paths", size)
+            .value("samples_per_frame", at_once.clone())
+            .value("over_square", switch(cx.settings.text("filter") == "box"))
+            // What nobody reads is not worth a ray.
+            .value("direct", switch(cx.connected("image") || cx.connected("direct")))
+            .value("emissive", switch(cx.trait_bool("emissive")));
+        Ok(Recording::one(paths)
+            .then(
+                Compute::new(estimate, "estimate", Threads::Grid([1, 1, 1]))
+                    .value("samples_per_frame", at_once),
+            )
+            .then(Compute::per_texel(cx.shader(MEAN, &[]), "mean", size)))
+    }
+}
+
+fn switch(on: bool) -> Value {
+    Value::U32(u32::from(on))
+}

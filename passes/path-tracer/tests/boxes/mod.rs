@@ -1,0 +1,104 @@
+//! Rooms made of quads.
+
+use glam::{Vec3, Vec4};
+use scene::{Camera, Instance, LightKind, Material, Scene, Vertex};
+
+/// A parallelogram of one material.
+pub(crate) struct Quad {
+    pub(crate) corners: [[f32; 3]; 4],
+    material: u32,
+}
+
+pub(crate) fn quad(corner: [f32; 3], a: [f32; 3], b: [f32; 3], material: u32) -> Quad {
+    let [corner, a, b] = [corner, a, b].map(Vec3::from);
+    Quad { corners: [corner, corner + a, corner + a + b, corner + b].map(|at| at.to_array()), material }
+}
+
+pub(crate) fn matte(albedo: [f64; 3], emission: [f64; 3]) -> Material {
+    let [r, g, b] = albedo.map(|x| x as f32);
+    Material {
+        base_color: Vec4::new(r, g, b, 1.0),
+        emission: Vec3::from(emission.map(|x| x as f32)),
+        ..Material::default()
+    }
+}
+
+/// The scene `plane`, with this in place of its square, and its light off.
+pub(crate) fn room(quads: &[Quad], materials: Vec<Material>) -> Scene {
+    let mut scene = pass_test::scene("plane");
+    scene.materials = materials;
+    (scene.vertices, scene.indices) = (Vec::new(), Vec::new());
+    for quad in quads {
+        let first = scene.vertices.len() as u32;
+        let [a, b, _, d] = quad.corners.map(Vec3::from);
+        let normal = (b - a).cross(d - a).normalize().to_array();
+        scene.vertices.extend(quad.corners.map(|position| Vertex {
+            position,
+            material: quad.material,
+            normal,
+            instance: 0,
+            uv: [0.0; 2],
+            pad: [0.0; 2],
+        }));
+        scene.indices.extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
+    }
+    scene.instances = vec![Instance {
+        name: "room".into(),
+        first_vertex: 0,
+        vertex_count: scene.vertices.len() as u32,
+        first_index: 0,
+        index_count: scene.indices.len() as u32,
+        moves: false,
+    }];
+    scene.lights[0].intensity = Vec3::ZERO;
+    scene
+}
+
+/// A closed cube of 2 m, seen from near its middle.
+pub(crate) fn furnace(emitted: [f64; 3], albedo: [f64; 3]) -> Scene {
+    let (x, y, z) = ([2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]);
+    let low = [-1.0; 3];
+    let faces = [(low, x, y), (low, y, z), (low, z, x)];
+    let opposite = [[-1.0, -1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0]];
+    let mut quads = Vec::new();
+    for ((corner, a, b), far) in faces.into_iter().zip(opposite) {
+        quads.push(quad(corner, a, b, 0));
+        quads.push(quad(far, a, b, 0));
+    }
+    let mut scene = room(&quads, vec![matte(albedo, emitted)]);
+    scene.camera = Camera {
+        position: Vec3::new(0.1, -0.2, 0.3),
+        target: Vec3::new(1.0, 0.7, -0.8),
+        up: Vec3::Y,
+        vertical_fov: 1.2,
+        near: 1e-3,
+    };
+    scene
+}
+
+/// A floor of 1 m², and on its side x = 0 a wall as large, on which a sun shines along the floor.
+pub(crate) fn floor_and_wall() -> Scene {
+    let quads = [
+        quad([0.0, 0.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0),
+        quad([0.0, 0.0, -0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 1),
+    ];
+    let mut scene = room(&quads, vec![matte([0.5; 3], [0.0; 3]), matte([0.6; 3], [0.0; 3])]);
+    scene.lights[0].kind = LightKind::Directional;
+    scene.lights[0].direction = Vec3::NEG_X;
+    scene.lights[0].intensity = Vec3::splat(2.0);
+    scene
+}
+
+pub(crate) fn camera_at(position: [f32; 3], target: [f32; 3], vertical_fov: f32) -> Camera {
+    let [position, target] = [position, target].map(Vec3::from);
+    Camera { position, target, up: Vec3::Z, vertical_fov, near: 1e-3 }
+}
+
+/// Mean, and the standard deviation of the mean.
+pub(crate) fn spread(values: impl Iterator<Item = f32>) -> (f64, f64) {
+    let values: Vec<f64> = values.map(f64::from).collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}

@@ -1,0 +1,162 @@
+//! Paths against closed forms, and against quadrature where there is none.
+
+mod boxes;
+mod glossy;
+
+use boxes::{floor_and_wall, furnace, spread};
+use pass_test::{Outputs, Stand, scene};
+use std::f64::consts::PI;
+
+#[test]
+fn every_variant_is_valid() {
+    pass_test::assert_shaders_are_valid(path_tracer::PASS);
+}
+
+fn pixels(outputs: &Outputs, name: &str) -> Vec<[f32; 4]> {
+    outputs.read(name)
+}
+
+/// In a closed room of even surfaces that emit E and reflect ρ, every direction brings E · Σ ρᵏ: each sample is exact.
+#[test]
+fn a_furnace_is_even() {
+    let (emitted, albedo) = ([0.5, 0.25, 1.0], [0.2, 0.5, 0.8]);
+    let bounces = 6;
+    let stand = Stand::new(path_tracer::PASS).with_scene(furnace(emitted, albedo)).frame(24, 16);
+    let Some(outputs) = stand.set("bounces", bounces).set("samples_per_frame", 8u32).run() else { return };
+    let series = |c: usize, terms: std::ops::RangeInclusive<u32>| -> f64 {
+        terms.map(|k| emitted[c] * albedo[c].powi(k as i32)).sum()
+    };
+    let expected = |name: &str, c: usize| match name {
+        "image" => series(c, 0..=bounces + 1),
+        "direct" => series(c, 1..=1),
+        "indirect" => series(c, 2..=bounces + 1),
+        _ => PI * series(c, 1..=bounces),
+    };
+    for name in ["image", "direct", "indirect", "irradiance"] {
+        for pixel in pixels(&outputs, name) {
+            for c in 0..3 {
+                let (found, expected) = (f64::from(pixel[c]), expected(name, c));
+                assert!((found / expected - 1.0).abs() < 2e-5, "{name}: {found}, expected {expected}");
+            }
+        }
+    }
+    let progress: Vec<u32> = outputs.read("samples.progress");
+    assert_eq!((progress[0], progress[2], progress[3]), (8, 0, 1024));
+    // Every sample is the same, so there is no spread but that of rounding.
+    assert!(f32::from_bits(progress[1]) < 1e-9, "{}", f32::from_bits(progress[1]));
+}
+
+/// Under the spot the irradiance is 1 W/m², and the albedo is ½ (scenes/plane.ron).
+#[test]
+fn a_patch_under_a_spot() {
+    let camera = boxes::camera_at([0.0, 0.5, 0.0], [0.0; 3], 1e-3);
+    let stand = Stand::new(path_tracer::PASS).with_scene(scene("plane")).camera(camera).frame(4, 4);
+    let Some(outputs) = stand.set("samples_per_frame", 1u32).run() else { return };
+    for pixel in pixels(&outputs, "direct") {
+        assert!((f64::from(pixel[0]) * PI / 0.5 - 1.0).abs() < 1e-4, "{pixel:?}");
+        assert_eq!(pixel[3], 1.0);
+    }
+    // A plane alone sees nothing of itself.
+    assert!(pixels(&outputs, "indirect").iter().all(|pixel| pixel[..3] == [0.0; 3]));
+}
+
+/// Form factor from a point of the floor to the wall that stands `away` from it, `height` high and `width` wide, with
+/// the point before its middle (element to rectangle at right angles: Howell's catalogue, B-4, twice half the width).
+fn form_factor(away: f64, height: f64, width: f64) -> f64 {
+    let (x, y) = (height / (width / 2.0), away / (width / 2.0));
+    let far = (x * x + y * y).sqrt();
+    2.0 / (2.0 * PI) * ((1.0 / y).atan() - y / far * (1.0 / far).atan())
+}
+
+/// The same by quadrature, with the geometry term bounded at `closest`.
+fn clamped_form_factor(away: f64, height: f64, width: f64, closest: f64) -> f64 {
+    let steps = 400;
+    let (dy, dz) = (height / f64::from(steps), width / f64::from(steps));
+    let mut sum = 0.0;
+    for i in 0..steps {
+        for j in 0..steps {
+            let (y, z) = ((f64::from(i) + 0.5) * dy, (f64::from(j) + 0.5) * dz - width / 2.0);
+            let distance2 = away * away + y * y + z * z;
+            sum += y * away / distance2 / (PI * distance2.max(closest * closest)) * dy * dz;
+        }
+    }
+    sum
+}
+
+/// A wall under a sun that grazes the floor, which sees the wall alone.
+fn irradiance_of_floor(away: f32, clamp: f32) -> Option<[(f64, f64); 2]> {
+    let camera = boxes::camera_at([away, 0.5, 0.0], [away, 0.0, 0.0], 1e-3);
+    let stand = Stand::new(path_tracer::PASS).with_scene(floor_and_wall()).camera(camera).frame(64, 64);
+    let outputs = stand
+        .set("bounces", 1u32)
+        .set("samples_per_frame", 32u32)
+        .set("clamp", clamp)
+        .set("filter", "centre")
+        .run()?;
+    let irradiance = pixels(&outputs, "irradiance");
+    assert!(pixels(&outputs, "direct").iter().all(|pixel| pixel[0] == 0.0), "the sun grazes the floor");
+    Some([spread(irradiance.iter().map(|p| p[0])), spread(irradiance.iter().map(|p| p[3]))])
+}
+
+#[test]
+fn a_floor_sees_a_wall_by_its_form_factor() {
+    // Radiosity of the wall: 2 W/m² · 0.6.
+    let radiosity = 1.2;
+    assert!((form_factor(0.4, 1.0, 1.0) / clamped_form_factor(0.4, 1.0, 1.0, 0.0) - 1.0).abs() < 1e-4);
+    for away in [0.1_f32, 0.4, 0.9] {
+        let Some([(mean, deviation), _]) = irradiance_of_floor(away, 0.0) else { return };
+        let expected = radiosity * form_factor(f64::from(away), 1.0, 1.0);
+        assert!(
+            (mean - expected).abs() < 4.0 * deviation,
+            "{away}: {mean} ± {deviation}, expected {expected}"
+        );
+        assert!(deviation < 0.005 * expected, "{away}: ± {deviation} of {expected}");
+    }
+}
+
+#[test]
+fn the_clamp_bounds_the_first_segment() {
+    // The extent of the scene that the room is built on is that of `plane`.
+    let extent = 8f64.sqrt();
+    let (away, clamp) = (0.1, 0.1);
+    let Some([(mean, deviation), (removed, of_removed)]) = irradiance_of_floor(away as f32, clamp as f32)
+    else {
+        return;
+    };
+    let whole = 1.2 * form_factor(away, 1.0, 1.0);
+    let expected = 1.2 * clamped_form_factor(away, 1.0, 1.0, clamp * extent);
+    assert!(expected < 0.8 * whole, "the clamp does something here: {expected} of {whole}");
+    assert!((mean - expected).abs() < 4.0 * deviation, "{mean} ± {deviation}, expected {expected}");
+    assert!((removed - (whole - expected)).abs() < 4.0 * of_removed, "{removed} of {whole} − {expected}");
+}
+
+#[test]
+fn a_seed_is_a_picture() {
+    let run = |seed: u32| {
+        let stand = Stand::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
+        let outputs = stand.seed(seed).set("samples_per_frame", 2u32).run()?;
+        Some(pixels(&outputs, "image"))
+    };
+    let (Some(one), Some(again), Some(other)) = (run(1), run(1), run(2)) else { return };
+    assert_eq!(one, again);
+    assert_ne!(one, other);
+}
+
+/// What a mask cuts out of a quad is not there for light either: half of the wall's texture is transparent.
+#[test]
+fn masked_surfaces_let_light_through() {
+    let run = |masked: bool| {
+        let mut scene = floor_and_wall();
+        if masked {
+            scene.materials[1].alpha_cutoff = Some(0.5);
+            scene.materials[1].base_color.w = 0.25;
+        }
+        let camera = boxes::camera_at([0.4, 0.5, 0.0], [0.4, 0.0, 0.0], 1e-3);
+        let stand = Stand::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
+        let outputs = stand.set("samples_per_frame", 8u32).run()?;
+        Some(spread(pixels(&outputs, "indirect").iter().map(|p| p[0])).0)
+    };
+    let (Some(whole), Some(cut)) = (run(false), run(true)) else { return };
+    assert!(whole > 0.0);
+    assert_eq!(cut, 0.0, "a wall of too little alpha is not there");
+}

@@ -1,0 +1,74 @@
+//! Says which virtual lights are seen by a ray to each.
+
+use pass::{
+    Externals, Facts, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
+    Setting, Settings, UseContext, Value, setting,
+};
+
+/// The kind `visibility-ray-traced`.
+pub const PASS: &dyn Pass = &VisibilityRayTraced;
+
+/// Exact visibility: what shadow maps are compared with.
+#[derive(Debug)]
+pub struct VisibilityRayTraced;
+
+const MODULE: &str = "shaders/visibility-ray-traced.wgsl";
+
+/// Rounds of loops of a ray, for who must not make too many at once. Threads that go together make those of any of
+/// them: of eight rays through 10⁵ triangles that were seen to be up to this many.
+const ROUNDS: u32 = 400;
+
+impl Pass for VisibilityRayTraced {
+    fn info(&self) -> Info {
+        Info {
+            kind: "visibility-ray-traced",
+            about: "Says which virtual lights are seen by a ray to each: exact.",
+            paper: "SMC-IR §5.4",
+            shaders: &[MODULE],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![setting::choice(
+            "rays",
+            &["bvh", "query"],
+            "How rays are traced: by shaders, or by the adapter's ray queries, where it has them.",
+        )])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![pass::optional(
+                "lights",
+                "VirtualLights",
+                "Not read: here so that the kind takes the place of one that renders maps of them.",
+            )],
+            outputs: vec![pass::output(
+                "visibility",
+                "Visibility",
+                "Nothing but the module that traces a ray.",
+            )],
+            externals: Externals::NONE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let masked = cx.traits.0.get("masked").and_then(Value::as_bool).unwrap_or(false);
+        let facts = [
+            ("module", Value::Text(MODULE.into())),
+            ("RAYS", Value::Text(cx.settings.text("rays").into())),
+            ("MASKED", Value::Bool(masked)),
+            ("rounds", Value::U32(ROUNDS)),
+        ];
+        Ok(vec![OutputDesc {
+            port: "visibility".into(),
+            scratch: false,
+            members: Vec::new(),
+            facts: Facts::from(facts.map(|(name, value)| (name.to_owned(), value))),
+        }])
+    }
+
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+        Ok(Recording::default())
+    }
+}

@@ -1,0 +1,55 @@
+// Rays against the scene's triangles: the closest hit, and whether there is any.
+//
+// Lengths along a ray count in lengths of its direction, which need not be 1; hits lie in (nearest, farthest), both
+// ends left out. Triangles have two sides, and those without area are never hit. A pass that imports this declares
+// the externals SCENE; where vertices move, what is traced follows before the frame.
+//
+//     fn trace(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> Hit
+//     fn occluded(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> bool
+
+#option RAYS bvh one_of [bvh, query] // by traversal in WGSL, or by the adapter's ray queries
+#option MASKED false // whether triangles do not count where alpha is below their material's cutoff
+#option TEXTURED false // whether any material of the scene has a texture, where MASKED
+
+#import "scene.wgsl"
+#if MASKED
+#import "surface.wgsl"
+#endif
+#if RAYS == query
+#import "ray-query.wgsl"
+#else
+#import "bvh.wgsl"
+#endif
+
+const NO_HIT: u32 = 0xffffffffu;
+
+struct Hit {
+    /// Along the ray, in lengths of its direction.
+    distance: f32,
+    /// Index into scene_indices over three; NO_HIT for none.
+    triangle: u32,
+    /// Weights of its second and third vertex.
+    barycentrics: vec2<f32>,
+}
+
+/// A point moved off its surface along the unit normal of the wanted side, farther than its rounding: by about
+/// 200 times the spacing of floats there, but no less than near the scene's own extent where a coordinate is near
+/// zero. [Wächter, Binder 2019, "A fast and robust method for avoiding self-intersection"]
+fn offset_origin(position: vec3<f32>, geometric_normal: vec3<f32>) -> vec3<f32> {
+    let least = vec3(scene_info.extent * 0x1p-18f);
+    return position + geometric_normal * max(abs(position) * 0x1p-16f, least);
+}
+
+#if MASKED
+/// Whether the surface of a triangle is there at a point.
+fn hit_exists(index: u32, barycentrics: vec2<f32>) -> bool {
+    let first = scene_vertices[scene_indices[3u * index]];
+    if scene_materials[first.material].alpha_cutoff <= 0.0 {
+        return true;
+    }
+    let uv1 = scene_vertices[scene_indices[3u * index + 1u]].uv;
+    let uv2 = scene_vertices[scene_indices[3u * index + 2u]].uv;
+    let uv = first.uv + (uv1 - first.uv) * barycentrics.x + (uv2 - first.uv) * barycentrics.y;
+    return surface_exists(first.material, surface(first.material, uv, vec2(0.0), vec2(0.0)).coverage);
+}
+#endif

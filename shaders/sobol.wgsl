@@ -1,0 +1,37 @@
+// Sobol's sequence in two dimensions, scrambled.
+
+#import "random.wgsl"
+
+/// Element `index` of Sobol's sequence in two dimensions, in fixed point: 2^-32 is one.
+///
+/// A (0, 2)-sequence in base 2: of every 2^m elements that start at a multiple of 2^m, exactly one lies in each
+/// box of area 2^-m whose sides are aligned to powers of two, for all 2^32 indices.
+fn sobol2(index: u32) -> vec2<u32> {
+    // Bit i of the second dimension is the sum over all j that contain i of bit j of the index: Pascal's triangle
+    // modulo 2, which falls into a step for each bit of the positions.
+    var sums = index;
+    sums ^= (sums >> 16u) & 0x0000ffffu;
+    sums ^= (sums >> 8u) & 0x00ff00ffu;
+    sums ^= (sums >> 4u) & 0x0f0f0f0fu;
+    sums ^= (sums >> 2u) & 0x33333333u;
+    sums ^= (sums >> 1u) & 0x55555555u;
+    return vec2(reverseBits(index), reverseBits(sums));
+}
+
+/// Owen's nested scrambling (Laine & Karras 2011, constants of Burley 2020): keeps what `sobol2` promises, and
+/// takes away the pattern.
+fn scramble(value: u32, seed: u32) -> u32 {
+    var bits = reverseBits(value) + seed;
+    bits ^= bits * 0x6c50b47cu;
+    bits ^= bits * 0xb82f1e52u;
+    bits ^= bits * 0xc7afe638u;
+    bits ^= bits * 0x8d22f6e6u;
+    return reverseBits(bits);
+}
+
+/// Element `index` of a sequence of points in the unit square of its own: those of one seed are even among
+/// themselves, and independent of those of another (padding with a shuffled index, Burley 2020).
+fn sobol2_of(index: u32, seed: u32) -> vec2<f32> {
+    let point = sobol2(scramble(index, hash2(seed, 0u)));
+    return vec2(unit_float(scramble(point.x, hash2(seed, 1u))), unit_float(scramble(point.y, hash2(seed, 2u))));
+}

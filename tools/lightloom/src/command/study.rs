@@ -1,0 +1,231 @@
+//! `lightloom study`: ablation studies.
+
+mod laboratory;
+mod progress;
+mod registry;
+
+use crate::context::{Context, parse_size};
+use crate::output::{self, say};
+use anyhow::{Context as _, Result, bail};
+use frame_graph::{Source, nearest};
+use laboratory::GpuLaboratory;
+use progress::Progress;
+pub(crate) use registry::CatalogRegistry;
+use renderer::{Gpu, parse_value};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use study::{AxisValue, Edits, Outcome, Plan, Results, RunOptions, Shard};
+
+/// Run an ablation study.
+///
+/// Cells that are finished in the folder are not run again, so a run that was stopped goes on with the same command.
+#[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(after_help = "Examples:
+  lightloom study speed-against-accuracy -o out/speed
+  lightloom study my.ron -o out/my --quick
+  lightloom study ism-fig-4 -o out/part-2 --shard 2/8 --references out/references
+  lightloom study merge out/part-* -o out/ism-fig-4
+  lightloom study publish out/ism-fig-4 --page docs/results.md")]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    other: Option<Other>,
+    /// A study by name, or a .ron file
+    #[arg(required = true)]
+    file: Option<String>,
+    /// The folder for cells, pictures, tables and the report
+    #[arg(short, long = "out", value_name = "DIR", required = true)]
+    out: Option<PathBuf>,
+    /// Run part i of n only, each into a folder of its own; `merge` joins them
+    #[arg(long, value_name = "i/n")]
+    shard: Option<Shard>,
+    /// A folder for references, shared with other studies and parts
+    #[arg(long, value_name = "DIR")]
+    references: Option<PathBuf>,
+    /// Size of frames in pixels, in place of the study's
+    #[arg(long, value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+    /// A value for all pipelines that have it, in place of the study's: an axis is pinned to it. Any number of times
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// A value for the pipeline that makes the references. Any number of times
+    #[arg(long, value_name = "NAME=VALUE")]
+    set_reference: Vec<String>,
+    /// A scene in place of the study's. Any number of times
+    #[arg(long)]
+    scene: Vec<String>,
+    /// So many seeds, in place of the study's
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    seeds: Option<u32>,
+    /// Measured frames a cell, in place of the study's
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    /// A look before the real thing: a quarter of each side, one seed, first and last value of each axis
+    #[arg(long)]
+    quick: bool,
+}
+
+#[derive(clap::Subcommand)]
+enum Other {
+    /// Join the folders of the parts of a study
+    Merge {
+        /// The folders
+        #[arg(required = true)]
+        parts: Vec<PathBuf>,
+        /// Where to put the whole; it may be one of them
+        #[arg(short, long = "out", value_name = "DIR")]
+        out: PathBuf,
+    },
+    /// Write tables and report of a folder anew
+    Report {
+        /// The folder
+        folder: PathBuf,
+    },
+    /// Put the results of folders into a page of Markdown, each between `<!-- study: NAME -->` and `<!-- end -->`
+    Publish {
+        /// The folders
+        #[arg(required = true)]
+        folders: Vec<PathBuf>,
+        /// The page
+        #[arg(long, value_name = "FILE", default_value = "docs/results.md")]
+        page: PathBuf,
+    },
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    match &args.other {
+        Some(Other::Merge { parts, out }) => tell(context, &study::merge(parts, out)?, out, None),
+        Some(Other::Report { folder }) => {
+            let results = Results::read(folder)?;
+            study::write_tables(&results, folder)?;
+            tell(context, &results, folder, None)
+        }
+        Some(Other::Publish { folders, page }) => {
+            study::publish(folders, page)?;
+            if context.json {
+                output::json(&json!({ "page": page }));
+            } else {
+                say!("{}", page.display());
+            }
+            Ok(())
+        }
+        // clap asks for both where there is no subcommand.
+        None => run_study(
+            context,
+            args,
+            args.file.as_deref().unwrap_or_default(),
+            args.out.as_deref().unwrap_or(Path::new(".")),
+        ),
+    }
+}
+
+fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<()> {
+    let edits = Edits {
+        scenes: args.scene.clone(),
+        size: args.size,
+        set: values("--set", &args.set)?,
+        set_reference: values("--set-reference", &args.set_reference)?,
+        seeds: args.seeds,
+        frames: args.frames,
+        quick: args.quick,
+    };
+    let mut study = study::parse(source(context, file)?)?;
+    study.edit(&edits);
+    let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(&context.catalog)))?;
+    let mut lab = GpuLaboratory::new(Arc::clone(&context.catalog), Gpu::open()?);
+    let options =
+        RunOptions { shard: args.shard, references: args.references.clone(), command: command(args, file) };
+    let mut progress = Progress::new();
+    let ran = study::run(&plan, &mut lab, out, &options, &mut |event| progress.tell(event));
+    progress.finish();
+    let ran =
+        ran.context("the study stopped; what is finished is kept, and the same command goes on from there")?;
+    tell(context, &ran.results, out, Some(ran.run))?;
+    if ran.failed > 0 {
+        bail!("{} cells failed; the same command tries them again", ran.failed);
+    }
+    Ok(())
+}
+
+/// A study by name or path.
+pub(crate) fn source(context: &Context, name: &str) -> Result<Arc<Source>> {
+    let file = if name.ends_with(".ron") { name.to_owned() } else { format!("{name}.ron") };
+    for path in [format!("studies/{file}"), file] {
+        if let Some(text) = context.catalog.assets().text(&path) {
+            return Ok(Source::new(path, text));
+        }
+    }
+    let known = names(context);
+    match nearest(name, known.iter().map(String::as_str)) {
+        Some(near) => bail!("there is no study `{name}`; did you mean `{near}`?"),
+        None => bail!("there is no study `{name}`; there are {}", known.join(", ")),
+    }
+}
+
+/// The studies there are.
+pub(crate) fn names(context: &Context) -> Vec<String> {
+    let paths = context.catalog.assets().list("studies", "ron");
+    paths.iter().map(|path| path.trim_start_matches("studies/").trim_end_matches(".ron").to_owned()).collect()
+}
+
+/// Values from `name=value`.
+fn values(option: &str, given: &[String]) -> Result<Vec<(String, AxisValue)>> {
+    given
+        .iter()
+        .map(|text| match text.split_once('=') {
+            Some((name, value)) => Ok((name.trim().to_owned(), AxisValue::from_value(&parse_value(value)))),
+            None => bail!("`{option} {text}`: expected `parameter=value` or `pass.setting=value`"),
+        })
+        .collect()
+}
+
+/// The command that makes the results again, wherever they lie.
+fn command(args: &Args, file: &str) -> String {
+    let mut words = vec!["lightloom study".to_owned(), file.to_owned()];
+    if let Some((width, height)) = args.size {
+        words.push(format!("--size {width}x{height}"));
+    }
+    words.extend(args.set.iter().map(|set| format!("--set {set}")));
+    words.extend(args.set_reference.iter().map(|set| format!("--set-reference {set}")));
+    words.extend(args.scene.iter().map(|scene| format!("--scene {scene}")));
+    words.extend(args.seeds.map(|seeds| format!("--seeds {seeds}")));
+    words.extend(args.frames.map(|frames| format!("--frames {frames}")));
+    words.extend(args.quick.then(|| "--quick".to_owned()));
+    words.push("-o DIR".to_owned());
+    words.join(" ")
+}
+
+/// Writes the report and says what came of it all.
+fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>) -> Result<()> {
+    let files = study::report(results, folder)?;
+    let page = files.first().map(|page| page.canonicalize().unwrap_or_else(|_| page.clone()));
+    let failures = results.cells.iter().filter_map(|cell| match &cell.outcome {
+        Outcome::Done => None,
+        Outcome::Failed { error } => Some((study::name_of(cell), error.lines().next().unwrap_or_default())),
+    });
+    let missing = results.study.cell_count.saturating_sub(results.cells.len());
+    if context.json {
+        let failures: Vec<_> =
+            failures.map(|(cell, error)| json!({ "cell": cell, "error": error })).collect();
+        output::json(&json!({
+            "study": results.study.name,
+            "report": page,
+            "cells": results.cells.len(),
+            "missing": missing,
+            "run": run,
+            "failed": failures,
+        }));
+        return Ok(());
+    }
+    for (cell, error) in failures {
+        say!("failed  {cell}: {error}");
+    }
+    if missing > 0 {
+        say!("{missing} of {} cells are not here", results.study.cell_count);
+    }
+    if let Some(page) = page {
+        say!("{}", page.display());
+    }
+    Ok(())
+}

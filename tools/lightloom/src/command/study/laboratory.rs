@@ -1,0 +1,257 @@
+//! Cells on the GPU.
+
+use super::registry::overrides;
+use frame_graph::{CompileOptions, LinkContext, Plan};
+use glam::Vec3;
+use metrics::Image;
+use metrics::temporal::Pinhole;
+use ray_tracing::Bvh;
+use renderer::{Catalog, Compiled, FrameOptions, Gpu, Provenance, Renderer, load_scene};
+use scene::{Camera, Scene};
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::sync::Arc;
+use study::{AxisValue, CellRun, Identity, Laboratory, Memory, Observed, Occluded, RunRequest};
+use xxhash_rust::xxh3::xxh3_128;
+
+/// How near to its ends a ray between surfaces ends, as a part of its length.
+const OFF_SURFACE: f32 = 1e-3;
+
+/// Renders on a device; a renderer a run, so that nothing of one cell reaches another.
+pub(crate) struct GpuLaboratory {
+    catalog: Arc<Catalog>,
+    gpu: Gpu,
+    scenes: HashMap<String, Scene>,
+}
+
+/// What a run reads back beside the picture: names of resources.
+#[derive(Default)]
+struct Extras {
+    depth: Option<String>,
+    normal: Option<String>,
+    lights: Option<String>,
+}
+
+impl GpuLaboratory {
+    pub(crate) fn new(catalog: Arc<Catalog>, gpu: Gpu) -> GpuLaboratory {
+        GpuLaboratory { catalog, gpu, scenes: HashMap::new() }
+    }
+
+    fn scene(&mut self, name: &str) -> Result<&Scene, String> {
+        if !self.scenes.contains_key(name) {
+            let scene = load_scene(&self.catalog, name).map_err(|error| error.to_string())?;
+            self.scenes.insert(name.to_owned(), scene);
+        }
+        Ok(&self.scenes[name])
+    }
+}
+
+fn options(keep: Vec<String>) -> CompileOptions {
+    CompileOptions { sharing: true, keep, ..CompileOptions::default() }
+}
+
+impl Laboratory for GpuLaboratory {
+    fn adapter(&self) -> String {
+        self.gpu.describe()
+    }
+
+    fn identity(&mut self, request: &RunRequest) -> Result<Identity, String> {
+        let scene = self.scene(&request.scene)?;
+        let (context, scene) = (LinkContext { frame: request.size, traits: scene.traits() }, scene.hash);
+        let values = overrides(&request.set);
+        let compiled =
+            Compiled::new(&self.catalog, &request.pipeline, &values, &context, &options(Vec::new()))
+                .map_err(|errors| errors.to_string())?;
+        let mut text = format!("{} {scene:032x}", compiled.plan.id);
+        for step in compiled.steps.iter().flatten() {
+            let _ = write!(text, " {:032x}", step.shader.hash);
+        }
+        Ok(Identity { hash: xxh3_128(text.as_bytes()) })
+    }
+
+    fn run(
+        &mut self,
+        request: &RunRequest,
+        observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+    ) -> Result<CellRun, String> {
+        let scene = self.scene(&request.scene)?.clone();
+        let mut renderer =
+            Renderer::new(self.gpu.clone(), Arc::clone(&self.catalog), scene, request.size).map_err(text)?;
+        renderer.set_seed(request.seed);
+        renderer.set_pipeline(&request.pipeline, &overrides(&request.set)).map_err(text)?;
+        // What is kept for measures is no memory of the pipeline.
+        let memory = memory(&renderer);
+        let extras = keep_extras(&mut renderer, request)?;
+        renderer.set_frame_options(FrameOptions { timed: request.timed, poison: false });
+        renderer.set_frame_index(request.first_frame);
+        let noise = if request.until_done {
+            accumulate(&mut renderer, request, &extras, observe)?
+        } else {
+            sequence(&mut renderer, request, &extras, observe)?;
+            None
+        };
+        let provenance =
+            Provenance::new(&renderer, &request.scene, (&request.output, 0), request.first_frame).to_json();
+        let parameters = renderer.compiled().map_or_else(Default::default, |compiled| {
+            let parameters = compiled.resolved.parameters().iter();
+            parameters.map(|p| (p.setting.name.clone(), AxisValue::from_value(&p.value))).collect()
+        });
+        Ok(CellRun { memory, provenance, parameters, noise })
+    }
+
+    fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, String> {
+        let scene = self.scene(scene)?;
+        let mut positions: Vec<[f32; 3]> = scene.vertices.iter().map(|vertex| vertex.position).collect();
+        for moved in scene.at(scene.frame_time(frame)).moved {
+            let first = moved.first_vertex as usize;
+            for (position, vertex) in positions[first..].iter_mut().zip(&moved.vertices) {
+                *position = vertex.position;
+            }
+        }
+        let bvh = Bvh::build(&positions, &scene.indices);
+        Ok(Box::new(move |from, to| {
+            let (from, to) = (Vec3::from(from), Vec3::from(to));
+            bvh.occluded(from, to - from, OFF_SURFACE, 1.0 - OFF_SURFACE)
+        }))
+    }
+}
+
+fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+fn memory(renderer: &Renderer) -> Memory {
+    renderer.plan().map_or_else(Memory::default, |plan| Memory {
+        unshared: plan.memory.unshared,
+        shared: plan.memory.shared,
+        bound: plan.memory.bound,
+        held: renderer.held_bytes(),
+    })
+}
+
+/// Keeps what the measures read beside the picture.
+fn keep_extras(renderer: &mut Renderer, request: &RunRequest) -> Result<Extras, String> {
+    let Some(plan) = renderer.plan() else { return Ok(Extras::default()) };
+    let of = |wanted: bool, interface: &str, member: &str| {
+        wanted.then(|| resource(plan, interface, member)).flatten()
+    };
+    let extras = Extras {
+        depth: of(request.views, "GBuffer", "depth"),
+        normal: of(request.views, "GBuffer", "normal"),
+        lights: of(request.lights, "VirtualLights", ""),
+    };
+    let keep: Vec<String> =
+        [&extras.depth, &extras.normal, &extras.lights].into_iter().flatten().cloned().collect();
+    if !keep.is_empty() {
+        renderer.set_compile_options(options(keep)).map_err(text)?;
+    }
+    Ok(extras)
+}
+
+/// The name of the first resource of an interface in a plan.
+fn resource(plan: &Plan, interface: &str, member: &str) -> Option<String> {
+    let ports = plan.passes.iter().flat_map(|pass| &pass.outputs);
+    let mut members =
+        ports.filter(|port| port.interface.as_str() == interface).flat_map(|port| &port.members);
+    let (_, id) = members.find(|(name, _)| name.as_str() == member)?;
+    Some(plan.resources[id.0 as usize].name.to_string())
+}
+
+/// Frames after frames, each handed on after the warm-up.
+fn sequence(
+    renderer: &mut Renderer,
+    request: &RunRequest,
+    extras: &Extras,
+    observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut spent = 0.0;
+    for offset in 0..request.warm_up.saturating_add(request.frames) {
+        if request.timed {
+            renderer.run_everything();
+        }
+        let report = renderer.frame().map_err(text)?;
+        if offset < request.warm_up {
+            continue;
+        }
+        spent += report.times.iter().sum::<f64>();
+        observe(observed(renderer, request, extras, request.first_frame + offset, &report.times)?)?;
+        match request.stop_after_ms {
+            Some(_) if report.times.is_empty() => {
+                return Err("this adapter cannot time passes, which a budget of time needs".to_owned());
+            }
+            Some(most) if spent >= most => break,
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// One frame again and again until the pipeline says that it is done. Gives the noise that it says is left.
+fn accumulate(
+    renderer: &mut Renderer,
+    request: &RunRequest,
+    extras: &Extras,
+    observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+) -> Result<Option<f64>, String> {
+    let mut noise = None;
+    for _ in 0..request.frames {
+        renderer.set_frame_index(request.first_frame);
+        renderer.frame().map_err(text)?;
+        let progress = renderer.progress().map_err(text)?;
+        noise = progress
+            .map(|progress| f64::from(progress.error))
+            .filter(|error| error.is_finite() && *error > 0.0);
+        if progress.is_none_or(|progress| progress.done) {
+            break;
+        }
+    }
+    observe(observed(renderer, request, extras, request.first_frame, &[])?)?;
+    Ok(noise)
+}
+
+fn observed(
+    renderer: &Renderer,
+    request: &RunRequest,
+    extras: &Extras,
+    frame: u32,
+    times: &[f64],
+) -> Result<Observed, String> {
+    let plan = renderer.plan().map(Arc::clone).ok_or_else(|| "no plan is loaded".to_owned())?;
+    let picture = |name: &Option<String>| -> Result<Option<Image>, String> {
+        name.as_ref().map(|name| renderer.picture(name, 0).map_err(text)).transpose()
+    };
+    let lights = extras
+        .lights
+        .as_ref()
+        .and_then(|name| plan.resources.iter().position(|resource| resource.name.as_str() == name));
+    let lights = lights
+        .map(|index| renderer.resource_bytes(frame_graph::plan::ResourceId(index as u32)).map_err(text));
+    let scene = renderer.scene();
+    Ok(Observed {
+        frame,
+        image: renderer.output(&request.output).map_err(text)?,
+        passes: plan.passes.iter().map(|pass| pass.name.to_string()).zip(times.iter().copied()).collect(),
+        depth: picture(&extras.depth)?,
+        normal: picture(&extras.normal)?,
+        camera: pinhole(&scene.at(scene.frame_time(frame)).camera, request.size),
+        lights: lights.transpose()?,
+        irradiance: plan.output("irradiance").and_then(|_| renderer.output("irradiance").ok()),
+    })
+}
+
+fn pinhole(camera: &Camera, size: (u32, u32)) -> Pinhole {
+    let view = camera.view();
+    let row = |index: usize| {
+        let row = view.row(index);
+        [f64::from(row.x), f64::from(row.y), f64::from(row.z)]
+    };
+    let half = (f64::from(camera.vertical_fov) * 0.5).tan();
+    let aspect = f64::from(size.0) / f64::from(size.1);
+    Pinhole {
+        position: camera.position.to_array().map(f64::from),
+        right: row(0),
+        up: row(1),
+        back: row(2),
+        half_extent: [half * aspect, half],
+    }
+}

@@ -1,0 +1,91 @@
+//! What a study tells while it runs: a bar on a terminal, lines elsewhere; on standard error.
+
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal as _, stderr};
+use study::{Event, Outcome, name_of};
+
+pub(crate) struct Progress {
+    /// `None` where nobody watches.
+    bar: Option<ProgressBar>,
+    cells: usize,
+}
+
+impl Progress {
+    pub(crate) fn new() -> Progress {
+        let bar = stderr().is_terminal().then(|| {
+            let style = ProgressStyle::with_template("{pos}/{len} {bar:24} {msg}");
+            ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
+                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Progress { bar, cells: 0 }
+    }
+
+    pub(crate) fn tell(&mut self, event: Event<'_>) {
+        match event {
+            Event::Begin { cells, finished, stale } => {
+                self.cells = cells;
+                if let Some(bar) = &self.bar {
+                    bar.set_length(cells as u64);
+                    bar.set_position(finished as u64);
+                }
+                if finished > 0 {
+                    self.line(&format!("{finished} of {cells} cells are finished already"));
+                }
+                if stale > 0 {
+                    self.line(&format!("{stale} cells in the folder are not of this study as it is now; they are left there, and not reported"));
+                }
+            }
+            Event::Reference { name } => match &self.bar {
+                Some(bar) => bar.set_message(format!("reference of {name}")),
+                None => eprintln!("reference of {name}"),
+            },
+            Event::Cell { name } => {
+                if let Some(bar) = &self.bar {
+                    bar.set_message(name);
+                }
+            }
+            Event::Ended { cell, ended, left } => {
+                let left = if ended < self.cells {
+                    format!("about {} left", HumanDuration(left))
+                } else {
+                    "done".to_owned()
+                };
+                if let Outcome::Failed { error } = &cell.outcome {
+                    self.line(&format!("failed  {}: {error}", name_of(cell)));
+                }
+                for note in &cell.notes {
+                    self.line(&format!("note: {}: {note}", name_of(cell)));
+                }
+                match &self.bar {
+                    Some(bar) => {
+                        bar.set_position(ended as u64);
+                        bar.set_message(left);
+                    }
+                    None => {
+                        eprintln!(
+                            "{ended}/{} {} in {:.1} s, {left}",
+                            self.cells,
+                            name_of(cell),
+                            cell.seconds
+                        );
+                    }
+                }
+            }
+            Event::Note(note) => self.line(&format!("note: {note}")),
+        }
+    }
+
+    pub(crate) fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// A line that stays.
+    fn line(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| eprintln!("{text}")),
+            None => eprintln!("{text}"),
+        }
+    }
+}

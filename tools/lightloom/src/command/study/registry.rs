@@ -1,0 +1,85 @@
+//! What there is to study: the catalog's pipelines and scenes.
+
+use frame_graph::resolve::{Files, diff};
+use frame_graph::{Overrides, Resolved, Value, resolve};
+use renderer::{Catalog, load_scene};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use study::{PipelineFacts, Registry, SceneFacts, SceneRecord, Values};
+
+/// The part of a scene's extent by which a virtual light may be elsewhere without having moved.
+const SMALL: f32 = 1e-5;
+
+pub(crate) struct CatalogRegistry {
+    catalog: Arc<Catalog>,
+}
+
+impl CatalogRegistry {
+    pub(crate) fn new(catalog: Arc<Catalog>) -> CatalogRegistry {
+        CatalogRegistry { catalog }
+    }
+}
+
+/// Values as the frame graph takes them.
+pub(crate) fn overrides(values: &Values) -> Overrides {
+    Overrides(values.iter().map(|(path, value)| (path.clone(), value.to_value())).collect())
+}
+
+impl Registry for CatalogRegistry {
+    fn scenes(&self) -> Vec<String> {
+        let paths = self.catalog.assets().list("scenes", "ron");
+        paths
+            .iter()
+            .map(|path| path.trim_start_matches("scenes/").trim_end_matches(".ron").to_owned())
+            .collect()
+    }
+
+    fn scene(&self, name: &str) -> Result<SceneFacts, String> {
+        let scene = load_scene(&self.catalog, name).map_err(|error| error.to_string())?;
+        let traits: BTreeMap<String, Value> = scene.traits().0;
+        let moves = ["moving_camera", "moving_lights", "moving_geometry"];
+        Ok(SceneFacts {
+            moves: moves.iter().any(|name| traits.get(*name) == Some(&Value::Bool(true))),
+            seconds_per_frame: f64::from(scene.frame_time(1)),
+            small_length: scene.extent() * SMALL,
+            record: SceneRecord {
+                name: name.to_owned(),
+                about: scene.about.clone(),
+                hash: format!("{:032x}", scene.hash),
+                triangles: scene.triangles(),
+            },
+        })
+    }
+
+    fn pipelines(&self) -> Vec<String> {
+        let files = self.catalog.pipelines();
+        let whole = |path: &String| {
+            resolve(path, files, &Overrides::default()).is_ok_and(|resolved| !resolved.is_part())
+        };
+        files.list().into_iter().filter(whole).map(|path| path.trim_end_matches(".ron").to_owned()).collect()
+    }
+
+    fn pipeline(&self, name: &str) -> Result<PipelineFacts, String> {
+        let resolved: Resolved = resolve(name, self.catalog.pipelines(), &Overrides::default())
+            .map_err(|errors| errors.to_string())?;
+        if resolved.is_part() {
+            return Err("it is a part, to be used within pipelines".to_owned());
+        }
+        Ok(PipelineFacts {
+            about: resolved.about().unwrap_or_default().to_owned(),
+            paper: resolved.paper().unwrap_or_default().to_owned(),
+            outputs: resolved.outputs().map(ToString::to_string).collect(),
+            settings: resolved.settable(&*self.catalog),
+        })
+    }
+
+    fn differences(&self, first: (&str, &Values), second: (&str, &Values)) -> Vec<String> {
+        let resolved =
+            |(name, set): (&str, &Values)| resolve(name, self.catalog.pipelines(), &overrides(set));
+        match (resolved(first), resolved(second)) {
+            (Ok(first), Ok(second)) => diff(&first, &second).iter().map(ToString::to_string).collect(),
+            // What is wrong with either is told where it is run.
+            _ => Vec::new(),
+        }
+    }
+}
