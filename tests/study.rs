@@ -277,3 +277,40 @@ fn the_trees_studies_run_in_miniature() {
         assert!(json["cells"].as_u64().unwrap() > 0 && json["missing"] == 0, "{json}");
     }
 }
+
+/// Every measure on a scene where camera, light and geometry move; each has a value that it may have.
+#[test]
+fn every_measure_is_taken_of_a_walk() {
+    let Some(folder) = folder() else { return };
+    let keys: Vec<&str> = ::study::Measure::all().map(::study::Measure::key).collect();
+    let walk = format!(
+        r#"Study(
+            scenes: ["cornell-box-moving"], pipelines: ["ism-uniform"], size: (24, 16), first_frame: 4, jump: 7,
+            set: {{ "rsm.size": 32, "lights": 32, "map": 32, "shadows.points": 4096 }}, budget: Frames(6), seeds: 2,
+            measures: {keys:?}, reference: Pipeline(pipeline: "reference", set: {{ "samples": 16, "filter": "centre" }}),
+        )"#
+    );
+    fs::write(folder.path().join("walk.ron"), &walk).unwrap();
+    // Nothing flickers where nothing moves: sequences are the same in every frame.
+    let still = walk.replace("-moving", "").replace("jump: 7,", "").replace("\"lag\", ", "");
+    fs::write(folder.path().join("still.ron"), still).unwrap();
+    let figures = |name: &str| -> BTreeMap<String, Option<f64>> {
+        let done = study(folder.path(), &[&format!("{name}.ron"), "-o", name]);
+        assert!(done.status.success(), "{}", text(&done));
+        let results = ::study::Results::read(&folder.path().join(name)).unwrap();
+        results.cells[0].measures.clone()
+    };
+    let moving = figures("walk");
+    for key in &keys {
+        let absent = *key == "static-deviation";
+        assert_eq!(moving[*key].is_none(), absent, "{key}: {:?}", moving[*key]);
+    }
+    let of = |figures: &BTreeMap<String, Option<f64>>, key: &str| figures[key].unwrap();
+    assert!(of(&moving, "tid") > 0.0 && of(&moving, "e-prime") > 0.0 && of(&moving, "lights-moved") > 0.5);
+    assert!((0.5..=1.0).contains(&of(&moving, "lights-that-reach")), "{moving:?}");
+    assert!((0.5..2.0).contains(&of(&moving, "energy")), "{moving:?}");
+    let still = figures("still");
+    for key in ["tid", "e-prime", "lights-moved", "static-deviation"] {
+        assert_eq!(of(&still, key), 0.0, "{key}");
+    }
+}

@@ -152,8 +152,7 @@ impl Composer<'_> {
         for (source, range) in std::mem::take(&mut self.enables) {
             let line = source.text[range.clone()].trim_end();
             if !head.lines().any(|other| other == line) {
-                head.push_str(line);
-                head.push('\n');
+                head += &format!("{line}\n");
                 copies.push((line.len() + 1, source.clone(), range));
             }
         }

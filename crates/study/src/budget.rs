@@ -105,7 +105,10 @@ pub(crate) fn search(
         if between.low > between.high {
             break;
         }
-        at = between.guess(&probes, ms, at);
+        at = match found {
+            Some(_) => between.guess(&probes, ms),
+            None => between.low.midpoint(between.high),
+        };
     }
     probes.first().map(|(at, ms)| Found { value: domain.value(*at), ms: *ms }).ok_or(refusal)
 }
@@ -118,28 +121,18 @@ struct Between {
 }
 
 impl Between {
-    fn guess(self, probes: &[(i64, f64)], ms: f64, last: i64) -> i64 {
+    /// Where the cost is `ms`, by the two probes that were nearest.
+    fn guess(self, probes: &[(i64, f64)], ms: f64) -> i64 {
         let guess = match probes {
-            [] => self.low.midpoint(last) as f64,
+            [(a, a_ms), (b, b_ms), ..] if (b_ms - a_ms) / (b - a) as f64 > 0.0 => {
+                *a as f64 + (ms - a_ms) * (b - a) as f64 / (b_ms - a_ms)
+            }
             // One probe says no more than that cost is at most proportional.
             [(at, found)] => (*at).max(1) as f64 * ms / found,
-            [(a, a_ms), (b, b_ms), ..] => {
-                let slope = (b_ms - a_ms) / (b - a) as f64;
-                if slope > 0.0 {
-                    *a as f64 + (ms - a_ms) / slope
-                } else {
-                    self.low.midpoint(self.high) as f64
-                }
-            }
+            _ => self.low.midpoint(self.high) as f64,
         };
-        let most = probes.iter().map(|(at, _)| *at).max().unwrap_or(last).max(1) as f64 * LARGEST_STEP;
-        let guess = guess.min(most);
-        // Beyond what cannot be run there is no use in asking for the last value before it.
-        let refused = probes.iter().all(|(at, _)| *at <= self.high);
-        if guess > self.high as f64 && refused && last > self.high {
-            return self.low.midpoint(self.high);
-        }
-        (guess.round() as i64).clamp(self.low, self.high)
+        let largest = probes.iter().map(|(at, _)| *at).max().unwrap_or(1).max(1) as f64 * LARGEST_STEP;
+        (guess.min(largest).round() as i64).clamp(self.low, self.high)
     }
 }
 

@@ -1,5 +1,6 @@
 //! A study as its file says it.
 
+mod consistency;
 mod read;
 
 use crate::measure::Measure;

@@ -2,7 +2,7 @@
 
 use crate::description::{At, Budget, Group, Reference, SIZE, Set, Study, Vary};
 use crate::record::AxisValue;
-use frame_graph::{Source, Span};
+use frame_graph::{Diagnostics, Source, Span};
 
 /// What a run asks for in place of what the file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,11 +24,15 @@ pub struct Edits {
 }
 
 impl Study {
-    /// Changes the study. What is changed is checked with the rest, by [`Plan::new`](crate::Plan::new).
-    pub fn edit(&mut self, edits: &Edits) {
+    /// Changes the study. Names and values are checked with the rest, by [`Plan::new`](crate::Plan::new).
+    ///
+    /// # Errors
+    /// What contradicts itself after the change: a measure that needs more frames or seeds than there are now.
+    pub fn edit(&mut self, edits: &Edits) -> Result<(), Diagnostics> {
         if edits.quick {
             self.size = (self.size.0.div_ceil(4), self.size.1.div_ceil(4));
-            self.seeds.truncate(1);
+            let over_seeds = self.measures.iter().any(|at| at.value.is_over_seeds());
+            self.seeds.truncate(if over_seeds { 2 } else { 1 });
             for axis in self.vary.iter_mut().flat_map(Group::axes_mut) {
                 let last = axis.values.len() - 1;
                 axis.values = [0, last].iter().map(|at| axis.values[*at].clone()).collect();
@@ -66,6 +70,7 @@ impl Study {
                 set.push(from_outside("--set-reference", path, value, false));
             }
         }
+        self.consistent()
     }
 
     /// Gives a path one value, wherever the file gives it others.

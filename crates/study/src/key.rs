@@ -24,9 +24,11 @@ fn of(parts: &[&str]) -> Key {
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The key of a cell; where its pipeline cannot be made, that is what it depends on.
+/// The key of a cell, whose pipeline has that name in the study. Where the pipeline cannot be made, that is what the
+/// cell depends on.
 pub(crate) fn of_cell(
     cell: &PlannedCell,
+    pipeline: &str,
     measures: &[Measure],
     reference: &str,
     lab: &mut dyn Laboratory,
@@ -35,7 +37,7 @@ pub(crate) fn of_cell(
     // What a request is written as in Debug is all its fields.
     let (request, search) = (format!("{:?}", cell.request), format!("{:?}", cell.search));
     let measures = format!("{DEFINITIONS} {measures:?}");
-    of(&[VERSION, &lab.adapter(), &identity, &request, &search, &measures, reference])
+    of(&[VERSION, &lab.adapter(), pipeline, &identity, &request, &search, &measures, reference])
 }
 
 /// The key of a reference, or why it cannot be made.

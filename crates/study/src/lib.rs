@@ -39,7 +39,7 @@
 //! | GROUP | `Grid({ "path": VALUES * })`, every combination; or `Paired({ … })`, the first values, the second values, and so on |
 //! | VALUES | `[value *]`; `Optional([value *])` where pipelines without the path run once, without it. The axis `"size"` takes `[(width, height) *]` and is the size of frames |
 //! | budget | `Frames(8)`: equal frames. `Lights(1024)`: equal lights; with names `Lights(count: 1024, by: "lights"?, frames: 5?)`. `Time(ms: 20.0, by: "lights", frames: 5?)`: equal time a frame; the whole number `by` is searched so that the median frame meets it within 5 %, once for all seeds. `Time(ms: 500.0, frames: …?)`: frames accumulate until the GPU time is spent |
-//! | REFERENCE | `Pipeline(pipeline: "reference", set: { … }?, follow: ["path" *]?, frames: …?)`, `Picture("file.exr")`, `Pictures({ "scene": "file.exr" * })` or `None` |
+//! | REFERENCE | `Pipeline(pipeline: "reference", set: { … }?, follow: ["path" *]?, frames: …?)`, `Picture("file.exr")`, `Pictures({ "scene": "file.exr" * })` or `None`; files are looked for from the working folder |
 //!
 //! **References.** A pipeline with an output `progress` accumulates until it says that it is done, or for `frames`
 //! frames; another renders one frame. It takes its own values alone, and those of the axes that it is to `follow`

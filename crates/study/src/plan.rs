@@ -257,8 +257,11 @@ impl Plan {
                     (true, false) => vec![at(first)],
                     (true, true) => (first..first + request.frames).map(at).collect(),
                 };
-                let values: Vec<String> =
+                let mut values: Vec<String> =
                     values.iter().map(|(path, value)| format!("{path} = {value}")).collect();
+                values.extend(followed(SEED).then(|| format!("seed = {}", request.seed)));
+                let (width, height) = request.size;
+                values.extend(size_in(combination).map(|_| format!("{width}x{height}")));
                 PlannedReference {
                     scene,
                     size: request.size,

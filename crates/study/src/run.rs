@@ -175,7 +175,8 @@ impl Session<'_> {
             .iter()
             .map(|cell| {
                 let reference = cell.reference.map(|index| self.references.key(index)).unwrap_or_default();
-                key::of_cell(cell, &plan.measures, &reference, self.lab).to_string()
+                key::of_cell(cell, &plan.pipelines[cell.pipeline].name, &plan.measures, &reference, self.lab)
+                    .to_string()
             })
             .collect()
     }

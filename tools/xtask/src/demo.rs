@@ -1,7 +1,8 @@
 //! `cargo xtask demo`: from a fresh clone to a picture.
 
 use crate::cargo::{built, cargo, run as run_command};
-use crate::gpu::{self, Consent};
+use crate::gpu;
+use crate::packages::Consent;
 use anyhow::{Result, bail};
 use std::path::Path;
 use std::process::Command;

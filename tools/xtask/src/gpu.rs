@@ -1,47 +1,11 @@
 //! Sees to it that there is an adapter to render with: a GPU's driver, or one that renders on the CPU.
 
+use crate::packages::{Consent, ids_of_linux, install};
 use anyhow::{Context, Result, bail};
-use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 const QUESTION: &str = "There is no adapter to render with. Install one that renders on the CPU (mesa-vulkan-drivers, by apt-get)?";
-
-/// Whether something may be installed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Consent {
-    /// Without asking: `-y`, or on a machine of continuous integration.
-    Given,
-    /// There is someone to ask.
-    Ask,
-    /// There is no one to ask.
-    Withheld,
-}
-
-impl Consent {
-    /// From `-y`, the variable `CI`, and whether there is a terminal.
-    pub fn new(yes: bool) -> Consent {
-        let ci = std::env::var("CI").is_ok_and(|ci| !ci.is_empty() && ci != "false");
-        if yes || ci {
-            Consent::Given
-        } else if std::io::stdin().is_terminal() && std::io::stdout().is_terminal() {
-            Consent::Ask
-        } else {
-            Consent::Withheld
-        }
-    }
-
-    fn to(self, question: &str) -> Result<bool> {
-        if self != Consent::Ask {
-            return Ok(self == Consent::Given);
-        }
-        print!("{question} [Y/n] ");
-        std::io::stdout().flush()?;
-        let mut answer = String::new();
-        let read = std::io::stdin().read_line(&mut answer)?;
-        Ok(read > 0 && matches!(answer.trim().to_lowercase().as_str(), "" | "y" | "yes"))
-    }
-}
 
 /// The adapters, a line each, after having installed a driver where there was none and that was agreed to.
 /// Empty where there is none still.
@@ -53,7 +17,7 @@ pub fn ensure(lightloom: &Path, consent: Consent) -> Result<Vec<String>> {
     if Driver::of_this_system() != Driver::Apt || !consent.to(QUESTION)? {
         return Ok(found);
     }
-    install()?;
+    install("mesa-vulkan-drivers")?;
     let found = adapters(lightloom)?;
     if found.is_empty() {
         bail!(
@@ -111,13 +75,9 @@ impl Driver {
         }
     }
 
-    /// By the text of /etc/os-release, whose `ID` and `ID_LIKE` name the distribution and those it derives from.
+    /// By the text of /etc/os-release.
     fn of_linux(os_release: &str) -> Driver {
-        let ids: Vec<&str> = os_release
-            .lines()
-            .filter_map(|line| line.strip_prefix("ID=").or_else(|| line.strip_prefix("ID_LIKE=")))
-            .flat_map(|value| value.trim_matches(['"', '\'']).split_whitespace())
-            .collect();
+        let ids = ids_of_linux(os_release);
         let is = |names: &[&str]| ids.iter().any(|id| names.contains(id));
         if is(&["debian", "ubuntu"]) {
             Driver::Apt
@@ -135,22 +95,6 @@ impl Driver {
             )
         }
     }
-}
-
-fn install() -> Result<()> {
-    // A source that cannot be reached need not be the one that has the package.
-    if let Err(error) = apt_get(&["update"]) {
-        eprintln!("warning: {error:#}");
-    }
-    apt_get(&["install", "--yes", "--no-install-recommends", "mesa-vulkan-drivers"])
-}
-
-fn apt_get(args: &[&str]) -> Result<()> {
-    let id = Command::new("id").arg("-u").output().context("cannot run `id`")?;
-    let mut command = if id.stdout.trim_ascii() == b"0" { Command::new("env") } else { Command::new("sudo") };
-    command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get"]).args(args);
-    println!("{command:?}");
-    crate::cargo::run(&mut command)
 }
 
 #[cfg(test)]
@@ -181,13 +125,6 @@ mod tests {
             "NVIDIA GeForce RTX 4090, Vulkan"
         ])));
         assert!(!on_cpu(&[]));
-    }
-
-    #[test]
-    fn only_given_consent_installs_unasked() {
-        assert!(Consent::Given.to("?").unwrap());
-        assert!(!Consent::Withheld.to("?").unwrap());
-        assert_eq!(Consent::new(true), Consent::Given);
     }
 
     #[cfg(unix)]

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use xtask::gpu::Consent;
+use xtask::packages::Consent;
 use xtask::{bless, demo, new_pass, test, tidy, tree};
 
 /// Chores of the tree.
@@ -24,7 +24,7 @@ enum Command {
     },
     /// Build and run all tests
     Test {
-        /// Install a Vulkan driver without asking where there is no GPU
+        /// Install a Vulkan driver where there is no GPU, and Chromium where there is no browser, without asking
         #[arg(short, long)]
         yes: bool,
     },

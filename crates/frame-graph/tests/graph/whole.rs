@@ -3,7 +3,8 @@
 use super::kinds::{MemoryFiles, TestKinds, traits};
 use frame_graph::plan::Fate;
 use frame_graph::{
-    Change, CompileOptions, Diagnostics, FrameState, LinkContext, Overrides, Plan, compile, link, resolve,
+    Change, CompileOptions, Diagnostics, FrameState, LinkContext, Overrides, Plan, Value, compile, link,
+    resolve,
 };
 
 pub(super) const BASE: &str = r#"
@@ -64,4 +65,23 @@ fn a_whole_pipeline_compiles_and_runs() {
     // Only the loop through the past goes on in a still scene.
     assert_eq!(second.runs, [false, false, false, false, false, false, true]);
     assert_eq!(second.histories[0].age, 1);
+}
+
+/// Parameters, those of parts, and settings of passes: each path is taken back with the value that it has.
+#[test]
+fn what_can_be_set_is_told_by_its_path() {
+    let files = MemoryFiles::new(&[("base.ron", BASE), ("parts/shadows.ron", SHADOWS)]);
+    let base = resolve("base.ron", &files, &Overrides(vec![("map".into(), Value::U32(128))])).unwrap();
+    let settable = base.settable(&TestKinds::new());
+    let value = |path: &str| settable.iter().find(|found| found.path == path).map(|found| &found.value);
+    assert_eq!(value("count"), Some(&Value::U32(256)));
+    // What `$map` gives reaches the part, and the pass within it.
+    assert_eq!(value("shadows.map"), Some(&Value::U32(128)));
+    assert_eq!(value("shadows/splat.map"), Some(&Value::U32(128)));
+    assert_eq!(value("splat.map"), None);
+    for found in settable {
+        assert!(found.setting.check(found.value.clone()).is_ok(), "{}", found.path);
+        let again = resolve("base.ron", &files, &Overrides(vec![(found.path.clone(), found.value)]));
+        assert!(again.is_ok(), "{}: {}", found.path, again.unwrap_err());
+    }
 }

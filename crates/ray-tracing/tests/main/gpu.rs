@@ -183,15 +183,29 @@ fn ray_queries_are_refused_where_there_are_none() {
     assert!(words.starts_with("pass compute uses ray queries, which "), "{words}");
 }
 
+/// The atrium, larger by a factor.
+fn scaled(factor: f32) -> Scene {
+    pass_test::scene_from(&format!(
+        "Scene(
+            about: \"\",
+            geometry: Objects([Object(
+                name: \"atrium\", geometry: BuiltIn(\"atrium\"),
+                transform: Transform(scale: ({factor:?}, {factor:?}, {factor:?})),
+            )]),
+        )"
+    ))
+}
+
 #[test]
 fn rays_leave_the_surfaces_that_they_start_from() {
-    for name in ["atrium", "nave", "cornell-box"] {
-        let scene = pass_test::scene(name);
+    let named = ["nave", "cornell-box"].map(pass_test::scene);
+    for scene in named.into_iter().chain([1e-3, 1.0, 1e5].map(scaled)) {
         let rays = Random(10).rays(scene.bounds(), 20_000);
         for way in ways() {
             let Some(found) = follow(&scene, 0.0, way, &rays) else { return };
             for (ray, found) in rays.iter().zip(found) {
-                assert_eq!(found.leaves, 1, "{name}, {way}: {found:?} of {ray:?}");
+                let (name, extent) = (&scene.name, scene.extent());
+                assert_eq!(found.leaves, 1, "{name} of {extent} m, {way}: {found:?} of {ray:?}");
             }
         }
     }

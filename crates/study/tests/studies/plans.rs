@@ -73,7 +73,7 @@ fn the_command_line_changes_a_study() {
         format!("vary: Grid({{ \"lights\": [1, 2, 3], \"size\": [(8, 4), (16, 8)] }}), seeds: 5, {MORE}");
     let with = |edits: Edits| {
         let mut study = study(&vary);
-        study.edit(&edits);
+        study.edit(&edits).unwrap();
         cells(&plan(study))
     };
     let size = Edits { size: Some((3, 2)), seeds: Some(1), ..Edits::default() };
@@ -83,7 +83,14 @@ fn the_command_line_changes_a_study() {
     assert_eq!(with(Edits { scenes: vec!["walk".to_owned()], ..size }).len(), 3);
     assert_eq!(with(Edits { quick: true, ..Edits::default() }).len(), 4);
     let mut wrong = study(&vary);
-    wrong.edit(&Edits { set: pin("lihgts", 9.0), ..Edits::default() });
+    wrong.edit(&Edits { set: pin("lihgts", 9.0), ..Edits::default() }).unwrap();
     let errors = Plan::new(wrong, &super::fake::Shelf).unwrap_err().to_string();
     assert!(errors.contains("lihgts=9") && errors.contains("did you mean `lights`?"), "{errors}");
+    // What a measure needs is looked at again.
+    let frames = Edits { frames: Some(1), ..Edits::default() };
+    let errors = study("measures: [\"tid\"]").edit(&frames).unwrap_err().to_string();
+    assert!(errors.contains("`tid` needs at least 2 frames"), "{errors}");
+    let lights = Edits { set: pin("lights", 9.0), ..Edits::default() };
+    let errors = study("measures: [\"gpu-ms\"], budget: Lights(8)").edit(&lights).unwrap_err().to_string();
+    assert!(errors.contains("the budget sets it as well"), "{errors}");
 }

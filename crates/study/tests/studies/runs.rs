@@ -164,7 +164,7 @@ fn a_walk_is_judged_frame_by_frame() {
         "budget: Frames(4), warm_up: 2, first_frame: 3, jump: 6, seeds: [2], reference: Pipeline(pipeline: \"truth\"),
          measures: [\"rmse\", \"normalised-rmse\", \"e\", \"e-prime\", \"tid\", \"lag\", \"static-deviation\"]",
     );
-    walk.edit(&study::Edits { scenes: vec!["walk".to_owned()], ..Default::default() });
+    walk.edit(&study::Edits { scenes: vec!["walk".to_owned()], ..Default::default() }).unwrap();
     let mut lab = Fake::default();
     let ran = run(&plan(walk), &mut lab, folder.path()).unwrap();
     // A reference each of the frames 5 to 8, at a time that stands still.
@@ -201,4 +201,31 @@ fn a_reference_follows_what_it_is_told_to() {
     for cell in &ran.results.cells {
         assert_eq!((cell.outcome.clone(), cell.measures["rmse"]), (Outcome::Done, Some(0.0)));
     }
+}
+
+#[test]
+fn pipelines_that_are_alike_have_cells_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "Study(scenes: [\"box\"], pipelines: [\"fast\", Variant(name: \"same\", pipeline: \"fast\")], size: (8, 4),
+        measures: [\"gpu-ms\"])";
+    let plan = plan(study::parse(frame_graph::Source::new("x.ron", text)).unwrap());
+    let ran = run(&plan, &mut Fake::default(), folder.path()).unwrap();
+    let names: Vec<&str> = ran.results.cells.iter().map(|cell| cell.pipeline.as_str()).collect();
+    assert_eq!(names, ["fast", "same"]);
+    assert!(ran.results.study.differences[0].lines.is_empty());
+}
+
+/// Parts of a study whose frames vary in size keep the reference of each.
+#[test]
+fn references_of_every_size_are_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let sizes = "vary: Grid({ \"size\": [(8, 4), (4, 4)] }), measures: [\"rmse\"], reference: Pipeline(pipeline: \"truth\")";
+    for part in 1..=2 {
+        let options = RunOptions { shard: Some(Shard { part, parts: 2 }), ..RunOptions::default() };
+        told(&plan(study(sizes)), &mut Fake::default(), &at(&part.to_string()), &options);
+    }
+    let merged = study::merge(&[at("1"), at("2")], &at("all")).unwrap();
+    let from: Vec<&str> = merged.study.references.iter().map(|reference| reference.from.as_str()).collect();
+    assert_eq!(from, ["pipeline truth, 8x4", "pipeline truth, 4x4"]);
 }

@@ -131,7 +131,7 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         quick: args.quick,
     };
     let mut study = study::parse(source(context, file)?)?;
-    study.edit(&edits);
+    study.edit(&edits)?;
     let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(&context.catalog)))?;
     let mut lab = GpuLaboratory::new(Arc::clone(&context.catalog), Gpu::open()?);
     let options =

@@ -44,6 +44,36 @@ impl GpuLaboratory {
         }
         Ok(&self.scenes[name])
     }
+
+    fn render(
+        &mut self,
+        request: &RunRequest,
+        observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+    ) -> Result<CellRun, String> {
+        let scene = self.scene(&request.scene)?.clone();
+        let mut renderer =
+            Renderer::new(self.gpu.clone(), Arc::clone(&self.catalog), scene, request.size).map_err(text)?;
+        renderer.set_seed(request.seed);
+        renderer.set_pipeline(&request.pipeline, &overrides(&request.set)).map_err(text)?;
+        // What is kept for measures is no memory of the pipeline.
+        let memory = memory(&renderer);
+        let extras = keep_extras(&mut renderer, request)?;
+        renderer.set_frame_options(FrameOptions { timed: request.timed, poison: false });
+        renderer.set_frame_index(request.first_frame);
+        let noise = if request.until_done {
+            accumulate(&mut renderer, request, &extras, observe)?
+        } else {
+            sequence(&mut renderer, request, &extras, observe)?;
+            None
+        };
+        let provenance =
+            Provenance::new(&renderer, &request.scene, (&request.output, 0), request.first_frame).to_json();
+        let parameters = renderer.compiled().map_or_else(Default::default, |compiled| {
+            let parameters = compiled.resolved.parameters().iter();
+            parameters.map(|p| (p.setting.name.clone(), AxisValue::from_value(&p.value))).collect()
+        });
+        Ok(CellRun { memory, provenance, parameters, noise })
+    }
 }
 
 fn options(keep: Vec<String>) -> CompileOptions {
@@ -74,29 +104,12 @@ impl Laboratory for GpuLaboratory {
         request: &RunRequest,
         observe: &mut dyn FnMut(Observed) -> Result<(), String>,
     ) -> Result<CellRun, String> {
-        let scene = self.scene(&request.scene)?.clone();
-        let mut renderer =
-            Renderer::new(self.gpu.clone(), Arc::clone(&self.catalog), scene, request.size).map_err(text)?;
-        renderer.set_seed(request.seed);
-        renderer.set_pipeline(&request.pipeline, &overrides(&request.set)).map_err(text)?;
-        // What is kept for measures is no memory of the pipeline.
-        let memory = memory(&renderer);
-        let extras = keep_extras(&mut renderer, request)?;
-        renderer.set_frame_options(FrameOptions { timed: request.timed, poison: false });
-        renderer.set_frame_index(request.first_frame);
-        let noise = if request.until_done {
-            accumulate(&mut renderer, request, &extras, observe)?
-        } else {
-            sequence(&mut renderer, request, &extras, observe)?;
-            None
-        };
-        let provenance =
-            Provenance::new(&renderer, &request.scene, (&request.output, 0), request.first_frame).to_json();
-        let parameters = renderer.compiled().map_or_else(Default::default, |compiled| {
-            let parameters = compiled.resolved.parameters().iter();
-            parameters.map(|p| (p.setting.name.clone(), AxisValue::from_value(&p.value))).collect()
-        });
-        Ok(CellRun { memory, provenance, parameters, noise })
+        let done = self.render(request, observe);
+        // A device that was lost takes no other cell with it.
+        if let (Err(_), Ok(gpu)) = (&done, Gpu::open()) {
+            self.gpu = gpu;
+        }
+        done
     }
 
     fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, String> {
@@ -253,5 +266,35 @@ fn pinhole(camera: &Camera, size: (u32, u32)) -> Pinhole {
         up: row(1),
         back: row(2),
         half_extent: [half * aspect, half],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pinhole_sees_what_its_camera_sees() {
+        let camera = Camera {
+            position: Vec3::new(1.0, 2.0, 3.0),
+            target: Vec3::new(-2.0, 1.5, 0.0),
+            up: Vec3::Y,
+            vertical_fov: 0.7,
+            near: 0.01,
+        };
+        let size = (640, 360);
+        let pinhole = pinhole(&camera, size);
+        for point in [Vec3::ZERO, Vec3::new(-1.0, 2.5, 1.5), Vec3::new(-3.0, 0.0, 2.0)] {
+            let seen = camera.project(point, [size.0, size.1]).unwrap();
+            let position = point.to_array().map(f64::from);
+            let (x, y, depth) = pinhole.project(position, (640, 360)).unwrap();
+            assert!(
+                (x - f64::from(seen.x)).abs() < 1e-2 && (y - f64::from(seen.y)).abs() < 1e-2,
+                "{x} {y} {seen}"
+            );
+            let back = pinhole.world(x, y, depth, (640, 360));
+            // The axes are rounded to f32: 6·10⁻⁸ of some metres.
+            assert!(back.iter().zip(position).all(|(a, b)| (a - b).abs() < 1e-6), "{back:?}");
+        }
     }
 }
