@@ -28,3 +28,41 @@ impl Remaining {
         Duration::try_from_secs_f64(cells.map(of).sum()).unwrap_or(Duration::MAX)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{CellImages, Memory, Outcome};
+
+    fn cell(pipeline: &str, seconds: f64) -> Cell {
+        Cell {
+            key: String::new(),
+            scene: "box".to_owned(),
+            pipeline: pipeline.to_owned(),
+            axes: Default::default(),
+            seed: 0,
+            outcome: Outcome::Done,
+            measures: Default::default(),
+            passes: Vec::new(),
+            memory: Memory::default(),
+            chosen: Default::default(),
+            frames: 1,
+            seconds,
+            images: CellImages::default(),
+            notes: Vec::new(),
+            provenance: String::new(),
+        }
+    }
+
+    #[test]
+    fn cells_take_as_long_as_their_like_or_as_all() {
+        let mut remaining = Remaining::default();
+        assert_eq!(remaining.estimate([("box", "slow")].into_iter()), Duration::ZERO, "nothing is known");
+        for (pipeline, seconds) in [("slow", 10.0), ("slow", 14.0), ("fast", 3.0)] {
+            remaining.add(&cell(pipeline, seconds));
+        }
+        // 12 and 3, and of another pipeline the mean of all: 27 / 3.
+        let left = remaining.estimate([("box", "slow"), ("box", "fast"), ("box", "new")].into_iter());
+        assert_eq!(left, Duration::from_secs(24));
+    }
+}
