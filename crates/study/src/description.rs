@@ -221,3 +221,15 @@ impl Group {
         }
     }
 }
+
+/// A size as the value of the axis [`SIZE`]: `640x480`.
+pub(crate) fn size_value((width, height): (u32, u32)) -> AxisValue {
+    AxisValue::Text(format!("{width}x{height}"))
+}
+
+/// The size that a value of the axis [`SIZE`] is.
+pub(crate) fn size_of(value: &AxisValue) -> Option<(u32, u32)> {
+    let AxisValue::Text(text) = value else { return None };
+    let (width, height) = text.split_once('x')?;
+    Some((width.parse().ok()?, height.parse().ok()?))
+}

@@ -1,6 +1,6 @@
 //! Changes to a study from the command line.
 
-use crate::description::{At, Budget, Group, Reference, SIZE, Set, Study, Vary};
+use crate::description::{At, Budget, Group, Reference, SIZE, Set, Study, Vary, size_of, size_value};
 use crate::record::AxisValue;
 use frame_graph::{Diagnostics, Source, Span};
 
@@ -30,16 +30,7 @@ impl Study {
     /// What contradicts itself after the change: a measure that needs more frames or seeds than there are now.
     pub fn edit(&mut self, edits: &Edits) -> Result<(), Diagnostics> {
         if edits.quick {
-            self.size = (self.size.0.div_ceil(4), self.size.1.div_ceil(4));
-            let over_seeds = self.measures.iter().any(|at| at.value.is_over_seeds());
-            self.seeds.truncate(if over_seeds { 2 } else { 1 });
-            for axis in self.vary.iter_mut().flat_map(Group::axes_mut) {
-                let last = axis.values.len() - 1;
-                axis.values = [0, last].iter().map(|at| axis.values[*at].clone()).collect();
-                if last == 0 {
-                    axis.values.truncate(1);
-                }
-            }
+            self.shrink();
         }
         if let Some(size) = edits.size {
             self.size = size;
@@ -71,6 +62,22 @@ impl Study {
             }
         }
         self.consistent()
+    }
+
+    /// A quarter of each side, as few seeds as the measures allow, first and last value of each axis.
+    fn shrink(&mut self) {
+        let quarter = |(width, height): (u32, u32)| (width.div_ceil(4), height.div_ceil(4));
+        self.size = quarter(self.size);
+        let over_seeds = self.measures.iter().any(|at| at.value.is_over_seeds());
+        self.seeds.truncate(if over_seeds { 2 } else { 1 });
+        for axis in self.vary.iter_mut().flat_map(Group::axes_mut) {
+            if axis.values.len() > 2 {
+                axis.values.drain(1..axis.values.len() - 1);
+            }
+            for size in axis.values.iter_mut().filter_map(|at| Some((size_of(&at.value)?, at))) {
+                size.1.value = size_value(quarter(size.0));
+            }
+        }
     }
 
     /// Gives a path one value, wherever the file gives it others.

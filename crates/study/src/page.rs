@@ -1,5 +1,6 @@
 //! Results in a page of documentation: sections that studies write and people do not.
 
+use crate::description::SIZE;
 use crate::error::{StudyError, io};
 use crate::folder::write;
 use crate::record::{Outcome, Results};
@@ -58,29 +59,28 @@ fn section(results: &Results, tables: &[String]) -> String {
     if !study.paper.is_empty() {
         let _ = write!(text, " ({})", study.paper);
     }
-    let (width, height) = study.size;
-    let _ = write!(
-        text,
-        ". {}; Lightloom {}; begun {}. Frames of {width}×{height}, {}",
-        study.adapter, study.version, study.started, study.budget
-    );
-    let _ = match study.seeds.len() {
-        0 | 1 => write!(text, "."),
-        seeds => write!(text, "; mean and 95 % interval over {seeds} seeds."),
-    };
+    let _ = write!(text, ".\n\n{}; Lightloom {}; begun {}. ", study.adapter, study.version, study.started);
+    if !study.axes.iter().any(|axis| axis.name == SIZE) {
+        let _ = write!(text, "Frames of {}×{} pixels. ", study.size.0, study.size.1);
+    }
+    let _ = write!(text, "A cell: {}.", study.budget);
+    if study.seeds.len() > 1 {
+        let _ = write!(text, " Mean and 95 % interval over {} seeds.", study.seeds.len());
+    }
+    text.push('\n');
     for reference in &study.references {
+        let _ = write!(text, "\n- Reference of `{}`: {}", reference.scene, reference.from);
         let _ = match (&reference.image, reference.noise) {
-            (None, _) => write!(text, " The reference of `{}` failed: {}.", reference.scene, reference.error),
-            (Some(_), Some(noise)) => write!(
-                text,
-                " Reference of `{}`: {}; its own relMSE is estimated at {noise:.1e}.",
-                reference.scene, reference.from
-            ),
-            (Some(_), None) => write!(text, " Reference of `{}`: {}.", reference.scene, reference.from),
+            (None, _) => write!(text, "; it failed: {}", reference.error.lines().next().unwrap_or_default()),
+            (Some(_), Some(noise)) => write!(text, "; its own relMSE is estimated at {noise:.1e}"),
+            (Some(_), None) => Ok(()),
         };
     }
+    if !study.references.is_empty() {
+        text.push('\n');
+    }
     if !study.command.is_empty() {
-        let _ = write!(text, "\n\n```sh\n{}\n```", study.command);
+        let _ = write!(text, "\n```sh\n{}\n```", study.command);
     }
     text.push('\n');
     for table in tables {

@@ -2,7 +2,7 @@
 
 mod check;
 
-use crate::description::{At, Budget, Group, Reference, SEED, SIZE, Study, Vary};
+use crate::description::{At, Budget, Group, Reference, SEED, SIZE, Study, Vary, size_of};
 use crate::laboratory::{PipelineFacts, Registry, RunRequest, SceneFacts, Values};
 use crate::measure::Measure;
 use crate::record::{Axis, AxisValue, Difference, PipelineRecord};
@@ -315,9 +315,7 @@ fn differences(registry: &dyn Registry, pipelines: &[Resolved]) -> Vec<Differenc
 /// The frame's size in a combination, where it varies.
 fn size_in(combination: &[(String, AxisValue)]) -> Option<(u32, u32)> {
     let (_, value) = combination.iter().find(|(path, _)| *path == SIZE)?;
-    let AxisValue::Text(text) = value else { return None };
-    let (width, height) = text.split_once('x')?;
-    Some((width.parse().ok()?, height.parse().ok()?))
+    size_of(value)
 }
 
 /// Every combination of the values of a group: the first axis varies slowest.

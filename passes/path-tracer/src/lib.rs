@@ -120,6 +120,7 @@ impl Pass for PathTracer {
             of_scene("TEXTURED", "textured"),
             of_scene("GLOSSY", "glossy"),
             of_scene("MASKED", "masked"),
+            ("RAYS", Define::from(cx.settings.text("rays"))),
         ];
         let paths = cx.shader(PATHS, &defines);
         let estimate = cx.shader(ESTIMATE, &[past]);

@@ -42,6 +42,8 @@ enum Command {
     Compare(command::compare::Args),
     /// Run an ablation study: pipelines, scenes and values against time and error
     Study(command::study::Args),
+    /// Measure what rays, shadow maps, frames and the frame graph cost on this machine
+    Bench(command::bench::Args),
     /// List the kinds of passes, or show one with its ports and settings
     Passes(command::passes::Args),
     /// List the pipelines
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
         Command::Rerun(args) => command::rerun::run(&context, args),
         Command::Compare(args) => command::compare::run(&context, args),
         Command::Study(args) => command::study::run(&context, args),
+        Command::Bench(args) => command::bench::run(&context, args),
         Command::Passes(args) => command::passes::run(&context, args),
         Command::Pipelines(_) => command::lists::pipelines(&context),
         Command::Scenes(_) => command::lists::scenes(&context),

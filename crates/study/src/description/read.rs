@@ -1,6 +1,6 @@
 //! From the tree of a file to a study: the grammar, and what can be told from the file alone.
 
-use super::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant, Vary};
+use super::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant, Vary, size_value};
 use crate::codes;
 use crate::measure::Measure;
 use crate::record::AxisValue;
@@ -447,11 +447,6 @@ fn optional(node: &Node) -> (&Node, bool) {
         Form::Tuple(Some(name), items) if name.text == "Optional" && items.len() == 1 => (&items[0], true),
         _ => (node, false),
     }
-}
-
-/// A size as the value of an axis: `640x480`.
-pub(crate) fn size_value((width, height): (u32, u32)) -> AxisValue {
-    AxisValue::Text(format!("{width}x{height}"))
 }
 
 pub(super) fn twice(what: &str, again: &Span, first: &Span) -> Diagnostic {

@@ -8,6 +8,8 @@ pub(crate) struct Progress {
     /// `None` where nobody watches.
     bar: Option<ProgressBar>,
     cells: usize,
+    /// How long the rest takes, in words; empty while nothing is known.
+    left: String,
 }
 
 impl Progress {
@@ -17,7 +19,7 @@ impl Progress {
             ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Progress { bar, cells: 0 }
+        Progress { bar, cells: 0, left: String::new() }
     }
 
     pub(crate) fn tell(&mut self, event: Event<'_>) {
@@ -36,12 +38,12 @@ impl Progress {
                 }
             }
             Event::Reference { name } => match &self.bar {
-                Some(bar) => bar.set_message(format!("reference of {name}")),
+                Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
                 None => eprintln!("reference of {name}"),
             },
             Event::Cell { name } => {
                 if let Some(bar) = &self.bar {
-                    bar.set_message(name);
+                    bar.set_message(format!("{}{name}", self.left));
                 }
             }
             Event::Ended { cell, ended, left } => {
@@ -59,7 +61,7 @@ impl Progress {
                 match &self.bar {
                     Some(bar) => {
                         bar.set_position(ended as u64);
-                        bar.set_message(left);
+                        self.left = format!("{left}: ");
                     }
                     None => {
                         eprintln!(

@@ -1,0 +1,129 @@
+//! `lightloom bench`: the performance figures on this machine.
+
+mod frames;
+mod graph;
+mod rays;
+mod reload;
+mod table;
+
+use crate::context::Context;
+use crate::output::{self, progress};
+use anyhow::{Result, bail};
+use renderer::{Catalog, Gpu};
+use std::cell::OnceCell;
+use std::sync::Arc;
+use table::{Section, Table};
+
+/// Measure what Lightloom costs on this machine.
+///
+/// Each figure is the median of several runs after the first, in which drivers compile shaders, with the least and the
+/// greatest. A goal that is not met is a fact, and no failure.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  lightloom bench
+  lightloom bench --only rays --scene sponza.glb
+  lightloom bench --markdown")]
+pub(crate) struct Args {
+    /// Measure this alone; any number of times
+    #[arg(long, value_name = "NAME")]
+    only: Vec<Figure>,
+    /// A scene by name or file: rays are traced in it too, and `shadow-maps` and `ism-frame` take the first that is
+    /// given in place of the atrium. Any number of times
+    #[arg(long)]
+    scene: Vec<String>,
+    /// Runs that are measured
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    runs: u32,
+    /// A look before the real thing: small sizes, to which the goals do not apply
+    #[arg(long)]
+    quick: bool,
+    /// Print the table as Markdown
+    #[arg(long, conflicts_with = "json")]
+    markdown: bool,
+}
+
+/// What can be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Figure {
+    /// Rays per second: closest hit and any hit; camera rays, and rays that leave what the camera sees over the
+    /// cosine; by the hierarchy, and by ray queries where the adapter has them
+    Rays,
+    /// How much faster 256 imperfect shadow maps of 256² are made than classic ones (points, splats and pull-push
+    /// against triangles), and how much faster the frame is
+    ShadowMaps,
+    /// GPU time of a frame of `ism`: 1,024 lights, maps of 64², 256² pixels, everything run anew
+    IsmFrame,
+    /// CPU time from the text of a pipeline of 1,000 passes to a plan, without shaders
+    Compile,
+    /// CPU time of a frame of 1,000 passes of one dispatch, nothing timed: from the call until all is submitted
+    Encode,
+    /// Memory of shared transient resources of each pipeline, against the largest sum alive at once
+    Memory,
+    /// Time from the save of a shader to the end of the next frame, where the driver has compiled the same before
+    Reload,
+}
+
+/// What figures are measured with.
+struct Bench<'a> {
+    catalog: &'a Arc<Catalog>,
+    args: &'a Args,
+    gpu: OnceCell<Gpu>,
+}
+
+impl Bench<'_> {
+    /// The device, opened for the first figure that needs one.
+    fn gpu(&self) -> Result<Gpu> {
+        if let Some(gpu) = self.gpu.get() {
+            return Ok(gpu.clone());
+        }
+        let gpu = Gpu::open()?;
+        Ok(self.gpu.get_or_init(|| gpu).clone())
+    }
+
+    /// The device, where it can time passes.
+    fn timing_gpu(&self) -> Result<Gpu> {
+        let gpu = self.gpu()?;
+        if !gpu.has_timestamps() {
+            bail!("{} has no timestamps, by which passes are timed", gpu.describe());
+        }
+        Ok(gpu)
+    }
+
+    /// One size, or that of a quick look.
+    fn size(&self, whole: u32, quick: u32) -> u32 {
+        if self.args.quick { quick } else { whole }
+    }
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let bench = Bench { catalog: &context.catalog, args, gpu: OnceCell::new() };
+    let all: &[Figure] = clap::ValueEnum::value_variants();
+    let wanted = all.iter().filter(|figure| args.only.is_empty() || args.only.contains(figure));
+    let wanted: Vec<Figure> = wanted.copied().collect();
+    let bar = progress(wanted.len() as u64, "measuring");
+    let mut sections = Vec::new();
+    for figure in wanted {
+        sections.push(measure(&bench, figure)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let table = Table::new(sections, bench.gpu.get(), args);
+    if context.json {
+        output::json(&table.to_json());
+    } else {
+        table.print(args.markdown);
+    }
+    Ok(())
+}
+
+fn measure(bench: &Bench<'_>, figure: Figure) -> Result<Section> {
+    match figure {
+        Figure::Rays => rays::measure(bench),
+        Figure::ShadowMaps => frames::shadow_maps(bench),
+        Figure::IsmFrame => frames::ism_frame(bench),
+        Figure::Compile => graph::compiling(bench),
+        Figure::Encode => graph::encoding(bench),
+        Figure::Memory => graph::memory(bench),
+        Figure::Reload => reload::measure(bench),
+    }
+}

@@ -1,0 +1,20 @@
+// Whether each ray hits anything, a thread a ray: 2 where it does, 1 where not, and 0 where there is no ray.
+
+#import "dispatch.wgsl"
+#import "ray-tracing.wgsl"
+
+var<storage, read> rays: array<Ray>;
+var<storage, read_write> hits: array<u32>;
+
+@compute @workgroup_size(64)
+fn any_hit(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = row_index(group, groups, local, 64u);
+    if i >= arrayLength(&rays) || rays[i].exists == 0u {
+        return;
+    }
+    hits[i] = select(1u, 2u, occluded(rays[i].origin, rays[i].direction, 0.0, FAR));
+}

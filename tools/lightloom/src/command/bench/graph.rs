@@ -1,0 +1,167 @@
+//! What the frame graph costs: compiling it, encoding it, and the memory that its plans take.
+
+use super::table::{Goal, Row, Section, Spread};
+use super::{Bench, Figure};
+use anyhow::Result;
+use frame_graph::resolve::Files as _;
+use frame_graph::{
+    CompileOptions, Description, Graph, LinkContext, Overrides, Plan, Resolved, Source, compile, link, parse,
+    resolve, resolve_description,
+};
+use renderer::{Catalog, Renderer};
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Passes of a microsecond or a millisecond are run so many times as often as whole frames.
+const REPEATS: u32 = 20;
+
+/// The text of a pipeline of `count` passes: a short way to an irradiance, and blurs of it one after the other, each a
+/// single dispatch.
+fn chain(count: u32) -> String {
+    let mut text = String::from(
+        r#"Pipeline(passes: {
+    "view": Pass(kind: "gbuffer"),
+    "rsm": Pass(kind: "reflective-shadow-map", set: { "size": 16 }),
+    "lights": Pass(kind: "sample-uniform", in: { "rsm": "rsm" }, set: { "count": 16 }),
+    "blur-4": Pass(kind: "gather", in: { "view": "view", "lights": "lights" }),
+"#,
+    );
+    for i in 5..=count {
+        let _ = writeln!(
+            text,
+            r#"    "blur-{i}": Pass(kind: "geometry-aware-blur", in: {{ "view": "view", "irradiance": "blur-{}" }}, set: {{ "separable": false }}),"#,
+            i - 1
+        );
+    }
+    let _ = write!(text, r#"}}, outputs: {{ "irradiance": "blur-{count}" }})"#);
+    text
+}
+
+fn milliseconds(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// What a program keeps of a description.
+fn plan(
+    catalog: &Catalog,
+    description: &Description,
+    context: &LinkContext,
+) -> Result<(Plan, Graph, Resolved)> {
+    let resolved =
+        resolve_description("chain.ron", description, catalog.pipelines(), &Overrides::default())?;
+    let graph = link(&resolved, catalog, context)?;
+    let plan = compile(&graph, &options())?;
+    Ok((plan, graph, resolved))
+}
+
+fn options() -> CompileOptions {
+    CompileOptions { sharing: true, ..CompileOptions::default() }
+}
+
+pub(super) fn compiling(bench: &Bench<'_>) -> Result<Section> {
+    let passes = bench.size(1000, 50);
+    let source = Source::new("chain.ron", chain(passes));
+    let context = LinkContext {
+        frame: (512, 512),
+        traits: renderer::load_scene(bench.catalog, "cornell-box")?.traits(),
+    };
+    let (mut parsing, mut planning) = (Vec::new(), Vec::new());
+    for _ in 0..=bench.args.runs * REPEATS {
+        let start = Instant::now();
+        let description = parse(Arc::clone(&source))?;
+        parsing.push(milliseconds(start));
+        let start = Instant::now();
+        // Kept beyond the time: what is dropped later costs nothing here.
+        let kept = plan(bench.catalog, &description, &context)?;
+        planning.push(milliseconds(start));
+        drop(kept);
+    }
+    // In the first, kinds are asked for their settings.
+    let [parsing, planning] = [parsing, planning].map(|times| Spread::of(times[1..].to_vec()));
+    let rows = vec![
+        Row::new(format!("{passes} passes, parsed file to plan"), planning, "ms")
+            .goal(Goal::Below(1.0), "own, two cores"),
+        Row::new(format!("{passes} passes, text to parsed file"), parsing, "ms"),
+    ];
+    let note = format!(
+        "a G-buffer, a light and a chain of blurs, 512×512; resolve, link and compile, without shaders; {} runs.",
+        bench.args.runs * REPEATS
+    );
+    Ok(Section { figure: Figure::Compile, rows, note })
+}
+
+pub(super) fn encoding(bench: &Bench<'_>) -> Result<Section> {
+    let passes = bench.size(1000, 50);
+    let folder = tempfile::tempdir()?;
+    let path = folder.path().join("chain.ron");
+    std::fs::write(&path, chain(passes))?;
+    let scene = renderer::load_scene(bench.catalog, "cornell-box")?;
+    // So few pixels that there is little to do but to encode.
+    let mut renderer = Renderer::new(bench.gpu()?, Arc::clone(bench.catalog), scene, (8, 8))?;
+    renderer.set_pipeline(&path.to_string_lossy(), &Overrides::default())?;
+    let mut times = Vec::new();
+    for _ in 0..=bench.args.runs * REPEATS {
+        renderer.run_everything();
+        let start = Instant::now();
+        renderer.frame()?;
+        times.push(milliseconds(start));
+        renderer.gpu().wait()?;
+    }
+    let times = Spread::of(times[1..].to_vec());
+    let rows = vec![
+        Row::new(format!("{passes} passes, encoded and submitted"), times, "ms")
+            .goal(Goal::Below(0.6), "own, two cores"),
+    ];
+    let note = format!(
+        "the same chain at 8×8 pixels, the GPU idle before each of {} frames. Where the adapter is the CPU, its driver's threads have the same cores.",
+        bench.args.runs * REPEATS
+    );
+    Ok(Section { figure: Figure::Encode, rows, note })
+}
+
+pub(super) fn memory(bench: &Bench<'_>) -> Result<Section> {
+    let frame = (512, 512);
+    let context =
+        LinkContext { frame, traits: renderer::load_scene(bench.catalog, "cornell-box")?.traits() };
+    let files = bench.catalog.pipelines();
+    let mut rows = Vec::new();
+    for path in files.list() {
+        let resolved = resolve(&path, files, &Overrides::default())?;
+        if resolved.is_part() {
+            continue;
+        }
+        let memory = compile(&link(&resolved, &**bench.catalog, &context)?, &options())?.memory;
+        // Without transients, nothing can be shared.
+        let ratio = if memory.bound == 0 { 1.0 } else { memory.shared as f64 / memory.bound as f64 };
+        let counts =
+            vec![("shared", memory.shared), ("bound", memory.bound), ("unshared", memory.unshared)];
+        rows.push(
+            Row::new(format!("transients of {}", path.trim_end_matches(".ron")), Spread::exact(ratio), "×")
+                .goal(Goal::AtMost(1.05), "own")
+                .counts(counts),
+        );
+    }
+    let note = format!(
+        "bytes of shared objects over the largest sum alive at once, {}×{} pixels, cornell-box; counted, not timed.",
+        frame.0, frame.1
+    );
+    Ok(Section { figure: Figure::Memory, rows, note })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use renderer::Assets;
+
+    #[test]
+    fn the_chain_has_so_many_passes_and_none_is_culled() {
+        let catalog = Catalog::new(Assets::new(None));
+        for count in [5, 50] {
+            let description = parse(Source::new("chain.ron", chain(count))).unwrap();
+            let context = LinkContext { frame: (8, 8), ..LinkContext::default() };
+            let (plan, ..) = plan(&catalog, &description, &context).unwrap();
+            assert_eq!(plan.passes.len(), count as usize);
+        }
+    }
+}

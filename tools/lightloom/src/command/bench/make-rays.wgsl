@@ -1,0 +1,52 @@
+// Makes the rays: from the camera through the centres of pixels, or one from each surface that these see, spread over
+// the cosine as a diffuse surface spreads light. [Aila, Laine 2009, "Understanding the Efficiency of Ray Traversal on
+// GPUs": primary and diffuse rays]
+
+#import "camera.wgsl"
+#import "dispatch.wgsl"
+#import "random.wgsl"
+#import "ray-tracing.wgsl"
+#import "surface.wgsl"
+#import "tangent-frame.wgsl"
+
+struct Settings {
+    seed: u32,
+    /// 0 for those of the camera, 1 for those of surfaces. [default: 0, max: 1]
+    from_surfaces: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read_write> rays: array<Ray>;
+
+@compute @workgroup_size(64)
+fn make(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = row_index(group, groups, local, 64u);
+    if i >= arrayLength(&rays) {
+        return;
+    }
+    let width = u32(camera.size.x);
+    let direction = view_ray(vec2<f32>(vec2(i % width, i / width)) + 0.5);
+    if settings.from_surfaces == 0u {
+        rays[i] = Ray(camera.position, 1u, direction, 0u);
+        return;
+    }
+    let hit = trace(camera.position, direction, camera.near, FAR);
+    if hit.triangle == NO_HIT {
+        return;
+    }
+    let a = scene_vertices[scene_indices[3u * hit.triangle]].position;
+    let b = scene_vertices[scene_indices[3u * hit.triangle + 1u]].position;
+    let c = scene_vertices[scene_indices[3u * hit.triangle + 2u]].position;
+    let position = a + (b - a) * hit.barycentrics.x + (c - a) * hit.barycentrics.y;
+    let across = unit(cross(unit(b - a), unit(c - a)));
+    let normal = select(across, -across, dot(across, direction) > 0.0);
+    let first = unit_float(hash2(settings.seed, 2u * i));
+    let turn = 6.2831853 * unit_float(hash2(settings.seed, 2u * i + 1u));
+    let side = sqrt(first);
+    let spread = vec3(side * cos(turn), side * sin(turn), sqrt(1.0 - first));
+    rays[i] = Ray(offset_origin(position, normal), 1u, frame_from_normal(normal) * spread, 0u);
+}

@@ -1,0 +1,13 @@
+// Rays to time, one an element of a buffer. This text goes before that of each kernel.
+
+struct Ray {
+    /// World space [m].
+    origin: vec3<f32>,
+    /// 0 for an element without a ray.
+    exists: u32,
+    direction: vec3<f32>,
+    pad: u32,
+}
+
+/// Beyond every scene, and finite.
+const FAR: f32 = 3.0e38;

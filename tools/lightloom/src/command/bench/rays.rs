@@ -1,0 +1,168 @@
+//! Rays per second.
+
+use super::table::{Row, Section, Spread};
+use super::{Bench, Figure};
+use anyhow::{Context as _, Result};
+use executor::{Executor, FrameOptions, Gpu};
+use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, Value};
+use pass::LinkedStep;
+use renderer::{Catalog, Compiled};
+use scene::Scene;
+use scene_upload::{Frame, Host};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Scenes that are always measured.
+const SCENES: [&str; 2] = ["cornell-box", "atrium"];
+
+/// The passes that are timed, what they do, and with which rays.
+const TIMED: [(&str, &str, &str); 4] = [
+    ("camera-closest", "closest hit", "camera rays"),
+    ("camera-any", "any hit", "camera rays"),
+    ("surface-closest", "closest hit", "diffuse rays"),
+    ("surface-any", "any hit", "diffuse rays"),
+];
+
+/// The kernels, each with what they share before it.
+const KERNELS: [(&str, &str); 3] = [
+    ("make-rays.wgsl", concat!(include_str!("ray.wgsl"), include_str!("make-rays.wgsl"))),
+    ("closest-hit.wgsl", concat!(include_str!("ray.wgsl"), include_str!("closest-hit.wgsl"))),
+    ("any-hit.wgsl", concat!(include_str!("ray.wgsl"), include_str!("any-hit.wgsl"))),
+];
+
+pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
+    let gpu = bench.timing_gpu()?;
+    let side = bench.size(512, 32);
+    let folder = tempfile::tempdir()?;
+    let pipeline = write(folder.path(), side * side)?;
+    let ways: &[&str] = if gpu.has_ray_queries() { &["bvh", "query"] } else { &["bvh"] };
+    let scenes: Vec<&str> = SCENES.into_iter().chain(bench.args.scene.iter().map(String::as_str)).collect();
+    let mut rows = Vec::new();
+    let mut sizes = Vec::new();
+    for name in scenes {
+        let scene = renderer::load_scene(bench.catalog, name)?;
+        sizes.push(format!("{name} {} triangles", scene.triangles()));
+        for way in ways {
+            let mut stand = Stand::new(gpu.clone(), bench.catalog, &pipeline, &scene, side, way)?;
+            rows.extend(stand.rows(bench.args.runs, if *way == "bvh" { "" } else { ", ray queries" }, name)?);
+        }
+    }
+    let note = format!(
+        "{side}×{side} rays of the camera; from what they see one each over the cosine, diffuse. One ray a thread, to any distance; only rays that exist are counted. {}.",
+        sizes.join(", ")
+    );
+    Ok(Section { figure: Figure::Rays, rows, note })
+}
+
+/// Writes the kernels and the pipeline of them; gives its path.
+fn write(folder: &Path, rays: u32) -> Result<String> {
+    for (name, text) in KERNELS {
+        std::fs::write(folder.join(name), text)?;
+    }
+    let shader = |name: &str| format!("{:?}", folder.join(name).to_string_lossy());
+    let (make, closest, any) = (shader("make-rays.wgsl"), shader("closest-hit.wgsl"), shader("any-hit.wgsl"));
+    let text = format!(
+        r#"Pipeline(
+    passes: {{
+        "camera": Pass(kind: "compute", shader: {make}, out: {{ "rays": Out(count: {rays}) }}),
+        "surface": Pass(kind: "compute", shader: {make}, out: {{ "rays": Out(count: {rays}) }}, set: {{ "from_surfaces": 1 }}),
+        "camera-closest": Pass(kind: "compute", shader: {closest}, in: {{ "rays": "camera" }}, out: {{ "hits": Out(count: {rays}) }}),
+        "camera-any": Pass(kind: "compute", shader: {any}, in: {{ "rays": "camera" }}, out: {{ "hits": Out(count: {rays}) }}),
+        "surface-closest": Pass(kind: "compute", shader: {closest}, in: {{ "rays": "surface" }}, out: {{ "hits": Out(count: {rays}) }}),
+        "surface-any": Pass(kind: "compute", shader: {any}, in: {{ "rays": "surface" }}, out: {{ "hits": Out(count: {rays}) }}),
+    }},
+    outputs: {{
+        "camera-closest": "camera-closest", "camera-any": "camera-any",
+        "surface-closest": "surface-closest", "surface-any": "surface-any",
+    }},
+)"#
+    );
+    let path = folder.join("rays.ron");
+    std::fs::write(&path, text)?;
+    Ok(path.to_string_lossy().into_owned())
+}
+
+/// A scene with the pipeline in it. The renderer does not let one choose the variant of a shader of the user's, so the
+/// executor is driven here.
+struct Stand<'a> {
+    executor: Executor,
+    host: Host,
+    scene: &'a Scene,
+    plan: Arc<Plan>,
+    side: u32,
+}
+
+impl Stand<'_> {
+    fn new<'a>(
+        gpu: Gpu,
+        catalog: &Catalog,
+        pipeline: &str,
+        scene: &'a Scene,
+        side: u32,
+        way: &str,
+    ) -> Result<Stand<'a>> {
+        let mut traits = scene.traits();
+        // The kind `compute` gives options the values of traits of their names.
+        traits.0.insert("rays".to_owned(), Value::Text(way.into()));
+        let context = LinkContext { frame: (side, side), traits };
+        let compiled =
+            Compiled::new(catalog, pipeline, &Overrides::default(), &context, &CompileOptions::default())?;
+        let mut executor = Executor::new(gpu);
+        let mut host = Host::upload(&mut executor, scene);
+        let externals = compiled.steps.iter().flatten().flat_map(LinkedStep::externals);
+        host.provide(&mut executor, scene, externals)?;
+        executor.load(Arc::clone(&compiled.plan), compiled.steps)?;
+        Ok(Stand { executor, host, scene, plan: compiled.plan, side })
+    }
+
+    /// Milliseconds of each pass.
+    fn frame(&mut self) -> Result<Vec<f64>> {
+        let frame = Frame { index: 0, time: 0.0, step: 0.0, pad: 0.0 };
+        let (pose, size) = (self.scene.at(0.0), (self.side, self.side));
+        let externals = self.host.update(&mut self.executor, self.scene, &pose, size, frame)?;
+        let change = Change { externals, all: true, ..Change::default() };
+        Ok(self.executor.frame(change, FrameOptions { timed: true, poison: false })?.times)
+    }
+
+    fn rows(&mut self, runs: u32, way: &str, scene: &str) -> Result<Vec<Row>> {
+        self.frame()?;
+        let frames = (0..runs).map(|_| self.frame()).collect::<Result<Vec<_>>>()?;
+        let mut rows = Vec::new();
+        for (pass, what, rays) in TIMED {
+            let id = self.plan.pass(pass).with_context(|| format!("the plan has no pass `{pass}`"))?;
+            let times = Spread::of(frames.iter().map(|times| times[id.0 as usize]).collect());
+            let (count, hits) = self.count(pass)?;
+            // A ray a microsecond is a million a second.
+            let rate = times.under(count as f64 / 1e3);
+            rows.push(
+                Row::new(format!("{what}, {rays}{way}, {scene}"), rate, "Mray/s")
+                    .counts(vec![("rays", count), ("hits", hits)]),
+            );
+        }
+        Ok(rows)
+    }
+
+    /// How many rays a pass has traced, and how many of them hit something.
+    fn count(&self, pass: &str) -> Result<(u64, u64)> {
+        let output = self.plan.output(pass).and_then(|output| output.members.first());
+        let (_, id) = output.with_context(|| format!("the plan has no output `{pass}`"))?;
+        let bytes = self.executor.read(*id)?;
+        let words = |bytes: &[u8]| -> Vec<u32> {
+            bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+        };
+        let (mut rays, mut hits) = (0, 0);
+        if pass.ends_with("-any") {
+            for word in words(&bytes) {
+                rays += u64::from(word != 0);
+                hits += u64::from(word == 2);
+            }
+        } else {
+            // A distance of 0 is no hit: they lie beyond the ray's beginning.
+            for hit in words(&bytes).chunks_exact(4) {
+                rays += u64::from(hit[0] != 0);
+                hits += u64::from(hit[0] != 0 && hit[1] != u32::MAX);
+            }
+        }
+        Ok((rays, hits))
+    }
+}

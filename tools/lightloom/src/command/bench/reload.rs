@@ -1,0 +1,72 @@
+//! From the save of a shader to the next frame.
+
+use super::table::{Goal, Row, Section, Spread};
+use super::{Bench, Figure};
+use anyhow::{Context as _, Result, bail};
+use frame_graph::{Overrides, Value};
+use renderer::{Assets, Catalog, Reload, Renderer};
+use shader_library::Watcher;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The shader that is saved: the last one of the frame, so that little else runs again.
+const SHADER: &str = "passes/composite/composite.wgsl";
+
+/// Saves in all, however few the runs: the first reload finds a cold driver.
+const WARM_UP: u32 = 1;
+
+pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
+    let text = bench.catalog.assets().text(SHADER).with_context(|| format!("there is no {SHADER}"))?;
+    let root = tempfile::tempdir()?;
+    let path = root.path().join(SHADER);
+    std::fs::create_dir_all(path.parent().unwrap_or(root.path()))?;
+    save(&path, &text)?;
+    let catalog = Arc::new(Catalog::new(Assets::new(Some(root.path().to_owned()))));
+    let scene = renderer::load_scene(&catalog, "cornell-box")?;
+    let side = bench.size(256, 32);
+    let mut renderer = Renderer::new(bench.gpu()?, catalog, scene, (side, side))?;
+    let lights = Overrides(vec![("lights".to_owned(), Value::U32(64))]);
+    renderer.set_pipeline("ism-invtm", &lights)?;
+    renderer.frame()?;
+    renderer.gpu().wait()?;
+    let mut watcher = Watcher::new(&[root.path().to_owned()])?;
+    let mut times = Vec::new();
+    for number in 0..bench.args.runs + WARM_UP {
+        // Another text, of which the driver is given the same as before.
+        let text = format!("{text}\n// Saved {number} times before.\n");
+        let start = Instant::now();
+        save(&path, &text)?;
+        take_in(&mut renderer, &mut watcher)?;
+        renderer.frame()?;
+        renderer.gpu().wait()?;
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    let times = Spread::of(times.split_off(WARM_UP as usize));
+    let row = Row::new("save of a shader to the next frame", times, "ms").goal(Goal::Below(100.0), "own");
+    let note = format!(
+        "{SHADER} in `ism-invtm` at {side}²: 30 ms in which the watcher waits for quiet, composing, checking, linking, a new GPU pipeline, and the frame. The driver is given what it has compiled before, and may find it in its cache."
+    );
+    Ok(Section { figure: Figure::Reload, rows: vec![row], note })
+}
+
+/// As editors save: a new file beside the old, renamed over it.
+fn save(path: &Path, text: &str) -> Result<()> {
+    let beside = path.with_extension("new");
+    std::fs::write(&beside, text)?;
+    Ok(std::fs::rename(beside, path)?)
+}
+
+/// Waits for the watcher, as a loop of frames does, until the renderer has the new shader.
+fn take_in(renderer: &mut Renderer, watcher: &mut Watcher) -> Result<()> {
+    let patience = Instant::now() + Duration::from_secs(20);
+    while Instant::now() < patience {
+        match renderer.reload(&watcher.changed()) {
+            Reload::Nothing => std::thread::sleep(Duration::from_millis(1)),
+            Reload::Done(report) if report.pipelines > 0 => return Ok(()),
+            Reload::Done(_) => bail!("{SHADER} was saved, and no GPU pipeline was made anew"),
+            Reload::Failed(error) => return Err(error.into()),
+        }
+    }
+    bail!("{SHADER} was saved, and the system told of no change in 20 s")
+}
