@@ -3,6 +3,7 @@
 //! Where there is no graphics adapter, tests that need one say so and do nothing.
 
 mod adapter;
+mod bench;
 mod cli;
 mod direct;
 mod flux;

@@ -183,7 +183,7 @@ impl<'a> Judge<'a> {
         mut self,
         run: &CellRun,
         over_frames: bool,
-        occluded: impl FnOnce(u32) -> Result<Occluded, String>,
+        occluded: &mut dyn FnMut(u32) -> Result<Occluded, String>,
     ) -> Verdict {
         let mut failure = self.broken.clone();
         let last = self.last.take();
@@ -200,25 +200,14 @@ impl<'a> Judge<'a> {
             }
         }
         let mut measures = BTreeMap::new();
-        let mut occluded = Some(occluded);
+        let mut unknown = None;
         for measure in self.measures {
-            let fine = failure.is_none() || !needs_pixels(*measure);
             let value = match measure {
-                _ if !fine => None,
-                Measure::LightsThatReach => {
-                    let reach = last.as_ref().and_then(|last| {
-                        let occluded = occluded.take()?;
-                        reaching(last, occluded)
-                    });
-                    match reach {
-                        Some(Err(why)) => {
-                            failure = Some(why);
-                            None
-                        }
-                        Some(Ok(share)) => share,
-                        None => None,
-                    }
-                }
+                _ if failure.is_some() && needs_pixels(*measure) => None,
+                Measure::LightsThatReach => reaching(last.as_ref(), occluded).unwrap_or_else(|why| {
+                    unknown = Some(why);
+                    None
+                }),
                 _ => self.value(*measure, run, over_frames, last.as_ref()),
             };
             measures.insert(measure.key().to_owned(), value.filter(|value| value.is_finite()));
@@ -232,7 +221,7 @@ impl<'a> Judge<'a> {
             frames: self.frames,
             image: last.map(|last| last.image),
             flip: flip_map,
-            failure,
+            failure: failure.or(unknown),
         }
     }
 
@@ -313,11 +302,16 @@ fn lights(frame: &Observed) -> Option<Vec<VirtualLight>> {
 
 /// The share of the lights of a frame that reach a sample of its pixels; `None` without lights or G-buffer.
 fn reaching(
-    frame: &Observed,
-    occluded: impl FnOnce(u32) -> Result<Occluded, String>,
-) -> Option<Result<Option<f64>, String>> {
-    let lights = lights(frame).filter(|lights| !lights.is_empty())?;
-    let (depth, normal) = (frame.depth.as_ref()?, frame.normal.as_ref()?);
+    frame: Option<&Observed>,
+    occluded: &mut dyn FnMut(u32) -> Result<Occluded, String>,
+) -> Result<Option<f64>, String> {
+    let Some(frame) = frame else { return Ok(None) };
+    let (Some(lights), Some(depth), Some(normal)) = (lights(frame), &frame.depth, &frame.normal) else {
+        return Ok(None);
+    };
+    if lights.is_empty() {
+        return Ok(None);
+    }
     let size = (depth.width(), depth.height());
     let receivers: Vec<Receiver> = temporal::tracked_pixels(depth, RECEIVERS)
         .into_iter()
@@ -329,12 +323,9 @@ fn reaching(
             Receiver { position: position.map(|c| c as f32), normal: [nx, ny, nz] }
         })
         .collect();
-    let occluded = match occluded(frame.frame) {
-        Ok(occluded) => occluded,
-        Err(why) => return Some(Err(why)),
-    };
+    let occluded = occluded(frame.frame)?;
     let reach = virtual_lights::lights_that_reach(&lights, &receivers, &*occluded);
-    Some(Ok(Some(reach as f64 / lights.len() as f64)))
+    Ok(Some(reach as f64 / lights.len() as f64))
 }
 
 /// The middle one, or the mean of the two in the middle; `None` of nothing.

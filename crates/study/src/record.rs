@@ -164,7 +164,7 @@ pub struct ReferenceRecord {
     pub from: String,
     /// The picture (of the measured frame), relative to the study's folder; `None` where it failed.
     pub image: Option<String>,
-    /// Seconds it took; 0 where it was there already.
+    /// Seconds that it took to make; 0 for a file.
     pub seconds: f64,
     /// Estimated relMSE of the reference itself; `None` where unknown.
     pub noise: Option<f64>,

@@ -146,7 +146,7 @@ pub fn run(
         let left = remaining.estimate(rest.map(|cell| {
             (plan.study.scenes[cell.scene].value.as_str(), plan.pipelines[cell.pipeline].name.as_str())
         }));
-        let left = left + session.references.left();
+        let left = left.saturating_add(session.references.left());
         tell(Event::Ended { cell: &cell, ended: finished + place + 1, left });
     }
     let record = StudyRecord { started: record.started, ..session.record(options) };
@@ -184,6 +184,7 @@ impl Session<'_> {
     fn record(&self, options: &RunOptions) -> StudyRecord {
         let (plan, study) = (self.plan, &self.plan.study);
         let before = read_study(&self.folder.path).ok().map(|(record, _)| record);
+        let begun = before.filter(|before| before.name == study.name).map(|before| before.started);
         StudyRecord {
             name: study.name.clone(),
             about: study.about.clone(),
@@ -203,7 +204,7 @@ impl Session<'_> {
             cell_count: plan.cells.len(),
             adapter: self.lab.adapter(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            started: before.map_or_else(clock::now, |before| before.started),
+            started: begun.unwrap_or_else(clock::now),
             command: options.command.clone(),
         }
     }
@@ -316,7 +317,7 @@ impl Session<'_> {
         }
         let over_frames = matches!(plan.study.budget, Budget::Time { by: None, .. });
         let lab = &mut *self.lab;
-        let verdict = judge.finish(&run, over_frames, |frame| lab.occluded(&request.scene, frame));
+        let verdict = judge.finish(&run, over_frames, &mut |frame| lab.occluded(&request.scene, frame));
         let CellRun { memory, provenance, .. } = run;
         (cell.memory, cell.provenance) = (memory, provenance);
         Ok(verdict)

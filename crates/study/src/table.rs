@@ -47,10 +47,12 @@ impl Results {
 }
 
 impl Row<'_> {
-    /// A measure over the seeds; `None` where no cell has it.
+    /// A measure over the seeds; `None` where no cell has it. Cells that failed take no part, whatever was measured of
+    /// them: that stands in `cells.csv` alone.
     pub fn figure(&self, measure: &str) -> Option<Figure> {
+        let done = self.cells.iter().filter(|cell| cell.outcome == Outcome::Done);
         let values: Vec<f64> =
-            self.cells.iter().filter_map(|cell| cell.measures.get(measure).copied().flatten()).collect();
+            done.filter_map(|cell| cell.measures.get(measure).copied().flatten()).collect();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let half_width_95 = Summary::of(&values).map(|summary| summary.half_width_95);
         (!values.is_empty()).then_some(Figure { n: values.len(), mean, half_width_95 })
@@ -146,7 +148,29 @@ fn quoted(field: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::quoted;
+    use super::{Row, quoted};
+    use crate::{Cell, Outcome};
+    use std::collections::BTreeMap;
+
+    fn cell(value: f64, outcome: Outcome) -> Cell {
+        let text = serde_json::json!({
+            "key": "", "scene": "", "pipeline": "", "axes": {}, "seed": 1, "outcome": outcome,
+            "measures": { "rmse": value }, "passes": [], "chosen": {}, "notes": [], "frames": 1, "seconds": 0.0,
+            "memory": { "unshared": 0, "shared": 0, "bound": 0, "held": 0 },
+            "images": { "image": null, "flip": null, "reference": null }, "provenance": "",
+        });
+        serde_json::from_value(text).unwrap()
+    }
+
+    #[test]
+    fn cells_that_failed_take_no_part_in_means() {
+        let failed = Outcome::Failed { error: "1 pixel is NaN".into() };
+        let cells = [cell(1.0, Outcome::Done), cell(3.0, Outcome::Done), cell(1e9, failed)];
+        let axes = BTreeMap::new();
+        let row = Row { scene: "", pipeline: "", axes: &axes, cells: cells.iter().collect() };
+        let figure = row.figure("rmse").unwrap();
+        assert_eq!((figure.n, figure.mean), (2, 2.0));
+    }
 
     #[test]
     fn fields_that_need_quotes_have_them() {

@@ -11,6 +11,7 @@ use crate::output::{self, progress};
 use anyhow::{Result, bail};
 use renderer::{Catalog, Gpu};
 use std::cell::OnceCell;
+use std::path::Path;
 use std::sync::Arc;
 use table::{Section, Table};
 
@@ -32,7 +33,7 @@ pub(crate) struct Args {
     #[arg(long)]
     scene: Vec<String>,
     /// Runs that are measured
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     runs: u32,
     /// A look before the real thing: small sizes, to which the goals do not apply
     #[arg(long)]
@@ -57,7 +58,8 @@ enum Figure {
     Compile,
     /// CPU time of a frame of 1,000 passes of one dispatch, nothing timed: from the call until all is submitted
     Encode,
-    /// Memory of shared transient resources of each pipeline, against the largest sum alive at once
+    /// Memory of shared transient resources of each pipeline, against the largest sum of bytes alive at once: of
+    /// each sort that can share an object, and of all
     Memory,
     /// Time from the save of a shader to the end of the next frame, where the driver has compiled the same before
     Reload,
@@ -126,4 +128,9 @@ fn measure(bench: &Bench<'_>, figure: Figure) -> Result<Section> {
         Figure::Memory => graph::memory(bench),
         Figure::Reload => reload::measure(bench),
     }
+}
+
+/// A scene by its name, or that of its file.
+fn label(scene: &str) -> &str {
+    Path::new(scene).file_stem().and_then(|stem| stem.to_str()).unwrap_or(scene)
 }

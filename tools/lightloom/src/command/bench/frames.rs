@@ -1,7 +1,7 @@
 //! Frames of pipelines, pass by pass.
 
 use super::table::{Goal, Row, Section, Spread};
-use super::{Bench, Figure};
+use super::{Bench, Figure, label};
 use anyhow::Result;
 use frame_graph::{Overrides, Value};
 use renderer::{FrameOptions, Renderer};
@@ -16,12 +16,7 @@ fn scene<'a>(bench: &'a Bench<'_>) -> &'a str {
 struct Timed(Renderer);
 
 impl Timed {
-    fn new(
-        bench: &Bench<'_>,
-        pipeline: &str,
-        frame: (u32, u32),
-        values: &[(&str, u32)],
-    ) -> Result<Timed> {
+    fn new(bench: &Bench<'_>, pipeline: &str, frame: (u32, u32), values: &[(&str, u32)]) -> Result<Timed> {
         let gpu = bench.timing_gpu()?;
         let loaded = renderer::load_scene(bench.catalog, scene(bench))?;
         let mut renderer = Renderer::new(gpu, Arc::clone(bench.catalog), loaded, frame)?;
@@ -58,10 +53,8 @@ pub(super) fn shadow_maps(bench: &Bench<'_>) -> Result<Section> {
     let (lights, map) = (bench.size(256, 8), bench.size(256, 32));
     let frame = (bench.size(640, 40), bench.size(480, 30));
     let values = [("lights", lights), ("map", map)];
-    let mut pair = [
-        Timed::new(bench, "ism-classic", frame, &values)?,
-        Timed::new(bench, "ism", frame, &values)?,
-    ];
+    let mut pair =
+        [Timed::new(bench, "ism-classic", frame, &values)?, Timed::new(bench, "ism", frame, &values)?];
     // In turn, so that whatever else the machine does slows both.
     let mut maps = [Vec::new(), Vec::new()];
     let mut frames = [Vec::new(), Vec::new()];
@@ -80,8 +73,12 @@ pub(super) fn shadow_maps(bench: &Bench<'_>) -> Result<Section> {
     let rows = vec![
         Row::new(format!("imperfect against classic, {what}: maps"), classic.over(imperfect), "×")
             .goal(Goal::AtLeast(30.0), "ISM §5"),
-        Row::new(format!("imperfect against classic, {what}: frame"), classic_frame.over(imperfect_frame), "×")
-            .goal(Goal::AtLeast(10.0), "ISM §5"),
+        Row::new(
+            format!("imperfect against classic, {what}: frame"),
+            classic_frame.over(imperfect_frame),
+            "×",
+        )
+        .goal(Goal::AtLeast(10.0), "ISM §5"),
         Row::new(format!("{what}, classic"), classic, "ms"),
         Row::new(format!("{what}, imperfect"), imperfect, "ms"),
         Row::new(format!("frame with {what}, classic"), classic_frame, "ms"),
@@ -89,7 +86,7 @@ pub(super) fn shadow_maps(bench: &Bench<'_>) -> Result<Section> {
     ];
     let note = format!(
         "`ism-classic` against `ism` on {} ({} triangles), {}×{} pixels; imperfect maps with their points, splats and pull-push. Ratios of medians, frames in turn.",
-        scene(bench),
+        label(scene(bench)),
         pair[0].triangles(),
         frame.0,
         frame.1,
@@ -110,7 +107,7 @@ pub(super) fn ism_frame(bench: &Bench<'_>) -> Result<Section> {
     }
     let note = format!(
         "on {} ({} triangles); GPU time, every pass run anew in each frame.",
-        scene(bench),
+        label(scene(bench)),
         timed.triangles()
     );
     Ok(Section { figure: Figure::IsmFrame, rows, note })

@@ -1,7 +1,7 @@
 //! Rays per second.
 
 use super::table::{Row, Section, Spread};
-use super::{Bench, Figure};
+use super::{Bench, Figure, label};
 use anyhow::{Context as _, Result};
 use executor::{Executor, FrameOptions, Gpu};
 use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, Value};
@@ -9,42 +9,61 @@ use pass::LinkedStep;
 use renderer::{Catalog, Compiled};
 use scene::Scene;
 use scene_upload::{Frame, Host};
-use std::path::Path;
+use std::fmt::Write as _;
 use std::sync::Arc;
 
 /// Scenes that are always measured.
 const SCENES: [&str; 2] = ["cornell-box", "atrium"];
 
-/// The passes that are timed, what they do, and with which rays.
-const TIMED: [(&str, &str, &str); 4] = [
-    ("camera-closest", "closest hit", "camera rays"),
-    ("camera-any", "any hit", "camera rays"),
-    ("surface-closest", "closest hit", "diffuse rays"),
-    ("surface-any", "any hit", "diffuse rays"),
-];
+/// A pass that is timed.
+struct Timed {
+    pass: &'static str,
+    /// Its shader, and the pass that makes its rays.
+    file: &'static str,
+    rays_of: &'static str,
+    /// As the table has it.
+    name: &'static str,
+}
 
-/// The kernels, each with what they share before it.
-const KERNELS: [(&str, &str); 3] = [
-    ("make-rays.wgsl", concat!(include_str!("ray.wgsl"), include_str!("make-rays.wgsl"))),
-    ("closest-hit.wgsl", concat!(include_str!("ray.wgsl"), include_str!("closest-hit.wgsl"))),
-    ("any-hit.wgsl", concat!(include_str!("ray.wgsl"), include_str!("any-hit.wgsl"))),
+const TIMED: [Timed; 4] = [
+    Timed {
+        pass: "camera-closest",
+        file: "closest-hit",
+        rays_of: "camera",
+        name: "closest hit, camera rays",
+    },
+    Timed { pass: "camera-any", file: "any-hit", rays_of: "camera", name: "any hit, camera rays" },
+    Timed {
+        pass: "surface-closest",
+        file: "closest-hit",
+        rays_of: "surface",
+        name: "closest hit, diffuse rays",
+    },
+    Timed { pass: "surface-any", file: "any-hit", rays_of: "surface", name: "any hit, diffuse rays" },
 ];
 
 pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     let gpu = bench.timing_gpu()?;
     let side = bench.size(512, 32);
     let folder = tempfile::tempdir()?;
-    let pipeline = write(folder.path(), side * side)?;
+    let path = folder.path().join("rays.ron");
+    std::fs::write(&path, pipeline(side * side))?;
+    let path = path.to_string_lossy();
     let ways: &[&str] = if gpu.has_ray_queries() { &["bvh", "query"] } else { &["bvh"] };
     let scenes: Vec<&str> = SCENES.into_iter().chain(bench.args.scene.iter().map(String::as_str)).collect();
     let mut rows = Vec::new();
     let mut sizes = Vec::new();
     for name in scenes {
         let scene = renderer::load_scene(bench.catalog, name)?;
+        let name = label(name);
         sizes.push(format!("{name} {} triangles", scene.triangles()));
         for way in ways {
-            let mut stand = Stand::new(gpu.clone(), bench.catalog, &pipeline, &scene, side, way)?;
-            rows.extend(stand.rows(bench.args.runs, if *way == "bvh" { "" } else { ", ray queries" }, name)?);
+            let mut stand = Stand::new(gpu.clone(), bench.catalog, &path, &scene, side, way)?;
+            rows.extend(stand.rows(
+                bench.args.runs,
+                if *way == "bvh" { "" } else { ", ray queries" },
+                name,
+            )?);
         }
     }
     let note = format!(
@@ -54,32 +73,28 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     Ok(Section { figure: Figure::Rays, rows, note })
 }
 
-/// Writes the kernels and the pipeline of them; gives its path.
-fn write(folder: &Path, rays: u32) -> Result<String> {
-    for (name, text) in KERNELS {
-        std::fs::write(folder.join(name), text)?;
+/// The pipeline of so many rays.
+fn pipeline(rays: u32) -> String {
+    let make = |bounced: u32| {
+        format!(
+            r#"Pass(kind: "compute", shader: "shaders/bench/make-rays.wgsl", set: {{ "from_surfaces": {bounced} }}, out: {{ "rays": Out(count: {rays}) }})"#
+        )
+    };
+    let trace = |file: &str, rays_of: &str| {
+        format!(
+            r#"Pass(kind: "compute", shader: "shaders/bench/{file}.wgsl", in: {{ "rays": "{rays_of}" }}, out: {{ "hits": Out(count: {rays}) }})"#
+        )
+    };
+    let mut text =
+        format!("Pipeline(passes: {{\n    \"camera\": {},\n    \"surface\": {},\n", make(0), make(1));
+    for Timed { pass, file, rays_of, .. } in TIMED {
+        let _ = writeln!(text, "    \"{pass}\": {},", trace(file, rays_of));
     }
-    let shader = |name: &str| format!("{:?}", folder.join(name).to_string_lossy());
-    let (make, closest, any) = (shader("make-rays.wgsl"), shader("closest-hit.wgsl"), shader("any-hit.wgsl"));
-    let text = format!(
-        r#"Pipeline(
-    passes: {{
-        "camera": Pass(kind: "compute", shader: {make}, out: {{ "rays": Out(count: {rays}) }}),
-        "surface": Pass(kind: "compute", shader: {make}, out: {{ "rays": Out(count: {rays}) }}, set: {{ "from_surfaces": 1 }}),
-        "camera-closest": Pass(kind: "compute", shader: {closest}, in: {{ "rays": "camera" }}, out: {{ "hits": Out(count: {rays}) }}),
-        "camera-any": Pass(kind: "compute", shader: {any}, in: {{ "rays": "camera" }}, out: {{ "hits": Out(count: {rays}) }}),
-        "surface-closest": Pass(kind: "compute", shader: {closest}, in: {{ "rays": "surface" }}, out: {{ "hits": Out(count: {rays}) }}),
-        "surface-any": Pass(kind: "compute", shader: {any}, in: {{ "rays": "surface" }}, out: {{ "hits": Out(count: {rays}) }}),
-    }},
-    outputs: {{
-        "camera-closest": "camera-closest", "camera-any": "camera-any",
-        "surface-closest": "surface-closest", "surface-any": "surface-any",
-    }},
-)"#
-    );
-    let path = folder.join("rays.ron");
-    std::fs::write(&path, text)?;
-    Ok(path.to_string_lossy().into_owned())
+    text += "}, outputs: {\n";
+    for Timed { pass, .. } in TIMED {
+        let _ = writeln!(text, "    \"{pass}\": \"{pass}\",");
+    }
+    text + "})"
 }
 
 /// A scene with the pipeline in it. The renderer does not let one choose the variant of a shader of the user's, so the
@@ -128,14 +143,14 @@ impl Stand<'_> {
         self.frame()?;
         let frames = (0..runs).map(|_| self.frame()).collect::<Result<Vec<_>>>()?;
         let mut rows = Vec::new();
-        for (pass, what, rays) in TIMED {
+        for Timed { pass, file, name, .. } in TIMED {
             let id = self.plan.pass(pass).with_context(|| format!("the plan has no pass `{pass}`"))?;
             let times = Spread::of(frames.iter().map(|times| times[id.0 as usize]).collect());
-            let (count, hits) = self.count(pass)?;
+            let (count, hits) = self.count(pass, file == "any-hit")?;
             // A ray a microsecond is a million a second.
             let rate = times.under(count as f64 / 1e3);
             rows.push(
-                Row::new(format!("{what}, {rays}{way}, {scene}"), rate, "Mray/s")
+                Row::new(format!("{name}{way}, {scene}"), rate, "Mray/s")
                     .counts(vec![("rays", count), ("hits", hits)]),
             );
         }
@@ -143,7 +158,7 @@ impl Stand<'_> {
     }
 
     /// How many rays a pass has traced, and how many of them hit something.
-    fn count(&self, pass: &str) -> Result<(u64, u64)> {
+    fn count(&self, pass: &str, any: bool) -> Result<(u64, u64)> {
         let output = self.plan.output(pass).and_then(|output| output.members.first());
         let (_, id) = output.with_context(|| format!("the plan has no output `{pass}`"))?;
         let bytes = self.executor.read(*id)?;
@@ -151,7 +166,7 @@ impl Stand<'_> {
             bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
         };
         let (mut rays, mut hits) = (0, 0);
-        if pass.ends_with("-any") {
+        if any {
             for word in words(&bytes) {
                 rays += u64::from(word != 0);
                 hits += u64::from(word == 2);

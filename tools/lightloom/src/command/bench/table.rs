@@ -18,12 +18,11 @@ impl Spread {
     /// Of at least one value; of two in the middle, their mean.
     pub(super) fn of(mut values: Vec<f64>) -> Spread {
         values.sort_by(f64::total_cmp);
-        let middle = values.len() / 2;
-        let below = if values.len() % 2 == 0 { middle - 1 } else { middle };
+        let last = values.len() - 1;
         Spread {
-            median: 0.5 * (values[below] + values[middle]),
+            median: 0.5 * (values[last / 2] + values[last.div_ceil(2)]),
             least: values[0],
-            greatest: values[values.len() - 1],
+            greatest: values[last],
         }
     }
 
@@ -34,11 +33,7 @@ impl Spread {
 
     /// `amount` over each value: a rate from times.
     pub(super) fn under(self, amount: f64) -> Spread {
-        Spread {
-            median: amount / self.median,
-            least: amount / self.greatest,
-            greatest: amount / self.least,
-        }
+        Spread { median: amount / self.median, least: amount / self.greatest, greatest: amount / self.least }
     }
 
     /// The ratio of the medians, with the least and the greatest that two runs could give.
@@ -171,7 +166,10 @@ pub(super) struct Table {
 impl Table {
     pub(super) fn new(mut sections: Vec<Section>, gpu: Option<&Gpu>, args: &Args) -> Table {
         if args.quick {
-            sections.iter_mut().flat_map(|section| &mut section.rows).for_each(|row| row.goal = None);
+            sections
+                .iter_mut()
+                .flat_map(|section| &mut section.rows)
+                .for_each(|row| (row.goal, row.from) = (None, ""));
         }
         Table {
             sections,
@@ -189,7 +187,7 @@ impl Table {
             say!("{}\n", self.machine());
             say!("| {} |\n|---|---|---|---|---|", heads.join(" | "));
             rows.for_each(|cells| say!("| {} |", cells.join(" | ")));
-            say!();
+            say!("");
             self.notes().for_each(|(name, note)| say!("- `{name}`: {note}"));
             return;
         }
@@ -201,14 +199,16 @@ impl Table {
                 cells.iter().zip(widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
             say!("{}", line.join("  ").trim_end());
         }
-        say!();
+        say!("");
         self.notes().for_each(|(name, note)| say!("{name}: {note}"));
         say!("{}", self.machine());
     }
 
     pub(super) fn to_json(&self) -> Value {
-        let rows =
-            self.sections.iter().flat_map(|section| section.rows.iter().map(|row| row.to_json(section.figure)));
+        let rows = self
+            .sections
+            .iter()
+            .flat_map(|section| section.rows.iter().map(|row| row.to_json(section.figure)));
         let notes: serde_json::Map<String, Value> =
             self.notes().map(|(name, note)| (name, json!(note))).collect();
         json!({

@@ -6,6 +6,7 @@
 #import "dispatch.wgsl"
 #import "random.wgsl"
 #import "ray-tracing.wgsl"
+#import "ray.wgsl"
 #import "surface.wgsl"
 #import "tangent-frame.wgsl"
 

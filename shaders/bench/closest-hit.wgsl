@@ -2,6 +2,7 @@
 
 #import "dispatch.wgsl"
 #import "ray-tracing.wgsl"
+#import "ray.wgsl"
 
 var<storage, read> rays: array<Ray>;
 var<storage, read_write> hits: array<Hit>;

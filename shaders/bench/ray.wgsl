@@ -1,4 +1,4 @@
-// Rays to time, one an element of a buffer. This text goes before that of each kernel.
+// A ray to time, as the kernels of `lightloom bench` exchange them: one an element of a buffer.
 
 struct Ray {
     /// World space [m].

@@ -1,0 +1,53 @@
+// Uniform proposals: the same Halton sequence in every frame, each element a texel and a number to accept it by.
+
+#import "prefix-sum.wgsl"
+#import "random.wgsl"
+
+var importance: texture_2d_array<f32>;
+
+struct Proposal {
+    /// Layer, column, row.
+    texel: vec3<u32>,
+    /// f of the texel, unnormalised.
+    importance: f32,
+}
+
+/// The texel of an element ≥ 1 of Halton's sequence: bases 2, 3, 5 for layer, column, row.
+fn proposal(element: u32, seed: u32) -> Proposal {
+    let size = vec3(textureNumLayers(importance), textureDimensions(importance));
+    // The product with a number below 1 can round up to the size itself.
+    let texel = min(vec3<u32>(halton3(element, seed) * vec3<f32>(size)), size - 1u);
+    return Proposal(texel, weight_of(textureLoad(importance, texel.yz, texel.x, 0).r));
+}
+
+/// In [2^-24, 1]: the ratio of importances from which an element is accepted; base 7, the next of the sequence.
+fn threshold(element: u32, seed: u32) -> f32 {
+    var number = radical_inverse(7u, element);
+    if seed != 0u {
+        number = fract(number + unit_float(hash2(seed, 3u)));
+    }
+    return 1.0 - min(number, 0.99999994);
+}
+
+/// Where `place` goes in a permutation of 2^bits that the key picks: each operation can be undone.
+fn shuffled_in(place: u32, bits: u32, key: u32) -> u32 {
+    var shuffled = place;
+    var state = key;
+    for (var round = 0u; round < 4u; round++) {
+        state = hash(state);
+        shuffled = (shuffled * (state | 1u) + (state >> 16u)) & ((1u << bits) - 1u);
+        shuffled ^= shuffled >> ((bits + 1u) / 2u);
+    }
+    return shuffled;
+}
+
+/// Where `place` goes in a permutation of `count`: one of the next power of two, repeated until the result is below
+/// `count`; as `place` is, it comes to an end (cycle walking, Black & Rogaway 2002).
+fn shuffled(place: u32, count: u32, key: u32) -> u32 {
+    let bits = 32u - countLeadingZeros(count - 1u);
+    var shuffled = shuffled_in(place, bits, key);
+    while shuffled >= count {
+        shuffled = shuffled_in(shuffled, bits, key);
+    }
+    return shuffled;
+}

@@ -1,0 +1,94 @@
+// Virtual lights by independent Metropolis-Hastings, a chain a light and a thread a chain: TCAS §4.3, Algorithm 1.
+
+#option WEIGHTS local-mean one_of [local-mean, single, none] // what normalises f
+
+#import "dispatch.wgsl"
+#import "proposal.wgsl"
+#import "rsm-light.wgsl"
+
+struct Settings {
+    count: u32,
+    steps: u32,
+    seed: u32,
+}
+
+var<uniform> settings: Settings;
+#if WEIGHTS == none
+/// Of f over the proposals of all chains.
+var<storage, read> sum: Scaled;
+#endif
+var<storage, read_write> lights: VirtualLights;
+
+/// The greatest w / f: numbers of 24 bits do not accept a fall of f by more.
+const GREATEST_RATIO: f32 = 16777216.0;
+
+/// Element of the sequence that is proposed to a chain at a step: step k has elements k N + 1 to k N + N.
+fn element(chain: u32, step: u32) -> u32 {
+    // DEVIATION(dealt-proposals): in the paper's order, j + k N, all proposals of a chain share their first digits
+    // wherever N shares a factor with the base. The first step stays in order: it is uniform sampling.
+    var place = chain;
+    if step > 0u {
+        place = shuffled(chain, settings.count, hash2(settings.seed, step));
+    }
+    return step * settings.count + place + 1u;
+}
+
+/// w / f of Eq. 3, where w = whole / parts: neither need be in the range of f32 for the other's unit.
+fn ratio(whole: Scaled, parts: f32, importance: f32) -> f32 {
+    let f = Scaled(importance, 0);
+    let unit = max(magnitude(whole), magnitude(f));
+    let w = in_units(whole, unit) / parts;
+    // A chain that met nothing gives no light. It is not 0 / 0.
+    if importance == 0.0 || w == 0.0 {
+        return 0.0;
+    }
+    // DEVIATION(greatest-ratio): with the weights `none`, a chain that met only 1e-30 in a map of 1e30 would give a
+    // light 1e60 times too bright.
+    let least = in_units(f, unit);
+    if w >= least * GREATEST_RATIO {
+        return GREATEST_RATIO;
+    }
+    return w / least;
+}
+
+@compute @workgroup_size(64)
+fn sample(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let chain = row_index(group, groups, local, 64u);
+    if chain >= settings.count {
+        return;
+    }
+    if chain == 0u {
+        lights.count = settings.count;
+    }
+    var current = proposal(element(chain, 0u), settings.seed);
+    var whole = Scaled(current.importance, 0);
+    // DEVIATION(chain-length): M counts the first sample too, as in the paper's text and Fig. 3.
+    for (var step = 1u; step < settings.steps; step++) {
+        let element = element(chain, step);
+        let next = proposal(element, settings.seed);
+#if WEIGHTS == local-mean
+        whole = add_scaled(whole, Scaled(next.importance, 0));
+#endif
+        // f(new) / f(current) ≥ threshold without the quotient: from f = 0 whatever is positive is accepted.
+        let least = threshold(element, settings.seed) * current.importance;
+        if next.importance > 0.0 && next.importance >= least {
+            current = next;
+        }
+    }
+#if WEIGHTS == local-mean
+    let scale = ratio(whole, f32(settings.steps), current.importance);
+#elif WEIGHTS == single
+    let scale = ratio(whole, 1.0, current.importance);
+#else
+    let scale = ratio(sum, f32(settings.count) * f32(settings.steps), current.importance);
+#endif
+    let size = textureDimensions(importance);
+    let texels = f32(textureNumLayers(importance)) * f32(size.x) * f32(size.y);
+    // Φ = flux · texels / N · w / f: the proposals are uniform over texels.
+    let texel = current.texel;
+    lights.lights[chain] = virtual_light_from_texel(texel.x, texel.y, texel.z, texels / f32(settings.count) * scale);
+}

@@ -1,0 +1,126 @@
+//! Virtual lights drawn in proportion to an importance map by independent Metropolis-Hastings chains.
+
+pub mod twin;
+
+use pass::setting::{self, SettingExt};
+use pass::{
+    Compute, Define, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
+    ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
+};
+
+/// The pass, for the catalog.
+pub const PASS: &dyn Pass = &SampleMetropolis;
+
+/// See the crate.
+pub struct SampleMetropolis;
+
+const SAMPLE: &str = "passes/sample-metropolis/sample-metropolis.wgsl";
+const MEAN: &str = "passes/sample-metropolis/mean.wgsl";
+
+/// Threads of a workgroup that sums: SCAN_SIZE of shaders/prefix-sum.wgsl.
+const SCAN_SIZE: u32 = 256;
+
+/// Workgroups that sum proposals, at most: a thread each of the one that sums their sums.
+const GREATEST_PARTS: u32 = 256;
+
+/// Bytes of `Scaled` in shaders/prefix-sum.wgsl.
+const SCALED_BYTES: u64 = 8;
+
+impl Pass for SampleMetropolis {
+    fn info(&self) -> Info {
+        Info {
+            kind: "sample-metropolis",
+            about: "Virtual lights drawn in proportion to an importance map by independent Metropolis-Hastings chains.",
+            paper: "TCAS §4.3, Alg. 1",
+            shaders: &[MEAN, SAMPLE],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let count = "Number of virtual lights N, a chain each. Error falls as N^-½; the time for shadows and \
+                     gathering rises with N.";
+        let steps = "Samples of a chain M; the last is the light. Larger: lights follow the importance more closely; \
+                     time rises with N M. 1: uniform. 5 suffices (TCAS §4.3.1).";
+        let weights = "What stands for the mean importance in a light's weight. local-mean: the mean over the \
+                       chain's proposals, which takes out most of the start-up bias. single: the importance of the \
+                       first; unbiased, but lights vary more (Veach & Guibas 1997). none: the mean over the \
+                       proposals of all chains; start-up bias stays.";
+        Ok(vec![
+            setting::u32("count", 1024, count).range(1.0, 2_097_152.0),
+            // N M elements of the sequence have numbers of 32 bits.
+            setting::u32("steps", 5, steps).range(1.0, 1024.0),
+            setting::choice("weights", &["local-mean", "single", "none"], weights),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![
+                input("rsm", "ReflectiveShadowMap", "The texels that are drawn from."),
+                input("importance", "ImportanceMap", "What the probability of a texel tends to with M."),
+            ],
+            outputs: vec![output(
+                "lights",
+                "VirtualLights",
+                "N lights; those of chains that met no importance are dark.",
+            )],
+            ..Ports::default()
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let shape = |name: &str| {
+            let texture =
+                cx.input(name).and_then(|input| input.members.iter().find_map(|(_, desc)| desc.texture()));
+            texture
+                .map(|t| (t.size, t.layers))
+                .ok_or_else(|| KindError::input(name, "expected a texture array"))
+        };
+        let ((width, height), layers) = shape("importance")?;
+        let (rsm, rsm_layers) = shape("rsm")?;
+        if (rsm, rsm_layers) != ((width, height), layers) {
+            return Err(KindError::input(
+                "importance",
+                format!(
+                    "the importance map has {width}×{height} texels in {layers} layers, the reflective shadow map {}×{} in {rsm_layers}",
+                    rsm.0, rsm.1
+                ),
+            )
+            .help("both must come from the same lights: link the map that the importance was made from"));
+        }
+        let count = cx.settings.u32("count");
+        let mut outputs = vec![
+            OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
+        ];
+        if without_weights(cx.settings) {
+            let sums = |count: u32| ResourceDesc::buffer(SCALED_BYTES * u64::from(count));
+            outputs.push(OutputDesc::scratch("parts", sums(parts(cx.settings))));
+            outputs.push(OutputDesc::scratch("sum", sums(1)));
+        }
+        Ok(outputs)
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let weights = Define::Text(cx.settings.text("weights").into());
+        let shader = cx.shader(SAMPLE, &[("WEIGHTS", weights)]);
+        let sample = Compute::new(shader, "sample", Threads::Row(cx.settings.u32("count")));
+        if !without_weights(cx.settings) {
+            return Ok(Recording::one(sample));
+        }
+        let add = |entry, groups: u32| {
+            Compute::new(cx.shader(MEAN, &[]), entry, Threads::Grid([SCAN_SIZE * groups, 1, 1]))
+        };
+        Ok(Recording::one(add("add_proposals", parts(cx.settings)).bind("sums", "parts"))
+            .then(add("add_parts", 1).bind("sums", "sum"))
+            .then(sample))
+    }
+}
+
+fn without_weights(settings: &Settings) -> bool {
+    settings.text("weights") == "none"
+}
+
+/// Workgroups that sum proposals.
+fn parts(settings: &Settings) -> u32 {
+    (settings.u32("count") * settings.u32("steps")).div_ceil(SCAN_SIZE).min(GREATEST_PARTS)
+}

@@ -1,0 +1,86 @@
+//! `sample-metropolis.wgsl` and `proposal.wgsl` in double precision, which needs no scaling by powers of two.
+
+/// What normalises the importance f in a light's weight w / f (TCAS Eq. 3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weights {
+    /// The mean of f over the proposals of the chain, the first sample included.
+    LocalMean,
+    /// f of the first sample.
+    Single,
+    /// The mean of f over the proposals of all chains.
+    None,
+}
+
+/// A chain of Algorithm 1. Its states are texels, by any number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chain {
+    /// The current sample.
+    pub texel: u32,
+    /// f of the current sample.
+    pub importance: f64,
+    /// f of the first sample.
+    pub first: f64,
+    /// Sum of f over the first sample and all proposals.
+    pub sum: f64,
+    /// Samples so far M.
+    pub steps: u32,
+}
+
+/// What can be an importance: NaN and what is negative count as 0, infinity as the greatest number.
+pub fn importance_of(x: f32) -> f64 {
+    if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 }
+}
+
+impl Chain {
+    /// A chain of one sample.
+    pub fn new(texel: u32, importance: f64) -> Chain {
+        Chain { texel, importance, first: importance, sum: importance, steps: 1 }
+    }
+
+    /// Probability of accepting a proposal of this importance.
+    pub fn acceptance(&self, importance: f64) -> f64 {
+        if importance == 0.0 { 0.0 } else { (importance / self.importance).min(1.0) }
+    }
+
+    /// Takes a step; `number` in [0, 1) decides.
+    pub fn propose(&mut self, texel: u32, importance: f64, number: f64) {
+        self.sum += importance;
+        self.steps += 1;
+        if self.acceptance(importance) >= 1.0 - number {
+            (self.texel, self.importance) = (texel, importance);
+        }
+    }
+
+    /// w / f, given the mean of f over the proposals of all chains: flux · texels / N times this is a light's.
+    pub fn ratio(&self, weights: Weights, mean: f64) -> f64 {
+        let w = match weights {
+            Weights::LocalMean => self.sum / f64::from(self.steps),
+            Weights::Single => self.first,
+            Weights::None => mean,
+        };
+        if self.importance == 0.0 { 0.0 } else { (w / self.importance).min(16_777_216.0) }
+    }
+}
+
+/// Element of Halton's sequence that is proposed to a chain at a step, by the `keys` of that step's shuffle.
+pub fn element(chain: u32, step: u32, count: u32, keys: [u32; 4]) -> u32 {
+    let place = if step > 0 { shuffled(chain, count, keys) } else { chain };
+    step * count + place + 1
+}
+
+/// Where `place` goes in a permutation of `count`, by a key a round.
+pub fn shuffled(place: u32, count: u32, keys: [u32; 4]) -> u32 {
+    let bits = 32 - (count - 1).leading_zeros();
+    let within_power_of_two = |mut place: u32| {
+        for key in keys {
+            place = place.wrapping_mul(key | 1).wrapping_add(key >> 16) & ((1 << bits) - 1);
+            place ^= place >> bits.div_ceil(2);
+        }
+        place
+    };
+    let mut shuffled = within_power_of_two(place);
+    while shuffled >= count {
+        shuffled = within_power_of_two(shuffled);
+    }
+    shuffled
+}
