@@ -55,8 +55,7 @@ fn all_that_can_be_measured_is() {
     assert!((sum / frame[0]["median"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{frame:?}");
 }
 
-/// In the closed box every ray of the camera hits; from its surfaces, light leaves by the open front. Both kinds of
-/// search find the same.
+/// Both kinds of search find the same, and what is counted is what the scenes say.
 #[test]
 fn rays_are_counted() {
     if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {

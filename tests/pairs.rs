@@ -4,8 +4,12 @@
 use crate::adapter::{SMALL, mean, renderer, renderer_in};
 use std::fmt::Write as _;
 
-const SAMPLERS: [(&str, &str); 3] = [
+const SAMPLERS: [(&str, &str); 4] = [
     ("uniform", r#"Replace("lights", Pass(kind: "sample-uniform", set: { "count": "$lights" }))"#),
+    (
+        "Metropolis-Hastings",
+        r#"Replace("lights", Pass(kind: "sample-metropolis", set: { "count": "$lights" }))"#,
+    ),
     ("inverse transform, 3 numbers", r#"Set("lights.dimensions", 3)"#),
     ("inverse transform, 2 numbers", r#"Set("lights.dimensions", 2)"#),
 ];
@@ -68,8 +72,16 @@ fn samplers_agree_under_each_visibility() {
 /// Every kind of light, alone and together, in every pipeline.
 #[test]
 fn every_pipeline_lights_every_kind_of_scene() {
-    let pipelines =
-        ["ism", "ism-invtm", "ism-uniform", "ism-invtm-2", "ism-classic", "ism-ray-traced", "exhaustive"];
+    let pipelines = [
+        "ism",
+        "ism-invtm",
+        "ism-uniform",
+        "ism-invtm-2",
+        "ism-metropolis",
+        "ism-classic",
+        "ism-ray-traced",
+        "exhaustive",
+    ];
     for pipeline in pipelines {
         for scene in ["cornell-box", "cornell-box-point", "cornell-box-sun", "cornell-box-lights"] {
             let values = match pipeline {

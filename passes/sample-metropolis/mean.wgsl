@@ -7,10 +7,13 @@ struct Settings {
     count: u32,
     steps: u32,
     seed: u32,
+    parts: u32,
 }
 
 var<uniform> settings: Settings;
+/// [parts]
 var<storage, read> parts: array<Scaled>;
+/// [parts] from proposals, one from those.
 var<storage, read_write> sums: array<Scaled>;
 
 @compute @workgroup_size(256)
@@ -32,7 +35,7 @@ fn add_proposals(
 @compute @workgroup_size(256)
 fn add_parts(@builtin(local_invocation_index) thread: u32) {
     var own = Scaled(0.0, 0);
-    for (var i = thread; i < arrayLength(&parts); i += SCAN_SIZE) {
+    for (var i = thread; i < settings.parts; i += SCAN_SIZE) {
         own = add_scaled(own, parts[i]);
     }
     let sum = workgroup_sum(thread, own);

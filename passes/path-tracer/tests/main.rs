@@ -34,8 +34,8 @@ fn a_furnace_is_even() {
     };
     for name in ["image", "direct", "indirect", "irradiance"] {
         for pixel in pixels(&outputs, name) {
-            for c in 0..3 {
-                let (found, expected) = (f64::from(pixel[c]), expected(name, c));
+            for (c, found) in pixel[..3].iter().enumerate() {
+                let (found, expected) = (f64::from(*found), expected(name, c));
                 assert!((found / expected - 1.0).abs() < 2e-5, "{name}: {found}, expected {expected}");
             }
         }

@@ -107,10 +107,12 @@ impl Pass for SampleMetropolis {
         if !without_weights(cx.settings) {
             return Ok(Recording::one(sample));
         }
+        let parts = parts(cx.settings);
         let add = |entry, groups: u32| {
             Compute::new(cx.shader(MEAN, &[]), entry, Threads::Grid([SCAN_SIZE * groups, 1, 1]))
+                .value("parts", Value::U32(parts))
         };
-        Ok(Recording::one(add("add_proposals", parts(cx.settings)).bind("sums", "parts"))
+        Ok(Recording::one(add("add_proposals", parts).bind("sums", "parts"))
             .then(add("add_parts", 1).bind("sums", "sum"))
             .then(sample))
     }

@@ -106,34 +106,31 @@ fn means_are_those_of_the_inverse_transform() {
             let last = distribution(&map, steps);
             let lit = (0..map.len()).filter(|i| map[*i] > 0.0);
             let biased: f64 = lit.map(|i| last[i] * texels * flux[i] * mean / f64::from(map[i])).sum();
-            let error = |weights, numbers: &dyn Fn(u32, u32) -> [f64; 4]| {
-                let (estimate, deviation) = estimate(COUNT, |chain| {
+            let estimated = |weights, numbers: &dyn Fn(u32, u32) -> [f64; 4]| {
+                estimate(COUNT, |chain| {
                     let chain = table.chain(steps, |step| numbers(chain, step));
                     flux[chain.texel as usize] * texels * chain.ratio(weights, mean)
-                });
-                eprintln!(
-                    "{layers} layers, {steps} steps, {weights:?}: {:+.2} % ± {:.2} %, exact none {:+.2} %",
-                    100.0 * (estimate / total - 1.0),
-                    100.0 * deviation / total,
-                    100.0 * (biased / total - 1.0)
-                );
-                (estimate, deviation)
+                })
             };
             let dealt: &dyn Fn(u32, u32) -> [f64; 4] = &|chain, step| halton(chain, step, COUNT, 0);
             for numbers in [&independent as &dyn Fn(u32, u32) -> [f64; 4], dealt] {
-                let (single, deviation) = error(Weights::Single, numbers);
+                let (single, deviation) = estimated(Weights::Single, numbers);
                 assert!(
                     (single - total).abs() < 5.0 * deviation,
                     "single, {steps} steps: {single} of {total}"
                 );
-                let (none, deviation) = error(Weights::None, numbers);
+                let (none, deviation) = estimated(Weights::None, numbers);
                 assert!((none - biased).abs() < 5.0 * deviation, "none, {steps} steps: {none} of {biased}");
-                let (local, deviation) = error(Weights::LocalMean, numbers);
-                let allowed = if steps == 1 { 0.0 } else { 0.06 } * total;
-                assert!(
-                    (local - total).abs() < allowed + 5.0 * deviation,
-                    "{steps} steps: {local} of {total}"
-                );
+                // Of the local mean's bias the paper says only that it is less.
+                let (local, deviation) = estimated(Weights::LocalMean, numbers);
+                let bias = (local - total).abs();
+                let allowed = match steps {
+                    1 => 0.0,
+                    5 => 0.3 * (biased - total).abs(),
+                    20 => 0.06 * total,
+                    _ => 0.02 * total,
+                };
+                assert!(bias < allowed + 5.0 * deviation, "local mean, {steps} steps: {local} of {total}");
             }
         }
     }

@@ -82,15 +82,16 @@ fn lights_are_those_of_the_twin() {
                 for (light, chain) in lights.iter().zip(&chains) {
                     let expected = map.len() as f64 / f64::from(count) * chain.ratio(weights, mean);
                     let flux = f64::from(light.flux[0]);
-                    let same = light.texel == chain.texel && (flux - expected).abs() <= 1e-5 * expected;
+                    // What is less than f32 holds is 0.
+                    let tolerance = 1e-5 * expected + 1e-36;
+                    let same = light.texel == chain.texel && (flux - expected).abs() <= tolerance;
                     elsewhere += u32::from(!same);
                     assert_eq!(light.position, [light.texel as f32, 0.0, 0.0]);
                     assert!((light.normal[2] - 0.8).abs() < 1e-6 && light.area == 0.0);
                 }
                 // A number within rounding of a texel's edge may fall to either side, and change the chain.
-                eprintln!("{name}, {count} chains of {steps}: {elsewhere} differ");
                 assert!(
-                    f64::from(elsewhere) <= 2.0 + 1e-3 * proposals,
+                    f64::from(elsewhere) <= 2.0 + 1e-4 * proposals,
                     "{name}, {count} chains of {steps}: {elsewhere} differ"
                 );
             }
@@ -187,9 +188,6 @@ fn every_number_is_finite_whatever_the_importance() {
             for map in [&wide, &strange] {
                 let Some(lights) = draw(map, (8, 8), settings) else { return };
                 let greatest = 128.0 / count as f32 * 16_777_216.0;
-                if weights=="none" { let o=run(map,(8,8),settings).unwrap(); let s: Vec<u8>=o.read("sum"); let p:Vec<u8>=o.read("parts");
-                    let show=|b:&[u8]| b.chunks_exact(8).map(|c|(f32::from_le_bytes([c[0],c[1],c[2],c[3]]),i32::from_le_bytes([c[4],c[5],c[6],c[7]]))).collect::<Vec<_>>();
-                    eprintln!("{count} {steps} sum {:?} parts {:?} f22 {}", show(&s), show(&p), map[22]); }
                 for light in &lights {
                     assert!((0.0..=greatest).contains(&light.flux[0]), "{weights}, {steps} steps: {light:?}");
                     let nothing = [3, 4, 9].contains(&light.texel) && steps > 100;

@@ -9,37 +9,17 @@ use pass::LinkedStep;
 use renderer::{Catalog, Compiled};
 use scene::Scene;
 use scene_upload::{Frame, Host};
-use std::fmt::Write as _;
 use std::sync::Arc;
 
 /// Scenes that are always measured.
 const SCENES: [&str; 2] = ["cornell-box", "atrium"];
 
-/// A pass that is timed.
-struct Timed {
-    pass: &'static str,
-    /// Its shader, and the pass that makes its rays.
-    file: &'static str,
-    rays_of: &'static str,
-    /// As the table has it.
-    name: &'static str,
-}
-
-const TIMED: [Timed; 4] = [
-    Timed {
-        pass: "camera-closest",
-        file: "closest-hit",
-        rays_of: "camera",
-        name: "closest hit, camera rays",
-    },
-    Timed { pass: "camera-any", file: "any-hit", rays_of: "camera", name: "any hit, camera rays" },
-    Timed {
-        pass: "surface-closest",
-        file: "closest-hit",
-        rays_of: "surface",
-        name: "closest hit, diffuse rays",
-    },
-    Timed { pass: "surface-any", file: "any-hit", rays_of: "surface", name: "any hit, diffuse rays" },
+/// The passes that are timed, and what they do.
+const TIMED: [(&str, &str); 4] = [
+    ("camera-closest", "closest hit, camera rays"),
+    ("camera-any", "any hit, camera rays"),
+    ("surface-closest", "closest hit, diffuse rays"),
+    ("surface-any", "any hit, diffuse rays"),
 ];
 
 pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
@@ -49,7 +29,10 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     let path = folder.path().join("rays.ron");
     std::fs::write(&path, pipeline(side * side))?;
     let path = path.to_string_lossy();
-    let ways: &[&str] = if gpu.has_ray_queries() { &["bvh", "query"] } else { &["bvh"] };
+    let mut ways = vec![("bvh", "")];
+    if gpu.has_ray_queries() {
+        ways.push(("query", ", ray queries"));
+    }
     let scenes: Vec<&str> = SCENES.into_iter().chain(bench.args.scene.iter().map(String::as_str)).collect();
     let mut rows = Vec::new();
     let mut sizes = Vec::new();
@@ -57,13 +40,9 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         let scene = renderer::load_scene(bench.catalog, name)?;
         let name = label(name);
         sizes.push(format!("{name} {} triangles", scene.triangles()));
-        for way in ways {
+        for (way, said) in &ways {
             let mut stand = Stand::new(gpu.clone(), bench.catalog, &path, &scene, side, way)?;
-            rows.extend(stand.rows(
-                bench.args.runs,
-                if *way == "bvh" { "" } else { ", ray queries" },
-                name,
-            )?);
+            rows.extend(stand.rows(bench.args.runs, said, name)?);
         }
     }
     let note = format!(
@@ -75,26 +54,30 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
 
 /// The pipeline of so many rays.
 fn pipeline(rays: u32) -> String {
-    let make = |bounced: u32| {
-        format!(
-            r#"Pass(kind: "compute", shader: "shaders/bench/make-rays.wgsl", set: {{ "from_surfaces": {bounced} }}, out: {{ "rays": Out(count: {rays}) }})"#
-        )
-    };
-    let trace = |file: &str, rays_of: &str| {
-        format!(
-            r#"Pass(kind: "compute", shader: "shaders/bench/{file}.wgsl", in: {{ "rays": "{rays_of}" }}, out: {{ "hits": Out(count: {rays}) }})"#
-        )
-    };
-    let mut text =
-        format!("Pipeline(passes: {{\n    \"camera\": {},\n    \"surface\": {},\n", make(0), make(1));
-    for Timed { pass, file, rays_of, .. } in TIMED {
-        let _ = writeln!(text, "    \"{pass}\": {},", trace(file, rays_of));
-    }
-    text += "}, outputs: {\n";
-    for Timed { pass, .. } in TIMED {
-        let _ = writeln!(text, "    \"{pass}\": \"{pass}\",");
-    }
-    text + "})"
+    let made = format!(
+        r#"kind: "compute", shader: "shaders/bench/make-rays.wgsl", out: {{ "rays": Out(count: {rays}) }}"#
+    );
+    let hits = format!(r#"out: {{ "hits": Out(count: {rays}) }}"#);
+    let closest = format!(r#"kind: "compute", shader: "shaders/bench/closest-hit.wgsl", {hits}"#);
+    let any = format!(r#"kind: "compute", shader: "shaders/bench/any-hit.wgsl", {hits}"#);
+    format!(
+        r#"Pipeline(
+    passes: {{
+        "camera": Pass({made}),
+        "surface": Pass({made}, set: {{ "from_surfaces": 1 }}),
+        "camera-closest": Pass({closest}, in: {{ "rays": "camera" }}),
+        "camera-any": Pass({any}, in: {{ "rays": "camera" }}),
+        "surface-closest": Pass({closest}, in: {{ "rays": "surface" }}),
+        "surface-any": Pass({any}, in: {{ "rays": "surface" }}),
+    }},
+    outputs: {{
+        "camera-closest": "camera-closest",
+        "camera-any": "camera-any",
+        "surface-closest": "surface-closest",
+        "surface-any": "surface-any",
+    }},
+)"#
+    )
 }
 
 /// A scene with the pipeline in it. The renderer does not let one choose the variant of a shader of the user's, so the
@@ -143,14 +126,14 @@ impl Stand<'_> {
         self.frame()?;
         let frames = (0..runs).map(|_| self.frame()).collect::<Result<Vec<_>>>()?;
         let mut rows = Vec::new();
-        for Timed { pass, file, name, .. } in TIMED {
+        for (pass, what) in TIMED {
             let id = self.plan.pass(pass).with_context(|| format!("the plan has no pass `{pass}`"))?;
             let times = Spread::of(frames.iter().map(|times| times[id.0 as usize]).collect());
-            let (count, hits) = self.count(pass, file == "any-hit")?;
+            let (count, hits) = self.count(pass, pass.ends_with("-any"))?;
             // A ray a microsecond is a million a second.
             let rate = times.under(count as f64 / 1e3);
             rows.push(
-                Row::new(format!("{name}{way}, {scene}"), rate, "Mray/s")
+                Row::new(format!("{what}{way}, {scene}"), rate, "Mray/s")
                     .counts(vec![("rays", count), ("hits", hits)]),
             );
         }

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// The shader that is saved: the last one of the frame, so that little else runs again.
 const SHADER: &str = "passes/composite/composite.wgsl";
 
-/// Saves in all, however few the runs: the first reload finds a cold driver.
+/// Saves that are not counted: the first reload finds a cold driver.
 const WARM_UP: u32 = 1;
 
 pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {

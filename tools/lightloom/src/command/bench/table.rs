@@ -233,7 +233,7 @@ impl Table {
         let build = if OPTIMISED { "" } else { ", built without full optimisation" };
         let quick = if self.quick { "; a quick look, to which the goals do not apply" } else { "" };
         format!(
-            "Lightloom {}{build}; {adapter}, {} CPU cores. Medians of {} runs after the first (least–greatest){quick}.",
+            "Lightloom {}{build}; {adapter}, {} CPU cores. Medians (least–greatest); runs after the first: {}{quick}.",
             env!("CARGO_PKG_VERSION"),
             self.cores,
             self.runs,
