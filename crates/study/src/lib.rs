@@ -68,6 +68,7 @@ pub mod description;
 mod edit;
 mod error;
 mod folder;
+mod interval;
 mod judge;
 mod key;
 mod laboratory;
@@ -86,6 +87,7 @@ mod table;
 pub use description::{Study, parse};
 pub use edit::Edits;
 pub use error::StudyError;
+pub use interval::Interval;
 pub use laboratory::{
     CellRun, Identity, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts,
     Values,
@@ -100,4 +102,4 @@ pub use record::{
 };
 pub use report::report;
 pub use run::{Event, Ran, RunOptions, Shard, name_of, run};
-pub use table::{Figure, Row, write as write_tables};
+pub use table::{Row, write as write_tables};

@@ -2,9 +2,9 @@
 
 use crate::error::StudyError;
 use crate::folder::write as write_file;
+use crate::interval::Interval;
 use crate::record::{AxisValue, Cell, Outcome, Results};
 use crate::seeds::groups;
-use metrics::statistics::Summary;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -19,17 +19,6 @@ pub struct Row<'a> {
     pub axes: &'a BTreeMap<String, AxisValue>,
     /// The cells, a seed each.
     pub cells: Vec<&'a Cell>,
-}
-
-/// A measure of a [`Row`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figure {
-    /// Seeds that have a value.
-    pub n: usize,
-    /// Their mean.
-    pub mean: f64,
-    /// Half the width of the 95 % interval of the mean; `None` for one seed.
-    pub half_width_95: Option<f64>,
 }
 
 impl Results {
@@ -49,13 +38,11 @@ impl Results {
 impl Row<'_> {
     /// A measure over the seeds; `None` where no cell has it. Cells that failed take no part, whatever was measured of
     /// them: that stands in `cells.csv` alone.
-    pub fn figure(&self, measure: &str) -> Option<Figure> {
+    pub fn figure(&self, measure: &str) -> Option<Interval> {
         let done = self.cells.iter().filter(|cell| cell.outcome == Outcome::Done);
         let values: Vec<f64> =
             done.filter_map(|cell| cell.measures.get(measure).copied().flatten()).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let half_width_95 = Summary::of(&values).map(|summary| summary.half_width_95);
-        (!values.is_empty()).then_some(Figure { n: values.len(), mean, half_width_95 })
+        Interval::of(&values)
     }
 }
 
@@ -98,9 +85,9 @@ fn summary(results: &Results) -> String {
         for info in &results.study.measures {
             let figure = row.figure(&info.key);
             let text = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
-            let seeds = figure.map_or(0, |figure| figure.n).to_string();
+            let seeds = figure.map_or(0, |figure| figure.seeds).to_string();
             let mean = text(figure.map(|figure| figure.mean));
-            let half = text(figure.and_then(|figure| figure.half_width_95));
+            let half = text(figure.and_then(|figure| figure.half));
             if let Some(cell) = row.cells.first() {
                 lines.push(cell, &[&info.key, &info.unit, &seeds, &mean, &half]);
             }
@@ -169,7 +156,7 @@ mod tests {
         let axes = BTreeMap::new();
         let row = Row { scene: "", pipeline: "", axes: &axes, cells: cells.iter().collect() };
         let figure = row.figure("rmse").unwrap();
-        assert_eq!((figure.n, figure.mean), (2, 2.0));
+        assert_eq!((figure.seeds, figure.mean), (2, 2.0));
     }
 
     #[test]

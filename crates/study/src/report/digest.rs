@@ -1,9 +1,7 @@
 //! Cells grouped for the report: one row for each scene, pipeline and combination of values, over its seeds.
 
-use metrics::statistics::Summary;
-
 use super::number;
-use crate::{Axis, AxisValue, Better, Cell, MeasureInfo, Outcome, Results};
+use crate::{Axis, AxisValue, Better, Cell, Interval, MeasureInfo, Outcome, Results};
 
 /// The measure that is a pipeline's GPU time; where a study has none, the sum of its passes stands in.
 const TIME: &str = "gpu-ms";
@@ -31,29 +29,6 @@ pub(super) struct Row<'a> {
     pub(super) values: Vec<Option<&'a AxisValue>>,
     /// By seed.
     pub(super) cells: Vec<&'a Cell>,
-}
-
-/// A mean over seeds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Interval {
-    /// How many seeds, at least 1.
-    pub(super) seeds: usize,
-    pub(super) mean: f64,
-    /// Half the width of the 95 % interval; `None` for one seed, and where all seeds agree.
-    pub(super) half: Option<f64>,
-}
-
-impl Interval {
-    fn of(values: &[f64]) -> Option<Interval> {
-        let first = *values.first()?;
-        let half = if values.iter().all(|value| *value == first) { None } else { Summary::of(values) };
-        Some(match half {
-            Some(summary) => {
-                Interval { seeds: summary.n, mean: summary.mean, half: Some(summary.half_width_95) }
-            }
-            None => Interval { seeds: values.len(), mean: first, half: None },
-        })
-    }
 }
 
 impl<'a> Digest<'a> {

@@ -1,6 +1,6 @@
 //! Numbers as people read them: no more digits than the interval bears.
 
-use super::digest::Interval;
+use crate::Interval;
 
 /// A mean with its interval, rounded: `(mean ± half)·10^exponent`.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,8 +1,9 @@
 //! Measures against time, with the Pareto front, and against each axis.
 
 use super::{Figure, Kind, file};
+use crate::Interval;
 use crate::report::chart::{AxisKind, Line, MOST_DASHES, Point, Series, XyAxis, XyChart};
-use crate::report::digest::{Digest, Interval, Row, label_with_unit};
+use crate::report::digest::{Digest, Row, label_with_unit};
 use crate::report::number::{self, Measured};
 use crate::{AxisValue, Better, MeasureInfo};
 
