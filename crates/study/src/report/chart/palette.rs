@@ -24,8 +24,8 @@ pub(in crate::report) enum Ink {
 /// A colour on white and on a dark ground.
 type Pair = (&'static str, &'static str);
 
-/// Okabe and Ito 2008, without yellow, which is lost on white.
-const SERIES: [Pair; 7] = [
+/// Okabe and Ito 2008, without yellow, which is lost on white; then wine, indigo and olive of Tol's muted scheme (2021).
+const SERIES: [Pair; 10] = [
     ("#0072b2", "#4aa3e0"),
     ("#d55e00", "#ff8b42"),
     ("#009e73", "#2fc79b"),
@@ -33,6 +33,9 @@ const SERIES: [Pair; 7] = [
     ("#e69f00", "#f2c14e"),
     ("#56b4e9", "#a5dbf8"),
     ("#4d4d4d", "#c4c4c4"),
+    ("#882255", "#c0507f"),
+    ("#332288", "#8f86f0"),
+    ("#77771f", "#b5b54a"),
 ];
 
 /// Tol 2021, "Colour Schemes", §2, the muted scheme; neighbours differ in lightness.
