@@ -162,6 +162,29 @@ fn the_guides_effect_is_short_and_works() {
     assert!(json["rmse"].as_f64().unwrap() > 0.0);
 }
 
+/// Shaders of one's own may lie anywhere, and import their neighbours and the tree's.
+#[test]
+fn a_shader_is_found_by_its_absolute_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("shade.wgsl", "const SHADE: f32 = 0.5;\n");
+    write(
+        "effect.wgsl",
+        "#import \"shade.wgsl\"\n#import \"color.wgsl\"\nvar image: texture_2d<f32>;\n@fragment\n\
+         fn main(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {\n\
+         return textureLoad(image, vec2<u32>(at.xy), 0) * SHADE / PI;\n}\n",
+    );
+    let shader = folder.path().join("effect.wgsl").to_string_lossy().replace('\\', "/");
+    let pass = format!(
+        "Pass(kind: \"fullscreen\", shader: \"{shader}\", out: {{ \"result\": Out(interface: \"Display\") }})"
+    );
+    let insert =
+        format!("Insert(name: \"shade\", pass: {pass}, between: (\"image.display\", \"out.display\"))");
+    write("mine.ron", &format!("Pipeline(extends: \"ism.ron\", patch: [{insert}])"));
+    let checked = run_in(folder.path(), &["check", "mine.ron"]);
+    assert!(checked.status.success(), "{}{}", out(&checked), err(&checked));
+}
+
 #[test]
 fn graphs_lists_and_differences_are_printed() {
     let folder = tempfile::tempdir().unwrap();

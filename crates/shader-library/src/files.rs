@@ -73,7 +73,7 @@ impl DiskFiles {
 
 impl Files for DiskFiles {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
-        let inside = normalise(path).filter(|inside| inside == path)?;
+        let inside = normalise(path).filter(|inside| inside == path && !inside.starts_with('/'))?;
         let bytes = std::fs::read(self.root.join(&inside)).ok()?;
         Some(Source::new(inside, String::from_utf8_lossy(&bytes)))
     }
@@ -123,7 +123,7 @@ impl Files for Overlay {
     }
 }
 
-/// `path` without `.` and `..`; `None` where it leads out of the root.
+/// `path` without `.` and `..`; `None` where it leads out of the root. An absolute path stays absolute.
 pub(crate) fn normalise(path: &str) -> Option<String> {
     let mut parts = Vec::new();
     for part in path.split(['/', '\\']) {
@@ -135,12 +135,18 @@ pub(crate) fn normalise(path: &str) -> Option<String> {
             part => parts.push(part),
         }
     }
-    Some(parts.join("/"))
+    let root = if path.starts_with('/') { "/" } else { "" };
+    Some(format!("{root}{}", parts.join("/")))
 }
 
-/// The path `path` in `folder`; `None` where it leads out of the root.
+/// The path `path` in `folder`, unless it is absolute; `None` where it leads out of the root.
 pub(crate) fn join(folder: &str, path: &str) -> Option<String> {
-    normalise(&format!("{folder}/{path}")).filter(|joined| !joined.is_empty())
+    let joined = if folder.is_empty() || path.starts_with('/') {
+        normalise(path)
+    } else {
+        normalise(&format!("{folder}/{path}"))
+    };
+    joined.filter(|joined| !joined.is_empty() && joined != "/")
 }
 
 /// The folder that holds `path`; empty for the root.
@@ -160,4 +166,29 @@ pub(crate) fn nearest<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) 
         .filter(|(distance, _)| *distance <= most)
         .min()
         .map(|(_, other)| other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::join;
+
+    #[test]
+    fn paths_are_joined_without_leaving_the_root() {
+        let cases = [
+            ("", "a.wgsl", Some("a.wgsl")),
+            ("shaders", "./x/../a.wgsl", Some("shaders/a.wgsl")),
+            ("passes/gather", "../splat/a.wgsl", Some("passes/splat/a.wgsl")),
+            ("shaders", "../../a.wgsl", None),
+            ("shaders", "", Some("shaders")),
+            ("", "", None),
+            // A file elsewhere on the disk, and one that it imports.
+            ("shaders", "/elsewhere/a.wgsl", Some("/elsewhere/a.wgsl")),
+            ("/elsewhere", "b.wgsl", Some("/elsewhere/b.wgsl")),
+            ("/elsewhere", "../../b.wgsl", None),
+            ("", "/", None),
+        ];
+        for (folder, path, expected) in cases {
+            assert_eq!(join(folder, path).as_deref(), expected, "{path} in {folder}");
+        }
+    }
 }
