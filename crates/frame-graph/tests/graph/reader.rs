@@ -124,7 +124,7 @@ proptest! {
                 0 => text.insert_str(at, &new),
                 1 => text.replace_range(at..next, ""),
                 2 => text.replace_range(at..next, &new),
-                _ => text.truncate(at.max(1)),
+                _ => text.truncate(if at == 0 { next } else { at }),
             }
         }
         let files = MemoryFiles::new(&[("base.ron", &texts[0]), ("parts/shadows.ron", &texts[1])]);
