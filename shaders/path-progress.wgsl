@@ -10,3 +10,8 @@ struct Progress {
     /// The most samples there will be.
     limit: u32,
 }
+
+/// Samples that a frame adds to those before, of at most `per_frame` and `limit` in all.
+fn samples_of_frame(before: Progress, per_frame: u32, limit: u32) -> u32 {
+    return select(min(per_frame, limit - min(before.samples, limit)), 0u, before.done != 0u);
+}

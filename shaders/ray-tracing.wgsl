@@ -23,6 +23,9 @@
 
 const NO_HIT: u32 = 0xffffffffu;
 
+/// Beyond every scene, and finite.
+const FAR: f32 = 3.0e38;
+
 struct Hit {
     /// Along the ray, in lengths of its direction.
     distance: f32,

@@ -5,10 +5,16 @@ use crate::adapter::{bits, mean, renderer, root};
 use glam::Vec3;
 use metrics::{Epsilon, Image, Pair};
 use renderer::Renderer;
+use std::ops::ControlFlow;
 
 fn done(renderer: &mut Renderer) -> u32 {
     let mut frames = 0;
-    renderer.frame_until_done(|_, _| frames += 1).unwrap();
+    renderer
+        .frame_until_done(|_, _| {
+            frames += 1;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
     frames
 }
 

@@ -5,6 +5,7 @@
 
 #option PAST false // whether there are samples of earlier frames
 
+#import "color.wgsl"
 #import "path-progress.wgsl"
 
 struct Settings {
@@ -45,25 +46,22 @@ fn pixel(index: u32) -> vec4<f32> {
 
 @compute @workgroup_size(THREADS)
 fn estimate(@builtin(local_invocation_index) local: u32) {
-    var before = 0u;
-    var done = false;
+    var before: Progress;
 #if PAST
-    before = past_progress.samples;
-    done = past_progress.done != 0u;
+    before = past_progress;
 #endif
-    let added = select(min(settings.samples_per_frame, settings.samples - min(before, settings.samples)), 0u, done);
-    let samples = before + added;
+    let samples = before.samples + samples_of_frame(before, settings.samples_per_frame, settings.samples);
     let pixels = settings.samples_size.x * settings.samples_size.y;
     // In units of the picture's mean: neither vanishes nor overflows at any intensity of the lights.
     var mine = 0.0;
     for (var i = local; i < pixels; i += THREADS) {
-        mine += dot(pixel(i).rgb, vec3(0.2126, 0.7152, 0.0722));
+        mine += luminance(pixel(i).rgb);
     }
     let mean = max(sum(local, mine) / f32(pixels) / f32(max(samples, 1u)), 1e-30);
     mine = 0.0;
     for (var i = local; i < pixels; i += THREADS) {
         let sums = pixel(i) / f32(max(samples, 1u));
-        let own = dot(sums.rgb, vec3(0.2126, 0.7152, 0.0722)) / mean;
+        let own = luminance(sums.rgb) / mean;
         let variance = max(sums.a / mean / mean - own * own, 0.0) / f32(max(samples, 2u) - 1u);
         mine += variance / (own * own + 0.01);
     }
@@ -72,7 +70,7 @@ fn estimate(@builtin(local_invocation_index) local: u32) {
         let estimated = select(0.0, error, samples >= 2u);
         // A few samples all in the dark would look like no error at all.
         let good = samples >= 16u && error <= settings.error && settings.error > 0.0;
-        let finished = done || samples >= settings.samples || good;
+        let finished = before.done != 0u || samples >= settings.samples || good;
         samples_progress = Progress(samples, estimated, select(0u, 1u, finished), settings.samples);
     }
 }

@@ -69,9 +69,6 @@ const PIXEL: u32 = 0u;
 const DIRECTION: u32 = 1u;
 const LOBE: u32 = 2u;
 
-/// Beyond every scene, and finite.
-const FAR: f32 = 3.0e38;
-
 @compute @workgroup_size(8, 8)
 fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= settings.samples_size) {
@@ -81,20 +78,18 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     var direct = vec4(0.0);
     var indirect = vec4(0.0);
     var irradiance = vec4(0.0);
-    var first = 0u;
-    var count = settings.samples_per_frame;
+    var before: Progress;
 #if PAST
     image = textureLoad(past_image, id.xy, 0);
     direct = textureLoad(past_direct, id.xy, 0);
     indirect = textureLoad(past_indirect, id.xy, 0);
     irradiance = textureLoad(past_irradiance, id.xy, 0);
-    first = past_progress.samples;
-    count = select(count, 0u, past_progress.done != 0u);
+    before = past_progress;
 #endif
-    count = min(count, settings.samples - min(first, settings.samples));
+    let count = samples_of_frame(before, settings.samples_per_frame, settings.samples);
     let pixel_seed = hash2(settings.seed, id.y * settings.samples_size.x + id.x);
     for (var s = 0u; s < count; s++) {
-        let sample = path(id.xy, first + s, pixel_seed);
+        let sample = path(id.xy, before.samples + s, pixel_seed);
         let whole = sample.direct + sample.indirect + sample.emitted;
         // Far below the root of the greatest float: the sum of squares stays finite at any intensity.
         let bounded = min(luminance(whole), 1e16);

@@ -4,10 +4,9 @@
 
 #import "camera.wgsl"
 #import "dispatch.wgsl"
+#import "path-vertex.wgsl"
 #import "random.wgsl"
-#import "ray-tracing.wgsl"
 #import "ray.wgsl"
-#import "surface.wgsl"
 #import "tangent-frame.wgsl"
 
 struct Settings {
@@ -39,15 +38,11 @@ fn make(
     if hit.triangle == NO_HIT {
         return;
     }
-    let a = scene_vertices[scene_indices[3u * hit.triangle]].position;
-    let b = scene_vertices[scene_indices[3u * hit.triangle + 1u]].position;
-    let c = scene_vertices[scene_indices[3u * hit.triangle + 2u]].position;
-    let position = a + (b - a) * hit.barycentrics.x + (c - a) * hit.barycentrics.y;
-    let across = unit(cross(unit(b - a), unit(c - a)));
-    let normal = select(across, -across, dot(across, direction) > 0.0);
+    let vertex = path_vertex(hit, direction);
     let first = unit_float(hash2(settings.seed, 2u * i));
     let turn = 6.2831853 * unit_float(hash2(settings.seed, 2u * i + 1u));
     let side = sqrt(first);
     let spread = vec3(side * cos(turn), side * sin(turn), sqrt(1.0 - first));
-    rays[i] = Ray(offset_origin(position, normal), 1u, frame_from_normal(normal) * spread, 0u);
+    let origin = offset_origin(vertex.position, vertex.geometric);
+    rays[i] = Ray(origin, 1u, frame_from_normal(vertex.geometric) * spread, 0u);
 }

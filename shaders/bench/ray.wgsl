@@ -8,6 +8,3 @@ struct Ray {
     direction: vec3<f32>,
     pad: u32,
 }
-
-/// Beyond every scene, and finite.
-const FAR: f32 = 3.0e38;

@@ -25,6 +25,7 @@ use std::sync::{Arc, OnceLock};
 
 pub mod random;
 mod stand;
+pub mod statistics;
 
 pub use stand::Stand;
 

@@ -2,7 +2,7 @@
 //!
 //! Scene units are metres; colours are linear Rec. 709; all radiometric quantities are per RGB channel.
 
-use frame_graph::{Extent, Format, Interface, Member, ResourceDesc};
+use frame_graph::{Extent, Format, Interface, KindError, Member, OutputContext, ResourceDesc};
 
 const fn required(name: &'static str, doc: &'static str) -> Member {
     Member { name, optional: false, doc }
@@ -138,6 +138,32 @@ pub static FORMATS: &[(&str, &str, Format)] = &[
 pub fn format_of(interface: &str, member: &str) -> Option<Format> {
     let of = |entry: &&(&str, &str, Format)| entry.0 == interface && entry.1 == member;
     FORMATS.iter().find(of).map(|(_, _, format)| *format)
+}
+
+/// Size and layers of the importance map that a sampler reads beside the reflective shadow map it was made from: its
+/// inputs are `importance` and `rsm`.
+///
+/// # Errors
+/// Where the two have not the same texels.
+pub fn importance_shape(cx: &OutputContext<'_>) -> Result<((u32, u32), u32), KindError> {
+    let shape = |name: &str| {
+        let texture =
+            cx.input(name).and_then(|input| input.members.iter().find_map(|(_, desc)| desc.texture()));
+        texture.map(|t| (t.size, t.layers)).ok_or_else(|| KindError::input(name, "expected a texture array"))
+    };
+    let ((width, height), layers) = shape("importance")?;
+    let (rsm, rsm_layers) = shape("rsm")?;
+    if (rsm, rsm_layers) != ((width, height), layers) {
+        return Err(KindError::input(
+            "importance",
+            format!(
+                "the importance map has {width}×{height} texels in {layers} layers, the reflective shadow map {}×{} in {rsm_layers}",
+                rsm.0, rsm.1
+            ),
+        )
+        .help("both must come from the same lights: link the map that the importance was made from"));
+    }
+    Ok(((width, height), layers))
 }
 
 /// The buffer of so many virtual lights: struct VirtualLights of shaders/virtual-lights.wgsl.

@@ -37,6 +37,7 @@ use metrics::Image;
 use pass::LinkedStep;
 use scene::{Camera, Scene};
 use scene_upload::{Frame, Host};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Loads a scene by the name of a built-in one, or from a `.ron`, `.glb` or `.gltf` file.
@@ -316,21 +317,21 @@ impl Renderer {
     }
 
     /// Runs frames of the same number, and so of the same time, until the pipeline says that its picture is done;
-    /// one frame where it says nothing. `told` hears of each frame.
+    /// one frame where it says nothing. `told` hears of each frame, and may break off.
     ///
     /// # Errors
     /// As [`Renderer::frame`] and [`Renderer::progress`].
     pub fn frame_until_done(
         &mut self,
-        mut told: impl FnMut(&FrameReport, Option<Progress>),
+        mut told: impl FnMut(&FrameReport, Option<Progress>) -> ControlFlow<()>,
     ) -> Result<FrameReport, RenderError> {
         let index = self.index;
         loop {
             self.index = index;
             let report = self.frame()?;
             let progress = self.progress()?;
-            told(&report, progress);
-            if progress.is_none_or(|progress| progress.done) {
+            let broken_off = told(&report, progress).is_break();
+            if broken_off || progress.is_none_or(|progress| progress.done) {
                 return Ok(report);
             }
         }

@@ -61,25 +61,7 @@ impl Pass for SampleInverseTransform {
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let count = cx.settings.u32("count");
-        let shape = |name: &str| {
-            let texture =
-                cx.input(name).and_then(|input| input.members.iter().find_map(|(_, desc)| desc.texture()));
-            texture
-                .map(|t| (t.size, t.layers))
-                .ok_or_else(|| KindError::input(name, "expected a texture array"))
-        };
-        let ((width, height), layers) = shape("importance")?;
-        let (rsm, rsm_layers) = shape("rsm")?;
-        if (rsm, rsm_layers) != ((width, height), layers) {
-            return Err(KindError::input(
-                "importance",
-                format!(
-                    "the importance map has {width}×{height} texels in {layers} layers, the reflective shadow map {}×{} in {rsm_layers}",
-                    rsm.0, rsm.1
-                ),
-            )
-            .help("both must come from the same lights: link the map that the importance was made from"));
-        }
+        let ((_, height), layers) = interfaces::importance_shape(cx)?;
         let cdf = |entries: u32| ResourceDesc::buffer(4 * u64::from(entries));
         let totals = |segments: u32| ResourceDesc::buffer(8 * u64::from(segments));
         Ok(vec![

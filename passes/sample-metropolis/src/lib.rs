@@ -69,25 +69,7 @@ impl Pass for SampleMetropolis {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        let shape = |name: &str| {
-            let texture =
-                cx.input(name).and_then(|input| input.members.iter().find_map(|(_, desc)| desc.texture()));
-            texture
-                .map(|t| (t.size, t.layers))
-                .ok_or_else(|| KindError::input(name, "expected a texture array"))
-        };
-        let ((width, height), layers) = shape("importance")?;
-        let (rsm, rsm_layers) = shape("rsm")?;
-        if (rsm, rsm_layers) != ((width, height), layers) {
-            return Err(KindError::input(
-                "importance",
-                format!(
-                    "the importance map has {width}×{height} texels in {layers} layers, the reflective shadow map {}×{} in {rsm_layers}",
-                    rsm.0, rsm.1
-                ),
-            )
-            .help("both must come from the same lights: link the map that the importance was made from"));
-        }
+        interfaces::importance_shape(cx)?;
         let count = cx.settings.u32("count");
         let mut outputs = vec![
             OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),

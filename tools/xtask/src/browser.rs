@@ -1,6 +1,6 @@
 //! Sees to it that there is a browser for the tests of reports.
 
-use crate::packages::{Consent, has_apt, install};
+use crate::packages::{Consent, has_apt, install, os_release};
 use anyhow::Result;
 
 const QUESTION: &str =
@@ -12,7 +12,7 @@ const NAMES: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 /// Installs Chromium where there is no browser and that is agreed to. Without one the tests that need it say so and
 /// do nothing, so that it cannot be had is no failure.
 pub fn ensure(consent: Consent) -> Result<()> {
-    if is_there() || !has_apt() || !consent.to(QUESTION)? {
+    if is_there() || !has_apt(&os_release()) || !consent.to(QUESTION)? {
         return Ok(());
     }
     if let Err(error) = install("chromium") {

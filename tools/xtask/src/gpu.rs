@@ -1,6 +1,6 @@
 //! Sees to it that there is an adapter to render with: a GPU's driver, or one that renders on the CPU.
 
-use crate::packages::{Consent, ids_of_linux, install};
+use crate::packages::{Consent, has_apt, ids_of_linux, install, os_release};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -69,7 +69,7 @@ enum Driver {
 impl Driver {
     fn of_this_system() -> Driver {
         if cfg!(target_os = "linux") {
-            Driver::of_linux(&std::fs::read_to_string("/etc/os-release").unwrap_or_default())
+            Driver::of_linux(&os_release())
         } else {
             Driver::ByHand("Install your GPU's driver: Lightloom needs Vulkan, Metal or Direct3D 12.")
         }
@@ -79,7 +79,7 @@ impl Driver {
     fn of_linux(os_release: &str) -> Driver {
         let ids = ids_of_linux(os_release);
         let is = |names: &[&str]| ids.iter().any(|id| names.contains(id));
-        if is(&["debian", "ubuntu"]) {
+        if has_apt(os_release) {
             Driver::Apt
         } else if is(&["fedora", "rhel"]) {
             Driver::ByHand("Install Mesa's driver: dnf install mesa-vulkan-drivers vulkan-loader")

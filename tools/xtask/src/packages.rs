@@ -50,10 +50,14 @@ pub(crate) fn ids_of_linux(os_release: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Whether packages come by apt-get.
-pub(crate) fn has_apt() -> bool {
-    let os_release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
-    cfg!(target_os = "linux") && ids_of_linux(&os_release).iter().any(|id| ["debian", "ubuntu"].contains(id))
+/// The text of /etc/os-release; empty where there is none.
+pub(crate) fn os_release() -> String {
+    std::fs::read_to_string("/etc/os-release").unwrap_or_default()
+}
+
+/// Whether packages come by apt-get, by the text of /etc/os-release.
+pub(crate) fn has_apt(os_release: &str) -> bool {
+    ids_of_linux(os_release).iter().any(|id| ["debian", "ubuntu"].contains(id))
 }
 
 /// Installs a package of Debian or Ubuntu.

@@ -1,4 +1,5 @@
 use pass_test::random::{halton3, hash, hash2, radical_inverse, unit_float};
+use pass_test::statistics;
 use sample_inverse_transform::twin::{Cdf, Texel};
 
 pub(crate) const SIZE: (u32, u32) = (12, 7);
@@ -28,34 +29,12 @@ fn independent(i: u32) -> [f64; 3] {
     [0, 1, 2].map(|dimension| unit_float(hash2(i, dimension)))
 }
 
-/// The value that chi squared of so many degrees of freedom exceeds once in a million (Wilson & Hilferty 1931).
-fn chi_squared_limit(freedom: f64) -> f64 {
-    let ninth = 2.0 / (9.0 * freedom);
-    freedom * (1.0 - ninth + 4.753 * ninth.sqrt()).powi(3)
-}
-
-/// Asserts that counts are those of independent draws, by chi squared. What is even by design does better.
+/// Asserts that counts are those of independent draws, and that what has no importance is never drawn.
 pub(crate) fn assert_follows(observed: &[u32], expected: &[f64]) {
-    // Cells of which fewer than five are expected are counted together.
-    let (mut statistic, mut freedom, mut rest) = (0.0, -1.0, (0.0, 0.0));
     for (n, expected) in std::iter::zip(observed, expected) {
         assert!(*expected > 0.0 || *n == 0, "a texel of no importance was drawn");
-        if *expected >= 5.0 {
-            statistic += (f64::from(*n) - expected).powi(2) / expected;
-            freedom += 1.0;
-        } else {
-            rest = (rest.0 + expected, rest.1 + f64::from(*n));
-        }
     }
-    if rest.0 > 0.0 {
-        statistic += f64::powi(rest.1 - rest.0, 2) / rest.0;
-        freedom += 1.0;
-    }
-    let limit = chi_squared_limit(freedom);
-    assert!(
-        statistic < limit,
-        "chi squared is {statistic}, of {freedom} degrees of freedom: more than {limit}"
-    );
+    statistics::assert_follows(observed, expected);
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! The shaders against the twin, on a GPU.
 
-use crate::chains::{Map, SIZE, assert_follows, distribution, halton, histogram, importance, times};
+use crate::chains::{Map, SIZE, distribution, halton, histogram, importance, times};
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
+use pass_test::statistics::assert_follows;
 use pass_test::{Outputs, Stand, VirtualLight};
 use sample_metropolis::PASS;
 use sample_metropolis::twin::{Chain, Weights};

@@ -1,5 +1,6 @@
-use crate::chains::{assert_follows, keys};
+use crate::chains::keys;
 use pass_test::random::radical_inverse;
+use pass_test::statistics::assert_follows;
 use sample_metropolis::twin::{element, shuffled};
 
 #[test]

@@ -7,6 +7,7 @@ use frame_graph::CompileOptions;
 use metrics::{Display, FileFormat, Image, Tonemap};
 use renderer::{FrameOptions, Gpu, Provenance, Renderer};
 use serde_json::json;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -94,6 +95,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
                 bar.set_length(u64::from(progress.limit));
                 bar.set_position(u64::from(progress.samples));
             }
+            ControlFlow::Continue(())
         })?;
         if out.wants(frame, frames) {
             let picture = renderer.picture(&args.output, args.layer)?;

@@ -7,6 +7,7 @@ use frame_graph::{Overrides, Source, diff, parse, resolve_description};
 use metrics::{Display, Image, Pair, read_provenance};
 use renderer::{Gpu, Provenance, Renderer};
 use serde_json::json;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 /// Make a picture again from its own record, and say what differs.
@@ -34,7 +35,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     renderer.set_pipeline(&record.pipeline, &record.overrides())?;
     renderer.keep(&record.output)?;
     for _ in record.first_frame..=record.frame {
-        renderer.frame_until_done(|_, _| {})?;
+        renderer.frame_until_done(|_, _| ControlFlow::Continue(()))?;
     }
     let picture = renderer.picture(&record.output, record.layer)?;
     let now = Provenance::new(&renderer, &record.scene, (&record.output, record.layer), record.first_frame);

@@ -6,10 +6,13 @@ use glam::Vec3;
 use metrics::Image;
 use metrics::temporal::Pinhole;
 use ray_tracing::Bvh;
-use renderer::{Catalog, Compiled, FrameOptions, Gpu, Provenance, Renderer, load_scene};
+use renderer::{
+    Catalog, Compiled, FrameOptions, FrameReport, Gpu, Progress, Provenance, Renderer, load_scene,
+};
 use scene::{Camera, Scene};
 use std::collections::HashMap;
 use std::fmt::Write as _;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use study::{AxisValue, CellRun, Identity, Laboratory, Memory, Observed, Occluded, RunRequest};
 use xxhash_rust::xxh3::xxh3_128;
@@ -206,18 +209,16 @@ fn accumulate(
     extras: &Extras,
     observe: &mut dyn FnMut(Observed) -> Result<(), String>,
 ) -> Result<Option<f64>, String> {
-    let mut noise = None;
-    for _ in 0..request.frames {
-        renderer.set_frame_index(request.first_frame);
-        renderer.frame().map_err(text)?;
-        let progress = renderer.progress().map_err(text)?;
+    let (mut noise, mut left) = (None, request.frames);
+    renderer.set_frame_index(request.first_frame);
+    let told = |_: &FrameReport, progress: Option<Progress>| {
         noise = progress
             .map(|progress| f64::from(progress.error))
             .filter(|error| error.is_finite() && *error > 0.0);
-        if progress.is_none_or(|progress| progress.done) {
-            break;
-        }
-    }
+        left = left.saturating_sub(1);
+        if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    renderer.frame_until_done(told).map_err(text)?;
     observe(observed(renderer, request, extras, request.first_frame, &[])?)?;
     Ok(noise)
 }
