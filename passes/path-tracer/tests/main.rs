@@ -60,6 +60,25 @@ fn a_patch_under_a_spot() {
     assert!(pixels(&outputs, "indirect").iter().all(|pixel| pixel[..3] == [0.0; 3]));
 }
 
+#[test]
+fn a_screen_shades() {
+    let run = |height: f32| {
+        let floor = boxes::quad([-1.0, 0.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0);
+        let screen = boxes::quad([-0.5, height, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0);
+        let mut scene = boxes::room(&[floor, screen], vec![boxes::matte([0.5; 3], [0.0; 3])]);
+        scene.lights[0].intensity = glam::Vec3::ONE;
+        // Below the screen in either case.
+        let camera = boxes::camera_at([0.3, 0.2, 0.0], [0.0; 3], 1e-3);
+        let stand = Stand::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
+        let outputs = stand.set("samples_per_frame", 1u32).run()?;
+        Some(spread(pixels(&outputs, "direct").iter().map(|pixel| pixel[0])).0)
+    };
+    // The spot hangs 1 m above the floor: below a screen at 2 m, and above one at half a metre.
+    let (Some(lit), Some(shaded)) = (run(2.0), run(0.5)) else { return };
+    assert!(lit > 0.1, "{lit}");
+    assert_eq!(shaded, 0.0);
+}
+
 /// Form factor from a point of the floor to the wall that stands `away` from it, `height` high and `width` wide, with
 /// the point before its middle (element to rectangle at right angles: Howell's catalogue, B-4, twice half the width).
 fn form_factor(away: f64, height: f64, width: f64) -> f64 {
