@@ -15,6 +15,7 @@ struct Scaled {
 const NO_MAGNITUDE: i32 = -1000000;
 
 var<workgroup> scan_values: array<f32, SCAN_SIZE>;
+var<workgroup> scan_whole_values: array<u32, SCAN_SIZE>;
 
 /// What can be summed as a weight: NaN and what is negative count as 0, infinity as the greatest number.
 fn weight_of(x: f32) -> f32 {
@@ -67,6 +68,21 @@ fn prefix_sum(thread: u32, value: f32) -> vec2<f32> {
         workgroupBarrier();
     }
     let sums = vec2(scan_values[thread], scan_values[SCAN_SIZE - 1u]);
+    workgroupBarrier();
+    return sums;
+}
+
+/// The same of whole numbers, modulo 2³².
+fn prefix_sum_u32(thread: u32, value: u32) -> vec2<u32> {
+    scan_whole_values[thread] = value;
+    workgroupBarrier();
+    for (var width = 1u; width < SCAN_SIZE; width *= 2u) {
+        if (thread & width) != 0u {
+            scan_whole_values[thread] += scan_whole_values[(thread & ~(width - 1u)) - 1u];
+        }
+        workgroupBarrier();
+    }
+    let sums = vec2(scan_whole_values[thread], scan_whole_values[SCAN_SIZE - 1u]);
     workgroupBarrier();
     return sums;
 }

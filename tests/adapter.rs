@@ -45,7 +45,7 @@ pub(crate) fn renderer(pipeline: &str, scene: &str, size: (u32, u32), values: &[
 }
 
 /// Settings that make imperfect shadow maps cheap.
-pub(crate) const SMALL: &[&str] = &["lights=64", "map=32", "rsm.size=64", "shadows.points=16384"];
+pub(crate) const SMALL: &[&str] = &["lights=64", "map=32", "rsm.size=64"];
 
 /// The bits of a picture.
 pub(crate) fn bits(image: &Image) -> Vec<[u32; 4]> {

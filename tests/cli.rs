@@ -21,7 +21,7 @@ fn err(output: &Output) -> String {
 }
 
 const QUICK: &[&str] =
-    &["--size", "24x16", "--set", "lights=32", "--set", "rsm.size=32", "--set", "shadows.points=4096"];
+    &["--size", "24x16", "--set", "lights=32", "--set", "rsm.size=32"];
 
 fn render(folder: &Path, pipeline: &str, file: &str, more: &[&str]) -> Output {
     run_in(folder, &[&["render", pipeline, "cornell-box", "-o", file], QUICK, more].concat())

@@ -77,7 +77,7 @@ fn every_pipeline_lights_every_kind_of_scene() {
         "ism-invtm",
         "ism-uniform",
         "ism-invtm-2",
-        "ism-metropolis",
+        "tcas",
         "ism-classic",
         "ism-ray-traced",
         "exhaustive",

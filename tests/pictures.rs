@@ -12,12 +12,13 @@ fn pictures_are_those_stored() {
         ("ism-invtm", "cornell-box"),
         ("ism-uniform", "cornell-box-point"),
         ("ism-invtm", "atrium-spot"),
+        ("tcas", "atrium-spot"),
         ("ism-classic", "cornell-box-sun"),
     ] {
-        let values: &[&str] = if pipeline == "ism-classic" {
-            &["lights=64", "map=32", "rsm.size=128"]
-        } else {
-            &["lights=128", "map=32", "rsm.size=128", "shadows.points=32768"]
+        let values: &[&str] = match pipeline {
+            "ism-classic" => &["lights=64", "map=32", "rsm.size=128"],
+            "ism" => &["lights=128", "map=32", "rsm.size=128", "shadows.points=32768"],
+            _ => &["lights=128", "map=32", "rsm.size=128"],
         };
         let Some(mut renderer) = renderer(pipeline, scene, (64, 64), values) else { return };
         renderer.frame().unwrap();

@@ -12,7 +12,7 @@ const SMALL: &str = r#"Study(
     scenes: ["cornell-box"],
     pipelines: ["ism", "ism-uniform"],
     size: (16, 12),
-    set: { "rsm.size": 32, "map": 32, "shadows.points": 4096 },
+    set: { "rsm.size": 32, "map": 32, "shadows.points": Optional(4096) },
     vary: Grid({ "lights": [8, 16, 32, 64] }),
     budget: Frames(2),
     seeds: 2,
@@ -140,7 +140,7 @@ fn parts_join_and_results_go_into_a_page() {
 fn a_full_disk_is_told_and_keeps_what_is_finished() {
     let Some(folder) = folder() else { return };
     let growing = r#"Study(
-        scenes: ["cornell-box"], pipelines: ["ism-uniform"], set: { "rsm.size": 32, "lights": 8, "shadows.points": 4096 },
+        scenes: ["cornell-box"], pipelines: ["ism-uniform"], set: { "rsm.size": 32, "lights": 8 },
         vary: Grid({ "size": [(16, 12), (160, 120)] }), budget: Frames(1), measures: ["gpu-ms"],
     )"#;
     fs::write(folder.path().join("growing.ron"), growing).unwrap();
@@ -297,7 +297,7 @@ fn every_measure_is_taken_of_a_walk() {
     let walk = format!(
         r#"Study(
             scenes: ["cornell-box-moving"], pipelines: ["ism-uniform"], size: (24, 16), first_frame: 4, jump: 7,
-            set: {{ "rsm.size": 32, "lights": 32, "map": 32, "shadows.points": 4096 }}, budget: Frames(6), seeds: 2,
+            set: {{ "rsm.size": 32, "lights": 32, "map": 32 }}, budget: Frames(6), seeds: 2,
             measures: {keys:?}, reference: Pipeline(pipeline: "reference", set: {{ "samples": 16, "filter": "centre" }}),
         )"#
     );

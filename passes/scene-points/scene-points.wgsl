@@ -1,9 +1,5 @@
 // Samples of the scene's surfaces, evenly by area (ISM §3.1): one thread a point.
 //
-// The unit square is laid over the surface, area for area: the first number picks the triangle, and where it
-// fell in the triangle's interval it is, with the second, the place there. So two numbers do, and the evenness
-// of their sequence in the square is evenness on the surface.
-//
 // DEVIATION(sequence): the paper picks triangles and places at random.
 
 #import "dispatch.wgsl"
@@ -11,6 +7,8 @@
 #import "random.wgsl"
 #import "scene.wgsl"
 #import "sobol.wgsl"
+#import "triangle-samples.wgsl"
+#import "triangle.wgsl"
 
 struct Settings {
     count: u32,
@@ -20,41 +18,8 @@ struct Settings {
 var<uniform> settings: Settings;
 var<storage, read_write> points: array<Point>;
 
-/// The triangle whose interval of the table holds the number. Those without area have no interval.
-fn triangle_at(number: u32) -> u32 {
-    var low = 0u;
-    var high = scene_info.triangles - 1u;
-    while low < high {
-        let middle = (low + high + 1u) / 2u;
-        if scene_area_table[middle] <= number {
-            low = middle;
-        } else {
-            high = middle - 1u;
-        }
-    }
-    return low;
-}
-
-/// Barycentric coordinates of the second and third vertex from the unit square: keeps areas, and neighbours near
-/// each other (Heitz 2019).
-fn triangle_from_square(square: vec2<f32>) -> vec2<f32> {
-    if square.y > square.x {
-        return vec2(0.5 * square.x, square.y - 0.5 * square.x);
-    }
-    return vec2(square.x - 0.5 * square.y, 0.5 * square.y);
-}
-
-/// Unit normal of the triangle with these edges; zero where it has no area. The edges are scaled first: the
-/// squares of their product leave the range of f32 in scenes of 1e-3 or 1e6 m.
-fn geometric_normal(a: vec3<f32>, b: vec3<f32>) -> vec3<f32> {
-    let longest = max(abs(a), abs(b));
-    let scale = max(longest.x, max(longest.y, longest.z));
-    if scale == 0.0 {
-        return vec3(0.0);
-    }
-    let across = cross(a / scale, b / scale);
-    let length = length(across);
-    return select(vec3(0.0), across / length, length > 0.0);
+fn interval_start(triangle: u32) -> u32 {
+    return scene_area_table[triangle];
 }
 
 @compute @workgroup_size(64)
@@ -76,7 +41,7 @@ fn place(
     let first = min(scramble(sobol.x, hash2(settings.seed, 0u)), 0xfffffffeu);
     let second = scramble(sobol.y, hash2(settings.seed, 1u));
 
-    let triangle = triangle_at(first);
+    let triangle = triangle_at(first, scene_info.triangles);
     let start = scene_area_table[triangle];
     // At least 1, also for the table of a scene without area, where an interval may be empty.
     let width = max(scene_area_table[triangle + 1u] - start, 1u);
@@ -92,7 +57,7 @@ fn place(
     points[index] = Point(
         corner + at.x * a + at.y * b,
         triangle,
-        geometric_normal(a, b),
+        normal_and_area(a, b).xyz,
         barycentric.x | (barycentric.y << 16u),
     );
 }

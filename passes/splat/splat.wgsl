@@ -1,34 +1,42 @@
 // Splats points of the scene into hemispherical depth maps, one a virtual light: imperfect shadow maps before
 // their holes are filled. [ISM §3.2]
 //
-// depth: [count × tile × tile] u32, map after map and in each row by row, the bits of the distance [m]. Distances are not negative, so their
-// bits are in the order of their values and an integer minimum keeps the nearest.
+// depth: [count × tile × tile] u32, map after map and in each row by row, the bits of the distance [m]. Distances are not
+// negative, so their bits are in the order of their values and an integer minimum keeps the nearest.
 
 #option KERNEL box one_of [box, surfel] // the paper's one distance a splat, or that of the point's tangent plane
 
 #import "dispatch.wgsl"
 #import "paraboloid.wgsl"
-#import "points.wgsl"
 #import "scene.wgsl"
+#import "tally.wgsl"
 #import "virtual-lights.wgsl"
+#import interface "points"
 
 struct Settings {
-    points_count: u32,
-    points_per_map: u32,
     depth_count: u32,
     depth_tile: u32,
     max_splat: f32,
     splat_scale: f32,
+    /// Splats of all maps that were asked for.
+    wanted: u32,
+    // For the module of the port `points`.
+    points_count: u32,
+    points_maps: u32,
+    points_per_map: u32,
+    points_step_whole: u32,
+    points_step_fraction: u32,
+    seed: u32,
 }
 
 var<uniform> settings: Settings;
-var<storage, read> points: array<Point>;
 var<storage, read> lights: VirtualLights;
 var<storage, read_write> depth: array<atomic<u32>>;
 /// The same buffer, as whole vectors.
 var<storage, read_write> cleared: array<vec4<u32>>;
+var<storage, read_write> tally: Tally;
 
-/// Four texels a thread: nothing fell, +∞.
+/// Four texels a thread: nothing fell, +∞. One of them keeps count.
 @compute @workgroup_size(64)
 fn clear(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -39,10 +47,14 @@ fn clear(
     if index < arrayLength(&cleared) {
         cleared[index] = vec4(0x7f800000u);
     }
+    if index == 0u {
+        let asked = samples_asked();
+        let made = min(asked, settings.points_maps * settings.points_per_map);
+        tally = Tally(select(asked, settings.wanted, asked == ANY_NUMBER), made);
+    }
 }
 
-/// One thread a splat. Neighbouring threads work on one map, and map i takes the points from i·n on, modulo
-/// their count: a fixed and even subset.
+/// One thread a splat.
 @compute @workgroup_size(64)
 fn splat(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -50,11 +62,14 @@ fn splat(
     @builtin(local_invocation_index) local_index: u32,
 ) {
     let index = row_index(group, groups, local_index, 64u);
-    let map = index / settings.points_per_map;
-    if map >= min(settings.depth_count, lights.count) {
+    if index >= settings.points_maps * settings.points_per_map {
         return;
     }
-    let point = points[index % settings.points_count];
+    let point = surface_sample(index);
+    let map = point.map;
+    if point.area <= 0.0 || map >= lights.count {
+        return;
+    }
     let frame = frame_from_normal(lights.lights[map].normal);
     let offset = point.position - lights.lights[map].position;
     let local = offset * frame;
@@ -62,14 +77,12 @@ fn splat(
         return;
     }
 
-    // All points stand for the same area: what the scene has, shared out among the points of one map.
-    let area = scene_info.area / f32(settings.points_per_map);
     let distance = length(local);
     let facing = abs(dot(point.normal, offset)) / distance;
     let centre = paraboloid_from_direction(local / distance);
     let tile = settings.depth_tile;
     let texel = paraboloid_density(centre) * texel_area(tile);
-    let side = clamp(settings.splat_scale * sqrt(area * facing / texel) / distance, 1.0, settings.max_splat);
+    let side = clamp(settings.splat_scale * sqrt(point.area * facing / texel) / distance, 1.0, settings.max_splat);
 
     // Texels whose centres are in the square: at least one, as a side is at least 1.
     let position = tile_position(centre, tile);
@@ -80,7 +93,7 @@ fn splat(
 #if KERNEL == surfel
     let normal = point.normal * frame;
     let height = dot(normal, local);
-    let reach = sqrt(area) * settings.splat_scale;
+    let reach = sqrt(point.area) * settings.splat_scale;
 #endif
     // One loop, not two: neighbouring threads with splats of different sizes wait less for each other.
     var at = vec2(0u);

@@ -6,7 +6,7 @@ mod order;
 
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Diagnostics, Source, Span};
-use crate::link::{Graph, GraphPass, Tap};
+use crate::link::{Graph, GraphPass, GraphPort, Tap};
 use crate::name::Name;
 use crate::plan::{
     AllocationId, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput, PlannedOutput,
@@ -25,11 +25,13 @@ pub struct CompileOptions {
     pub outputs: Vec<String>,
     /// Further resources to keep for reading back, as `pass.port` or `pass.port.member`.
     pub keep: Vec<String>,
+    /// Interfaces of which all is kept that is made anyway: it keeps no pass from being culled.
+    pub keep_interfaces: Vec<String>,
 }
 
 impl Default for CompileOptions {
     fn default() -> CompileOptions {
-        CompileOptions { sharing: true, outputs: Vec::new(), keep: Vec::new() }
+        CompileOptions { sharing: true, outputs: Vec::new(), keep: Vec::new(), keep_interfaces: Vec::new() }
     }
 }
 
@@ -41,6 +43,7 @@ pub fn compile(graph: &Graph, options: &CompileOptions) -> Result<Plan, Diagnost
     let mut work = Work::new(graph);
     work.want(options)?;
     work.cull();
+    work.keep_made(&options.keep_interfaces);
     let by_file = order::by_file(&work);
     work.trace(&by_file);
     let order = order::order(&work, by_file);
@@ -263,6 +266,26 @@ impl<'a> Work<'a> {
             if resource.history != NONE {
                 resource.history = histories;
                 histories += 1;
+            }
+        }
+    }
+
+    /// Keeps what ports of these interfaces make in passes that run.
+    fn keep_made(&mut self, interfaces: &[String]) {
+        if interfaces.is_empty() {
+            return;
+        }
+        let graph = self.graph;
+        let kept = |port: &GraphPort| interfaces.iter().any(|name| port.interface == *name);
+        for (i, pass) in graph.passes.iter().enumerate() {
+            if !self.runs(i) {
+                continue;
+            }
+            for (at, _) in pass.outputs.iter().enumerate().filter(|(_, port)| kept(port)) {
+                for r in self.of_port(i as u32, at as u32) {
+                    self.resources[r].persistent = true;
+                    self.resources[r].read = true;
+                }
             }
         }
     }

@@ -53,8 +53,8 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "Points",
-        doc: "Samples of the scene's surfaces, evenly by area and in an order of which every part is even; the normal is zero where the triangle has no area. Facts: `count`.",
-        members: &[required("", "buffer: [count] Point of shaders/points.wgsl")],
+        doc: "Samples of the scene's surfaces, of which each map takes an even part. Facts: `module`, the WGSL that answers `fn surface_sample(index: u32) -> SurfaceSample` and `fn samples_asked() -> u32` (shaders/surface-sample.wgsl says what of); `count`, the most different ones there are.",
+        members: &[required("", "buffer: what the module reads")],
     },
     Interface {
         name: "DepthAtlas",
@@ -79,6 +79,11 @@ pub static INTERFACES: &[Interface] = &[
             "",
             "rgba32float: [W/m²]; in alpha the luminance of what clamping removed [W/m²]",
         )],
+    },
+    Interface {
+        name: "Tally",
+        doc: "How much a pass was asked for, and how much of it it made: what a bound left out.",
+        members: &[required("", "buffer: struct Tally of shaders/tally.wgsl")],
     },
     Interface {
         name: "PathSamples",

@@ -18,6 +18,7 @@ pub mod paraboloid;
 mod record;
 pub mod reflected;
 pub mod setting;
+pub mod triangle_samples;
 
 pub use frame_graph::{
     Clear, Extent, Externals, Facts, Format, InputPort, KindError, Name, OutputContext, OutputDesc,

@@ -1,5 +1,6 @@
 //! From the name of a pipeline to linked steps, without a GPU: what `check` proves and an executor runs.
 
+use crate::tally::Tally;
 use catalog::Catalog;
 use frame_graph::plan::PassId;
 use frame_graph::{
@@ -7,6 +8,11 @@ use frame_graph::{
 };
 use pass::{LinkedStep, link_steps};
 use std::sync::Arc;
+
+/// How a renderer compiles: what passes tell of themselves is kept.
+pub fn compile_options() -> CompileOptions {
+    CompileOptions { keep_interfaces: vec![Tally::INTERFACE.to_owned()], ..CompileOptions::default() }
+}
 
 /// A pipeline as far as it goes without a GPU.
 #[derive(Clone, Debug)]

@@ -21,14 +21,16 @@ mod picture;
 mod progress;
 mod provenance;
 mod reload;
+mod tally;
 
 pub use catalog::{Assets, Catalog};
-pub use compile::Compiled;
+pub use compile::{Compiled, compile_options};
 pub use error::RenderError;
 pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, wgpu};
 pub use progress::Progress;
 pub use provenance::{Provenance, parse_value};
 pub use reload::Reload;
+pub use tally::Tally;
 
 use executor::{Executor, Object};
 use frame_graph::plan::{PlannedOutput, ResourceId};
@@ -97,7 +99,7 @@ impl Renderer {
             host,
             size: (size.0.max(1), size.1.max(1)),
             pipeline: None,
-            options: CompileOptions { sharing: true, ..CompileOptions::default() },
+            options: compile_options(),
             frame_options: FrameOptions::default(),
             camera: None,
             seed: 0,
@@ -314,6 +316,24 @@ impl Renderer {
         Progress::from_bytes(&bytes)
             .map(Some)
             .ok_or_else(|| RenderError::NoProgress { resource: output.from.to_string(), bytes: bytes.len() })
+    }
+
+    /// What passes made of what they were asked for, by `pass.port`: all that the plan has of the interface Tally. Waits
+    /// for the GPU.
+    ///
+    /// # Errors
+    /// Where the device is gone.
+    pub fn tallies(&self) -> Result<Vec<(Name, Tally)>, RenderError> {
+        let Some(plan) = self.plan() else { return Ok(Vec::new()) };
+        let ports = plan.passes.iter().flat_map(|pass| &pass.outputs);
+        let members =
+            ports.filter(|port| port.interface.as_str() == Tally::INTERFACE).flat_map(|port| &port.members);
+        let mut tallies = Vec::new();
+        for (_, id) in members {
+            let name = plan.resources[id.0 as usize].name.clone();
+            tallies.extend(Tally::from_bytes(&self.executor.read(*id)?).map(|tally| (name, tally)));
+        }
+        Ok(tallies)
     }
 
     /// Runs frames of the same number, and so of the same time, until the pipeline says that its picture is done;

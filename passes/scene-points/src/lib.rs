@@ -48,7 +48,11 @@ impl Pass for ScenePoints {
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let count = cx.settings.u32("count");
         let desc = ResourceDesc::buffer(POINT_BYTES * u64::from(count));
-        Ok(vec![OutputDesc::one("points", desc).fact("count", Value::U32(count))])
+        Ok(vec![
+            OutputDesc::one("points", desc)
+                .fact("module", Value::Text("shaders/points-stored.wgsl".into()))
+                .fact("count", Value::U32(count)),
+        ])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {

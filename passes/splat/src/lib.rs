@@ -19,6 +19,12 @@ const SHADER: &str = "passes/splat/splat.wgsl";
 /// The most texels of all maps: their index is a u32. What an adapter allows less is told when it is asked for.
 const MAX_TEXELS: u64 = u32::MAX as u64;
 
+/// The most splats of a frame: each has a place of its own in 0..2³¹.
+const MAX_SPLATS: u32 = 1 << 31;
+
+/// Bytes of struct Tally.
+const TALLY_BYTES: u64 = 8;
+
 impl Pass for Splat {
     fn info(&self) -> Info {
         Info {
@@ -69,7 +75,14 @@ impl Pass for Splat {
                     "From where: a map a light, over the hemisphere of its normal.",
                 ),
             ],
-            outputs: vec![pass::output("depth", "DepthAtlas", "The maps, with holes.")],
+            outputs: vec![
+                pass::output("depth", "DepthAtlas", "The maps, with holes."),
+                pass::output(
+                    "tally",
+                    "Tally",
+                    "How many splats were wanted, and how many there were points for.",
+                ),
+            ],
             externals: Externals::SCENE,
         })
     }
@@ -90,6 +103,7 @@ impl Pass for Splat {
         // texel, or within a splat of the usual two to four.
         let slack = if cx.settings.text("kernel") == "surfel" { 1.0 } else { 2.0 };
         Ok(vec![
+            OutputDesc::one("tally", ResourceDesc::<Extent>::buffer(TALLY_BYTES)),
             OutputDesc::one("depth", ResourceDesc::<Extent>::buffer(texels * 4))
                 .fact("tile", Value::U32(tile))
                 .fact("count", Value::U32(count))
@@ -98,28 +112,33 @@ impl Pass for Splat {
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let [tile, count] = ["tile", "count"].map(|fact| cx.fact("depth", fact));
+        let [tile, maps] = ["tile", "count"].map(|fact| cx.fact("depth", fact));
         let points = cx.fact("points", "count");
-        let per_map = match cx.settings.u32("points_per_map") {
+        let wanted = match cx.settings.u32("points_per_map") {
             0 => twin::points_per_map(tile),
             given => given,
-        }
-        .clamp(1, points.max(1));
-        let Some(splats) = per_map.checked_mul(count) else {
+        };
+        let Some(splats) = wanted.checked_mul(maps).filter(|splats| *splats <= MAX_SPLATS) else {
             return Err(KindError::setting(
                 "points_per_map",
-                format!("{count} maps of {per_map} points each are more than 2³² splats"),
+                format!("{maps} maps of {wanted} points each are more than 2³¹ splats"),
             ));
         };
-        let texels = count * tile * tile;
+        let per_map = wanted.min(points);
+        // Between two samples, in units of 2⁻³² of 2⁻³¹ of the surface.
+        let step = (1_u64 << 63) / u64::from(maps * per_map).max(1);
         let shader = cx.shader(SHADER, &[("KERNEL", Define::from(cx.settings.text("kernel")))]);
-        let cleared =
-            Compute::new(shader.clone(), "clear", Threads::Row(texels.div_ceil(4))).bind("cleared", "depth");
-        if points == 0 {
-            return Ok(Recording::one(cleared));
-        }
-        let splatted =
-            Compute::new(shader, "splat", Threads::Row(splats)).value("points_per_map", Value::U32(per_map));
-        Ok(Recording::one(cleared).then(splatted))
+        let dispatch = |entry: &str, threads: u32| {
+            Compute::new(shader.clone(), entry, Threads::Row(threads))
+                .value("wanted", Value::U32(splats))
+                .value("points_count", Value::U32(points))
+                .value("points_maps", Value::U32(maps))
+                .value("points_per_map", Value::U32(per_map))
+                .value("points_step_whole", Value::U32((step >> 32) as u32))
+                .value("points_step_fraction", Value::U32(step as u32))
+        };
+        let texels = maps * tile * tile;
+        let cleared = Recording::one(dispatch("clear", texels.div_ceil(4)).bind("cleared", "depth"));
+        Ok(if per_map == 0 { cleared } else { cleared.then(dispatch("splat", maps * per_map)) })
     }
 }

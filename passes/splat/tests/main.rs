@@ -76,6 +76,9 @@ fn shape(tile: u32, area: f64) -> Shape {
     Shape { tile, area, extent: 10.0, splat_scale: 1.0, max_splat: 1e9 }
 }
 
+/// The module of points that lie in a buffer.
+const STORED: &str = "shaders/points-stored.wgsl";
+
 const UP: Vec3 = [0.0, 0.0, 1.0];
 
 #[test]
@@ -173,9 +176,11 @@ fn the_gpu_agrees_with_the_twin() {
                 &[("count", 900)],
                 vec![("", pass_test::buffer(900 * 32), bytemuck::cast_slice(&points).to_vec())],
             )
+            .text_fact("module", STORED)
             .input("lights", "VirtualLights", &[("count", 3)], vec![("", desc, bytes)])
             .run();
         let Some(outputs) = outputs else { return };
+        assert_eq!(outputs.read::<u32>("tally")[..2], [3 * per_map, 3 * per_map], "asked and made");
         let depth: Vec<f32> = outputs.read::<u32>("depth").into_iter().map(f32::from_bits).collect();
         let texels = (tile * tile) as usize;
         assert!(
@@ -216,6 +221,7 @@ fn surfels_store_the_distance_of_their_plane() {
             &[("count", 1)],
             vec![("", pass_test::buffer(32), bytemuck::cast_slice(&points).to_vec())],
         )
+        .text_fact("module", STORED)
         .input("lights", "VirtualLights", &[("count", 1)], vec![("", desc, bytes)])
         .run();
     let Some(outputs) = outputs else { return };
@@ -228,4 +234,48 @@ fn surfels_store_the_distance_of_their_plane() {
         covered += 1;
     }
     assert!(covered >= 100, "{covered} texels are covered");
+}
+
+/// Points that triangles ask for: 10 over the scene `plane`, whose second triangle has three quarters of them.
+fn ten_points() -> Vec<u8> {
+    let (asked, step) = (10_u32, (1_u64 << 63) / 10);
+    let words = [asked, 0, (step >> 32) as u32, step as u32, 0, 1 << 29, 1 << 31, 0];
+    bytemuck::cast_slice(&words).to_vec()
+}
+
+#[test]
+fn what_is_made_of_what_is_asked_for_is_told() {
+    let light = [[0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 1.0, 1.0, 0.0]; 2];
+    for (per_map, made) in [(3, 6), (5, 10), (700, 10)] {
+        let (desc, bytes) = pass_test::counted(&light);
+        let outputs = Stand::new(splat::PASS)
+            .scene("plane")
+            .set("map", 8)
+            .set("points_per_map", per_map)
+            .input(
+                "points",
+                "Points",
+                &[("count", u32::MAX)],
+                vec![("", pass_test::buffer(32), ten_points())],
+            )
+            .text_fact("module", "shaders/points-on-the-fly.wgsl")
+            .input("lights", "VirtualLights", &[("count", 2)], vec![("", desc, bytes)])
+            .run();
+        let Some(outputs) = outputs else { return };
+        assert_eq!(outputs.read::<u32>("tally")[..2], [10, made], "asked and made of {per_map} a map");
+    }
+}
+
+#[test]
+fn without_triangles_the_maps_are_empty() {
+    let light = [[0.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0]];
+    let (desc, bytes) = pass_test::counted(&light);
+    let outputs = Stand::new(splat::PASS)
+        .set("map", 8)
+        .input("points", "Points", &[("count", 0)], vec![("", pass_test::buffer(32), Vec::new())])
+        .text_fact("module", "shaders/points-on-the-fly.wgsl")
+        .input("lights", "VirtualLights", &[("count", 1)], vec![("", desc, bytes)])
+        .run();
+    let Some(outputs) = outputs else { return };
+    assert!(outputs.read::<u32>("depth").iter().all(|bits| *bits == f32::INFINITY.to_bits()));
 }

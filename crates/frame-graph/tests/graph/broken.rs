@@ -39,7 +39,8 @@ fn errors_of(path: &str, files: &MemoryFiles) -> Option<Diagnostics> {
         (path.to_owned(), value(text))
     });
     let overrides = Overrides(overrides.collect());
-    let options = CompileOptions { sharing: true, outputs: header("ask"), keep: header("keep") };
+    let options =
+        CompileOptions { outputs: header("ask"), keep: header("keep"), ..CompileOptions::default() };
     let context = LinkContext { frame: (1920, 1080), traits: traits() };
     let run = || compile(&link(&resolve(path, files, &overrides)?, &TestKinds::new(), &context)?, &options);
     run().err()

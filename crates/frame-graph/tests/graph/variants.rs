@@ -278,6 +278,23 @@ fn what_is_kept_is_kept() {
 }
 
 #[test]
+fn interfaces_are_kept_of_passes_that_run_anyway() {
+    let resolved = resolved("", &[]);
+    let options = |interfaces: &[&str]| CompileOptions {
+        outputs: vec!["indirect".into()],
+        keep_interfaces: interfaces.iter().map(|name| (*name).to_owned()).collect(),
+        ..CompileOptions::default()
+    };
+    let persistent =
+        |plan: &Plan, name: &str| plan.resources[plan.resource(name).unwrap().0 as usize].persistent;
+    let plain = planned(&resolved, traits(), &options(&[]));
+    assert!(!persistent(&plain, "lights.lights"));
+    let kept = planned(&resolved, traits(), &options(&["VirtualLights", "Irradiance"]));
+    assert!(persistent(&kept, "lights.lights") && !persistent(&kept, "lights.scan"));
+    assert!(kept.pass("unused").is_none(), "it makes an Irradiance that nothing reads");
+}
+
+#[test]
 fn drawings_hold_every_pass() {
     let plan = plan("");
     let (svg, dot, text, json) = (plan.to_svg(), plan.to_dot(), plan.to_text(), plan.to_json());

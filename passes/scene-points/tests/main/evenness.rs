@@ -1,6 +1,4 @@
-use scene_points::twin::{
-    Point, geometric_normal, numbers, place, sobol2, triangle_at, triangle_from_square,
-};
+use scene_points::twin::{Point, normal_and_area, numbers, place, sobol2, triangle_at, triangle_from_square};
 
 const SEEDS: [u32; 2] = [0x1234_5678, 0x9abc_def0];
 
@@ -147,10 +145,11 @@ fn tables_of_one_triangle_of_zeros_and_of_slivers() {
 }
 
 #[test]
-fn normals_of_any_scale() {
+fn normals_and_areas_of_any_scale() {
     for scale in [1e-12, 1.0, 1e12] {
-        assert_eq!(geometric_normal([scale, 0.0, 0.0], [0.0, scale, 0.0]), [0.0, 0.0, 1.0]);
+        let (normal, area) = normal_and_area([scale, 0.0, 0.0], [0.0, scale, 0.0]);
+        assert_eq!((normal, area / scale / scale), ([0.0, 0.0, 1.0], 0.5));
     }
-    assert_eq!(geometric_normal([0.0; 3], [0.0; 3]), [0.0; 3]);
-    assert_eq!(geometric_normal([1.0, 2.0, 3.0], [2.0, 4.0, 6.0]), [0.0; 3]);
+    assert_eq!(normal_and_area([0.0; 3], [0.0; 3]), ([0.0; 3], 0.0));
+    assert_eq!(normal_and_area([1.0, 2.0, 3.0], [2.0, 4.0, 6.0]), ([0.0; 3], 0.0));
 }

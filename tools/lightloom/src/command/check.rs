@@ -6,7 +6,7 @@ use crate::output::{self, say};
 use ::study::Plan;
 use anyhow::{Result, bail};
 use frame_graph::resolve::Files;
-use frame_graph::{CompileOptions, Diagnostics, LinkContext, Overrides, Traits, resolve};
+use frame_graph::{Diagnostics, LinkContext, Overrides, Traits, resolve};
 use renderer::{Catalog, Compiled, load_scene};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -120,7 +120,7 @@ fn check_pipeline(
     if resolved.is_part() {
         return Ok("a part, proved where it is used".to_owned());
     }
-    let options = CompileOptions { sharing: true, ..CompileOptions::default() };
+    let options = renderer::compile_options();
     let (mut passes, mut shaders) = (0, 0);
     for scene in scenes {
         let context = LinkContext { frame: (512, 512), traits: traits[*scene].clone() };

@@ -35,7 +35,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let link_context = LinkContext { frame: args.size, traits: context.traits(args.scene.as_deref())? };
     let resolved = resolve(&args.pipeline, catalog.pipelines(), &overrides(&args.set)?)?;
     let graph = link(&resolved, &**catalog, &link_context)?;
-    let plan = compile(&graph, &CompileOptions { sharing: !args.no_sharing, ..CompileOptions::default() })?;
+    let plan = compile(&graph, &CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() })?;
     let Some(out) = &args.out else {
         say!("{}", if context.json { format!("{:#}", plan.to_json()) } else { plan.to_text() });
         return Ok(());

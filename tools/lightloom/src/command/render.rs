@@ -75,7 +75,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     renderer.set_seed(args.seed);
     renderer.set_frame_index(args.first_frame);
     renderer
-        .set_compile_options(CompileOptions { sharing: !args.no_sharing, ..CompileOptions::default() })?;
+        .set_compile_options(CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() })?;
     renderer.set_pipeline(&args.pipeline, &overrides(&args.set)?)?;
     renderer.keep(&args.output)?;
     renderer.set_frame_options(FrameOptions { timed: args.time, poison: args.poison });
@@ -174,6 +174,7 @@ fn report(
         plan.passes.iter().enumerate().map(|(i, pass)| (pass.name.to_string(), median(times, i))).collect();
     let clamped = clamped_share(renderer);
     let progress = renderer.progress()?;
+    let tallies = renderer.tallies()?;
     if context.json {
         output::json(&json!({
             "pictures": written,
@@ -183,6 +184,7 @@ fn report(
             "passes": rows.iter().map(|(name, ms)| json!({ "pass": name, "gpu_ms": if args.time { Some(*ms) } else { None } })).collect::<Vec<_>>(),
             "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
             "clamped_energy": clamped,
+            "tallies": tallies.iter().map(|(name, tally)| json!({ "of": name.as_str(), "asked": tally.asked, "made": tally.made })).collect::<Vec<_>>(),
             "samples": progress.map(|progress| progress.samples),
             "estimated_rel_mse": progress.map(|progress| progress.error),
         }));
@@ -204,6 +206,9 @@ fn report(
     }
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
         say!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
+    }
+    for (name, tally) in tallies.iter().filter(|(_, tally)| tally.made < tally.asked) {
+        say!("{name}: {} made of {} that were asked for", tally.made, tally.asked);
     }
     if let Some(progress) = progress {
         say!("{} samples a pixel; relMSE by their spread {:.2e}", progress.samples, progress.error);

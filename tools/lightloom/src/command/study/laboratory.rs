@@ -80,7 +80,7 @@ impl GpuLaboratory {
 }
 
 fn options(keep: Vec<String>) -> CompileOptions {
-    CompileOptions { sharing: true, keep, ..CompileOptions::default() }
+    CompileOptions { keep, ..renderer::compile_options() }
 }
 
 impl Laboratory for GpuLaboratory {

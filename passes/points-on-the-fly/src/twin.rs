@@ -1,0 +1,151 @@
+//! `amplify.wgsl` and `shaders/points-on-the-fly.wgsl` with the same integers, and double precision before them.
+
+pub use pass::triangle_samples::{Vec3, normal_and_area, scramble, triangle_at, triangle_from_square};
+
+use pass::triangle_samples::edges;
+
+/// All that is shared out.
+pub const WHOLE: u32 = 0x8000_0000;
+/// Maps whose samples alternate.
+pub const MAPS_AT_ONCE: u32 = 32;
+/// As many points as are wanted.
+pub const ANY_NUMBER: u32 = u32::MAX;
+
+/// Level of a tessellator for an edge \[m\] or an area \[m²\] between the least and the greatest there are: ACRSM Eq. 5.3
+/// and 5.4, within `factors`.
+pub fn level(bounds: [f64; 2], value: f64, factors: [u32; 2]) -> u32 {
+    let x = if bounds[1] > bounds[0] { (value - bounds[0]) / (bounds[1] - bounds[0]) } else { 1.0 };
+    let x = x.clamp(0.0, 1.0);
+    ((x * x * (3.0 - 2.0 * x) * f64::from(factors[1])).ceil() as u32).max(factors[0])
+}
+
+/// Vertices of a triangle at these levels of its edges and inside.
+pub fn tessellated_points(edges: [u32; 3], inside: u32) -> u32 {
+    let around: u32 = edges.iter().sum();
+    if inside == 1 && around == 3 {
+        return 3;
+    }
+    // Rings around the middle: two segments fewer on each side than the one around them.
+    let rings = (1..).map(|ring| inside.max(2).saturating_sub(2 * ring)).take_while(|side| *side > 0);
+    around + rings.map(|side| 3 * side).sum::<u32>() + u32::from(inside.max(2).is_multiple_of(2))
+}
+
+/// The weight of each triangle: its area \[m²\], or with factors the points of a tessellator.
+pub fn weights(triangles: &[[Vec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> {
+    let measured: Vec<(f64, [f64; 3])> = triangles
+        .iter()
+        .map(|corners| {
+            let (_, a, b) = edges(0, |_, k| corners[k as usize]);
+            let length = |v: Vec3| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let across = [0, 1, 2].map(|c| b[c] - a[c]);
+            (normal_and_area(a, b).1, [length(a), length(b), length(across)])
+        })
+        .collect();
+    let Some(factors) = factors else { return measured.iter().map(|(area, _)| *area).collect() };
+    let real = || measured.iter().filter(|(area, _)| *area > 0.0);
+    let bounds = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], x| [least.min(x), most.max(x)])
+    };
+    let areas = bounds(&mut real().map(|(area, _)| *area));
+    let lengths = bounds(&mut real().flat_map(|(_, lengths)| *lengths));
+    measured
+        .iter()
+        .map(|(area, sides)| {
+            if *area == 0.0 {
+                return 0.0;
+            }
+            let outer = sides.map(|side| level(lengths, side, factors));
+            f64::from(tessellated_points(outer, level(areas, *area, factors)))
+        })
+        .collect()
+}
+
+/// Where the intervals of triangles of these weights begin, and where the last ends; `dither` in \[0, 1) rounds.
+pub fn starts(weights: &[f64], dither: impl Fn(u32) -> f64) -> Vec<u32> {
+    let whole: f64 = weights.iter().sum();
+    let mut sum = 0_u32;
+    let mut starts = vec![0];
+    for (i, weight) in (0..).zip(weights) {
+        if *weight > 0.0 {
+            sum += (weight / whole * f64::from(WHOLE) + dither(i)) as u32;
+        }
+        starts.push(sum.min(WHOLE));
+    }
+    if let Some(last) = starts.last_mut().filter(|_| !weights.is_empty()) {
+        *last = WHOLE;
+    }
+    starts
+}
+
+/// What samples are wanted for.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// Maps.
+    pub maps: u32,
+    /// Samples for each.
+    pub per_map: u32,
+    /// What the triangles ask for, or [`ANY_NUMBER`].
+    pub asked: u32,
+}
+
+/// Where a sample lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The map that it is for.
+    pub map: u32,
+    /// Its number among those of the map, in the order of the triangles.
+    pub stratum: u32,
+    /// In 0..2³¹.
+    pub number: u32,
+    /// Samples that there are, of all maps together.
+    pub made: u32,
+}
+
+/// Where sample `index` lies; `None` where there is none.
+pub fn place(index: u32, wanted: &Wanted) -> Option<Place> {
+    let per_block = MAPS_AT_ONCE * wanted.per_map;
+    let first_map = index / per_block * MAPS_AT_ONCE;
+    let maps = (wanted.maps - first_map).min(MAPS_AT_ONCE);
+    let (stratum, map) = (index % per_block / maps, first_map + index % per_block % maps);
+    let place = stratum * wanted.maps + map;
+    let made = wanted.asked.min(wanted.maps * wanted.per_map);
+    if place >= made {
+        return None;
+    }
+    let step = (1_u64 << 63) / u64::from(made);
+    let number = ((u128::from(step) * u128::from(place)) >> 32) as u32 + ((step >> 32) as u32) / 2;
+    Some(Place { map, stratum, number, made })
+}
+
+/// A sample of the surface: struct SurfaceSample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// World space \[m\].
+    pub position: Vec3,
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Unit.
+    pub normal: Vec3,
+    /// What it stands for among the samples of its map \[m²\].
+    pub area: f64,
+}
+
+/// The sample at a place; `second` in \[0, 1) is its other coordinate in the square.
+pub fn sample(
+    place: &Place,
+    maps: u32,
+    second: f64,
+    starts: &[u32],
+    corner: impl Fn(u32, u32) -> Vec3,
+) -> Sample {
+    let triangle = triangle_at(starts, place.number);
+    let start = starts[triangle as usize];
+    let width = f64::from(starts[triangle as usize + 1] - start);
+    let along = ((f64::from(place.number - start) + 0.5) / width).min(1.0);
+    let at = triangle_from_square([along, second]);
+    let (origin, a, b) = edges(triangle, corner);
+    let (normal, area) = normal_and_area(a, b);
+    let share = f64::from(WHOLE) / f64::from(place.made) / width;
+    let position = [0, 1, 2].map(|c| origin[c] + at[0] * a[c] + at[1] * b[c]);
+    Sample { position, triangle, normal, area: area * share * f64::from(maps) }
+}

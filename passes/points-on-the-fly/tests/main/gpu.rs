@@ -1,0 +1,199 @@
+//! The shaders against the twin, on a GPU.
+
+use crate::probe::{Amplification, SurfaceSample};
+use pass_test::Stand;
+use pass_test::random::{hash2, unit_float};
+use points_on_the_fly::PASS;
+use points_on_the_fly::twin::{ANY_NUMBER, Vec3, WHOLE, place, sample, scramble, starts, weights};
+use scene::{Scene, Vertex};
+
+/// The triangles as they are at that time [s].
+fn triangles(scene: &Scene, time: f32) -> Vec<[Vec3; 3]> {
+    let mut vertices = scene.vertices.clone();
+    for moved in &scene.at(time).moved {
+        let first = moved.first_vertex as usize;
+        vertices[first..first + moved.vertices.len()].clone_from_slice(&moved.vertices);
+    }
+    scene
+        .indices
+        .chunks(3)
+        .map(|corners| [0, 1, 2].map(|k| vertices[corners[k] as usize].position.map(f64::from)))
+        .collect()
+}
+
+fn amplify(scene: &Scene, time: f32, rule: &str) -> Option<Amplification> {
+    let outputs = Stand::new(PASS).with_scene(scene.clone()).time(time).set("rule", rule).run()?;
+    Some(Amplification::read(&outputs, scene.triangles()))
+}
+
+fn compare(scene: &Scene, time: f32, rule: &str) -> Option<Amplification> {
+    let found = amplify(scene, time, rule)?;
+    let corners = triangles(scene, time);
+    let factors = (rule == "tessellation").then_some([5, 64]);
+    let weights = weights(&corners, factors);
+    let seed = pass::pass_seed(0, "points-on-the-fly");
+    let wanted = starts(&weights, |i| unit_float(hash2(seed, i)));
+    assert_eq!((found.starts[0], found.starts[corners.len()]), (0, WHOLE));
+    for (i, (found, wanted)) in std::iter::zip(found.starts.windows(2), wanted.windows(2)).enumerate() {
+        let at_the_end = found[1] == WHOLE;
+        let [found, wanted] = [found, wanted].map(|pair| f64::from(pair[1]) - f64::from(pair[0]));
+        // Single precision, and a level that rounding took up or down; at the end is what roundings left.
+        let share = if factors.is_some() { 0.07 } else { 1e-4 };
+        let slack = share * wanted + if at_the_end { 200.0 } else { 2.0 };
+        assert!((found - wanted).abs() <= slack, "triangle {i}: {found} {wanted}");
+    }
+    let asked = if factors.is_some() { weights.iter().sum::<f64>() } else { f64::from(ANY_NUMBER) };
+    assert!((f64::from(found.asked) - asked).abs() < 1e-3 * asked, "{} asked for, not {asked}", found.asked);
+    assert_eq!(found.step, (1 << 63) / u64::from(found.asked));
+    Some(found)
+}
+
+#[test]
+fn shares_are_those_of_the_twin() {
+    for rule in ["area", "tessellation"] {
+        for scene in ["plane", "cornell-box", "atrium"] {
+            compare(&pass_test::scene(scene), 0.0, rule);
+        }
+    }
+}
+
+#[test]
+fn triangles_count_as_they_are_now() {
+    let mut scene = pass_test::scene("cornell-box-moving");
+    // A moving ball keeps its area: so let time 0 have it otherwise. What counts is the pose.
+    let moving = scene.at(1.0).moved[0].first_vertex as usize;
+    let count = scene.at(1.0).moved[0].vertices.len();
+    for vertex in &mut scene.vertices[moving..moving + count] {
+        vertex.position = [0.0; 3];
+    }
+    let Some(found) = compare(&scene, 1.0, "area") else { return };
+    let Some(samples) = found.samples(&scene, 1.0, 4, 500) else { return };
+    let area: f64 = triangles(&scene, 1.0).iter().map(|corners| weights(&[*corners], None)[0]).sum();
+    assert!((sum_of_areas(&samples, 0) / area - 1.0).abs() < 0.02);
+}
+
+fn sum_of_areas(samples: &[SurfaceSample], map: u32) -> f64 {
+    samples.iter().filter(|sample| sample.map == map).map(|sample| f64::from(sample.area)).sum()
+}
+
+#[test]
+fn samples_are_those_of_the_twin() {
+    let scene = pass_test::scene("cornell-box");
+    let corners = triangles(&scene, 0.0);
+    let seed = pass::pass_seed(0, "probe");
+    // Fewer samples than are asked for, and more; blocks of maps that are not full.
+    for (rule, maps, per_map) in
+        [("area", 3, 700), ("area", 70, 33), ("tessellation", 40, 50), ("tessellation", 5, 20_000)]
+    {
+        let Some(found) = amplify(&scene, 0.0, rule) else { return };
+        let Some(samples) = found.samples(&scene, 0.0, maps, per_map) else { return };
+        let wanted = found.wanted(maps, per_map);
+        let mut made = 0;
+        for (index, got) in (0..).zip(&samples) {
+            let Some(place) = place(index, &wanted) else {
+                assert_eq!(got.area, 0.0, "sample {index}");
+                continue;
+            };
+            made += 1;
+            let second = unit_float(scramble(place.stratum.reverse_bits(), hash2(seed, place.map)));
+            let twin = sample(&place, maps, second, &found.starts, |triangle, k| {
+                corners[triangle as usize][k as usize]
+            });
+            assert_eq!(got.map, place.map, "sample {index}");
+            assert!((f64::from(got.area) / twin.area - 1.0).abs() < 1e-4, "sample {index}: {got:?} {twin:?}");
+            for c in 0..3 {
+                assert!(
+                    (f64::from(got.position[c]) - twin.position[c]).abs() < 1e-4,
+                    "sample {index}: {got:?} {twin:?}"
+                );
+                assert!(
+                    (f64::from(got.normal[c]) - twin.normal[c]).abs() < 1e-4,
+                    "sample {index}: {got:?} {twin:?}"
+                );
+            }
+        }
+        assert_eq!(made, found.asked.min(maps * per_map));
+    }
+}
+
+#[test]
+fn what_samples_stand_for_is_the_surface() {
+    let scene = pass_test::scene("atrium");
+    let all = scene.area();
+    for rule in ["area", "tessellation"] {
+        let Some(found) = amplify(&scene, 0.0, rule) else { return };
+        let Some(samples) = found.samples(&scene, 0.0, 40, 2_000) else { return };
+        for map in [0, 31, 39] {
+            let sum = sum_of_areas(&samples, map);
+            // Measured over maps: 4e-6 by area, and 14 % by tessellation, whose few samples of large triangles weigh.
+            let slack = if rule == "area" { 1e-4 } else { 0.3 };
+            assert!((sum / all - 1.0).abs() < slack, "{rule}, map {map}: {sum} of {all} m²");
+        }
+        let mean = (0..40).map(|map| sum_of_areas(&samples, map)).sum::<f64>() / 40.0;
+        assert!((mean / all - 1.0).abs() < 0.01, "{rule}: {mean} of {all} m²");
+    }
+}
+
+#[test]
+fn samples_of_a_map_are_more_even_than_random_ones() {
+    // 256 samples of one map on the square: boxes of 1/64 hold 4; independent ones would vary by ±2.
+    let scene = pass_test::scene("plane");
+    let Some(found) = amplify(&scene, 0.0, "area") else { return };
+    let Some(samples) = found.samples(&scene, 0.0, 4, 256) else { return };
+    let bounds = triangles(&scene, 0.0).concat();
+    let side = |c: usize| bounds.iter().map(|p| p[c]).fold(f64::NEG_INFINITY, f64::max);
+    let flat = (0..3).find(|c| side(*c) == 0.0).unwrap();
+    let [u, v] = [(flat + 1) % 3, (flat + 2) % 3];
+    for map in 0..4 {
+        let mut boxes = [0; 64];
+        for sample in samples.iter().filter(|sample| sample.map == map) {
+            let cell = |c: usize| (((f64::from(sample.position[c]) / side(c) + 1.0) * 4.0) as usize).min(7);
+            boxes[cell(u) * 8 + cell(v)] += 1;
+        }
+        let variance = boxes.iter().map(|n| (f64::from(*n) - 4.0).powi(2)).sum::<f64>() / 64.0;
+        assert!(variance < 1.0, "map {map}: variance {variance}, of random samples 4");
+    }
+}
+
+/// Triangles with these corners.
+fn soup(corners: &[[f32; 3]]) -> Scene {
+    let mut scene = pass_test::scene("plane");
+    scene.vertices =
+        corners.iter().map(|position| Vertex { position: *position, ..scene.vertices[0] }).collect();
+    scene.indices = (0..corners.len() as u32).collect();
+    scene
+}
+
+#[test]
+fn triangles_of_any_shape_at_any_scale() {
+    for scale in [1e-3, 1.0, 1e6] {
+        let mut corners: Vec<[f32; 3]> =
+            (0..9000).map(|i| [0, 1, 2].map(|c| scale * unit_float(hash2(i, c)) as f32)).collect();
+        // Two corners alike, first, in the middle and last: triangles without area.
+        for first in [0, 4500, 8997] {
+            corners[first + 1] = corners[first];
+        }
+        for rule in ["area", "tessellation"] {
+            let scene = soup(&corners);
+            let Some(found) = compare(&scene, 0.0, rule) else { return };
+            let Some(samples) = found.samples(&scene, 0.0, 2, 3000) else { return };
+            assert!(
+                samples
+                    .iter()
+                    .all(|s| s.area.is_finite() && s.position.iter().chain(&s.normal).all(|x| x.is_finite()))
+            );
+        }
+    }
+}
+
+#[test]
+fn no_triangles_and_none_with_an_area() {
+    for rule in ["area", "tessellation"] {
+        let Some(outputs) = Stand::new(PASS).scene("empty").set("rule", rule).run() else { return };
+        assert_eq!(outputs.read::<u32>("points")[4], 0, "an empty interval");
+        let scene = soup(&[[1.0; 3]; 6]);
+        let Some(found) = amplify(&scene, 0.0, rule) else { return };
+        let Some(samples) = found.samples(&scene, 0.0, 2, 10) else { return };
+        assert!(samples.iter().all(|sample| sample.area == 0.0), "{samples:?}");
+    }
+}

@@ -1,0 +1,13 @@
+//! Triangles amplified into points: shares by hand, the GPU against the twin, evenness.
+
+mod counts;
+mod gpu;
+mod places;
+mod probe;
+
+use points_on_the_fly::PASS;
+
+#[test]
+fn all_variants_of_the_shaders_are_valid() {
+    pass_test::assert_shaders_are_valid(PASS);
+}

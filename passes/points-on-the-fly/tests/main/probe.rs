@@ -1,0 +1,106 @@
+//! A pass that writes what the module of a port Points answers.
+
+use bytemuck::{Pod, Zeroable};
+use pass::{
+    Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
+    ResourceDesc, Setting, Settings, Threads, UseContext, Value, setting,
+};
+use pass_test::{Outputs, Stand};
+use points_on_the_fly::twin::Wanted;
+use scene::Scene;
+
+/// struct SurfaceSample.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct SurfaceSample {
+    pub(crate) position: [f32; 3],
+    pub(crate) map: u32,
+    pub(crate) normal: [f32; 3],
+    pub(crate) area: f32,
+}
+
+struct Probe;
+
+const SHADER: &str = "passes/points-on-the-fly/tests/main/probe.wgsl";
+
+impl Pass for Probe {
+    fn info(&self) -> Info {
+        Info { kind: "probe", about: "", paper: "", shaders: &[SHADER] }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(["maps", "per_map"].map(|name| setting::u32(name, 1, "")).to_vec())
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![pass::input("points", "Points", "")],
+            outputs: vec![pass::output("samples", "Samples", "")],
+            externals: Externals::SCENE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let all = cx.settings.u32("maps") * cx.settings.u32("per_map");
+        Ok(vec![OutputDesc::one("samples", ResourceDesc::buffer(32 * u64::from(all)))])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let [maps, per_map] = ["maps", "per_map"].map(|name| cx.settings.u32(name));
+        let step = (1_u64 << 63) / u64::from(maps * per_map);
+        let values = [
+            ("points_maps", maps),
+            ("points_per_map", per_map),
+            ("points_step_whole", (step >> 32) as u32),
+            ("points_step_fraction", step as u32),
+        ];
+        let probe = Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(maps * per_map));
+        Ok(Recording::one(
+            values.into_iter().fold(probe, |step, (name, value)| step.value(name, Value::U32(value))),
+        ))
+    }
+}
+
+/// struct Amplification.
+#[derive(Clone, Debug)]
+pub(crate) struct Amplification {
+    pub(crate) asked: u32,
+    pub(crate) step: u64,
+    pub(crate) starts: Vec<u32>,
+    bytes: Vec<u8>,
+}
+
+impl Amplification {
+    pub(crate) fn read(outputs: &Outputs, triangles: usize) -> Amplification {
+        let words: Vec<u32> = outputs.read("points");
+        Amplification {
+            asked: words[0],
+            step: (u64::from(words[2]) << 32) | u64::from(words[3]),
+            starts: words[4..triangles + 5].to_vec(),
+            bytes: bytemuck::cast_slice(&words).to_vec(),
+        }
+    }
+
+    /// The samples that it is amplified into.
+    pub(crate) fn samples(
+        &self,
+        scene: &Scene,
+        time: f32,
+        maps: u32,
+        per_map: u32,
+    ) -> Option<Vec<SurfaceSample>> {
+        let desc = pass_test::buffer(self.bytes.len() as u64);
+        let stand = Stand::new(&Probe)
+            .with_scene(scene.clone())
+            .time(time)
+            .set("maps", maps)
+            .set("per_map", per_map)
+            .input("points", "Points", &[("count", u32::MAX)], vec![("", desc, self.bytes.clone())])
+            .text_fact("module", "shaders/points-on-the-fly.wgsl");
+        Some(stand.run()?.read("samples"))
+    }
+
+    pub(crate) fn wanted(&self, maps: u32, per_map: u32) -> Wanted {
+        Wanted { maps, per_map, asked: self.asked }
+    }
+}

@@ -1,0 +1,28 @@
+// Writes the samples of a port Points, a thread a sample.
+
+#import "dispatch.wgsl"
+#import interface "points"
+
+struct Settings {
+    points_count: u32,
+    points_maps: u32,
+    points_per_map: u32,
+    points_step_whole: u32,
+    points_step_fraction: u32,
+    seed: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read_write> samples: array<SurfaceSample>;
+
+@compute @workgroup_size(64)
+fn probe(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index < settings.points_maps * settings.points_per_map {
+        samples[index] = surface_sample(index);
+    }
+}

@@ -1,0 +1,11 @@
+// How many points each triangle is amplified into (TCAS §5.2).
+
+struct Amplification {
+    /// Points that the rule asks for; ANY_NUMBER where it is content with all that are wanted.
+    asked: u32,
+    pad: u32,
+    /// 2³¹ over `asked`: whole part, and fraction in units of 2⁻³².
+    step: vec2<u32>,
+    /// [triangles + 1] Where in 0..2³¹ the interval of a triangle begins; its width is its share of the points.
+    starts: array<u32>,
+}

@@ -1,0 +1,70 @@
+// Points made when they are wanted, from the triangles as they are now (TCAS §5.2): nothing is stored but each
+// triangle's share of them. What is made of `settings` is said in surface-sample.wgsl.
+//
+// Sample k of all n lies at (k + ½) / n of the cumulated shares, so samples follow the triangles in their order, as
+// those of a tessellator do, and each triangle has as many as its share of n, rounded up or down. Of neighbouring
+// samples every map gets one: an even subset of the surface. Along the other side of the square a map's samples follow
+// van der Corput's sequence, scrambled, another for each map: with the first, Hammersley's points.
+
+#import "amplification.wgsl"
+#import "scene.wgsl"
+#import "sobol.wgsl"
+#import "surface-sample.wgsl"
+#import "triangle-samples.wgsl"
+#import "triangle.wgsl"
+
+var<storage, read> points: Amplification;
+
+/// Maps whose samples alternate: as many neighbouring threads stand on near triangles, and write to so many maps.
+const MAPS_AT_ONCE: u32 = 32u;
+
+fn interval_start(triangle: u32) -> u32 {
+    return points.starts[triangle];
+}
+
+/// Upper half of the product.
+fn multiply_high(a: u32, b: u32) -> u32 {
+    let low = (a & 0xffffu) * (b & 0xffffu);
+    let first = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
+    let second = (a & 0xffffu) * (b >> 16u) + (first & 0xffffu);
+    return (a >> 16u) * (b >> 16u) + (first >> 16u) + (second >> 16u);
+}
+
+/// How many samples there are to be, of all maps together: what the triangles ask for, or ANY_NUMBER.
+fn samples_asked() -> u32 {
+    return points.asked;
+}
+
+/// Sample `index` of all maps' together. Neighbours are near each other, and of different maps.
+fn surface_sample(index: u32) -> SurfaceSample {
+    // Blocks of maps, one after the other.
+    let per_block = MAPS_AT_ONCE * settings.points_per_map;
+    let first_map = index / per_block * MAPS_AT_ONCE;
+    let maps = min(settings.points_maps - first_map, MAPS_AT_ONCE);
+    let stratum = index % per_block / maps;
+    let map = first_map + index % per_block % maps;
+
+    let place = stratum * settings.points_maps + map;
+    let all = settings.points_maps * settings.points_per_map;
+    var step = vec2(settings.points_step_whole, settings.points_step_fraction);
+    if points.asked < all {
+        if place >= points.asked {
+            return SurfaceSample();
+        }
+        step = points.step;
+    }
+    let number = place * step.x + multiply_high(place, step.y) + step.x / 2u;
+    let triangle = triangle_at(number, scene_info.triangles);
+    let start = points.starts[triangle];
+    let width = points.starts[triangle + 1u] - start;
+    let second = scramble(reverseBits(stratum), hash2(settings.seed, map));
+    let at = triangle_from_square(vec2(min((f32(number - start) + 0.5) / f32(width), 1.0), unit_float(second)));
+
+    let corner = scene_vertices[scene_indices[3u * triangle]].position;
+    let a = scene_vertices[scene_indices[3u * triangle + 1u]].position - corner;
+    let b = scene_vertices[scene_indices[3u * triangle + 2u]].position - corner;
+    let shape = normal_and_area(a, b);
+    // The step in intervals is that between two samples of any map.
+    let share = (f32(step.x) + f32(step.y) * exp2(-32.0)) / f32(width);
+    return SurfaceSample(corner + at.x * a + at.y * b, map, shape.xyz, shape.w * share * f32(settings.points_maps));
+}

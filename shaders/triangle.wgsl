@@ -1,0 +1,17 @@
+// The shape of a triangle.
+
+/// Geometric normal, unit, in xyz, and area [m²] in w of the triangle with these edges [m]; zeros where it has no area.
+/// The edges are scaled first: the squares of their product leave the range of f32 in scenes of 1e-3 or 1e6 m.
+fn normal_and_area(a: vec3<f32>, b: vec3<f32>) -> vec4<f32> {
+    let longest = max(abs(a), abs(b));
+    let scale = max(longest.x, max(longest.y, longest.z));
+    if scale == 0.0 {
+        return vec4(0.0);
+    }
+    let across = cross(a / scale, b / scale);
+    let length = length(across);
+    if length == 0.0 {
+        return vec4(0.0);
+    }
+    return vec4(across / length, 0.5 * length * scale * scale);
+}
