@@ -38,6 +38,20 @@ pub(crate) trait Animated: Copy + PartialEq {
     fn blend(values: [Self; 4], weights: [f32; 4]) -> Self;
 }
 
+impl Animated for f32 {
+    fn is_finite(self) -> bool {
+        f32::is_finite(self)
+    }
+
+    fn linear(self, to: Self, t: f32) -> Self {
+        self + (to - self) * t
+    }
+
+    fn blend(values: [Self; 4], weights: [f32; 4]) -> Self {
+        values.into_iter().zip(weights).map(|(v, w)| v * w).sum()
+    }
+}
+
 impl Animated for Vec3 {
     fn is_finite(self) -> bool {
         Vec3::is_finite(self)

@@ -4,21 +4,26 @@ use std::path::PathBuf;
 
 use bytemuck::cast_slice;
 use glam::{Affine3A, Vec3};
+use rayon::prelude::*;
 use xxhash_rust::xxh3::Xxh3;
 
+use crate::animation::Track;
 use crate::camera::Camera;
 use crate::error::SceneError;
 use crate::light::Light;
 use crate::material::{Material, Texture};
-use crate::model::{Mesh, Model, Node, NodeAnimation};
+use crate::model::{Mesh, Model, Morph, Node, NodeAnimation, Skin};
 use crate::scene::{
-    Driver, Instance, Motion, MovingMesh, Normals, Scene, Vertex, camera_at_node, place_and_direction, usable,
+    Driver, Instance, Motion, MovingMesh, Scene, Vertex, camera_at_node, place_and_direction,
 };
+use crate::shape::{Shape, usable};
 
 /// Of what a 4 GiB buffer can hold, three quarters: 64 Mi vertices of 48 bytes.
 const MAX_VERTICES: usize = 1 << 26;
 /// 2 GiB of indices.
 const MAX_INDICES: usize = 1 << 29;
+/// The box around a scene that moves is that of so many times, and of the start.
+const TIMES_OF_BOUNDS: u32 = 64;
 
 /// A scene in the making.
 #[derive(Default)]
@@ -38,6 +43,7 @@ pub(crate) struct Assembly {
     pub(crate) may_be_empty: bool,
     materials: Vec<Material>,
     textures: Vec<Texture>,
+    skins: Vec<Skin>,
     cameras: Vec<(String, Camera, usize)>,
     placed: Vec<Placed>,
 }
@@ -58,7 +64,7 @@ impl Assembly {
     /// Adds a model below `parent`, with its cameras, and its lights unless they are not wanted.
     pub(crate) fn place(&mut self, model: Model, parent: Option<usize>, with_lights: bool) {
         let (first_node, first_material) = (self.nodes.len(), self.materials.len() as u32);
-        let first_texture = self.textures.len() as u32;
+        let (first_texture, first_skin) = (self.textures.len() as u32, self.skins.len());
         self.textures.extend(model.textures);
         self.materials.extend(model.materials.into_iter().map(|mut material| {
             material.offset_textures(first_texture);
@@ -72,8 +78,13 @@ impl Assembly {
             }
             let parent = node.parent.map_or(parent, |p| Some(p + first_node));
             self.duration = self.duration.max(node.animation.as_ref().map_or(0.0, NodeAnimation::end));
-            self.nodes.push(Node { parent, ..node });
+            self.duration = self.duration.max(node.morph.end());
+            self.nodes.push(Node { parent, skin: node.skin.map(|skin| skin + first_skin), ..node });
         }
+        self.skins.extend(model.skins.into_iter().map(|mut skin| {
+            skin.joints.iter_mut().for_each(|joint| *joint += first_node);
+            skin
+        }));
         let worlds = Motion { nodes: self.nodes.clone(), ..Motion::default() }.worlds(0.0);
         for camera in model.cameras {
             let node = first_node + camera.node;
@@ -105,12 +116,12 @@ impl Assembly {
 
     /// The flat scene.
     pub(crate) fn finish(mut self) -> Result<Scene, SceneError> {
-        let mut motion = Motion { nodes: std::mem::take(&mut self.nodes), ..Motion::default() };
+        let nodes = std::mem::take(&mut self.nodes);
+        let mut motion = Motion { nodes, skins: std::mem::take(&mut self.skins), ..Motion::default() };
         let worlds = motion.worlds(0.0);
         let mut flat = Flat::default();
         for placed in std::mem::take(&mut self.placed) {
-            let moves = motion.node_moves(placed.node);
-            let moving = flat.add(&placed, &worlds[placed.node], moves, &mut self.repairs);
+            let moving = flat.add(&placed, &motion, &worlds, &mut self.repairs);
             motion.meshes.extend(moving);
             if flat.vertices.len() > MAX_VERTICES || flat.indices.len() > MAX_INDICES {
                 let problem = format!(
@@ -132,7 +143,7 @@ impl Assembly {
         motion.lights = drivers;
         motion.camera = self.camera_tracks;
         let mut scene = Scene {
-            bounds: bounds(&flat),
+            bounds: (Vec3::ZERO, Vec3::ZERO),
             name: self.name,
             about: self.about,
             vertices: flat.vertices,
@@ -150,6 +161,7 @@ impl Assembly {
             hash: 0,
             motion,
         };
+        scene.bounds = bounds(&scene);
         scene.camera = match (self.camera, self.cameras.first()) {
             (Some(camera), _) => camera,
             (None, Some((_, camera, node))) => {
@@ -186,6 +198,13 @@ impl NodeAnimation {
     }
 }
 
+impl Morph {
+    /// The time of the last key \[s\].
+    fn end(&self) -> f32 {
+        self.tracks.iter().map(Track::end).fold(0.0, f32::max)
+    }
+}
+
 #[derive(Default)]
 struct Flat {
     vertices: Vec<Vertex>,
@@ -198,20 +217,22 @@ impl Flat {
     fn add(
         &mut self,
         placed: &Placed,
-        world: &Affine3A,
-        moves: bool,
+        motion: &Motion,
+        worlds: &[Affine3A],
         repairs: &mut Vec<String>,
     ) -> Option<MovingMesh> {
         let (first_vertex, first_index) = (self.vertices.len(), self.indices.len());
         let instance = self.instances.len() as u32;
-        let normals = Normals::new(world);
+        let shape = Shape::new(&placed.mesh);
+        let placement = motion.placement(placed.node, 0.0, worlds);
+        let mirrors = shape.mirrors(&placement);
+        let mut posed = shape.posed(&placement, mirrors).into_iter();
         let mut dropped = 0;
         for primitive in &placed.mesh.primitives {
             let base = self.vertices.len() as u32;
             let material = placed.first_material + primitive.material;
             let mut bad = vec![false; primitive.positions.len()];
-            for (i, position) in primitive.positions.iter().enumerate() {
-                let mut position = world.transform_point3(*position);
+            for (i, (mut position, normal)) in posed.by_ref().take(bad.len()).enumerate() {
                 if !usable(position) {
                     (bad[i], position) = (true, Vec3::ZERO);
                 }
@@ -219,7 +240,7 @@ impl Flat {
                 self.vertices.push(Vertex {
                     position: position.into(),
                     material,
-                    normal: normals.to_world(primitive.normals[i]).into(),
+                    normal: normal.into(),
                     instance,
                     uv: if uv.is_finite() { uv.into() } else { [0.0; 2] },
                     pad: [0.0; 2],
@@ -231,7 +252,7 @@ impl Flat {
                     continue;
                 }
                 let [a, b, c] = [triangle[0], triangle[1], triangle[2]].map(|i| base + i);
-                self.indices.extend(if normals.mirrors { [a, c, b] } else { [a, b, c] });
+                self.indices.extend(if mirrors { [a, c, b] } else { [a, b, c] });
             }
         }
         if dropped > 0 {
@@ -240,6 +261,7 @@ impl Flat {
                 placed.name
             ));
         }
+        let moves = motion.mesh_moves(placed.node);
         self.instances.push(Instance {
             name: placed.name.clone(),
             first_vertex: first_vertex as u32,
@@ -248,18 +270,33 @@ impl Flat {
             index_count: (self.indices.len() - first_index) as u32,
             moves,
         });
-        moves.then(|| MovingMesh {
-            instance,
-            node: placed.node,
-            positions: placed.mesh.primitives.iter().flat_map(|p| p.positions.iter().copied()).collect(),
-            normals: placed.mesh.primitives.iter().flat_map(|p| p.normals.iter().copied()).collect(),
-        })
+        moves.then_some(MovingMesh { instance, node: placed.node, shape, mirrors })
     }
 }
 
-fn bounds(flat: &Flat) -> (Vec3, Vec3) {
-    let corners = flat.indices.iter().map(|i| Vec3::from(flat.vertices[*i as usize].position));
-    corners.map(|p| (p, p)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+/// The box around all triangles, wherever they move.
+fn bounds(scene: &Scene) -> (Vec3, Vec3) {
+    // Vertices of no triangle may be anywhere.
+    let mut used = vec![false; scene.vertices.len()];
+    scene.indices.iter().for_each(|i| used[*i as usize] = true);
+    let around = |first: usize, vertices: &[Vertex]| {
+        let corners = vertices.iter().zip(&used[first..]).filter(|(_, used)| **used);
+        corners.map(|(v, _)| (v.position.into(), v.position.into())).reduce(join)
+    };
+    let moved = |step: u32| {
+        let time = scene.duration * (step as f32 / TIMES_OF_BOUNDS as f32);
+        let worlds = scene.motion.worlds(time);
+        let moved = scene.moved_at(time, &worlds);
+        moved.filter_map(|moved| around(moved.first_vertex as usize, &moved.vertices)).reduce(join)
+    };
+    let steps = if scene.motion.meshes.is_empty() { 0 } else { TIMES_OF_BOUNDS };
+    let moved = (1..=steps).into_par_iter().filter_map(moved).reduce_with(join);
+    around(0, &scene.vertices).into_iter().chain(moved).reduce(join).unwrap_or_default()
+}
+
+/// The box around two.
+fn join(a: (Vec3, Vec3), b: (Vec3, Vec3)) -> (Vec3, Vec3) {
+    (a.0.min(b.0), a.1.max(b.1))
 }
 
 fn hash(scene: &Scene) -> u128 {
@@ -271,6 +308,9 @@ fn hash(scene: &Scene) -> u128 {
     }
     // Rust writes floats so that they read back the same, hence the same text is the same value.
     hash.update(format!("{:?}{:?}{:?}", scene.materials, scene.textures, scene.lights).as_bytes());
-    hash.update(format!("{:?}{:?}{:?}", scene.camera, scene.frames_per_second, scene.motion).as_bytes());
+    let Motion { nodes, camera, lights, skins, meshes } = &scene.motion;
+    hash.update(format!("{:?}{:?}", scene.camera, scene.frames_per_second).as_bytes());
+    hash.update(format!("{nodes:?}{camera:?}{lights:?}{skins:?}").as_bytes());
+    meshes.iter().for_each(|mesh| mesh.shape.hash(&mut hash));
     hash.digest128()
 }

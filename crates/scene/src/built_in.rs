@@ -3,6 +3,7 @@
 mod architecture;
 mod atrium;
 mod builder;
+mod cloth;
 mod cornell;
 mod nave;
 mod simple;
@@ -13,11 +14,12 @@ use crate::model::Model;
 type Make = fn() -> Model;
 
 /// Every built-in geometry, by name.
-const BUILT_IN: [(&str, Make); 8] = [
+const BUILT_IN: [(&str, Make); 9] = [
     ("cornell-box", cornell::cornell_box),
     ("cornell-box-lamp", cornell::cornell_box_lamp),
     ("atrium", atrium::atrium),
     ("nave", nave::nave),
+    ("cloth", cloth::cloth),
     ("plane", simple::plane),
     ("cube", simple::cube),
     ("sphere", simple::sphere),

@@ -27,6 +27,7 @@ mod load;
 mod material;
 mod model;
 mod scene;
+mod shape;
 
 pub use built_in::names as built_in_names;
 pub use camera::Camera;

@@ -5,6 +5,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use crate::animation::Track;
 use crate::light::LightKind;
 use crate::material::{Material, Texture};
+use crate::shape::Influences;
 
 /// Geometry with materials, in its own space, and a tree of nodes.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +15,7 @@ pub(crate) struct Model {
     pub(crate) meshes: Vec<Mesh>,
     /// Parents stand before their children.
     pub(crate) nodes: Vec<Node>,
+    pub(crate) skins: Vec<Skin>,
     pub(crate) cameras: Vec<NodeCamera>,
     pub(crate) lights: Vec<NodeLight>,
     /// What was repaired or left out.
@@ -38,6 +40,33 @@ pub(crate) struct Primitive {
     pub(crate) uvs: Vec<Vec2>,
     pub(crate) indices: Vec<u32>,
     pub(crate) material: u32,
+    /// Whether each triangle has three vertices of its own, in their order, and its own normal.
+    pub(crate) faceted: bool,
+    pub(crate) targets: Vec<MorphTarget>,
+    /// Empty, or of every vertex.
+    pub(crate) influences: Influences,
+}
+
+impl Primitive {
+    /// Whether every vertex has joints to follow.
+    pub(crate) fn is_bound(&self) -> bool {
+        self.influences.len() == self.positions.len()
+    }
+}
+
+/// What is added to each vertex at weight 1; each list may be empty.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MorphTarget {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) normals: Vec<Vec3>,
+}
+
+/// What bends a mesh. Joints are nodes; each takes the mesh's space to its own by its inverse bind matrix.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Skin {
+    pub(crate) joints: Vec<usize>,
+    /// As many as joints.
+    pub(crate) inverse_binds: Vec<Affine3A>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -48,6 +77,19 @@ pub(crate) struct Node {
     pub(crate) rest: Affine3A,
     pub(crate) animation: Option<NodeAnimation>,
     pub(crate) mesh: Option<usize>,
+    /// Places the mesh, instead of the node. Only where every vertex of the mesh has influences, of joints
+    /// that the skin has.
+    pub(crate) skin: Option<usize>,
+    pub(crate) morph: Morph,
+}
+
+/// The weights of the mesh's morph targets.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Morph {
+    /// Where no track moves them.
+    pub(crate) rest: Vec<f32>,
+    /// None, or one a target.
+    pub(crate) tracks: Vec<Track<f32>>,
 }
 
 /// Movement of a node; what has no track keeps its part of `base`.
@@ -95,6 +137,16 @@ impl Node {
             scale: animation.scale.as_ref().map_or(base.scale, |t| t.at(time)),
         }
         .affine()
+    }
+}
+
+impl Morph {
+    /// The weights at `time` \[s\].
+    pub(crate) fn at(&self, time: f32) -> Vec<f32> {
+        if self.tracks.is_empty() {
+            return self.rest.clone();
+        }
+        self.tracks.iter().map(|track| track.at(time)).collect()
     }
 }
 

@@ -11,7 +11,8 @@ use crate::animation::Track;
 use crate::camera::Camera;
 use crate::light::{Light, LightKind};
 use crate::material::{Material, Texture};
-use crate::model::Node;
+use crate::model::{Node, Skin};
+use crate::shape::{Placement, Shape, usable};
 
 /// A vertex, as it is uploaded: 48 bytes, in world space. It belongs to one instance and one material.
 #[repr(C)]
@@ -93,6 +94,7 @@ pub(crate) struct Motion {
     pub(crate) camera: Driver,
     /// As many as lights.
     pub(crate) lights: Vec<Driver>,
+    pub(crate) skins: Vec<Skin>,
     pub(crate) meshes: Vec<MovingMesh>,
 }
 
@@ -106,13 +108,14 @@ pub(crate) struct Driver {
     pub(crate) intensity: Option<Track<Vec3>>,
 }
 
-/// The vertices of an instance that moves, in its node's space.
+/// An instance that moves or deforms.
 #[derive(Clone, Debug)]
 pub(crate) struct MovingMesh {
     pub(crate) instance: u32,
     pub(crate) node: usize,
-    pub(crate) positions: Vec<Vec3>,
-    pub(crate) normals: Vec<Vec3>,
+    pub(crate) shape: Shape,
+    /// Whether its triangles wind the other way than in its mesh.
+    pub(crate) mirrors: bool,
 }
 
 /// The scene at one time. (A whole scene's pose, not a skeleton's.)
@@ -150,14 +153,15 @@ pub struct Changes {
 
 impl Scene {
     /// The scene at `time` \[s\]. Keys of a scene file hold outside their range unless it says `repeat`; the
-    /// animation of a glTF file repeats. Skips what does not move.
+    /// animation of a glTF file repeats. Meshes follow their nodes, or are bent by morph targets, then by
+    /// their skins' joints. Skips what does not move.
     pub fn at(&self, time: f32) -> Pose {
         let worlds = self.motion.worlds(time);
         Pose {
             time,
             camera: self.camera_at(time, &worlds),
             lights: self.lights_at(time, &worlds),
-            moved: self.motion.meshes.iter().map(|mesh| self.moved(mesh, &worlds[mesh.node])).collect(),
+            moved: self.moved_at(time, &worlds).collect(),
         }
     }
 
@@ -167,7 +171,9 @@ impl Scene {
         Changes {
             camera: self.camera_at(from, &a) != self.camera_at(to, &b),
             lights: self.lights_at(from, &a) != self.lights_at(to, &b),
-            geometry: self.motion.meshes.iter().any(|mesh| a[mesh.node] != b[mesh.node]),
+            geometry: self.motion.meshes.iter().any(|mesh| {
+                self.motion.placement(mesh.node, from, &a) != self.motion.placement(mesh.node, to, &b)
+            }),
         }
     }
 
@@ -181,8 +187,8 @@ impl Scene {
         self.indices.len() / 3
     }
 
-    /// The least and the greatest corner of the box around all triangles at 0 s \[m\]; both zero where there
-    /// are none.
+    /// The least and the greatest corner of the box around all triangles \[m\]; both zero where there are
+    /// none. What moves counts wherever it is at 65 times from 0 s to the end of the movement.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds
     }
@@ -293,19 +299,20 @@ impl Scene {
             .collect()
     }
 
-    fn moved(&self, mesh: &MovingMesh, world: &Affine3A) -> MovedVertices {
-        let first_vertex = self.instances[mesh.instance as usize].first_vertex;
-        let rest = &self.vertices[first_vertex as usize..][..mesh.positions.len()];
-        let normals = Normals::new(world);
-        let vertices =
-            rest.iter().zip(&mesh.positions).zip(&mesh.normals).map(|((rest, position), normal)| {
-                let position = world.transform_point3(*position);
+    /// The vertices of every instance that moves.
+    pub(crate) fn moved_at(&self, time: f32, worlds: &[Affine3A]) -> impl Iterator<Item = MovedVertices> {
+        self.motion.meshes.iter().map(move |mesh| {
+            let first_vertex = self.instances[mesh.instance as usize].first_vertex;
+            let rest = &self.vertices[first_vertex as usize..][..mesh.shape.len()];
+            let posed = mesh.shape.posed(&self.motion.placement(mesh.node, time, worlds), mesh.mirrors);
+            let vertices = rest.iter().zip(posed).map(|(rest, (position, normal))| {
                 if !usable(position) {
                     return *rest;
                 }
-                Vertex { position: position.into(), normal: normals.to_world(*normal).into(), ..*rest }
+                Vertex { position: position.into(), normal: normal.into(), ..*rest }
             });
-        MovedVertices { first_vertex, vertices: vertices.collect() }
+            MovedVertices { first_vertex, vertices: vertices.collect() }
+        })
     }
 }
 
@@ -318,6 +325,35 @@ impl Motion {
             worlds.push(node.parent.map_or(local, |parent| worlds[parent] * local));
         }
         worlds
+    }
+
+    /// Where the mesh of a node is at `time` \[s\], given all nodes' places then.
+    pub(crate) fn placement(&self, node: usize, time: f32, worlds: &[Affine3A]) -> Placement {
+        let weights = self.nodes[node].morph.at(time);
+        match self.nodes[node].skin.map(|skin| &self.skins[skin]) {
+            // glTF 2.0, §3.7.3.3: the transform of a skinned mesh's own node counts for nothing.
+            Some(skin) => Placement {
+                world: Affine3A::IDENTITY,
+                joints: skin
+                    .joints
+                    .iter()
+                    .zip(&skin.inverse_binds)
+                    .map(|(j, bind)| worlds[*j] * *bind)
+                    .collect(),
+                weights,
+            },
+            None => Placement { world: worlds[node], joints: Vec::new(), weights },
+        }
+    }
+
+    /// Whether the mesh of a node is ever elsewhere, or bent otherwise, than at 0 s.
+    pub(crate) fn mesh_moves(&self, node: usize) -> bool {
+        let Node { skin, morph, .. } = &self.nodes[node];
+        morph.tracks.iter().any(Track::moves)
+            || match skin {
+                Some(skin) => self.skins[*skin].joints.iter().any(|joint| self.node_moves(*joint)),
+                None => self.node_moves(node),
+            }
     }
 
     /// Whether a node is ever elsewhere than at 0 s.
@@ -352,34 +388,4 @@ pub(crate) fn camera_at_node(world: &Affine3A, vertical_fov: f32, near: f32) -> 
     let (position, direction) = place_and_direction(world);
     let up = Vec3::from(world.matrix3.y_axis).normalize_or(Vec3::Y);
     Camera { position, target: position + direction, up, vertical_fov, near }
-}
-
-/// Whether a position can be computed with: finite, and its square is too.
-pub(crate) fn usable(position: Vec3) -> bool {
-    position.abs().max_element() < 1e18
-}
-
-/// Takes normals to world space, also through mirrors and unequal scales.
-pub(crate) struct Normals {
-    cofactors: [Vec3; 3],
-    /// Whether the transform mirrors.
-    pub(crate) mirrors: bool,
-}
-
-impl Normals {
-    pub(crate) fn new(world: &Affine3A) -> Normals {
-        let [x, y, z] = [world.matrix3.x_axis, world.matrix3.y_axis, world.matrix3.z_axis].map(Vec3::from);
-        // The matrix of cofactors is det · inverse transpose, and exists where the inverse does not. It is
-        // scaled down first, as its entries are products.
-        let scale = x.abs().max(y.abs()).max(z.abs()).max_element().max(f32::MIN_POSITIVE).recip();
-        let [x, y, z] = [x, y, z].map(|axis| axis * scale);
-        let mirrors = x.dot(y.cross(z)) < 0.0;
-        let sign = if mirrors { -1.0 } else { 1.0 };
-        Normals { cofactors: [y.cross(z), z.cross(x), x.cross(y)].map(|c| c * sign), mirrors }
-    }
-
-    pub(crate) fn to_world(&self, normal: Vec3) -> Vec3 {
-        let [x, y, z] = self.cofactors;
-        (x * normal.x + y * normal.y + z * normal.z).normalize_or(Vec3::Y)
-    }
 }

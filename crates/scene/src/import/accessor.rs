@@ -51,6 +51,35 @@ impl Importer<'_> {
         Ok(unsigned_integers(&elements.bytes, elements.component))
     }
 
+    /// The elements of an accessor of four joints each.
+    pub(super) fn joints(&self, index: usize, place: &str) -> Result<Vec<[u32; 4]>, SceneError> {
+        let elements = self.elements(index, place)?;
+        let unsigned = matches!(elements.component, ComponentType::U8 | ComponentType::U16);
+        if elements.kind != Type::Vec4 || !unsigned {
+            let (kind, component) = (elements.kind, elements.component);
+            let problem = format!(
+                "expected Vec4 of U8 or U16 for joints, found {kind:?} of {component:?} (for {place})"
+            );
+            return Err(self.wrong(format!("accessor {index}"), problem));
+        }
+        let joints = unsigned_integers(&elements.bytes, elements.component);
+        Ok(joints.chunks_exact(4).map(|four| std::array::from_fn(|i| four[i])).collect())
+    }
+
+    /// An error unless a list has as many entries as there are positions.
+    pub(super) fn same_count(
+        &self,
+        positions: usize,
+        found: usize,
+        what: &str,
+        place: &str,
+    ) -> Result<(), SceneError> {
+        if found == positions {
+            return Ok(());
+        }
+        Err(self.wrong(place, format!("{positions} positions, but {found} {what}")))
+    }
+
     fn elements(&self, index: usize, used_by: &str) -> Result<Elements, SceneError> {
         let accessor = self.get(&self.root.accessors, index, "accessor", used_by)?;
         let place = format!("accessor {index}");

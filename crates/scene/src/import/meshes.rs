@@ -8,7 +8,8 @@ use gltf::mesh::{Mode, Semantic};
 use super::Importer;
 use crate::error::SceneError;
 use crate::material::Material;
-use crate::model::{Mesh, Primitive};
+use crate::model::{Mesh, MorphTarget, Primitive};
+use crate::shape::Influences;
 
 impl Importer<'_> {
     /// All meshes. `uv_sets` has the set of texture coordinates of each material; a default material is
@@ -69,27 +70,20 @@ impl Importer<'_> {
         let positions: Vec<Vec3> =
             self.floats(positions, place)?.into_iter().map(|p: [f32; 3]| Vec3::from(p)).collect();
         let count = positions.len();
-        let same_count = |found: usize, what: &str| {
-            if found == count {
-                return Ok(());
-            }
-            Err(self.wrong(place, format!("{count} positions, but {found} {what}")))
-        };
-
         let uvs = match attribute(Semantic::TexCoords(uv_set)) {
             Some(index) => {
                 self.floats(index, place)?.into_iter().map(|uv: [f32; 2]| Vec2::from(uv)).collect()
             }
             None => vec![Vec2::ZERO; count],
         };
-        same_count(uvs.len(), "texture coordinates")?;
+        self.same_count(count, uvs.len(), "texture coordinates", place)?;
         let normals: Option<Vec<Vec3>> = match attribute(Semantic::Normals) {
             Some(index) => {
                 Some(self.floats(index, place)?.into_iter().map(|n: [f32; 3]| Vec3::from(n)).collect())
             }
             None => None,
         };
-        same_count(normals.as_ref().map_or(count, Vec::len), "normals")?;
+        self.same_count(count, normals.as_ref().map_or(count, Vec::len), "normals", place)?;
 
         let corners: Vec<u32> = match json.indices {
             Some(index) => self.indices(index.value(), place)?,
@@ -110,10 +104,9 @@ impl Importer<'_> {
         if attribute(Semantic::Colors(0)).is_some() {
             self.repairs.push(format!("{place}: colours of vertices are left out"));
         }
-        if json.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-            self.repairs.push(format!("{place}: its morph targets are left out: it keeps its base shape"));
-        }
-        let primitive = Primitive { positions, uvs, indices, ..Primitive::default() };
+        let targets = self.targets(json, count, place)?;
+        let influences = self.influences(json, count, place)?;
+        let primitive = Primitive { positions, uvs, indices, targets, influences, ..Primitive::default() };
         Ok(Some(match normals {
             Some(normals) => self.with_normals(primitive, normals, place),
             None => {
@@ -161,16 +154,29 @@ fn face_normal(positions: &[Vec3], triangle: &[u32]) -> Vec3 {
 
 /// Each triangle with vertices of its own, and its own normal.
 fn flat(primitive: &Primitive) -> Primitive {
-    let corner = |i: &u32| *i as usize;
     let normals = primitive.indices.chunks_exact(3).flat_map(|triangle| {
         [face_normal(&primitive.positions, triangle).try_normalize().unwrap_or(Vec3::Y); 3]
     });
+    let corners = || primitive.indices.iter().map(|i| *i as usize);
+    // A list may be empty.
+    let of_corners = |list: &[Vec3]| corners().filter_map(|i| list.get(i).copied()).collect::<Vec<Vec3>>();
+    let target = |target: &MorphTarget| MorphTarget {
+        positions: of_corners(&target.positions),
+        normals: of_corners(&target.normals),
+    };
+    let mut influences = Influences::default();
+    for corner in corners().filter(|_| primitive.is_bound()) {
+        influences.push(primitive.influences.of(corner).iter().copied());
+    }
     Primitive {
-        positions: primitive.indices.iter().map(|i| primitive.positions[corner(i)]).collect(),
+        positions: of_corners(&primitive.positions),
         normals: normals.collect(),
-        uvs: primitive.indices.iter().map(|i| primitive.uvs[corner(i)]).collect(),
+        uvs: corners().map(|i| primitive.uvs[i]).collect(),
         indices: (0..primitive.indices.len() as u32).collect(),
         material: primitive.material,
+        faceted: true,
+        targets: primitive.targets.iter().map(target).collect(),
+        influences,
     }
 }
 

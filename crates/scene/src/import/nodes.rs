@@ -9,6 +9,7 @@ use gltf::json::scene;
 use gltf::json::validation::Checked;
 
 use super::Importer;
+use super::deform::targets_of;
 use crate::animation::{Animated, Between, Outside, Track};
 use crate::error::SceneError;
 use crate::light::LightKind;
@@ -19,9 +20,10 @@ const DEFAULT_NEAR: f32 = 0.01;
 
 impl Importer<'_> {
     /// Adds the nodes of the document's scene (its default, else its first, else every node that is no
-    /// child), with their cameras and lights, and the first animation.
+    /// child), with their cameras, lights and skins, and the first animation.
     pub(super) fn nodes(&mut self, model: &mut Model) -> Result<(), SceneError> {
         let mut placed = vec![None; self.root.nodes.len()];
+        let mut skinned = Vec::new();
         // Children go on a stack, so that deep trees are no danger; reversed, so that they keep their order.
         let mut open: Vec<(usize, Option<usize>)> =
             self.roots()?.into_iter().rev().map(|i| (i, None)).collect();
@@ -40,16 +42,16 @@ impl Importer<'_> {
             if let Some(mesh) = mesh {
                 self.get(&self.root.meshes, mesh, "mesh", &place)?;
             }
-            if json.skin.is_some() {
-                self.repairs.push(format!("{place}: its skin is left out: the mesh keeps its bind pose"));
-            }
             let node = model.nodes.len();
+            skinned.extend(json.skin.map(|skin| (node, skin.value())));
+            let morph = self.morph(json, &place, model)?;
             self.camera(json, node, &name, &place, model)?;
             self.light(json, node, &name, &place, model)?;
-            model.nodes.push(Node { name, parent, rest, animation: None, mesh });
+            model.nodes.push(Node { name, parent, rest, animation: None, mesh, skin: None, morph });
             let children = json.children.iter().flatten().rev();
             open.extend(children.map(|child| (child.value(), Some(node))));
         }
+        self.skins(&skinned, &placed, model)?;
         if let Some(animation) = self.root.animations.first() {
             self.animate(animation, &placed, model)?;
         }
@@ -186,7 +188,13 @@ impl Importer<'_> {
             let times = &times[sampler_index];
             let output = sampler.output.value();
             let made = match path {
-                Property::MorphTargetWeights => continue,
+                Property::MorphTargetWeights => {
+                    let values = self.floats::<1>(output, &place)?;
+                    let values: Vec<f32> = values.into_iter().flatten().collect();
+                    let targets = model.nodes[node].mesh.map_or(0, |mesh| targets_of(&model.meshes[mesh]));
+                    weight_tracks(times, &values, targets, interpolation, outside)
+                        .map(|tracks| model.nodes[node].morph.tracks = tracks)
+                }
                 Property::Rotation => {
                     let values = self.floats::<4>(output, &place)?;
                     let values = values.into_iter().map(Quat::from_array).collect();
@@ -244,9 +252,38 @@ fn track<T: Animated + Unit>(
     Track::new(keys, between, outside)
 }
 
+/// A track for each morph target; each key has the values of all of them, one after the other.
+fn weight_tracks(
+    times: &[f32],
+    values: &[f32],
+    targets: usize,
+    interpolation: Interpolation,
+    outside: Outside,
+) -> Result<Vec<Track<f32>>, String> {
+    let of = |target| values.iter().skip(target).step_by(targets).copied().collect();
+    let a_time = if interpolation == Interpolation::CubicSpline { 3 * targets } else { targets };
+    if targets == 0 {
+        return Err("its node's mesh has no morph targets".into());
+    }
+    if values.len() != times.len() * a_time {
+        let (expected, found) = (times.len() * a_time, values.len());
+        return Err(format!(
+            "expected {expected} values for {} times and {targets} morph targets, found {found}",
+            times.len()
+        ));
+    }
+    (0..targets).map(|target| track(times, of(target), interpolation, outside)).collect()
+}
+
 /// Values that must have length 1.
 trait Unit {
     fn unit(self) -> Self;
+}
+
+impl Unit for f32 {
+    fn unit(self) -> Self {
+        self
+    }
 }
 
 impl Unit for Vec3 {

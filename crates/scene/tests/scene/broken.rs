@@ -45,6 +45,20 @@ fn sample() -> Glb {
             "channels": [{ "sampler": 0, "target": { "node": 1, "path": "rotation" } }],
         }),
     );
+    let moved = glb.floats("VEC3", &[0.0, 0.0, 1.0].repeat(4));
+    let turned = glb.floats("VEC3", &[1.0, 0.0, 0.0].repeat(4));
+    glb.json["meshes"][0]["primitives"][0]["targets"] =
+        json!([{ "POSITION": moved, "NORMAL": turned }, { "POSITION": moved }]);
+    glb.json["meshes"][0]["weights"] = json!([0.25, 0.5]);
+    let joints = glb.fours(&[0u8, 1, 0, 0].repeat(4), false);
+    glb.attribute("JOINTS_0", joints);
+    let weights = glb.floats("VEC4", &[0.5, 0.5, 0.0, 0.0].repeat(4));
+    glb.attribute("WEIGHTS_0", weights);
+    let binds = glb.floats("MAT4", &glam::Mat4::IDENTITY.to_cols_array().repeat(2));
+    glb.push("skins", json!({ "joints": [1, 2], "inverseBindMatrices": binds }));
+    glb.json["nodes"][0]["skin"] = json!(0);
+    let weights = glb.floats("SCALAR", &[0.0, 0.0, 1.0, 1.0]);
+    glb.animate(0, "weights", "LINEAR", input, weights);
     let at = glb.view(&[2u8]);
     let value = glb.view(bytemuck::cast_slice(&[2.0f32, 2.0, 0.0]));
     glb.json["accessors"][0]["sparse"] = json!({
@@ -130,7 +144,10 @@ fn the_sample_itself_is_good() {
     let scene = sample().load().expect("a good file");
     let sizes = (scene.triangles(), scene.lights.len(), scene.cameras.len(), scene.textures.len());
     assert_eq!(sizes, (2, 1, 1, 2), "{:?}", scene.repairs);
-    assert!(scene.changes(0.0, 0.5).lights, "it moves");
+    let changes = scene.changes(0.0, 0.5);
+    assert!(changes.lights && changes.geometry, "it moves");
+    let positions: Vec<_> = scene.at(0.5).moved[0].vertices.iter().map(|v| v.position).collect();
+    assert!(positions[1][2].abs() > 0.1, "it is bent: {positions:?}");
 }
 
 proptest! {

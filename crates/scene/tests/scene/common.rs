@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use frame_graph::Source;
+use glam::Vec3;
 use scene::{Scene, SceneError, SceneFiles, load};
 use serde_json::{Value, json};
 
@@ -13,6 +14,16 @@ pub(crate) struct Shipped;
 
 pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The folder of real scenes beside the project, where there is one.
+pub(crate) fn shared() -> Option<PathBuf> {
+    let folder = root().join("../shared/scenes");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    eprintln!("skipped: there is no folder {}", folder.display());
+    None
 }
 
 impl SceneFiles for Shipped {
@@ -56,6 +67,19 @@ pub(crate) fn load_text(text: &str) -> Result<Scene, SceneError> {
     load("test", &InMemory(BTreeMap::from([("test.ron", text.to_string())])))
 }
 
+/// Unsigned integers, with their componentType.
+pub(crate) trait Unsigned: bytemuck::Pod {
+    const COMPONENT: u32;
+}
+
+impl Unsigned for u8 {
+    const COMPONENT: u32 = 5121;
+}
+
+impl Unsigned for u16 {
+    const COMPONENT: u32 = 5123;
+}
+
 /// A glTF file in the making: its JSON, and its binary chunk.
 pub(crate) struct Glb {
     pub(crate) json: Value,
@@ -88,14 +112,49 @@ impl Glb {
     }
 
     pub(crate) fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
-        let components =
-            ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|k| *k == kind).expect("a kind") + 1;
+        let sizes = [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)];
+        let components = sizes.iter().find(|(k, _)| *k == kind).expect("a kind").1;
         let view = self.view(bytemuck::cast_slice(values));
         let count = values.len() / components;
         self.push(
             "accessors",
             json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind }),
         )
+    }
+
+    /// Elements of four unsigned integers each.
+    pub(crate) fn fours<T: Unsigned>(&mut self, values: &[T], normalized: bool) -> usize {
+        let view = self.view(bytemuck::cast_slice(values));
+        self.push(
+            "accessors",
+            json!({ "bufferView": view, "componentType": T::COMPONENT, "normalized": normalized,
+                "count": values.len() / 4, "type": "VEC4" }),
+        )
+    }
+
+    /// Sets an attribute of the first primitive.
+    pub(crate) fn attribute(&mut self, name: &str, accessor: usize) {
+        self.json["meshes"][0]["primitives"][0]["attributes"][name] = json!(accessor);
+    }
+
+    /// Adds a channel, as an animation of its own sampler, to the first animation.
+    pub(crate) fn animate(
+        &mut self,
+        node: usize,
+        path: &str,
+        interpolation: &str,
+        input: usize,
+        output: usize,
+    ) {
+        if self.json["animations"].is_null() {
+            self.push("animations", json!({ "samplers": [], "channels": [] }));
+        }
+        let animation = &mut self.json["animations"][0];
+        let samplers = animation["samplers"].as_array_mut().expect("a list");
+        samplers.push(json!({ "input": input, "output": output, "interpolation": interpolation }));
+        let sampler = samplers.len() - 1;
+        let channel = json!({ "sampler": sampler, "target": { "node": node, "path": path } });
+        animation["channels"].as_array_mut().expect("a list").push(channel);
     }
 
     pub(crate) fn indices(&mut self, values: &[u16]) -> usize {
@@ -151,6 +210,14 @@ pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> 
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).expect("a file");
     load(path.to_str().expect("UTF-8"), &InMemory(BTreeMap::new()))
+}
+
+pub(crate) fn position(scene: &Scene, vertex: usize) -> Vec3 {
+    scene.vertices[vertex].position.into()
+}
+
+pub(crate) fn normal(scene: &Scene, vertex: usize) -> Vec3 {
+    scene.vertices[vertex].normal.into()
 }
 
 /// Whether any of the stated repairs holds these words.

@@ -3,18 +3,10 @@
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
-use scene::{Encoding, LightKind, Scene, Wrap};
+use scene::{Encoding, LightKind, Wrap};
 use serde_json::{Value, json};
 
-use crate::common::{Glb, load_bytes, states};
-
-fn position(scene: &Scene, vertex: usize) -> Vec3 {
-    scene.vertices[vertex].position.into()
-}
-
-fn normal(scene: &Scene, vertex: usize) -> Vec3 {
-    scene.vertices[vertex].normal.into()
-}
+use crate::common::{Glb, load_bytes, normal, position, states};
 
 #[test]
 fn a_mesh_used_twice_gives_two_instances_with_the_transforms_of_their_parents() {

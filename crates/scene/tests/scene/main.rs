@@ -3,9 +3,12 @@
 mod broken;
 mod built_in;
 mod camera_and_light;
+mod cloth;
 mod common;
+mod deformation;
 mod description;
 mod gltf;
 mod movement;
 mod references;
 mod sampling;
+mod skins;

@@ -1,22 +1,11 @@
 //! The scenes of the independent renderer, where they are beside the project. (The size of its images is in
 //! the JSON only: glTF has none.)
 
-use std::path::PathBuf;
-
 use glam::Vec3;
 use scene::{LightKind, load};
 use serde_json::Value;
 
-use crate::common::{Shipped, root};
-
-fn shared() -> Option<PathBuf> {
-    let folder = root().join("../shared/scenes");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("skipped: there is no folder {}", folder.display());
-    None
-}
+use crate::common::{Shipped, shared};
 
 fn vector(json: &Value) -> Vec3 {
     Vec3::from(std::array::from_fn(|i| json[i].as_f64().expect("a number") as f32))
