@@ -20,8 +20,7 @@ fn err(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-const QUICK: &[&str] =
-    &["--size", "24x16", "--set", "lights=32", "--set", "rsm.size=32"];
+const QUICK: &[&str] = &["--size", "24x16", "--set", "lights=32", "--set", "rsm.size=32"];
 
 fn render(folder: &Path, pipeline: &str, file: &str, more: &[&str]) -> Output {
     run_in(folder, &[&["render", pipeline, "cornell-box", "-o", file], QUICK, more].concat())
