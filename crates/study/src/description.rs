@@ -1,5 +1,6 @@
 //! A study as its file says it.
 
+mod claim;
 mod consistency;
 mod read;
 
@@ -7,6 +8,8 @@ use crate::measure::Measure;
 use crate::record::AxisValue;
 use frame_graph::{Diagnostics, Source, Span};
 use std::sync::Arc;
+
+pub use claim::{Claim, Pick, Pins, Relation};
 
 /// A value and its place in the file.
 #[derive(Clone, Debug)]
@@ -52,8 +55,12 @@ pub struct Study {
     pub seeds: Vec<u32>,
     /// The measures, in order.
     pub measures: Vec<At<Measure>>,
+    /// Passes whose GPU time is taken together, in order.
+    pub phases: Vec<Phase>,
     /// What errors are measured against.
     pub reference: Reference,
+    /// What the paper says of the measures, in order.
+    pub claims: Vec<Claim>,
 }
 
 /// The pipelines of a study.
@@ -79,6 +86,15 @@ pub struct Variant {
     pub pipeline: At<String>,
     /// Values that hold in all its cells.
     pub set: Vec<Set>,
+}
+
+/// Passes whose GPU time is taken together.
+#[derive(Clone, Debug)]
+pub struct Phase {
+    /// As tables name it.
+    pub name: At<String>,
+    /// Passes; a part stands for all passes in it.
+    pub passes: Vec<At<String>>,
 }
 
 /// A value for a parameter or a setting.

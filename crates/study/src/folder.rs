@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! study.json  index.json  cells/KEY.json  images/KEY.exr, KEY-flip.png  references/KEY.json, KEY-N.exr
-//! cells.csv  summary.csv  report.html
+//! cells.csv  summary.csv  frames.csv  report.html
 //! ```
 
 use crate::clock;

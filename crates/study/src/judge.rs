@@ -1,13 +1,19 @@
 //! What the frames of a cell measure.
 
+mod series;
+mod times;
+
+use crate::description::Phase;
 use crate::laboratory::{CellRun, Observed, Occluded, SceneFacts};
 use crate::measure::Measure;
-use crate::record::PassTime;
+use crate::record::{FrameSeries, PassTime};
 use crate::reference::Truth;
 use metrics::temporal::{self, ErrorSeries, TRACKED_PIXELS, Tid, View};
 use metrics::virtual_lights::{self, Receiver, VirtualLight};
 use metrics::{DEFAULT_TRIM, Display, Epsilon, Image, PIXELS_PER_DEGREE, Pair, flip, hdr_flip, luminance};
+use series::Series;
 use std::collections::BTreeMap;
+use times::Times;
 
 /// How far depths may differ and still be of one surface, as a share.
 const SAME_SURFACE: f64 = 0.01;
@@ -24,14 +30,19 @@ pub(crate) struct Judge<'a> {
     jump: Option<usize>,
     truth: Option<Truth>,
     pub(crate) frames: u32,
-    passes: Vec<(String, Vec<f64>)>,
-    totals: Vec<f64>,
+    /// Number of the first of them.
+    first: u32,
+    times: Times<'a>,
+    series: Series,
     /// Errors of the frames that are judged.
     errors: BTreeMap<Measure, Vec<Option<f64>>>,
     tid: Tid,
     tracked: Vec<(usize, usize)>,
     found: Vec<Vec<f64>>,
     expected: Vec<Vec<f64>>,
+    /// Mean luminance of each frame.
+    luminances: Vec<f64>,
+    /// Mean over RGB of each frame.
     means: Vec<f64>,
     pictures: Vec<Image>,
     moved: Vec<f64>,
@@ -45,6 +56,7 @@ pub(crate) struct Judge<'a> {
 pub(crate) struct Verdict {
     pub(crate) measures: BTreeMap<String, Option<f64>>,
     pub(crate) passes: Vec<PassTime>,
+    pub(crate) series: FrameSeries,
     pub(crate) frames: u32,
     pub(crate) image: Option<Image>,
     pub(crate) flip: Option<Image>,
@@ -55,6 +67,7 @@ pub(crate) struct Verdict {
 impl<'a> Judge<'a> {
     pub(crate) fn new(
         measures: &'a [Measure],
+        phases: &'a [Phase],
         facts: &'a SceneFacts,
         jump: Option<usize>,
         truth: Option<Truth>,
@@ -65,13 +78,15 @@ impl<'a> Judge<'a> {
             jump,
             truth,
             frames: 0,
-            passes: Vec::new(),
-            totals: Vec::new(),
+            first: 0,
+            times: Times::new(phases),
+            series: Series::default(),
             errors: BTreeMap::new(),
             tid: Tid::default(),
             tracked: Vec::new(),
             found: Vec::new(),
             expected: Vec::new(),
+            luminances: Vec::new(),
             means: Vec::new(),
             pictures: Vec::new(),
             moved: Vec::new(),
@@ -86,7 +101,10 @@ impl<'a> Judge<'a> {
 
     /// Takes in the next measured frame.
     pub(crate) fn observe(&mut self, frame: Observed) -> Result<(), String> {
-        self.time(&frame.passes);
+        if self.frames == 0 {
+            self.first = frame.frame;
+        }
+        self.time(&frame);
         let broken =
             frame.image.pixels().iter().filter(|pixel| !pixel[..3].iter().all(|c| c.is_finite())).count();
         if broken > 0 && self.broken.is_none() {
@@ -100,24 +118,33 @@ impl<'a> Judge<'a> {
         if self.wants(Measure::LightsMoved)
             && let (Some(before), Some(now)) = (self.last.as_ref().and_then(lights), lights(&frame))
         {
-            self.moved.extend(virtual_lights::share_of_lights_moved(&before, &now, self.facts.small_length));
+            let moved = virtual_lights::share_of_lights_moved(&before, &now, self.facts.small_length);
+            self.put(Measure::LightsMoved, moved);
+            self.moved.extend(moved);
         }
         self.frames += 1;
         self.last = Some(frame);
         Ok(())
     }
 
-    fn time(&mut self, passes: &[(String, f64)]) {
-        if passes.is_empty() {
+    /// Takes the value of the frame that is being observed, where its scene moves.
+    fn put(&mut self, measure: Measure, value: Option<f64>) {
+        if self.facts.moves {
+            self.series.put(measure.key(), self.frames as usize, value);
+        }
+    }
+
+    fn time(&mut self, frame: &Observed) {
+        self.times.add(&frame.passes);
+        if frame.passes.is_empty() || !self.facts.moves {
             return;
         }
-        if self.passes.is_empty() {
-            self.passes = passes.iter().map(|(name, _)| (name.clone(), Vec::new())).collect();
+        if self.wants(Measure::GpuMs) {
+            self.put(Measure::GpuMs, self.times.last_total());
         }
-        for ((_, column), (_, ms)) in self.passes.iter_mut().zip(passes) {
-            column.push(*ms);
+        for (key, ms) in self.times.last_phases() {
+            self.series.put(&key, self.frames as usize, ms);
         }
-        self.totals.push(passes.iter().map(|(_, ms)| ms).sum());
     }
 
     /// What is measured on a frame beside its neighbours and its reference.
@@ -132,6 +159,7 @@ impl<'a> Judge<'a> {
         {
             let pair =
                 temporal::temporal_difference(&before, &now, SAME_SURFACE).map_err(|e| e.to_string())?;
+            self.put(Measure::Tid, pair.rms());
             self.tid.add(&pair);
         }
         if self.wants(Measure::E) || self.wants(Measure::EPrime) {
@@ -139,7 +167,18 @@ impl<'a> Judge<'a> {
         }
         if self.wants(Measure::Lag) {
             let sum: f64 = frame.image.pixels().iter().map(|pixel| grey(*pixel)).sum();
-            self.means.push(sum / frame.image.pixels().len() as f64);
+            self.luminances.push(sum / frame.image.pixels().len() as f64);
+        }
+        if self.wants(Measure::Mean) {
+            let level = intensity(&frame.image);
+            self.put(Measure::Mean, Some(level));
+            self.means.push(level);
+        }
+        if self.wants(Measure::ClampedEnergy) {
+            self.put(
+                Measure::ClampedEnergy,
+                frame.irradiance.as_ref().and_then(virtual_lights::clamped_share),
+            );
         }
         if self.wants(Measure::StaticDeviation) && !self.facts.moves {
             self.pictures.push(frame.image.clone());
@@ -173,7 +212,11 @@ impl<'a> Judge<'a> {
             needs.reference && !needs.seeds && !needs.every_frame
         });
         for measure in wanted {
-            self.errors.entry(*measure).or_default().push(error_of(*measure, &pair));
+            let error = error_of(*measure, &pair);
+            if self.facts.moves {
+                self.series.put(measure.key(), index, error);
+            }
+            self.errors.entry(*measure).or_default().push(error);
         }
         Ok(())
     }
@@ -212,12 +255,11 @@ impl<'a> Judge<'a> {
             };
             measures.insert(measure.key().to_owned(), value.filter(|value| value.is_finite()));
         }
-        let passes = self.passes.iter_mut();
-        let passes =
-            passes.map(|(pass, ms)| PassTime { pass: pass.clone(), gpu_ms: median(ms).unwrap_or(0.0) });
+        measures.extend(self.times.phases(over_frames));
         Verdict {
             measures,
-            passes: passes.collect(),
+            passes: self.times.medians(),
+            series: self.series.finish(self.first, self.frames),
             frames: self.frames,
             image: last.map(|last| last.image),
             flip: flip_map,
@@ -232,15 +274,14 @@ impl<'a> Judge<'a> {
     }
 
     fn value(
-        &mut self,
+        &self,
         measure: Measure,
         run: &CellRun,
         over_frames: bool,
         last: Option<&Observed>,
     ) -> Option<f64> {
         match measure {
-            Measure::GpuMs if over_frames => (!self.totals.is_empty()).then(|| self.totals.iter().sum()),
-            Measure::GpuMs => median(&mut self.totals),
+            Measure::GpuMs => self.times.total(over_frames),
             Measure::Memory => Some(run.memory.held as f64 / f64::from(1 << 20)),
             Measure::Tid => self.tid.value(),
             Measure::E | Measure::EPrime => {
@@ -248,8 +289,10 @@ impl<'a> Judge<'a> {
                 Some(if measure == Measure::E { series.average_error } else { series.average_change })
             }
             Measure::StaticDeviation => temporal::static_deviation(&self.pictures).ok()?.normalised,
-            Measure::Lag => temporal::lag(&self.means, self.jump?, ARRIVED).map(|frames| frames as f64),
+            Measure::Lag => temporal::lag(&self.luminances, self.jump?, ARRIVED).map(|frames| frames as f64),
             Measure::LightsMoved => mean(&self.moved),
+            Measure::Mean if self.facts.moves => mean(&self.means),
+            Measure::Mean => self.means.last().copied(),
             Measure::ClampedEnergy => virtual_lights::clamped_share(last?.irradiance.as_ref()?),
             // Taken from the pictures of all seeds, once they are there; or beside this.
             Measure::Bias2 | Measure::Variance | Measure::LightsThatReach => None,
@@ -290,6 +333,12 @@ fn error_of(measure: Measure, pair: &Pair<'_>) -> Option<f64> {
 
 fn grey([r, g, b, _]: [f32; 4]) -> f64 {
     f64::from(luminance([r, g, b]))
+}
+
+/// Mean over pixels and RGB.
+fn intensity(image: &Image) -> f64 {
+    let sum: f64 = image.pixels().iter().flat_map(|pixel| &pixel[..3]).map(|c| f64::from(*c)).sum();
+    sum / (3 * image.pixels().len()) as f64
 }
 
 fn view(frame: &Observed) -> Option<View<'_>> {
@@ -341,4 +390,17 @@ pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
 
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::intensity;
+    use metrics::Image;
+
+    #[test]
+    fn intensity_is_the_mean_over_rgb() {
+        // Not luminance, and alpha is no light.
+        let image = Image::new(2, 1, vec![[1.0, 2.0, 6.0, 1.0], [0.0, 0.0, 0.0, 1.0]]).unwrap();
+        assert_eq!(intensity(&image), 1.5);
+    }
 }

@@ -1,5 +1,6 @@
 //! Keys: hashes of all that a cell or a reference depends on.
 
+use crate::description::Phase;
 use crate::laboratory::{Laboratory, RunRequest};
 use crate::measure::{DEFINITIONS, Measure};
 use crate::plan::{Made, PlannedCell};
@@ -24,20 +25,42 @@ fn of(parts: &[&str]) -> Key {
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// What is taken of the frames of a cell.
+pub(crate) struct Taken<'a> {
+    pub(crate) measures: &'a [Measure],
+    pub(crate) phases: &'a [Phase],
+    /// Whether values are kept frame by frame.
+    pub(crate) by_frame: bool,
+}
+
+impl Taken<'_> {
+    /// What does not occur leaves no trace: cells from before it could be taken stay valid without it.
+    fn text(&self) -> String {
+        let mut text = format!("{DEFINITIONS} {:?}", self.measures);
+        for phase in self.phases {
+            let passes: Vec<&str> = phase.passes.iter().map(|at| at.value.as_str()).collect();
+            text += &format!(" {:?}: {passes:?}", phase.name.value);
+        }
+        if self.by_frame {
+            text += " by frame";
+        }
+        text
+    }
+}
+
 /// The key of a cell, whose pipeline has that name in the study. Where the pipeline cannot be made, that is what the
 /// cell depends on.
 pub(crate) fn of_cell(
     cell: &PlannedCell,
     pipeline: &str,
-    measures: &[Measure],
+    taken: &Taken<'_>,
     reference: &str,
     lab: &mut dyn Laboratory,
 ) -> Key {
     let identity = identity(&cell.request, lab).unwrap_or_else(|why| format!("none: {why}"));
     // What a request is written as in Debug is all its fields.
     let (request, search) = (format!("{:?}", cell.request), format!("{:?}", cell.search));
-    let measures = format!("{DEFINITIONS} {measures:?}");
-    of(&[VERSION, &lab.adapter(), pipeline, &identity, &request, &search, &measures, reference])
+    of(&[VERSION, &lab.adapter(), pipeline, &identity, &request, &search, &taken.text(), reference])
 }
 
 /// The key of a reference, or why it cannot be made.
@@ -60,4 +83,17 @@ pub(crate) fn of_reference(made: &Made, lab: &mut dyn Laboratory) -> Result<Key,
 
 fn identity(request: &RunRequest, lab: &mut dyn Laboratory) -> Result<String, String> {
     Ok(format!("{:032x}", lab.identity(request)?.hash))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Measure, Taken};
+
+    /// Keys of cells without phases and series are those from before there were any.
+    #[test]
+    fn what_is_not_taken_leaves_no_trace() {
+        let taken = Taken { measures: &[Measure::Rmse, Measure::Tid], phases: &[], by_frame: false };
+        assert_eq!(taken.text(), "1 [Rmse, Tid]");
+        assert_eq!(Taken { by_frame: true, ..taken }.text(), "1 [Rmse, Tid] by frame");
+    }
 }

@@ -55,6 +55,8 @@ pub struct PipelineFacts {
     pub paper: String,
     /// Names of its outputs.
     pub outputs: Vec<String>,
+    /// Names of its passes, those that are switched off too: `lights`, or `shadows/splat` within a part.
+    pub passes: Vec<String>,
     /// All that values can be given to.
     pub settings: Vec<Settable>,
 }

@@ -26,6 +26,8 @@ pub enum Measure {
     HdrFlip,
     /// Energy over the reference's.
     Energy,
+    /// Mean intensity.
+    Mean,
     /// Bias², over seeds.
     Bias2,
     /// Variance, over seeds.
@@ -173,6 +175,17 @@ static ROWS: &[Row] = &[
             "",
             REFERENCE,
             "Mean of the picture over that of the reference",
+        )
+    },
+    Row {
+        better: Better::Neither,
+        ..other(
+            Measure::Mean,
+            "mean",
+            "mean intensity",
+            RADIANCE,
+            NONE,
+            "Mean of the picture over pixels and RGB, as `energy` takes it; of a scene that moves, over the frames too (TCAS Fig. 6)",
         )
     },
     Row {

@@ -2,10 +2,10 @@
 
 mod check;
 
-use crate::description::{At, Budget, Group, Reference, SEED, SIZE, Study, Vary, size_of};
+use crate::description::{At, Budget, Group, Phase, Reference, SEED, SIZE, Study, Vary, size_of};
 use crate::laboratory::{PipelineFacts, Registry, RunRequest, SceneFacts, Values};
 use crate::measure::Measure;
-use crate::record::{Axis, AxisValue, Difference, PipelineRecord};
+use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord};
 use check::Checker;
 use frame_graph::{Diagnostics, Setting};
 use std::collections::BTreeMap;
@@ -91,6 +91,8 @@ impl Plan {
         checker.sets(&pipelines);
         let reference = checker.reference(&scenes);
         checker.budget(&scenes, &pipelines);
+        checker.phases(&pipelines);
+        checker.claims(&pipelines);
         let combinations =
             checker.combinations(MOST_CELLS, scenes.len() * pipelines.len() * study.seeds.len());
         checker.finish()?;
@@ -114,6 +116,12 @@ impl Plan {
             }
         }
         Ok(plan)
+    }
+
+    /// All that is measured, phases last, as tables show it.
+    pub(crate) fn infos(&self) -> impl Iterator<Item = MeasureInfo> {
+        let measures = self.measures.iter().map(|measure| measure.info());
+        measures.chain(self.study.phases.iter().map(Phase::info))
     }
 
     fn add_cells(
@@ -191,7 +199,9 @@ impl Plan {
             first_frame: study.first_frame,
             warm_up: study.warm_up,
             frames: study.budget.frames(),
-            timed: needs(|needs| needs.timed) || matches!(study.budget, Budget::Time { .. }),
+            timed: needs(|needs| needs.timed)
+                || !study.phases.is_empty()
+                || matches!(study.budget, Budget::Time { .. }),
             views: needs(|needs| needs.views),
             lights: needs(|needs| needs.lights),
             stop_after_ms,

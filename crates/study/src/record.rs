@@ -58,6 +58,9 @@ pub struct StudyRecord {
     /// The command that makes it again; empty where it was not run by the program.
     #[serde(default)]
     pub command: String,
+    /// What the paper says of the measures, in order.
+    #[serde(default)]
+    pub claims: Vec<ClaimRecord>,
 }
 
 /// A scene of a study.
@@ -185,6 +188,49 @@ pub struct Difference {
     pub lines: Vec<String>,
 }
 
+/// What a paper says of a measure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClaimRecord {
+    /// Key of the measure.
+    pub measure: String,
+    /// What is to hold.
+    pub relation: RelationRecord,
+    /// Values of axes: cells with others take no part, those without the axis do.
+    pub at: BTreeMap<String, AxisValue>,
+    /// Names of the scenes that it is about, each by itself; empty for all.
+    pub scenes: Vec<String>,
+    /// Where it is said; empty where nowhere.
+    pub says: String,
+}
+
+/// What is to hold of means over cells.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RelationRecord {
+    /// Each is less than the next.
+    Order(Vec<PickRecord>),
+    /// One over another lies within bounds.
+    Ratio {
+        /// The numerator.
+        of: PickRecord,
+        /// The denominator.
+        to: PickRecord,
+        /// The least ratio.
+        at_least: Option<f64>,
+        /// The greatest ratio.
+        at_most: Option<f64>,
+    },
+}
+
+/// Cells of a pipeline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PickRecord {
+    /// Its name in the study.
+    pub pipeline: String,
+    /// Values of axes, beside those of the claim.
+    pub at: BTreeMap<String, AxisValue>,
+}
+
 /// One cell: one pipeline with one set of values on one scene with one seed. `cells/KEY.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
@@ -204,6 +250,9 @@ pub struct Cell {
     pub measures: BTreeMap<String, Option<f64>>,
     /// GPU time of each pass: median over the measured frames, in the order of the plan.
     pub passes: Vec<PassTime>,
+    /// The frames one by one, of a scene that moves.
+    #[serde(default)]
+    pub series: FrameSeries,
     /// Memory of the plan.
     pub memory: Memory,
     /// Values that the budget chose: `lights` of an equal-time study.
@@ -219,6 +268,16 @@ pub struct Cell {
     pub notes: Vec<String>,
     /// Provenance, as in pictures: plan, flattened RON, shaders, scene, seed, adapter, version.
     pub provenance: String,
+}
+
+/// What was measured of each frame; empty of a scene that stands still, and of a single frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct FrameSeries {
+    /// Number of the first measured frame.
+    pub first: u32,
+    /// By [`MeasureInfo::key`], a value a frame: `[frames]`; `None` where there is none, as of a difference to the
+    /// frame before in the first.
+    pub values: BTreeMap<String, Vec<Option<f64>>>,
 }
 
 /// How a cell ended.

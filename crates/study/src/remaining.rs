@@ -44,6 +44,7 @@ mod tests {
             outcome: Outcome::Done,
             measures: Default::default(),
             passes: Vec::new(),
+            series: Default::default(),
             memory: Memory::default(),
             chosen: Default::default(),
             frames: 1,

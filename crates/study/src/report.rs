@@ -37,15 +37,19 @@ pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyErr
         .map(|scene| Table::new(&digest, scene))
         .filter(|table| !table.is_empty())
         .collect();
+    let claims = Table::of_claims(&digest);
     let pictures = Pictures::new(&digest, folder);
 
-    let mut files = vec![(PathBuf::from("report.html"), page::page(&digest, &figures, &tables, &pictures))];
+    let mut files = vec![(
+        PathBuf::from("report.html"),
+        page::page(&digest, &figures, (&tables, claims.as_ref()), &pictures),
+    )];
     for figure in figures.all {
         files.push((Path::new(FIGURES).join(&figure.file), figure.svg));
     }
     let mut taken = BTreeSet::new();
-    for table in &tables {
-        let name = figures::unique(&mut taken, &format!("{}.md", escape::file_name(&table.scene)));
+    for table in tables.iter().chain(&claims) {
+        let name = figures::unique(&mut taken, &format!("{}.md", escape::file_name(&table.name)));
         let path = Path::new(TABLES).join(name);
         files.push((path.with_extension("tex"), table.latex()));
         files.push((path, table.markdown()));

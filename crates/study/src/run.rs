@@ -2,14 +2,14 @@
 
 use crate::budget::{Domain, search};
 use crate::clock;
-use crate::description::Budget;
+use crate::description::{Budget, Claim};
 use crate::error::StudyError;
 use crate::folder::{Folder, IMAGES, Index, read_study};
 use crate::judge::{Judge, Verdict, median};
-use crate::key;
+use crate::key::{self, Taken};
 use crate::laboratory::{CellRun, Laboratory, RunRequest};
 use crate::plan::{Plan, PlannedCell, Search};
-use crate::record::{AxisValue, Cell, CellImages, Memory, Outcome, Results, StudyRecord};
+use crate::record::{AxisValue, Cell, CellImages, FrameSeries, Memory, Outcome, Results, StudyRecord};
 use crate::reference::{References, Truth};
 use crate::remaining::Remaining;
 use std::collections::{BTreeMap, HashMap};
@@ -175,8 +175,13 @@ impl Session<'_> {
             .iter()
             .map(|cell| {
                 let reference = cell.reference.map(|index| self.references.key(index)).unwrap_or_default();
-                key::of_cell(cell, &plan.pipelines[cell.pipeline].name, &plan.measures, &reference, self.lab)
-                    .to_string()
+                let taken = Taken {
+                    measures: &plan.measures,
+                    phases: &plan.study.phases,
+                    by_frame: plan.scenes[cell.scene].moves && cell.request.frames > 1,
+                };
+                let pipeline = &plan.pipelines[cell.pipeline].name;
+                key::of_cell(cell, pipeline, &taken, &reference, self.lab).to_string()
             })
             .collect()
     }
@@ -198,7 +203,7 @@ impl Session<'_> {
             scenes: plan.scenes.iter().map(|scene| scene.record.clone()).collect(),
             pipelines: plan.pipelines.clone(),
             axes: plan.axes.clone(),
-            measures: plan.measures.iter().map(|measure| measure.info()).collect(),
+            measures: plan.infos().collect(),
             references: self.references.records(),
             differences: plan.differences.clone(),
             cell_count: plan.cells.len(),
@@ -206,6 +211,7 @@ impl Session<'_> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             started: begun.unwrap_or_else(clock::now),
             command: options.command.clone(),
+            claims: study.claims.iter().map(Claim::record).collect(),
         }
     }
 
@@ -231,8 +237,9 @@ impl Session<'_> {
             axes: planned.axes.clone(),
             seed: planned.request.seed,
             outcome: Outcome::Done,
-            measures: plan.measures.iter().map(|measure| (measure.key().to_owned(), None)).collect(),
+            measures: plan.infos().map(|info| (info.key, None)).collect(),
             passes: Vec::new(),
+            series: FrameSeries::default(),
             memory: Memory::default(),
             chosen: BTreeMap::new(),
             frames: 0,
@@ -248,7 +255,8 @@ impl Session<'_> {
         tell(Event::Cell { name: name_of(&cell) });
         let start = Instant::now();
         // Cells that measure more than errors are run without a reference, and tell what is missing.
-        let only_errors = plan.measures.iter().all(|measure| measure.needs().reference);
+        let only_errors =
+            plan.study.phases.is_empty() && plan.measures.iter().all(|measure| measure.needs().reference);
         let failure = match truth {
             Err(why) if only_errors => Some(why),
             truth => {
@@ -310,7 +318,7 @@ impl Session<'_> {
         let first = request.first_frame + request.warm_up;
         let jump =
             plan.study.jump.as_ref().and_then(|jump| jump.value.checked_sub(first)).map(|jump| jump as usize);
-        let mut judge = Judge::new(&plan.measures, facts, jump, truth);
+        let mut judge = Judge::new(&plan.measures, &plan.study.phases, facts, jump, truth);
         let run = self.lab.run(&request, &mut |frame| judge.observe(frame))?;
         if judge.frames == 0 {
             return Err("no frame was measured".to_owned());
@@ -332,6 +340,7 @@ impl Session<'_> {
     ) -> Result<Option<String>, StudyError> {
         cell.measures = verdict.measures;
         cell.passes = verdict.passes;
+        cell.series = verdict.series;
         cell.frames = verdict.frames;
         cell.images.reference = planned.reference.and_then(|reference| self.references.image(reference));
         if let Some(image) = &verdict.image {

@@ -1,9 +1,10 @@
-//! Tables: `cells.csv`, tidy, a row for each cell and measure; `summary.csv`, with intervals over seeds.
+//! Tables: `cells.csv`, tidy, a row for each cell and measure; `summary.csv`, with intervals over seeds; `frames.csv`,
+//! tidy, a row for each frame of scenes that move.
 
 use crate::error::StudyError;
 use crate::folder::write as write_file;
 use crate::interval::Interval;
-use crate::record::{AxisValue, Cell, Outcome, Results};
+use crate::record::{AxisValue, Cell, MeasureInfo, Outcome, Results};
 use crate::seeds::groups;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -46,13 +47,14 @@ impl Row<'_> {
     }
 }
 
-/// Writes both tables into a folder.
+/// Writes the three tables into a folder.
 ///
 /// # Errors
 /// What the folder refused.
 pub fn write(results: &Results, folder: &Path) -> Result<(), StudyError> {
     write_file(&folder.join("cells.csv"), cells(results).as_bytes())?;
-    write_file(&folder.join("summary.csv"), summary(results).as_bytes())
+    write_file(&folder.join("summary.csv"), summary(results).as_bytes())?;
+    write_file(&folder.join("frames.csv"), frames(results).as_bytes())
 }
 
 /// One row a cell and measure; the GPU time of each pass is the measure `gpu-ms/PASS`.
@@ -90,6 +92,26 @@ fn summary(results: &Results) -> String {
             let half = text(figure.and_then(|figure| figure.half));
             if let Some(cell) = row.cells.first() {
                 lines.push(cell, &[&info.key, &info.unit, &seeds, &mean, &half]);
+            }
+        }
+    }
+    lines.text
+}
+
+/// One row a finished cell, frame and measure, of scenes that move.
+fn frames(results: &Results) -> String {
+    let mut lines = Lines::new(results, &["seed", "frame", "measure", "value", "unit"]);
+    for cell in results.cells.iter().filter(|cell| cell.outcome == Outcome::Done) {
+        let seed = cell.seed.to_string();
+        let measures = results.study.measures.iter();
+        let columns: Vec<(&MeasureInfo, &Vec<Option<f64>>)> =
+            measures.filter_map(|info| Some((info, cell.series.values.get(&info.key)?))).collect();
+        let count = columns.iter().map(|(_, column)| column.len()).max().unwrap_or(0);
+        for index in 0..count {
+            let frame = (cell.series.first as usize + index).to_string();
+            for (info, column) in &columns {
+                let value = column.get(index).copied().flatten().map(|value| value.to_string());
+                lines.push(cell, &[&seed, &frame, &info.key, &value.unwrap_or_default(), &info.unit]);
             }
         }
     }

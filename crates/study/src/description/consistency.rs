@@ -1,17 +1,64 @@
 //! What parts of a study's file say of each other.
 
 use super::read::twice;
-use super::{At, Group, Pipelines, Reference, SEED, Study, Vary};
+use super::{At, Claim, Group, Phase, Pipelines, Reference, SEED, Study, Vary};
 use crate::codes;
 use crate::measure::Measure;
+use crate::record::AxisValue;
 use frame_graph::{Diagnostic, Diagnostics, Span};
 
 impl Study {
     /// Tells all that contradicts itself or is given twice, and measures that lack what they need.
     pub(crate) fn consistent(&self) -> Result<(), Diagnostics> {
-        let errors = errors(self);
-        if errors.is_empty() { Ok(()) } else { Err(Diagnostics::sorted(errors)) }
+        told(errors(self))
     }
+
+    /// The same of a file as it is written, with the scenes and values of axes that claims name: a run that is asked
+    /// for others, or fewer, leaves such a claim unmeasured.
+    pub(crate) fn consistent_as_written(&self) -> Result<(), Diagnostics> {
+        let mut errors = errors(self);
+        for claim in &self.claims {
+            for (axis, value) in claim.pins() {
+                errors.extend(self.unknown_value(axis, value));
+            }
+            let scenes: Vec<&str> = self.scenes.iter().map(|at| at.value.as_str()).collect();
+            for scene in claim.scenes.iter().filter(|at| !scenes.contains(&at.value.as_str())) {
+                let message = format!("`{}` is no scene of this study", scene.value);
+                let error = Diagnostic::new(&codes::CLAIM, message).label(scene.span.clone(), "");
+                errors.push(error.suggest("scenes", &scene.value, scenes.iter().copied()));
+            }
+        }
+        told(errors)
+    }
+
+    /// What is wrong with a value of an axis in a claim.
+    fn unknown_value(&self, name: &At<String>, value: &At<AxisValue>) -> Option<Diagnostic> {
+        let axes: Vec<&Vary> = self.vary.iter().flat_map(Group::axes).collect();
+        let Some(axis) = axes.iter().find(|axis| axis.path.value == name.value) else {
+            let names = axes.iter().map(|axis| axis.path.value.as_str());
+            let message = format!("a claim is made at `{}`, which is no axis", name.value);
+            let error = Diagnostic::new(&codes::CLAIM, message).label(name.span.clone(), "");
+            return Some(error.suggest("axes", &name.value, names));
+        };
+        if axis.values.iter().any(|at| at.value == value.value) {
+            return None;
+        }
+        let values: Vec<String> = axis.values.iter().map(|at| at.value.to_string()).collect();
+        let message = format!("the axis `{}` never is {}", name.value, value.value);
+        let error = Diagnostic::new(&codes::CLAIM, message).label(value.span.clone(), "");
+        Some(error.note(format!("it is {}", values.join(", "))))
+    }
+}
+
+impl Claim {
+    /// Every value of an axis in it, with the axis.
+    fn pins(&self) -> impl Iterator<Item = &(At<String>, At<AxisValue>)> {
+        self.at.iter().chain(self.relation.picks().into_iter().flat_map(|pick| &pick.at))
+    }
+}
+
+fn told(errors: Vec<Diagnostic>) -> Result<(), Diagnostics> {
+    if errors.is_empty() { Ok(()) } else { Err(Diagnostics::sorted(errors)) }
 }
 
 fn errors(study: &Study) -> Vec<Diagnostic> {
@@ -66,7 +113,32 @@ fn errors(study: &Study) -> Vec<Diagnostic> {
     for at in &study.measures {
         needs(study, at, &mut errors);
     }
+    for phase in &study.phases {
+        once(&mut errors, "the pass", phase.passes.iter().map(|at| (at.value.as_str(), &at.span)));
+    }
+    for claim in &study.claims {
+        measured(study, claim, &mut errors);
+    }
     errors
+}
+
+/// Whether the study takes the measure of a claim, and no axis is given two values.
+fn measured(study: &Study, claim: &Claim, errors: &mut Vec<Diagnostic>) {
+    let phases: Vec<String> = study.phases.iter().map(Phase::key).collect();
+    let taken = study.measures.iter().map(|at| at.value.key()).chain(phases.iter().map(String::as_str));
+    let taken: Vec<&str> = taken.collect();
+    let name = &claim.measure;
+    if !taken.contains(&name.value.as_str()) {
+        let error = Diagnostic::new(&codes::CLAIM, format!("`{}` is claimed, and not measured", name.value))
+            .label(name.span.clone(), "")
+            .suggest("measures of this study", &name.value, taken);
+        errors.push(error);
+    }
+    once(errors, "the scene", claim.scenes.iter().map(|at| (at.value.as_str(), &at.span)));
+    for pick in claim.relation.picks() {
+        let axes = claim.at.iter().chain(&pick.at).map(|(axis, _)| (axis.value.as_str(), &axis.span));
+        once(errors, "the axis", axes);
+    }
 }
 
 /// Whether a measure has what it needs.

@@ -1,6 +1,10 @@
 //! From the tree of a file to a study: the grammar, and what can be told from the file alone.
 
-use super::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant, Vary, size_value};
+mod claims;
+
+use super::{
+    At, Budget, Group, Phase, Pipelines, Reference, SEED, SIZE, Set, Study, Variant, Vary, size_value,
+};
 use crate::codes;
 use crate::measure::Measure;
 use crate::record::AxisValue;
@@ -24,7 +28,9 @@ const STUDY: &[&str] = &[
     "warm_up",
     "seeds",
     "measures",
+    "phases",
     "reference",
+    "claims",
 ];
 const VARY: &str = "`Grid({ \"name\": [values] })`, `Paired({ \"name\": [values] })`, or a list of them";
 const SETS: &str = "values: { \"parameter\": value, \"pass.setting\": value }";
@@ -35,7 +41,7 @@ const MOST_FRAMES: u32 = 1 << 20;
 
 pub(super) fn read(source: Arc<Source>) -> Result<Study, Diagnostics> {
     let study = parse(&source, |reader, tree| study(&mut Grammar { reader }, tree, &source))?;
-    study.consistent()?;
+    study.consistent_as_written()?;
     Ok(study)
 }
 
@@ -66,7 +72,9 @@ fn study(g: &mut Grammar<'_, '_>, tree: &Node, source: &Arc<Source>) -> Option<S
     let warm_up = fields.get("warm_up").map_or(Some(1), |node| g.whole(node, 0, 1 << 20));
     let seeds = fields.get("seeds").map_or(Some(vec![0]), |node| g.seeds(node));
     let measures = g.reader.need(&fields, "measures").map(|node| g.measures(node)).unwrap_or_default();
+    let phases = fields.get("phases").map(|node| g.phases(node)).unwrap_or_default();
     let reference = fields.get("reference").map_or(Some(Reference::None), |node| g.reference(node));
+    let claims = fields.get("claims").map(|node| g.claims(node)).unwrap_or_default();
     let stem = source.name.rsplit(['/', '\\']).next().unwrap_or_default();
     Some(Study {
         source: Arc::clone(source),
@@ -85,7 +93,9 @@ fn study(g: &mut Grammar<'_, '_>, tree: &Node, source: &Arc<Source>) -> Option<S
         warm_up: warm_up?,
         seeds: seeds?,
         measures,
+        phases,
         reference: reference?,
+        claims,
     })
 }
 
@@ -411,6 +421,21 @@ impl Grammar<'_, '_> {
             }
         }
         found
+    }
+
+    fn phases(&mut self, node: &Node) -> Vec<Phase> {
+        let entries = self.entries(node, "phases: { \"name\": [\"pass\", …] }");
+        if entries.is_empty() && node.form == Form::Map(Vec::new()) {
+            let span = self.reader.span_of(node);
+            self.error(&codes::EMPTY, span, "there is no phase in it");
+        }
+        let phase = |(name, node): (At<String>, &Node)| {
+            if name.value.trim().is_empty() {
+                self.error(&codes::EMPTY, name.span.clone(), "a phase needs a name");
+            }
+            Phase { name, passes: self.names(node, "a pass or part") }
+        };
+        entries.into_iter().map(phase).collect()
     }
 
     fn reference(&mut self, node: &Node) -> Option<Reference> {

@@ -4,6 +4,7 @@ use super::{Resolved, combinations_of, product};
 use crate::codes;
 use crate::description::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant};
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
+use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
 use frame_graph::codes::Code;
 use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, ValueType};
@@ -290,6 +291,53 @@ impl<'a> Checker<'a> {
                         .label(by.span.clone(), "")
                         .note(format!("in the pipeline `{}`", pipeline.record.name)),
                 );
+            }
+        }
+    }
+
+    /// Each pass of a phase is one of some pipeline. What a pipeline that cannot be used would have is not known.
+    pub(super) fn phases(&mut self, pipelines: &[Resolved]) {
+        if self.errors.iter().any(|error| error.code == codes::PIPELINE.code) {
+            return;
+        }
+        let passes = pipelines.iter().flat_map(|pipeline| &pipeline.facts.passes);
+        let known = all_names(passes.map(String::as_str));
+        for pass in self.study.phases.iter().flat_map(|phase| &phase.passes) {
+            if !known.contains(&pass.value.as_str()) {
+                let error = Diagnostic::new(
+                    &codes::PHASE,
+                    format!("no pipeline has a pass or part `{}`", pass.value),
+                )
+                .label(pass.span.clone(), "")
+                .suggest("passes and parts", &pass.value, known.iter().copied());
+                self.errors.push(error);
+            }
+        }
+    }
+
+    /// Claims are about pipelines of the study, and those that have the axes at which they are picked.
+    pub(super) fn claims(&mut self, pipelines: &[Resolved]) {
+        // Those that cannot be used are told as such.
+        let known: Vec<&str> = match &self.study.pipelines {
+            Pipelines::These(variants) => {
+                variants.iter().map(|variant| variant.name.value.as_str()).collect()
+            }
+            Pipelines::All { .. } => pipelines.iter().map(|pipeline| pipeline.record.name.as_str()).collect(),
+        };
+        for pick in self.study.claims.iter().flat_map(|claim| claim.relation.picks()) {
+            let name = &pick.pipeline;
+            if !known.contains(&name.value.as_str()) {
+                let message = format!("no pipeline of this study is named `{}`", name.value);
+                let error = Diagnostic::new(&codes::CLAIM, message).label(name.span.clone(), "");
+                self.errors.push(error.suggest("pipelines", &name.value, known.iter().copied()));
+            }
+            let Some(found) = pipelines.iter().find(|pipeline| pipeline.record.name == name.value) else {
+                continue;
+            };
+            for (axis, _) in pick.at.iter().filter(|(axis, _)| axis.value != SIZE && !found.has(&axis.value))
+            {
+                let message = format!("`{}` has no axis `{}`, and so no cells there", name.value, axis.value);
+                self.errors.push(Diagnostic::new(&codes::CLAIM, message).label(axis.span.clone(), ""));
             }
         }
     }

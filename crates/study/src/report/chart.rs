@@ -11,5 +11,5 @@ mod svg;
 mod xy;
 
 pub(super) use bars::{BarChart, BarRow, Segment};
-pub(super) use palette::{Ink, MOST_DASHES, MOST_PARTS, style_sheet};
+pub(super) use palette::{Ink, MOST_COLOURS, MOST_DASHES, MOST_PARTS, style_sheet};
 pub(super) use xy::{AxisKind, Line, Point, Series, XyAxis, XyChart};

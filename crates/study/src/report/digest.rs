@@ -1,6 +1,8 @@
 //! Cells grouped for the report: one row for each scene, pipeline and combination of values, over its seeds.
 
 use super::number;
+use std::collections::BTreeMap;
+
 use crate::{Axis, AxisValue, Better, Cell, Interval, MeasureInfo, Outcome, Results};
 
 /// The measure that is a pipeline's GPU time; where a study has none, the sum of its passes stands in.
@@ -132,6 +134,18 @@ impl Row<'_> {
         self.over(|cell| cell.measures.get(key).copied().flatten())
     }
 
+    /// Mean and interval of a measure over the seeds in each frame that has it, by number.
+    pub(super) fn frames(&self, key: &str) -> Vec<(u32, Interval)> {
+        let mut found: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+        for series in self.done().map(|cell| &cell.series) {
+            let column = series.values.get(key).into_iter().flatten();
+            for (frame, value) in (series.first..).zip(column) {
+                found.entry(frame).or_default().extend(value.filter(|value| value.is_finite()));
+            }
+        }
+        found.into_iter().filter_map(|(frame, values)| Some((frame, Interval::of(&values)?))).collect()
+    }
+
     /// GPU time of a frame [ms] over the seeds.
     pub(super) fn time(&self) -> Option<Interval> {
         self.summary(TIME).or_else(|| {
@@ -200,6 +214,12 @@ pub(super) fn best(better: Better, means: impl Iterator<Item = f64>) -> Option<f
         return None;
     }
     means.min_by(|a, b| cost(*a).total_cmp(&cost(*b)))
+}
+
+/// `lights = 64, map = 32`.
+pub(super) fn values_text(values: &BTreeMap<String, AxisValue>) -> String {
+    let texts: Vec<String> = values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    texts.join(", ")
 }
 
 /// `relMSE`, `GPU time [ms]`.

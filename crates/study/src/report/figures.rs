@@ -2,6 +2,7 @@
 
 mod costs;
 mod errors;
+mod frames;
 
 use std::collections::BTreeSet;
 
@@ -26,6 +27,7 @@ pub(super) struct Figure {
 pub(super) enum Kind {
     ErrorTime,
     ErrorAxis,
+    Frames,
     Passes,
     Memory,
 }
@@ -36,6 +38,7 @@ impl Kind {
         match self {
             Kind::ErrorTime => &["Scene", "Measure"],
             Kind::ErrorAxis => &["Scene", "Measure", "Axis", "With"],
+            Kind::Frames => &["Scene", "Measure", "Values"],
             Kind::Passes | Kind::Memory => &["Scene", "Rows"],
         }
     }
@@ -56,6 +59,7 @@ impl Figures {
             let parts = [
                 errors::against_time(digest, scene),
                 against_axes,
+                frames::frames(digest, scene),
                 costs::passes(digest, scene),
                 costs::memory(digest, scene),
             ];

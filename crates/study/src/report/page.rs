@@ -25,7 +25,12 @@ struct Section {
 }
 
 /// The whole file.
-pub(super) fn page(digest: &Digest<'_>, figures: &Figures, tables: &[Table], pictures: &Pictures) -> String {
+pub(super) fn page(
+    digest: &Digest<'_>,
+    figures: &Figures,
+    (tables, claims): (&[Table], Option<&Table>),
+    pictures: &Pictures,
+) -> String {
     let results = digest.results;
     let charts = |kind: Kind, id: &'static str, name: &'static str, none: &str| {
         let figures: Vec<&Figure> = figures.all.iter().filter(|figure| figure.kind == kind).collect();
@@ -45,6 +50,11 @@ pub(super) fn page(digest: &Digest<'_>, figures: &Figures, tables: &[Table], pic
             "Nothing to draw: nothing is varied over two values, or nothing was measured.",
         ),
     ];
+    // Sections of what few studies have.
+    let claims: Option<Section> =
+        claims.map(|table| Section { id: "claims", name: "Claims", body: table_body(table) });
+    let has_frames = figures.all.iter().any(|figure| figure.kind == Kind::Frames);
+    let frames = has_frames.then(|| charts(Kind::Frames, "frames", "Frame by frame", ""));
     let costs = [
         charts(Kind::Passes, "passes", "Time per pass", "Nothing to draw: no cell has times of its passes."),
         charts(Kind::Memory, "memory", "Memory", "Nothing to draw: no cell tells its memory."),
@@ -59,12 +69,20 @@ pub(super) fn page(digest: &Digest<'_>, figures: &Figures, tables: &[Table], pic
     ];
 
     let mut sections = failures(digest) + &notes(figures, pictures);
+    sections.extend(claims.iter().map(section));
     sections += &grid(&errors);
+    sections.extend(frames.iter().map(section));
     sections += &section(&pictures_section);
     sections += &section(&tables_section);
     sections += &grid(&costs);
     sections.extend(rest.iter().map(section));
-    let order = errors.iter().chain([&pictures_section, &tables_section]).chain(&costs).chain(&rest);
+    let order = claims
+        .iter()
+        .chain(&errors)
+        .chain(&frames)
+        .chain([&pictures_section, &tables_section])
+        .chain(&costs)
+        .chain(&rest);
     let contents = order.map(|part| format!("<li><a href=\"#{}\">{}</a></li>\n", part.id, part.name));
     let contents: String = contents.collect();
 
@@ -234,25 +252,29 @@ fn tables_body(digest: &Digest<'_>, tables: &[Table]) -> String {
     let names = html(&json(&["Scene"]));
     let mut out = format!("<div class=chooser data-names=\"{names}\">\n<div class=selects></div>\n");
     for table in tables {
-        let copyable = |name: &str, text: &str| {
-            format!(
-                "<details><summary>{name}</summary><div class=copyable>\
-                 <button type=button class=copy>Copy</button><pre>{}</pre></div></details>\n",
-                html(text)
-            )
-        };
-        let _ = writeln!(
-            out,
-            "<div class=choice data-choice=\"{}\">\n<div class=scroll>{}</div>\n<p class=note>{}</p>\n{}{}</div>",
-            html(&json(&[&table.scene])),
-            table.html(),
-            html(&table.caption),
-            copyable("LaTeX", &table.latex()),
-            copyable("Markdown", &table.markdown()),
-        );
+        let choice = html(&json(&[&table.name]));
+        let _ = writeln!(out, "<div class=choice data-choice=\"{choice}\">\n{}</div>", table_body(table));
     }
     out.push_str("</div>\n");
     out + &setup::measures(digest)
+}
+
+/// A table under which it can be copied.
+fn table_body(table: &Table) -> String {
+    let copyable = |name: &str, text: &str| {
+        format!(
+            "<details><summary>{name}</summary><div class=copyable>\
+             <button type=button class=copy>Copy</button><pre>{}</pre></div></details>\n",
+            html(text)
+        )
+    };
+    format!(
+        "<div class=scroll>{}</div>\n<p class=note>{}</p>\n{}{}",
+        table.html(),
+        html(&table.caption),
+        copyable("LaTeX", &table.latex()),
+        copyable("Markdown", &table.markdown()),
+    )
 }
 
 /// The viewer, which the script fills.

@@ -1,5 +1,7 @@
-//! The table of a scene: a row for each pipeline and combination of values, a column for each measure; in HTML,
-//! Markdown and LaTeX.
+//! Tables in HTML, Markdown and LaTeX. That of a scene has a row for each pipeline and combination of values, a column
+//! for each measure.
+
+mod claims;
 
 use std::fmt::Write;
 
@@ -10,8 +12,8 @@ use crate::MeasureInfo;
 
 /// A table, ready to be written in any form.
 pub(super) struct Table {
-    /// Name of the scene.
-    pub(super) scene: String,
+    /// Name of the scene, or what it is of: that of its file too.
+    pub(super) name: String,
     /// What it shows, in a line.
     pub(super) caption: String,
     columns: Vec<Column>,
@@ -32,6 +34,8 @@ enum Entry {
     Text(String),
     /// A measure.
     Measured { value: Measured, mean: f64, is_best: bool },
+    /// Whether a claim holds; `None` where that was not measured.
+    Held(Option<bool>),
     /// There is no such measure here.
     Absent,
     /// All seeds failed: takes the rest of the row.
@@ -108,7 +112,7 @@ impl Table {
             caption += " Columns with * are what the budget chose.";
         }
         let rows = rows.iter().map(entries).collect();
-        Table { scene: digest.scenes[scene].to_owned(), caption, columns, rows }
+        Table { name: digest.scenes[scene].to_owned(), caption, columns, rows }
     }
 
     /// Whether there is no row.
@@ -153,6 +157,10 @@ impl Table {
                     Entry::Measured { value, mean, .. } => {
                         write!(out, "<td{class} data-value=\"{mean:e}\">{}</td>", value.html())
                     }
+                    Entry::Held(Some(false)) => {
+                        write!(out, "<td class=failed><b>{}</b></td>", held(Some(false)))
+                    }
+                    Entry::Held(holds) => write!(out, "<td>{}</td>", held(*holds)),
                     Entry::Absent => write!(out, "<td{class}>–</td>"),
                     Entry::Failed(error) => write!(
                         out,
@@ -185,6 +193,8 @@ impl Table {
                     Entry::Text(text) => write!(out, " {} |", escape::markdown(text)),
                     Entry::Measured { value, is_best: true, .. } => write!(out, " **{}** |", value.text()),
                     Entry::Measured { value, .. } => write!(out, " {} |", value.text()),
+                    Entry::Held(Some(false)) => write!(out, " **{}** |", held(Some(false))),
+                    Entry::Held(holds) => write!(out, " {} |", held(*holds)),
                     Entry::Absent => write!(out, " – |"),
                     Entry::Failed(error) => {
                         let others = " – |".repeat(self.rest(index) - 1);
@@ -209,6 +219,8 @@ impl Table {
                 // `\boldmath` reaches ± and the power as well, which `\mathbf` does not.
                 Entry::Measured { value, is_best: true, .. } => format!("{{\\boldmath ${}$}}", value.latex()),
                 Entry::Measured { value, .. } => format!("${}$", value.latex()),
+                Entry::Held(Some(false)) => format!("\\textbf{{{}}}", held(Some(false))),
+                Entry::Held(holds) => held(*holds).to_owned(),
                 Entry::Absent => "--".to_owned(),
                 Entry::Failed(error) => {
                     let columns = self.rest(index);
@@ -222,6 +234,14 @@ impl Table {
         let caption = self.caption.replace(char::is_control, " ");
         let reflected = if out.contains("\\reflectbox") { " and \\usepackage{graphicx}" } else { "" };
         format!("% {caption}\n% Needs \\usepackage{{booktabs}}{reflected}\n{out}")
+    }
+}
+
+fn held(holds: Option<bool>) -> &'static str {
+    match holds {
+        Some(true) => "holds",
+        Some(false) => "does not hold",
+        None => "not measured",
     }
 }
 

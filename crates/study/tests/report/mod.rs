@@ -2,6 +2,7 @@
 
 mod browser;
 mod files;
+mod frames;
 mod odd;
 mod page;
 mod sample;

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use metrics::{Display, Image, PIXELS_PER_DEGREE, Pair, flip};
 use study::{
-    Axis, AxisValue, Better, Cell, CellImages, Difference, MeasureInfo, Memory, Outcome, PassTime,
-    PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
+    Axis, AxisValue, Better, Cell, CellImages, Difference, FrameSeries, MeasureInfo, Memory, Outcome,
+    PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
 };
 
 pub(super) const SCENES: [&str; 2] = ["cornell-box", "hall of <b>mirrors</b> & \"smoke\""];
@@ -118,6 +118,7 @@ fn cell(
         outcome: Outcome::Done,
         measures: measures.into_iter().map(|(key, value)| (key.to_owned(), value)).collect(),
         passes,
+        series: FrameSeries::default(),
         memory: Memory {
             unshared: megabytes(1.6),
             shared: megabytes(1.0),
@@ -214,6 +215,7 @@ fn study(cell_count: usize) -> StudyRecord {
         version: "0.1.0".to_owned(),
         started: "2026-11-21T12:00:00Z".to_owned(),
         command: "lightloom study many-lights.ron".to_owned(),
+        claims: Vec::new(),
     }
 }
 

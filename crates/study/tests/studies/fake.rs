@@ -71,6 +71,7 @@ impl Registry for Shelf {
             about: format!("The pipeline {name}"),
             paper: String::new(),
             outputs: outputs.iter().map(|output| (*output).to_owned()).collect(),
+            passes: passes(name).map(str::to_owned).to_vec(),
             settings,
         })
     }
@@ -78,6 +79,11 @@ impl Registry for Shelf {
     fn differences(&self, first: (&str, &Values), second: (&str, &Values)) -> Vec<String> {
         if first == second { Vec::new() } else { vec![format!("{} is not {}", second.0, first.0)] }
     }
+}
+
+/// What a pipeline runs: `exact` has a part `rays`.
+fn passes(pipeline: &str) -> [&str; 2] {
+    ["view", if pipeline == "exact" { "rays/trace" } else { "gather" }]
 }
 
 /// Renders by formulas, and keeps what it was asked.
@@ -144,7 +150,8 @@ impl Laboratory for Fake {
                 frame,
                 image: Image::new(width, height, pixels).unwrap(),
                 passes: if request.timed {
-                    vec![("view".to_owned(), 2.0), ("gather".to_owned(), ms - 2.0)]
+                    let [view, other] = passes(&request.pipeline).map(str::to_owned);
+                    vec![(view, 2.0), (other, ms - 2.0)]
                 } else {
                     Vec::new()
                 },
@@ -153,8 +160,10 @@ impl Laboratory for Fake {
                     .then(|| Image::new(width, height, vec![[1.0; 4]; width * height]).unwrap()),
                 normal: None,
                 camera: camera(),
-                lights: None,
-                irradiance: None,
+                lights: request.lights.then(|| lights_of(frame)),
+                // For each unit that is kept, clamping removed the number of the frame.
+                irradiance: Image::new(width, height, vec![[1.0, 1.0, 1.0, frame as f32]; width * height])
+                    .ok(),
             })?;
             spent += ms;
             if request.stop_after_ms.is_some_and(|most| spent >= most) {
@@ -172,6 +181,14 @@ impl Laboratory for Fake {
     fn occluded(&mut self, _scene: &str, _frame: u32) -> Result<Occluded, String> {
         Ok(Box::new(|_, _| false))
     }
+}
+
+/// Two virtual lights: one stays, the other moves with every even frame.
+fn lights_of(frame: u32) -> Vec<u8> {
+    let mut words = [[0; 4]; 4 + 2 * 12];
+    words[0] = 2_u32.to_le_bytes();
+    words[4 + 12] = ((frame / 2) as f32).to_le_bytes();
+    words.concat()
 }
 
 fn camera() -> Pinhole {

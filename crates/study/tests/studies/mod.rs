@@ -2,8 +2,11 @@
 
 mod broken;
 mod budgets;
+mod claims;
 mod failures;
 mod fake;
+mod phases;
 mod plans;
 mod runs;
+mod series;
 mod tables;

@@ -205,6 +205,9 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
         Outcome::Failed { error } => Some((study::name_of(cell), error.lines().next().unwrap_or_default())),
     });
     let missing = results.study.cell_count.saturating_sub(results.cells.len());
+    let findings = results.findings();
+    let claims = |holds| findings.iter().filter(|finding| finding.holds == holds).count();
+    let (hold, fail, not_measured) = (claims(Some(true)), claims(Some(false)), claims(None));
     if context.json {
         let failures: Vec<_> =
             failures.map(|(cell, error)| json!({ "cell": cell, "error": error })).collect();
@@ -215,6 +218,7 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
             "missing": missing,
             "run": run,
             "failed": failures,
+            "claims": { "hold": hold, "fail": fail, "not_measured": not_measured },
         }));
         return Ok(());
     }
@@ -223,6 +227,9 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
     }
     if missing > 0 {
         say!("{missing} of {} cells are not here", results.study.cell_count);
+    }
+    if !findings.is_empty() {
+        say!("claims  {hold} of {} hold, {fail} do not, {not_measured} not measured", findings.len());
     }
     if let Some(page) = page {
         say!("{}", page.display());

@@ -25,7 +25,7 @@ pub(in crate::report) enum Ink {
 type Pair = (&'static str, &'static str);
 
 /// Okabe and Ito 2008, without yellow, which is lost on white; then wine, indigo and olive of Tol's muted scheme (2021).
-const SERIES: [Pair; 10] = [
+const SERIES: [Pair; MOST_COLOURS] = [
     ("#0072b2", "#4aa3e0"),
     ("#d55e00", "#ff8b42"),
     ("#009e73", "#2fc79b"),
@@ -37,6 +37,9 @@ const SERIES: [Pair; 10] = [
     ("#332288", "#8f86f0"),
     ("#77771f", "#b5b54a"),
 ];
+
+/// How many series have a colour of their own.
+pub(in crate::report) const MOST_COLOURS: usize = 10;
 
 /// Tol 2021, "Colour Schemes", §2, the muted scheme; neighbours differ in lightness.
 const PARTS: [Pair; MOST_PARTS] = [

@@ -54,6 +54,16 @@ impl Scale {
         Scale::Linear { low: from, high: high + margin }
     }
 
+    /// From the least to the greatest of finite values, evenly.
+    pub(super) fn across(values: impl Iterator<Item = f64>) -> Scale {
+        let (low, high) = extent(values.filter(|value| value.is_finite()));
+        if low > high {
+            return Scale::Linear { low: 0.0, high: 1.0 };
+        }
+        let margin = if low == high { 1.0 } else { 0.02 * (high - low) };
+        Scale::Linear { low: low - margin, high: high + margin }
+    }
+
     /// From 0, for bars.
     pub(super) fn from_zero(high: f64) -> Scale {
         Scale::Linear { low: 0.0, high: if high > 0.0 && high.is_finite() { high } else { 1.0 } }

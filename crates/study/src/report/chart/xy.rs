@@ -13,6 +13,11 @@ use super::svg::{Anchor, SMALL, Svg, TINY, Text, n, text_width};
 const WIDTH: f64 = 680.0;
 const HEIGHT: f64 = 400.0;
 const RADIUS: f64 = 4.8;
+/// A line of more points has small markers, through which it can be seen.
+const DENSE: usize = 20;
+const SMALL_RADIUS: f64 = 2.4;
+/// A line of more has none: they would be most of the file.
+const MOST_MARKED: usize = 256;
 
 /// A chart over two axes.
 pub(in crate::report) struct XyChart {
@@ -42,6 +47,8 @@ pub(in crate::report) struct XyAxis {
 pub(in crate::report) enum AxisKind {
     /// A quantity.
     Quantity,
+    /// Whole numbers, one after another.
+    Count,
     /// A quantity of which these values are marked.
     Values(Vec<f64>),
     /// Choices by name; points stand at 0, 1, …
@@ -187,14 +194,16 @@ fn draw_series(svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis, series: &Series)
             svg.path(&format!("M{}", corners.join("L")), None, Some((ink, 1.8)), dashes);
         }
     }
-    for point in series.lines.iter().flat_map(|line| &line.points) {
+    let marked = series.lines.iter().filter(|line| line.points.len() <= MOST_MARKED);
+    for (line, point) in marked.flat_map(|line| line.points.iter().map(move |point| (line, point))) {
+        let radius = if line.points.len() > DENSE { SMALL_RADIUS } else { RADIUS };
         svg.open("mark", &point.tip);
         let (px, py) = (frame.x(x, point.x), frame.y(y, point.y));
         let whiskers = whiskers(frame, x, y, point);
         if !whiskers.is_empty() {
             svg.path(&whiskers, None, Some((ink, 1.2)), "");
         }
-        let marker = palette::marker(series.index, (px, py), RADIUS);
+        let marker = palette::marker(series.index, (px, py), radius);
         if x.scale.holds(point.x) && y.scale.holds(point.y) {
             svg.path(&marker, Some(ink), Some((Ink::Paper, 1.0)), "");
         } else {
@@ -236,6 +245,12 @@ fn whiskers(frame: Frame, x: &Axis, y: &Axis, point: &Point) -> String {
 fn axis(axis: &XyAxis, values: impl Iterator<Item = f64> + Clone, most: usize) -> Axis {
     match &axis.kind {
         AxisKind::Quantity => Axis::new(Scale::fit(values), axis.title.clone(), most),
+        AxisKind::Count => {
+            let scale = Scale::across(values);
+            let mut ticks = scale.ticks(most);
+            ticks.retain(|tick| tick.value.fract() == 0.0);
+            Axis { scale, title: axis.title.clone(), ticks }
+        }
         AxisKind::Values(marked) => {
             let scale = Scale::fit(marked.iter().copied());
             let ticks = marked.iter().map(|&value| Tick {

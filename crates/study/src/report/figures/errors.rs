@@ -245,15 +245,18 @@ fn pareto(points: &[(f64, f64)], better: Better) -> Vec<(f64, f64)> {
 }
 
 /// Values on some axes.
-type Combination<'a> = Vec<Option<&'a AxisValue>>;
+pub(super) type Combination<'a> = Vec<Option<&'a AxisValue>>;
 
 /// The values of a row on some axes.
-fn group<'a>(row: &Row<'a>, axes: &[usize]) -> Combination<'a> {
+pub(super) fn group<'a>(row: &Row<'a>, axes: &[usize]) -> Combination<'a> {
     axes.iter().map(|&axis| row.values[axis]).collect()
 }
 
 /// The combinations that rows take on some axes, in order.
-fn combinations<'a: 'b, 'b>(rows: impl Iterator<Item = &'b Row<'a>>, axes: &[usize]) -> Vec<Combination<'a>> {
+pub(super) fn combinations<'a: 'b, 'b>(
+    rows: impl Iterator<Item = &'b Row<'a>>,
+    axes: &[usize],
+) -> Vec<Combination<'a>> {
     let mut combinations = Vec::new();
     for row in rows {
         let combination = group(row, axes);
@@ -290,7 +293,7 @@ fn intervals(points: &[&Point]) -> &'static str {
     }
 }
 
-fn tip(digest: &Digest<'_>, row: &Row<'_>, values: &[(&str, &str, &Interval)]) -> String {
+pub(super) fn tip(digest: &Digest<'_>, row: &Row<'_>, values: &[(&str, &str, &Interval)]) -> String {
     let mut tip = digest.row_text(row);
     let mut seeds = 0;
     for (label, unit, summary) in values {

@@ -69,6 +69,7 @@ impl Registry for CatalogRegistry {
             about: resolved.about().unwrap_or_default().to_owned(),
             paper: resolved.paper().unwrap_or_default().to_owned(),
             outputs: resolved.outputs().map(ToString::to_string).collect(),
+            passes: resolved.passes().map(|(name, _)| name.to_string()).collect(),
             settings: resolved.settable(&*self.catalog),
         })
     }

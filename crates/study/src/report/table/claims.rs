@@ -1,0 +1,93 @@
+//! The table of what a paper says: a row for each claim and scene.
+
+use super::{Column, Entry, Table};
+use crate::report::digest::{Digest, values_text};
+use crate::report::number::{self, Measured};
+use crate::{ClaimRecord, Finding, MeasureInfo, PickRecord, RelationRecord};
+
+impl Table {
+    /// `None` for a study without claims.
+    pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
+        let findings = digest.results.findings();
+        if findings.is_empty() {
+            return None;
+        }
+        let column = |title: &str, doc: &str| Column {
+            title: title.to_owned(),
+            doc: doc.to_owned(),
+            is_number: false,
+        };
+        let columns = vec![
+            column("Claim", ""),
+            column("From", "Where it is said"),
+            column("Scene", ""),
+            column("Measured", "Means in the order of the claim"),
+            column("Result", ""),
+        ];
+        let row = |finding: &Finding<'_>| {
+            let info = digest.results.study.measures.iter().find(|info| info.key == finding.claim.measure);
+            vec![
+                Entry::Text(claim_text(finding.claim, info)),
+                Entry::Text(finding.claim.says.clone()),
+                Entry::Text(finding.scene.to_owned()),
+                Entry::Text(measured_text(finding, info)),
+                Entry::Held(finding.holds),
+            ]
+        };
+        let count = |holds| findings.iter().filter(|finding| finding.holds == Some(holds)).count();
+        let (hold, fail) = (count(true), count(false));
+        let mut caption = format!("Claims: {hold} of {} hold", findings.len());
+        if hold + fail < findings.len() {
+            caption += &format!(", {} are not measured", findings.len() - hold - fail);
+        }
+        caption += ". Each is about means over all finished cells of a scene, its seeds too.";
+        Some(Table { name: "claims".to_owned(), caption, columns, rows: findings.iter().map(row).collect() })
+    }
+}
+
+/// `TID: ism < tcas, lights = 256`.
+fn claim_text(claim: &ClaimRecord, info: Option<&MeasureInfo>) -> String {
+    let label = info.map_or(&claim.measure, |info| &info.label);
+    let relation = match &claim.relation {
+        RelationRecord::Order(rising) => rising.iter().map(pick_text).collect::<Vec<_>>().join(" < "),
+        RelationRecord::Ratio { of, to, at_least, at_most } => {
+            let (of, to) = (pick_text(of), pick_text(to));
+            let bound = |bound: f64| match bound {
+                1.0 => to.clone(),
+                bound => format!("{} × {to}", number::plain(bound)),
+            };
+            match (at_least, at_most) {
+                (Some(least), Some(most)) => format!("{} ≤ {of} ≤ {}", bound(*least), bound(*most)),
+                (Some(least), None) => format!("{of} ≥ {}", bound(*least)),
+                (None, Some(most)) => format!("{of} ≤ {}", bound(*most)),
+                (None, None) => format!("{of} / {to}"),
+            }
+        }
+    };
+    let at = if claim.at.is_empty() { String::new() } else { format!(", {}", values_text(&claim.at)) };
+    format!("{label}: {relation}{at}")
+}
+
+fn pick_text(pick: &PickRecord) -> String {
+    let at = if pick.at.is_empty() { String::new() } else { format!(" ({})", values_text(&pick.at)) };
+    format!("{}{at}", pick.pipeline)
+}
+
+/// `0.012, 0.02 W/(m² sr)`, `1 / 4 ms = 0.25`; `–` where there is nothing.
+fn measured_text(finding: &Finding<'_>, info: Option<&MeasureInfo>) -> String {
+    if finding.means.iter().all(Option::is_none) {
+        return "–".to_owned();
+    }
+    let single = |value: f64| Measured::single(value).text();
+    let means: Vec<String> =
+        finding.means.iter().map(|mean| mean.map_or_else(|| "–".to_owned(), single)).collect();
+    let unit = info.map_or("", |info| &info.unit);
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    match &finding.claim.relation {
+        RelationRecord::Order(_) => means.join(", ") + &unit,
+        RelationRecord::Ratio { .. } => {
+            let ratio = finding.ratio().map(|ratio| format!(" = {}", single(ratio)));
+            format!("{}{unit}{}", means.join(" / "), ratio.unwrap_or_default())
+        }
+    }
+}
