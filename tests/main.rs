@@ -11,6 +11,7 @@ mod frames;
 mod host;
 mod pairs;
 mod pictures;
+mod points;
 mod reference;
 mod reload;
 mod study;

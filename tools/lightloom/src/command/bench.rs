@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// Measure this alone; any number of times
     #[arg(long, value_name = "NAME")]
     only: Vec<Figure>,
-    /// A scene by name or file: rays are traced in it too, and `shadow-maps` and `ism-frame` take the first that is
+    /// A scene by name or file: rays are traced in it too, and frames are of the first that is
     /// given in place of the atrium. Any number of times
     #[arg(long)]
     scene: Vec<String>,
@@ -52,6 +52,10 @@ enum Figure {
     /// How much faster 256 imperfect shadow maps of 256² are made than classic ones (points, splats and pull-push
     /// against triangles), and how much faster the frame is
     ShadowMaps,
+    /// How much faster 1,024 lights are drawn by Metropolis-Hastings chains of 5 steps than by the inverse transform
+    Samplers,
+    /// How much faster 4 million points made on the fly are splatted than as many stored ones
+    Points,
     /// GPU time of a frame of `ism`: 1,024 lights, maps of 64², 256² pixels, everything run anew
     IsmFrame,
     /// CPU time from the text of a pipeline of 1,000 passes to a plan, without shaders
@@ -122,6 +126,8 @@ fn measure(bench: &Bench<'_>, figure: Figure) -> Result<Section> {
     match figure {
         Figure::Rays => rays::measure(bench),
         Figure::ShadowMaps => frames::shadow_maps(bench),
+        Figure::Samplers => frames::samplers(bench),
+        Figure::Points => frames::points(bench),
         Figure::IsmFrame => frames::ism_frame(bench),
         Figure::Compile => graph::compiling(bench),
         Figure::Encode => graph::encoding(bench),

@@ -44,6 +44,29 @@ impl Timed {
     }
 }
 
+/// Passes that a figure takes together.
+type Phase = fn(&str) -> bool;
+
+/// The times of phases in two pipelines, frame after frame in turn, so that whatever else the machine does slows both.
+fn in_turn<const PHASES: usize>(
+    bench: &Bench<'_>,
+    pair: &mut [Timed; 2],
+    phases: [Phase; PHASES],
+) -> Result<[[Spread; 2]; PHASES]> {
+    let mut times = phases.map(|_| [Vec::new(), Vec::new()]);
+    for _ in 0..bench.args.runs {
+        for (i, timed) in pair.iter_mut().enumerate() {
+            let frame = timed.frame()?;
+            let names = timed.passes();
+            for (phase, times) in phases.iter().zip(&mut times) {
+                let passes = names.iter().zip(&frame).filter(|(name, _)| phase(name));
+                times[i].push(passes.map(|(_, time)| time).sum());
+            }
+        }
+    }
+    Ok(times.map(|pair| pair.map(Spread::of)))
+}
+
 /// The pass `shadows`, or those of the part of that name.
 fn makes_maps(pass: &str) -> bool {
     pass == "shadows" || pass.starts_with("shadows/")
@@ -55,20 +78,8 @@ pub(super) fn shadow_maps(bench: &Bench<'_>) -> Result<Section> {
     let values = [("lights", lights), ("map", map)];
     let mut pair =
         [Timed::new(bench, "ism-classic", frame, &values)?, Timed::new(bench, "ism", frame, &values)?];
-    // In turn, so that whatever else the machine does slows both.
-    let mut maps = [Vec::new(), Vec::new()];
-    let mut frames = [Vec::new(), Vec::new()];
-    for _ in 0..bench.args.runs {
-        for (i, timed) in pair.iter_mut().enumerate() {
-            let times = timed.frame()?;
-            let names = timed.passes();
-            let of_maps = names.iter().zip(&times).filter(|(name, _)| makes_maps(name));
-            maps[i].push(of_maps.map(|(_, time)| time).sum());
-            frames[i].push(times.iter().sum());
-        }
-    }
-    let [classic, imperfect] = maps.map(Spread::of);
-    let [classic_frame, imperfect_frame] = frames.map(Spread::of);
+    let [[classic, imperfect], [classic_frame, imperfect_frame]] =
+        in_turn(bench, &mut pair, [makes_maps, |_| true])?;
     let what = format!("{lights} maps of {map}²");
     let rows = vec![
         Row::new(format!("imperfect against classic, {what}: maps"), classic.over(imperfect), "×")
@@ -92,6 +103,57 @@ pub(super) fn shadow_maps(bench: &Bench<'_>) -> Result<Section> {
         frame.1,
     );
     Ok(Section { figure: Figure::ShadowMaps, rows, note })
+}
+
+pub(super) fn samplers(bench: &Bench<'_>) -> Result<Section> {
+    let (lights, side) = (bench.size(1024, 32), bench.size(512, 32));
+    // Only the sampler counts: the rest is as little as it can be.
+    let values = [("lights", lights), ("rsm.size", side), ("map", 8), ("shadows.points_per_map", 1)];
+    let timed = |pipeline| Timed::new(bench, pipeline, (32, 32), &values);
+    let mut pair = [timed("ism-invtm")?, timed("tcas")?];
+    let [[inverse, chains]] = in_turn(bench, &mut pair, [|pass| pass == "lights"])?;
+    let what = format!("{lights} lights from {side}² texels");
+    let rows = vec![
+        Row::new(format!("chains of 5 steps against inverse transform, {what}"), inverse.over(chains), "×")
+            .goal(Goal::AtLeast(2.0), "TCAS Tab. 2"),
+        Row::new(format!("{what}, inverse transform"), inverse, "ms"),
+        Row::new(format!("{what}, chains of 5 steps"), chains, "ms"),
+    ];
+    let note = format!(
+        "the pass `lights` of `ism-invtm` against that of `tcas` on {}; the sums over the importance map are part of the \
+         inverse transform. Ratios of medians, frames in turn.",
+        label(scene(bench))
+    );
+    Ok(Section { figure: Figure::Samplers, rows, note })
+}
+
+pub(super) fn points(bench: &Bench<'_>) -> Result<Section> {
+    let (maps, per_map) = (bench.size(1024, 16), bench.size(4096, 64));
+    let all = maps * per_map;
+    let values = [("lights", maps), ("rsm.size", 32), ("shadows.points_per_map", per_map)];
+    let stored_values = [&values[..], &[("shadows.points", all)]].concat();
+    let mut pair = [
+        Timed::new(bench, "tcas-stored", (32, 32), &stored_values)?,
+        Timed::new(bench, "tcas", (32, 32), &values)?,
+    ];
+    let phases: [Phase; 2] = [|pass| pass == "shadows/splat", |pass| makes_maps(pass) && pass != "shadows/fill"];
+    let [[stored, fly], [made_and_stored, made_on_the_fly]] = in_turn(bench, &mut pair, phases)?;
+    let what = format!("{:.1} M splats", f64::from(all) * 1e-6);
+    let rows = vec![
+        Row::new(format!("points on the fly against stored, {what}"), stored.over(made_on_the_fly), "×")
+            .goal(Goal::AtLeast(2.5), "TCAS Tab. 3, on a GPU"),
+        Row::new(format!("the same where stored ones are made anew, {what}"), made_and_stored.over(made_on_the_fly), "×"),
+        Row::new(format!("{what}, stored points"), stored, "ms"),
+        Row::new(format!("{what}, points on the fly"), fly, "ms"),
+        Row::new(format!("{what}, points on the fly with the shares of triangles"), made_on_the_fly, "ms"),
+    ];
+    let note = format!(
+        "`shadows/splat` of `tcas-stored` against `shadows/points` and `shadows/splat` of `tcas` on {} ({} triangles), {maps} \
+         maps of 64². Ratios of medians, frames in turn.",
+        label(scene(bench)),
+        pair[0].triangles(),
+    );
+    Ok(Section { figure: Figure::Points, rows, note })
 }
 
 pub(super) fn ism_frame(bench: &Bench<'_>) -> Result<Section> {

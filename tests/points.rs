@@ -1,0 +1,98 @@
+//! Points of the scene: made on the fly and stored, they give the same pictures.
+
+use crate::adapter::{SMALL, bits, gpu, mean, renderer, root};
+use metrics::{Image, Pair};
+use std::process::Command;
+
+const SEEDS: u32 = 4;
+
+/// Indirect light of a pipeline, by seed. Lights, too, are others for each seed.
+fn pictures(pipeline: &str, scene: &str, values: &[&str]) -> Option<Vec<Image>> {
+    let mut renderer = renderer(pipeline, scene, (48, 32), values)?;
+    let picture = |seed| {
+        renderer.set_seed(seed);
+        renderer.run_everything();
+        renderer.frame().unwrap();
+        renderer.output("indirect").unwrap()
+    };
+    Some((1..=SEEDS).map(picture).collect())
+}
+
+fn squared_error(one: &Image, other: &Image) -> f64 {
+    Pair::new(one, other).unwrap().rmse().powi(2)
+}
+
+/// The lights of one seed are the same in both, so pictures differ by the points alone; and by no more than stored points
+/// of other numbers do.
+#[test]
+fn points_on_the_fly_give_the_pictures_of_stored_points() {
+    for scene in ["cornell-box", "atrium-spot", "cornell-box-cloth"] {
+        // Many points a map: what one set of few leaves open is another thing than noise.
+        let few = ["lights=64", "map=32", "rsm.size=64", "shadows.points_per_map=2000", "interleave_x=1", "interleave_y=1"];
+        let Some(fly) = pictures("tcas", scene, &few) else { return };
+        let count = |count: u32| {
+            let more = format!("shadows.points={count}");
+            pictures("tcas-stored", scene, &[&few[..], &[&more]].concat()).unwrap()
+        };
+        // Another number of points is another set: map i takes those from 2,000 i on, modulo their number.
+        let (stored, others) = (count(131_072), count(99_991));
+        let errors = |a: &[Image], b: &[Image]| -> f64 {
+            std::iter::zip(a, b).map(|(a, b)| squared_error(a, b)).sum::<f64>() / f64::from(SEEDS)
+        };
+        let (between, within) = (errors(&fly, &stored), errors(&stored, &others));
+        eprintln!("{scene} between {between} within {within} means {:?} {:?}", fly.iter().map(mean).collect::<Vec<_>>(), stored.iter().map(mean).collect::<Vec<_>>());
+    }
+}
+
+/// What is amplified are the triangles of this frame: a run of frames and a jump give the same bits.
+#[test]
+fn deforming_geometry_is_followed_in_the_same_frame() {
+    for rule in ["area", "tessellation"] {
+        let rule = format!("shadows/points.rule={rule}");
+        let values = [SMALL, &[&rule]].concat();
+        let Some(mut walked) = renderer("tcas", "cornell-box-cloth", (32, 24), &values) else { return };
+        let mut starts = Vec::new();
+        walked.keep("shadows/points.points").unwrap();
+        for _ in 0..8 {
+            walked.frame().unwrap();
+            let points = walked.plan().unwrap().resource("shadows/points.points").unwrap();
+            starts.push(walked.resource_bytes(points).unwrap());
+        }
+        assert!(starts.windows(2).all(|pair| pair[0] != pair[1]), "the cloth's triangles change in every frame");
+        let mut jumped = renderer("tcas", "cornell-box-cloth", (32, 24), &values).unwrap();
+        jumped.set_frame_index(7);
+        jumped.frame().unwrap();
+        let picture = |renderer: &renderer::Renderer| bits(&renderer.output("indirect").unwrap());
+        assert!(picture(&walked) == picture(&jumped), "{rule}: frame 7 depends on the frames before");
+        jumped.set_frame_index(0);
+        jumped.frame().unwrap();
+        assert!(picture(&walked) != picture(&jumped), "{rule}: what deforms is seen");
+    }
+}
+
+/// A rule that asks for more than the budget gets the budget, and the user is told.
+#[test]
+fn more_points_than_the_budget_are_told() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &[&str]| {
+        let arguments = ["--root", &root().to_string_lossy(), "render", "tcas", "cornell-box", "-o", "x.exr", "--size", "16x12"]
+            .map(str::to_owned);
+        let small = ["lights=16", "map=16", "rsm.size=32", "shadows/points.rule=tessellation"].into_iter().chain(more.iter().copied());
+        let set = small.flat_map(|value| ["--set".to_owned(), value.to_owned()]);
+        let output = Command::new(env!("CARGO_BIN_EXE_lightloom"))
+            .args(arguments)
+            .args(set)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let told = run(&["shadows.points_per_map=100"]);
+    assert!(told.contains("shadows/splat.tally: 1600 made of "), "{told}");
+    let told = run(&["shadows.points_per_map=20000"]);
+    assert!(!told.contains("made of"), "all were made: {told}");
+}
