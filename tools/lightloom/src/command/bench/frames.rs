@@ -136,13 +136,18 @@ pub(super) fn points(bench: &Bench<'_>) -> Result<Section> {
         Timed::new(bench, "tcas-stored", (32, 32), &stored_values)?,
         Timed::new(bench, "tcas", (32, 32), &values)?,
     ];
-    let phases: [Phase; 2] = [|pass| pass == "shadows/splat", |pass| makes_maps(pass) && pass != "shadows/fill"];
+    let phases: [Phase; 2] =
+        [|pass| pass == "shadows/splat", |pass| makes_maps(pass) && pass != "shadows/fill"];
     let [[stored, fly], [made_and_stored, made_on_the_fly]] = in_turn(bench, &mut pair, phases)?;
     let what = format!("{:.1} M splats", f64::from(all) * 1e-6);
     let rows = vec![
         Row::new(format!("points on the fly against stored, {what}"), stored.over(made_on_the_fly), "×")
             .goal(Goal::AtLeast(2.5), "TCAS Tab. 3, on a GPU"),
-        Row::new(format!("the same where stored ones are made anew, {what}"), made_and_stored.over(made_on_the_fly), "×"),
+        Row::new(
+            format!("the same where stored ones are made anew, {what}"),
+            made_and_stored.over(made_on_the_fly),
+            "×",
+        ),
         Row::new(format!("{what}, stored points"), stored, "ms"),
         Row::new(format!("{what}, points on the fly"), fly, "ms"),
         Row::new(format!("{what}, points on the fly with the shares of triangles"), made_on_the_fly, "ms"),
