@@ -2,11 +2,11 @@
 
 mod identity;
 mod memory;
+mod needs;
 mod order;
 
-use crate::codes;
-use crate::diagnostic::{Diagnostic, Diagnostics, Source, Span};
-use crate::link::{Graph, GraphPass, GraphPort, Tap};
+use crate::diagnostic::Diagnostics;
+use crate::link::{Graph, GraphPass, Tap};
 use crate::name::Name;
 use crate::plan::{
     AllocationId, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput, PlannedOutput,
@@ -127,166 +127,6 @@ impl<'a> Work<'a> {
         match tap.member {
             Some(member) => whole.start + member as usize..whole.start + member as usize + 1,
             None => whole,
-        }
-    }
-
-    /// Takes the outputs and resources that are asked for.
-    fn want(&mut self, options: &CompileOptions) -> Result<(), Diagnostics> {
-        let mut errors = Vec::new();
-        if options.outputs.is_empty() {
-            self.wanted = (0..self.graph.outputs.len() as u32).collect();
-        }
-        for name in &options.outputs {
-            match self.graph.outputs.iter().position(|output| output.name == *name) {
-                Some(i) => self.wanted.push(i as u32),
-                None => {
-                    let names = self.graph.outputs.iter().map(|output| &*output.name);
-                    errors.push(
-                        asked("output", name, "the pipeline has no output").suggest("outputs", name, names),
-                    );
-                }
-            }
-        }
-        self.wanted.sort_unstable();
-        self.wanted.dedup();
-        for i in self.wanted.clone() {
-            let output = &self.graph.outputs[i as usize];
-            self.take(output.from, output.constant);
-        }
-        for name in &options.keep {
-            match self.find(name) {
-                Ok(kept) => {
-                    self.needed[kept.0] = true;
-                    for r in kept.1 {
-                        self.resources[r].persistent = true;
-                        self.resources[r].read = true;
-                    }
-                }
-                Err(error) => errors.push(error),
-            }
-        }
-        if errors.is_empty() { Ok(()) } else { Err(Diagnostics(errors)) }
-    }
-
-    /// Keeps what an output of the pipeline shows.
-    fn take(&mut self, from: Tap, constant: Option<Clear>) {
-        self.needed[from.pass as usize] = true;
-        for r in self.of_tap(&from) {
-            self.resources[r].persistent = true;
-            self.resources[r].read = true;
-            self.resources[r].constant = constant;
-        }
-    }
-
-    /// The pass and resources of `pass.port` or `pass.port.member`.
-    fn find(&self, name: &str) -> Result<(usize, Range<usize>), Diagnostic> {
-        let mut parts = name.split('.');
-        let pass = parts.next().unwrap_or("");
-        let Some(i) = self.graph.passes.iter().position(|p| p.name == *pass) else {
-            let passes = self.graph.passes.iter().map(|p| &*p.name);
-            return Err(asked("keep", name, "there is no pass for").suggest("passes", pass, passes));
-        };
-        let found = &self.graph.passes[i];
-        if let Some(off) = &found.off {
-            return Err(asked("keep", name, "the pass is off:").note(format!("its switch: {}", off.why)));
-        }
-        let port = parts.next();
-        let member = parts.next();
-        let ports = || {
-            let members = |p: &'a crate::link::GraphPort| {
-                let port = p.port.as_str();
-                p.members
-                    .iter()
-                    .map(move |(m, _, _)| if m.is_empty() { port.to_owned() } else { format!("{port}.{m}") })
-            };
-            found.outputs.iter().flat_map(members).collect::<Vec<_>>()
-        };
-        let unknown = || {
-            let known = ports();
-            let tail = &name[(pass.len() + 1).min(name.len())..];
-            asked("keep", name, "the pass has no resource for").suggest(
-                "resources",
-                tail,
-                known.iter().map(String::as_str),
-            )
-        };
-        // Scratch comes after all ports, and can be kept by name alone.
-        let seen = found.outputs.iter().filter(|p| !p.interface.is_empty()).count();
-        let at = match port {
-            Some(port) => found.outputs.iter().position(|p| p.port == *port),
-            None => (seen == 1).then_some(0),
-        };
-        // `pass.member`, where the pass has one port.
-        let (at, member) = match (at, port, member) {
-            (None, Some(port), None) if seen == 1 => (0, Some(port)),
-            (Some(at), _, member) => (at, member),
-            _ => return Err(unknown()),
-        };
-        let whole = self.of_port(i as u32, at as u32);
-        let Some(member) = member else { return Ok((i, whole)) };
-        match found.outputs[at].members.iter().position(|(m, _, _)| m == member) {
-            Some(m) if parts.next().is_none() => Ok((i, whole.start + m..whole.start + m + 1)),
-            _ => Err(unknown()),
-        }
-    }
-
-    /// Marks what is needed, through links of this frame and of the last.
-    fn cull(&mut self) {
-        let mut open: Vec<u32> =
-            (0..self.graph.passes.len() as u32).filter(|i| self.needed[*i as usize]).collect();
-        while let Some(i) = open.pop() {
-            let graph = self.graph;
-            let pass = &graph.passes[i as usize];
-            if pass.off.is_some() {
-                continue;
-            }
-            for input in &pass.inputs {
-                let producer = input.from.pass as usize;
-                if !self.needed[producer] {
-                    self.needed[producer] = true;
-                    open.push(producer as u32);
-                }
-                for r in self.of_tap(&input.from) {
-                    let resource = &mut self.resources[r];
-                    resource.read = true;
-                    if input.constant.is_some() {
-                        resource.constant = input.constant;
-                        resource.persistent = true;
-                    } else if input.past.is_some() {
-                        resource.persistent = true;
-                        resource.history = 0;
-                    } else {
-                        resource.readers += 1;
-                    }
-                }
-            }
-        }
-        let mut histories = 0;
-        for resource in &mut self.resources {
-            if resource.history != NONE {
-                resource.history = histories;
-                histories += 1;
-            }
-        }
-    }
-
-    /// Keeps what ports of these interfaces make in passes that run.
-    fn keep_made(&mut self, interfaces: &[String]) {
-        if interfaces.is_empty() {
-            return;
-        }
-        let graph = self.graph;
-        let kept = |port: &GraphPort| interfaces.iter().any(|name| port.interface == *name);
-        for (i, pass) in graph.passes.iter().enumerate() {
-            if !self.runs(i) {
-                continue;
-            }
-            for (at, _) in pass.outputs.iter().enumerate().filter(|(_, port)| kept(port)) {
-                for r in self.of_port(i as u32, at as u32) {
-                    self.resources[r].persistent = true;
-                    self.resources[r].read = true;
-                }
-            }
         }
     }
 
@@ -535,11 +375,4 @@ impl<'a> Work<'a> {
             .map(|(i, readers)| (passes[i].name.clone(), fate(i, readers)))
             .collect()
     }
-}
-
-/// An error about what was asked for from outside.
-fn asked(option: &str, name: &str, what: &str) -> Diagnostic {
-    let source = Source::new(format!("--{option}"), name);
-    let span = Span { source, start: 0, end: name.len() as u32 };
-    Diagnostic::new(&codes::UNKNOWN_OUTPUT, format!("{what} `{name}`")).label(span, "")
 }
