@@ -54,7 +54,9 @@ fn surface_sample(index: u32) -> SurfaceSample {
         step = points.step;
     }
     let number = place * step.x + multiply_high(place, step.y) + step.x / 2u;
-    let triangle = triangle_at(number, scene_info.triangles);
+    // Between two entries of the guide there are few triangles, mostly one or two.
+    let guide = scene_info.triangles + 1u + (number >> (31u - points.guide_bits));
+    let triangle = triangle_at(number, points.starts[guide], points.starts[guide + 1u]);
     let start = points.starts[triangle];
     let width = points.starts[triangle + 1u] - start;
     let second = scramble(reverseBits(stratum), hash2(settings.seed, map));

@@ -4,10 +4,10 @@
 //
 // Who imports this says where intervals begin: `fn interval_start(triangle: u32) -> u32`, in rising order.
 
-/// The triangle whose interval holds the number, among `count` of them, at least one. Those of no width hold none.
-fn triangle_at(number: u32, count: u32) -> u32 {
-    var low = 0u;
-    var high = count - 1u;
+/// The triangle whose interval holds the number, among those from `first` to `last`. Those of no width hold none.
+fn triangle_at(number: u32, first: u32, last: u32) -> u32 {
+    var low = first;
+    var high = last;
     while low < high {
         let middle = (low + high + 1u) / 2u;
         if interval_start(middle) <= number {

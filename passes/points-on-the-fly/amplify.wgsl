@@ -15,11 +15,14 @@
 #import "random.wgsl"
 #import "scene.wgsl"
 #import "surface-sample.wgsl"
+#import "triangle-samples.wgsl"
 #import "triangle.wgsl"
 
 struct Settings {
     /// Workgroups that hold all triangles, RUN a thread.
     groups: u32,
+    /// Binary logarithm of the entries of the guide.
+    guide_bits: u32,
     min_factor: u32,
     max_factor: u32,
     seed: u32,
@@ -48,6 +51,10 @@ var<storage, read_write> parts: array<Part>;
 /// [groups] Sum of the shares of a workgroup, and then of all before it.
 var<storage, read_write> blocks: array<u32>;
 var<storage, read_write> points: Amplification;
+
+fn interval_start(triangle: u32) -> u32 {
+    return points.starts[triangle];
+}
 
 struct Triangle {
     /// [m²]
@@ -246,6 +253,7 @@ fn offset(@builtin(local_invocation_index) thread: u32) {
 #else
         points.asked = ANY_NUMBER;
 #endif
+        points.guide_bits = settings.guide_bits;
         points.step = whole_over(max(points.asked, 1u));
     }
 }
@@ -279,4 +287,24 @@ fn place(
         let end = min(points.starts[index + 1u] + blocks[index / (SCAN_SIZE * RUN)], WHOLE);
         points.starts[index + 1u] = select(end, WHOLE, index + 1u == scene_info.triangles);
     }
+}
+
+/// The guide: where searches begin and end.
+@compute @workgroup_size(256)
+fn guide(
+    @builtin(workgroup_id) id: vec3<u32>,
+    @builtin(num_workgroups) ids: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let index = row_index(id, ids, thread, SCAN_SIZE);
+    let entries = 1u << settings.guide_bits;
+    if index > entries || scene_info.triangles == 0u {
+        return;
+    }
+    let last = scene_info.triangles - 1u;
+    var triangle = last;
+    if index < entries {
+        triangle = triangle_at(index << (31u - settings.guide_bits), 0u, last);
+    }
+    points.starts[scene_info.triangles + 1u + index] = triangle;
 }

@@ -41,7 +41,7 @@ fn place(
     let first = min(scramble(sobol.x, hash2(settings.seed, 0u)), 0xfffffffeu);
     let second = scramble(sobol.y, hash2(settings.seed, 1u));
 
-    let triangle = triangle_at(first, scene_info.triangles);
+    let triangle = triangle_at(first, 0u, scene_info.triangles - 1u);
     let start = scene_area_table[triangle];
     // At least 1, also for the table of a scene without area, where an interval may be empty.
     let width = max(scene_area_table[triangle + 1u] - start, 1u);

@@ -328,6 +328,10 @@ impl Executor {
                 let queries = timers.map(|timers| (&timers.queries, end));
                 step.encode(&context, &mut encoder, &mut open, queries);
             }
+            if let Some(timers) = timers.filter(|_| count > 0) {
+                open = None;
+                timers.settle(&mut encoder);
+            }
         }
         drop(open);
         if let Some(timers) = timers {

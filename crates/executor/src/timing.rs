@@ -10,7 +10,10 @@ pub(crate) struct Timers {
     pub(crate) queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     readable: wgpu::Buffer,
+    /// Stamps that are read: the last query is for none of them.
     count: u32,
+    /// Whether a stamp waits for whatever comes next.
+    lazy: bool,
 }
 
 impl Timers {
@@ -19,7 +22,8 @@ impl Timers {
 
     /// Timers for so many passes; `None` where the adapter has none.
     pub(crate) fn new(gpu: &Gpu, passes: u32) -> Option<Timers> {
-        let queries = passes + 1;
+        let count = passes + 1;
+        let queries = count + 1;
         if !gpu.has_timestamps() || queries > Self::MAX_QUERIES {
             return None;
         }
@@ -39,7 +43,8 @@ impl Timers {
             }),
             resolved: buffer("timestamps", BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
             readable: buffer("timestamps to read", BufferUsages::COPY_DST | BufferUsages::MAP_READ),
-            count: queries,
+            count,
+            lazy: gpu.info.device_type == wgpu::DeviceType::Cpu,
         })
     }
 
@@ -50,12 +55,25 @@ impl Timers {
 
     /// Stamps the start of a frame: the end of an empty pass, before which there is nothing to wait for.
     pub(crate) fn start(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.stamp(encoder, "start of the frame", 0);
+        self.settle(encoder);
+    }
+
+    /// To be called after a stamp. lavapipe takes a stamp not where it stands but where it next has to wait, which may be
+    /// after the dispatches that follow, if they need nothing of those before: another stamp is such a place.
+    pub(crate) fn settle(&self, encoder: &mut wgpu::CommandEncoder) {
+        if self.lazy {
+            self.stamp(encoder, "take the stamp", self.count);
+        }
+    }
+
+    fn stamp(&self, encoder: &mut wgpu::CommandEncoder, label: &str, query: u32) {
         encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("start of the frame"),
+            label: Some(label),
             timestamp_writes: Some(wgpu::ComputePassTimestampWrites {
                 query_set: &self.queries,
                 beginning_of_pass_write_index: None,
-                end_of_pass_write_index: Some(0),
+                end_of_pass_write_index: Some(query),
             }),
         });
     }

@@ -69,7 +69,8 @@ impl Pass for PointsOnTheFly {
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
         let groups = u64::from(triangles.div_ceil(GROUP_SIZE).max(1));
-        let bytes = HEADER_BYTES + 4 * (u64::from(triangles) + 1);
+        let guide = (1 << guide_bits(triangles)) + 1;
+        let bytes = HEADER_BYTES + 4 * (u64::from(triangles) + 1 + guide);
         Ok(vec![
             OutputDesc::one("points", ResourceDesc::buffer(bytes.next_multiple_of(16)))
                 .fact("module", Value::Text(MODULE.into()))
@@ -85,13 +86,25 @@ impl Pass for PointsOnTheFly {
         let tessellated = cx.settings.text("rule") == "tessellation";
         let shader = cx.shader(AMPLIFY, &[("TESSELLATION", Define::Bool(tessellated))]);
         let step = |entry: &str, threads: u32| {
-            Compute::new(shader.clone(), entry, Threads::Row(threads)).value("groups", Value::U32(groups))
+            Compute::new(shader.clone(), entry, Threads::Row(threads))
+                .value("groups", Value::U32(groups))
+                .value("guide_bits", Value::U32(guide_bits(triangles)))
         };
         let all = groups * SCAN_SIZE;
         let mut recording = Recording::one(step("measure", all)).then(step("sum_up", SCAN_SIZE));
         if tessellated {
             recording = recording.then(step("count", all)).then(step("sum_up", SCAN_SIZE));
         }
-        Ok(recording.then(step("share", all)).then(step("offset", SCAN_SIZE)).then(step("place", triangles)))
+        let guide = (1 << guide_bits(triangles)) + 1;
+        Ok(recording
+            .then(step("share", all))
+            .then(step("offset", SCAN_SIZE))
+            .then(step("place", triangles))
+            .then(step("guide", guide)))
     }
+}
+
+/// Binary logarithm of the entries of the guide: about as many as triangles.
+fn guide_bits(triangles: u32) -> u32 {
+    triangles.max(1).ilog2().min(20)
 }

@@ -239,7 +239,8 @@ fn surfels_store_the_distance_of_their_plane() {
 /// Points that triangles ask for: 10 over the scene `plane`, whose second triangle has three quarters of them.
 fn ten_points() -> Vec<u8> {
     let (asked, step) = (10_u32, (1_u64 << 63) / 10);
-    let words = [asked, 0, (step >> 32) as u32, step as u32, 0, 1 << 29, 1 << 31, 0];
+    // No guide: the only entry is the first triangle, and the last is the second.
+    let words = [asked, 0, (step >> 32) as u32, step as u32, 0, 1 << 29, 1 << 31, 0, 1];
     bytemuck::cast_slice(&words).to_vec()
 }
 
@@ -256,7 +257,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
                 "points",
                 "Points",
                 &[("count", u32::MAX)],
-                vec![("", pass_test::buffer(32), ten_points())],
+                vec![("", pass_test::buffer(36), ten_points())],
             )
             .text_fact("module", "shaders/points-on-the-fly.wgsl")
             .input("lights", "VirtualLights", &[("count", 2)], vec![("", desc, bytes)])

@@ -4,7 +4,9 @@ use crate::probe::{Amplification, SurfaceSample};
 use pass_test::Stand;
 use pass_test::random::{hash2, unit_float};
 use points_on_the_fly::PASS;
-use points_on_the_fly::twin::{ANY_NUMBER, Vec3, WHOLE, place, sample, scramble, starts, weights};
+use points_on_the_fly::twin::{
+    ANY_NUMBER, Vec3, WHOLE, place, sample, scramble, starts, triangle_at, weights,
+};
 use scene::{Scene, Vertex};
 
 /// The triangles as they are at that time [s].
@@ -45,6 +47,12 @@ fn compare(scene: &Scene, time: f32, rule: &str) -> Option<Amplification> {
     let asked = if factors.is_some() { weights.iter().sum::<f64>() } else { f64::from(ANY_NUMBER) };
     assert!((f64::from(found.asked) - asked).abs() < 1e-3 * asked, "{} asked for, not {asked}", found.asked);
     assert_eq!(found.step, (1 << 63) / u64::from(found.asked));
+    let (last, entries) = (corners.len() as u32 - 1, found.guide.len() as u64 - 1);
+    for (entry, triangle) in (0..).zip(&found.guide) {
+        let at =
+            |number: u64| if entry == entries { last } else { triangle_at(&found.starts, number as u32) };
+        assert_eq!(*triangle, at(entry * u64::from(WHOLE) / entries), "entry {entry} of the guide");
+    }
     Some(found)
 }
 

@@ -67,6 +67,7 @@ pub(crate) struct Amplification {
     pub(crate) asked: u32,
     pub(crate) step: u64,
     pub(crate) starts: Vec<u32>,
+    pub(crate) guide: Vec<u32>,
     bytes: Vec<u8>,
 }
 
@@ -77,6 +78,7 @@ impl Amplification {
             asked: words[0],
             step: (u64::from(words[2]) << 32) | u64::from(words[3]),
             starts: words[4..triangles + 5].to_vec(),
+            guide: words[triangles + 5..triangles + 6 + (1 << words[1])].to_vec(),
             bytes: bytemuck::cast_slice(&words).to_vec(),
         }
     }
