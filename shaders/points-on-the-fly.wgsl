@@ -15,9 +15,6 @@
 
 var<storage, read> points: Amplification;
 
-/// Maps whose samples alternate: as many neighbouring threads stand on near triangles, and write to so many maps.
-const MAPS_AT_ONCE: u32 = 32u;
-
 fn interval_start(triangle: u32) -> u32 {
     return points.starts[triangle];
 }
@@ -37,12 +34,15 @@ fn samples_asked() -> u32 {
 
 /// Sample `index` of all maps' together. Neighbours are near each other, and of different maps.
 fn surface_sample(index: u32) -> SurfaceSample {
-    // Blocks of maps, one after the other.
-    let per_block = MAPS_AT_ONCE * settings.points_per_map;
-    let first_map = index / per_block * MAPS_AT_ONCE;
-    let maps = min(settings.points_maps - first_map, MAPS_AT_ONCE);
-    let stratum = index % per_block / maps;
-    let map = first_map + index % per_block % maps;
+    // Blocks of maps, one after the other; in a block the maps alternate.
+    let bits = settings.points_block_bits;
+    let row = index >> bits;
+    let block = row / settings.points_per_map;
+    let stratum = row - block * settings.points_per_map;
+    let map = (block << bits) + (index & ((1u << bits) - 1u));
+    if map >= settings.points_maps {
+        return SurfaceSample();
+    }
 
     let place = stratum * settings.points_maps + map;
     let all = settings.points_maps * settings.points_per_map;

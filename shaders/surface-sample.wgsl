@@ -4,6 +4,7 @@
 //   points_count: u32     fact of the port
 //   points_maps: u32      maps that samples are wanted for
 //   points_per_map: u32   samples wanted for each
+//   points_block_bits: u32      binary logarithm of how many maps take turns, at most the fact `block` of the port
 //   points_step_whole: u32      2³¹ over the product of both, rounded down
 //   points_step_fraction: u32   and the rest of it, in units of 2⁻³²
 //   seed: u32             of the pass

@@ -20,10 +20,13 @@ struct Settings {
     splat_scale: f32,
     /// Splats of all maps that were asked for.
     wanted: u32,
+    /// Samples of all maps, where their number is filled up to whole blocks.
+    threads: u32,
     // For the module of the port `points`.
     points_count: u32,
     points_maps: u32,
     points_per_map: u32,
+    points_block_bits: u32,
     points_step_whole: u32,
     points_step_fraction: u32,
     seed: u32,
@@ -62,7 +65,7 @@ fn splat(
     @builtin(local_invocation_index) local_index: u32,
 ) {
     let index = row_index(group, groups, local_index, 64u);
-    if index >= settings.points_maps * settings.points_per_map {
+    if index >= settings.threads {
         return;
     }
     let point = surface_sample(index);

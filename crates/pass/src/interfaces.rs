@@ -53,7 +53,7 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "Points",
-        doc: "Samples of the scene's surfaces, of which each map takes an even part. Facts: `module`, the WGSL that answers `fn surface_sample(index: u32) -> SurfaceSample` and `fn samples_asked() -> u32` (shaders/surface-sample.wgsl says what of); `count`, the most different ones there are.",
+        doc: "Samples of the scene's surfaces, of which each map takes an even part. Facts: `module`, the WGSL that answers `fn surface_sample(index: u32) -> SurfaceSample` and `fn samples_asked() -> u32` (shaders/surface-sample.wgsl says what of); `count`, the most different ones there are; `block`, a power of two: how many maps take turns.",
         members: &[required("", "buffer: what the module reads")],
     },
     Interface {

@@ -74,7 +74,8 @@ impl Pass for PointsOnTheFly {
         Ok(vec![
             OutputDesc::one("points", ResourceDesc::buffer(bytes.next_multiple_of(16)))
                 .fact("module", Value::Text(MODULE.into()))
-                .fact("count", Value::U32(if triangles > 0 { u32::MAX } else { 0 })),
+                .fact("count", Value::U32(if triangles > 0 { u32::MAX } else { 0 }))
+                .fact("block", Value::U32(twin::BLOCK)),
             OutputDesc::scratch("parts", ResourceDesc::buffer(PART_BYTES * (groups + 1))),
             OutputDesc::scratch("blocks", ResourceDesc::buffer(4 * groups)),
         ])

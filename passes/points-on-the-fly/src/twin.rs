@@ -6,8 +6,6 @@ use pass::triangle_samples::edges;
 
 /// All that is shared out.
 pub const WHOLE: u32 = 0x8000_0000;
-/// Maps whose samples alternate.
-pub const MAPS_AT_ONCE: u32 = 32;
 /// As many points as are wanted.
 pub const ANY_NUMBER: u32 = u32::MAX;
 
@@ -86,6 +84,23 @@ pub struct Wanted {
     pub per_map: u32,
     /// What the triangles ask for, or [`ANY_NUMBER`].
     pub asked: u32,
+    /// Binary logarithm of how many maps take turns.
+    pub block_bits: u32,
+}
+
+/// The most maps that take turns: as many neighbouring threads stand on near triangles.
+pub const BLOCK: u32 = 32;
+
+impl Wanted {
+    /// Blocks are as large as they may be without being much larger than all maps.
+    pub fn new(maps: u32, per_map: u32, asked: u32) -> Wanted {
+        Wanted { maps, per_map, asked, block_bits: BLOCK.min(maps.next_power_of_two()).ilog2() }
+    }
+
+    /// Samples of all maps, where their number is filled up to whole blocks.
+    pub fn threads(&self) -> u32 {
+        self.maps.next_multiple_of(1 << self.block_bits) * self.per_map
+    }
 }
 
 /// Where a sample lies.
@@ -103,10 +118,13 @@ pub struct Place {
 
 /// Where sample `index` lies; `None` where there is none.
 pub fn place(index: u32, wanted: &Wanted) -> Option<Place> {
-    let per_block = MAPS_AT_ONCE * wanted.per_map;
-    let first_map = index / per_block * MAPS_AT_ONCE;
-    let maps = (wanted.maps - first_map).min(MAPS_AT_ONCE);
-    let (stratum, map) = (index % per_block / maps, first_map + index % per_block % maps);
+    let turns = 1 << wanted.block_bits;
+    let (row, turn) = (index / turns, index % turns);
+    let (block, stratum) = (row / wanted.per_map, row % wanted.per_map);
+    let map = block * turns + turn;
+    if map >= wanted.maps {
+        return None;
+    }
     let place = stratum * wanted.maps + map;
     let made = wanted.asked.min(wanted.maps * wanted.per_map);
     if place >= made {

@@ -19,8 +19,8 @@ const SHADER: &str = "passes/splat/splat.wgsl";
 /// The most texels of all maps: their index is a u32. What an adapter allows less is told when it is asked for.
 const MAX_TEXELS: u64 = u32::MAX as u64;
 
-/// The most splats of a frame: each has a place of its own in 0..2³¹.
-const MAX_SPLATS: u32 = 1 << 31;
+/// The most splats of a frame: each has a place of its own in 0..2³¹, also where maps are filled up to whole blocks.
+const MAX_SPLATS: u32 = 1 << 30;
 
 /// Bytes of struct Tally.
 const TALLY_BYTES: u64 = 8;
@@ -121,12 +121,15 @@ impl Pass for Splat {
         let Some(splats) = wanted.checked_mul(maps).filter(|splats| *splats <= MAX_SPLATS) else {
             return Err(KindError::setting(
                 "points_per_map",
-                format!("{maps} maps of {wanted} points each are more than 2³¹ splats"),
+                format!("{maps} maps of {wanted} points each are more than 2³⁰ splats"),
             ));
         };
         let per_map = wanted.min(points);
         // Between two samples, in units of 2⁻³² of 2⁻³¹ of the surface.
         let step = (1_u64 << 63) / u64::from(maps * per_map).max(1);
+        // Maps that take turns, a power of two: not many more than there are.
+        let block = cx.fact("points", "block").clamp(1, maps.next_power_of_two());
+        let threads = maps.next_multiple_of(block) * per_map;
         let shader = cx.shader(SHADER, &[("KERNEL", Define::from(cx.settings.text("kernel")))]);
         let dispatch = |entry: &str, threads: u32| {
             Compute::new(shader.clone(), entry, Threads::Row(threads))
@@ -134,11 +137,13 @@ impl Pass for Splat {
                 .value("points_count", Value::U32(points))
                 .value("points_maps", Value::U32(maps))
                 .value("points_per_map", Value::U32(per_map))
+                .value("threads", Value::U32(threads))
+                .value("points_block_bits", Value::U32(block.ilog2()))
                 .value("points_step_whole", Value::U32((step >> 32) as u32))
                 .value("points_step_fraction", Value::U32(step as u32))
         };
         let texels = maps * tile * tile;
         let cleared = Recording::one(dispatch("clear", texels.div_ceil(4)).bind("cleared", "depth"));
-        Ok(if per_map == 0 { cleared } else { cleared.then(dispatch("splat", maps * per_map)) })
+        Ok(if per_map == 0 { cleared } else { cleared.then(dispatch("splat", threads)) })
     }
 }

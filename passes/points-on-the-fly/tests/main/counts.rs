@@ -46,7 +46,7 @@ fn a_triangle_has_its_share_of_the_points() {
     let starts = starts(&weights, |_| 0.5);
     assert_eq!((starts[0], starts[6]), (0, WHOLE));
     for all in [16_u32, 160, 1600, 1 << 24] {
-        let wanted = Wanted { maps: 1, per_map: all, asked: ANY_NUMBER };
+        let wanted = Wanted::new(1, all, ANY_NUMBER);
         let mut counts = [0; 6];
         for index in 0..all {
             counts[triangle_at(&starts, place(index, &wanted).unwrap().number) as usize] += 1;

@@ -5,11 +5,10 @@ use points_on_the_fly::twin::{ANY_NUMBER, WHOLE, Wanted, place};
 #[test]
 fn every_map_has_its_samples_spread_over_the_whole() {
     for (maps, per_map) in [(1, 1), (1, 1000), (31, 7), (32, 8), (33, 9), (100, 64), (1024, 3)] {
-        let wanted = Wanted { maps, per_map, asked: ANY_NUMBER };
+        let wanted = Wanted::new(maps, per_map, ANY_NUMBER);
         let mut strata = vec![vec![false; per_map as usize]; maps as usize];
         let mut numbers = Vec::new();
-        for index in 0..maps * per_map {
-            let place = place(index, &wanted).unwrap();
+        for place in (0..wanted.threads()).filter_map(|index| place(index, &wanted)) {
             // One in each of as many equal parts as the map has samples.
             let part = (u64::from(place.number) * u64::from(per_map) / u64::from(WHOLE)) as usize;
             let seen = &mut strata[place.map as usize][part];
@@ -27,7 +26,7 @@ fn every_map_has_its_samples_spread_over_the_whole() {
 #[test]
 fn no_more_samples_than_are_asked_for() {
     // 100 of 4 · 50: half of each map's, over all of the surface.
-    let wanted = Wanted { maps: 4, per_map: 50, asked: 100 };
+    let wanted = Wanted::new(4, 50, 100);
     let places: Vec<_> = (0..200).filter_map(|index| place(index, &wanted)).collect();
     assert_eq!(places.len(), 100);
     for map in 0..4 {
@@ -40,7 +39,7 @@ fn no_more_samples_than_are_asked_for() {
 
 #[test]
 fn neighbours_are_near_each_other_and_of_different_maps() {
-    let wanted = Wanted { maps: 1024, per_map: 800, asked: ANY_NUMBER };
+    let wanted = Wanted::new(1024, 800, ANY_NUMBER);
     for first in [0, 32 * 500, 32 * 800 * 31] {
         let warp: Vec<_> = (first..first + 32).map(|index| place(index, &wanted).unwrap()).collect();
         let (least, most) = (warp[0].number, warp[31].number);

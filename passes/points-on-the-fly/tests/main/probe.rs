@@ -41,24 +41,30 @@ impl Pass for Probe {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        let all = cx.settings.u32("maps") * cx.settings.u32("per_map");
-        Ok(vec![OutputDesc::one("samples", ResourceDesc::buffer(32 * u64::from(all)))])
+        let threads = wanted(cx.settings).threads();
+        Ok(vec![OutputDesc::one("samples", ResourceDesc::buffer(32 * u64::from(threads)))])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let [maps, per_map] = ["maps", "per_map"].map(|name| cx.settings.u32(name));
+        let Wanted { maps, per_map, block_bits, .. } = wanted(cx.settings);
         let step = (1_u64 << 63) / u64::from(maps * per_map);
         let values = [
             ("points_maps", maps),
             ("points_per_map", per_map),
+            ("points_block_bits", block_bits),
             ("points_step_whole", (step >> 32) as u32),
             ("points_step_fraction", step as u32),
         ];
-        let probe = Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(maps * per_map));
+        let probe =
+            Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(wanted(cx.settings).threads()));
         Ok(Recording::one(
             values.into_iter().fold(probe, |step, (name, value)| step.value(name, Value::U32(value))),
         ))
     }
+}
+
+fn wanted(settings: &Settings) -> Wanted {
+    Wanted::new(settings.u32("maps"), settings.u32("per_map"), u32::MAX)
 }
 
 /// struct Amplification.
@@ -103,6 +109,6 @@ impl Amplification {
     }
 
     pub(crate) fn wanted(&self, maps: u32, per_map: u32) -> Wanted {
-        Wanted { maps, per_map, asked: self.asked }
+        Wanted::new(maps, per_map, self.asked)
     }
 }

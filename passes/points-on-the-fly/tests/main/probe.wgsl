@@ -7,6 +7,7 @@ struct Settings {
     points_count: u32,
     points_maps: u32,
     points_per_map: u32,
+    points_block_bits: u32,
     points_step_whole: u32,
     points_step_fraction: u32,
     seed: u32,
@@ -22,7 +23,7 @@ fn probe(
     @builtin(local_invocation_index) local: u32,
 ) {
     let index = row_index(group, groups, local, 64u);
-    if index < settings.points_maps * settings.points_per_map {
+    if index < arrayLength(&samples) {
         samples[index] = surface_sample(index);
     }
 }
