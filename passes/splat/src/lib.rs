@@ -46,6 +46,13 @@ impl Pass for Splat {
                 "Points splatted into each map. 0 takes ISM §5.2's guideline, a quarter of the texels of the \
                  hemisphere. Error falls and time grows with it.",
             ),
+            setting::u32(
+                "budget",
+                33_554_432,
+                "The most points of all maps together. Where more are asked for, all maps lose alike, and the port \
+                 `tally` says how many were left out. Time is bounded by it.",
+            )
+            .range(1.0, f64::from(MAX_SPLATS)),
             setting::f32("splat_scale", 1.0, "Factor on the side of a splat. Holes close and shadows thicken with it.")
                 .range(0.0, 16.0),
             setting::f32(
@@ -118,13 +125,8 @@ impl Pass for Splat {
             0 => twin::points_per_map(tile),
             given => given,
         };
-        let Some(splats) = wanted.checked_mul(maps).filter(|splats| *splats <= MAX_SPLATS) else {
-            return Err(KindError::setting(
-                "points_per_map",
-                format!("{maps} maps of {wanted} points each are more than 2³⁰ splats"),
-            ));
-        };
-        let per_map = wanted.min(points);
+        let within_budget = (cx.settings.u32("budget") / maps.max(1)).max(1);
+        let per_map = wanted.min(points).min(within_budget);
         // Between two samples, in units of 2⁻³² of 2⁻³¹ of the surface.
         let step = (1_u64 << 63) / u64::from(maps * per_map).max(1);
         // Maps that take turns, a power of two: not many more than there are.
@@ -133,7 +135,7 @@ impl Pass for Splat {
         let shader = cx.shader(SHADER, &[("KERNEL", Define::from(cx.settings.text("kernel")))]);
         let dispatch = |entry: &str, threads: u32| {
             Compute::new(shader.clone(), entry, Threads::Row(threads))
-                .value("wanted", Value::U32(splats))
+                .value("wanted", Value::U32(wanted.saturating_mul(maps)))
                 .value("points_count", Value::U32(points))
                 .value("points_maps", Value::U32(maps))
                 .value("points_per_map", Value::U32(per_map))

@@ -247,12 +247,14 @@ fn ten_points() -> Vec<u8> {
 #[test]
 fn what_is_made_of_what_is_asked_for_is_told() {
     let light = [[0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 1.0, 1.0, 0.0]; 2];
-    for (per_map, made) in [(3, 6), (5, 10), (700, 10)] {
+    // Of 700 a map, a budget of 7 leaves 3.
+    for (per_map, budget, made) in [(3, 100, 6), (5, 100, 10), (700, 10_000, 10), (700, 7, 6)] {
         let (desc, bytes) = pass_test::counted(&light);
         let outputs = Stand::new(splat::PASS)
             .scene("plane")
             .set("map", 8)
             .set("points_per_map", per_map)
+            .set("budget", budget)
             .input(
                 "points",
                 "Points",
