@@ -289,7 +289,7 @@ fn interfaces_are_kept_of_passes_that_run_anyway() {
         |plan: &Plan, name: &str| plan.resources[plan.resource(name).unwrap().0 as usize].persistent;
     let plain = planned(&resolved, traits(), &options(&[]));
     assert!(!persistent(&plain, "lights.lights"));
-    let kept = planned(&resolved, traits(), &options(&["VirtualLights", "Irradiance"]));
+    let kept = planned(&resolved, traits(), &options(&["Lights", "Irradiance"]));
     assert!(persistent(&kept, "lights.lights") && !persistent(&kept, "lights.scan"));
     assert!(kept.pass("unused").is_none(), "it makes an Irradiance that nothing reads");
 }
