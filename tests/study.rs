@@ -281,8 +281,12 @@ fn the_trees_studies_run_in_miniature() {
         if name.starts_with("ism") || name == "tcas-tab-3" {
             arguments.extend(["--set", "shadows.points=4096"]);
         }
-        for set in if name == "ism-fig-4" { &["map=32", "rsm.size=32"] } else { &["samples=4", "bounces=1"] }
-        {
+        let reference: &[&str] = match name.as_str() {
+            "ism-fig-4" => &["map=32", "rsm.size=32"],
+            "tcas-fig-6" => &["lights=64", "rsm.size=32"],
+            _ => &["samples=4", "bounces=1"],
+        };
+        for set in reference {
             arguments.extend(["--set-reference", set]);
         }
         let done = study(folder.path(), &arguments);
