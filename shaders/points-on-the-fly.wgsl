@@ -62,11 +62,10 @@ fn surface_sample(index: u32) -> SurfaceSample {
     let second = scramble(reverseBits(stratum), hash2(settings.seed, map));
     let at = triangle_from_square(vec2(min((f32(number - start) + 0.5) / f32(width), 1.0), unit_float(second)));
 
-    let corner = scene_vertices[scene_indices[3u * triangle]].position;
-    let a = scene_vertices[scene_indices[3u * triangle + 1u]].position - corner;
-    let b = scene_vertices[scene_indices[3u * triangle + 2u]].position - corner;
-    let shape = normal_and_area(a, b);
+    let edges = triangle_of_scene(triangle);
+    let shape = normal_and_area(edges.a, edges.b);
+    let position = edges.corner + at.x * edges.a + at.y * edges.b;
     // The step in intervals is that between two samples of any map.
     let share = (f32(step.x) + f32(step.y) * exp2(-32.0)) / f32(width);
-    return SurfaceSample(corner + at.x * a + at.y * b, map, shape.xyz, shape.w * share * f32(settings.points_maps));
+    return SurfaceSample(position, map, shape.xyz, shape.w * share * f32(settings.points_maps));
 }

@@ -1,4 +1,23 @@
-// The shape of a triangle.
+// The triangles of the scene, and the shape of one.
+
+#import "scene.wgsl"
+
+/// Where a triangle is, in world space [m].
+struct Triangle {
+    /// The first vertex.
+    corner: vec3<f32>,
+    /// From it to the second.
+    a: vec3<f32>,
+    /// From it to the third.
+    b: vec3<f32>,
+}
+
+fn triangle_of_scene(index: u32) -> Triangle {
+    let corner = scene_vertices[scene_indices[3u * index]].position;
+    let a = scene_vertices[scene_indices[3u * index + 1u]].position - corner;
+    let b = scene_vertices[scene_indices[3u * index + 2u]].position - corner;
+    return Triangle(corner, a, b);
+}
 
 /// Geometric normal, unit, in xyz, and area [m²] in w of the triangle with these edges [m]; zeros where it has no area.
 /// The edges are scaled first: the squares of their product leave the range of f32 in scenes of 1e-3 or 1e6 m.

@@ -56,22 +56,22 @@ fn interval_start(triangle: u32) -> u32 {
     return points.starts[triangle];
 }
 
-struct Triangle {
+struct Measured {
     /// [m²]
     area: f32,
     /// [m]
     edges: vec3<f32>,
 }
 
-/// Zeros beyond the last.
-fn triangle_of(index: u32) -> Triangle {
+/// Zeros beyond the last triangle.
+fn measured(index: u32) -> Measured {
     if index >= scene_info.triangles {
-        return Triangle();
+        return Measured();
     }
-    let corner = scene_vertices[scene_indices[3u * index]].position;
-    let a = scene_vertices[scene_indices[3u * index + 1u]].position - corner;
-    let b = scene_vertices[scene_indices[3u * index + 2u]].position - corner;
-    return Triangle(normal_and_area(a, b).w, vec3(length(a), length(b), length(b - a)));
+    let triangle = triangle_of_scene(index);
+    let across = triangle.b - triangle.a;
+    let edges = vec3(length(triangle.a), length(triangle.b), length(across));
+    return Measured(normal_and_area(triangle.a, triangle.b).w, edges);
 }
 
 /// Where between two bounds, smoothed; 1 where they are one: what is as large as the largest is large.
@@ -99,7 +99,7 @@ fn tessellated_points(edges: vec3<u32>, inside: u32) -> u32 {
     return around + 1u + 3u * rings * (rings - 1u);
 }
 
-fn weight_of_triangle(triangle: Triangle) -> f32 {
+fn weight_of_triangle(triangle: Measured) -> f32 {
 #if TESSELLATION
     if triangle.area == 0.0 {
         return 0.0;
@@ -152,7 +152,7 @@ fn measure(
     let first = first_of_run(group, thread);
     var part = NOTHING;
     for (var i = 0u; i < RUN; i++) {
-        let triangle = triangle_of(first + i);
+        let triangle = measured(first + i);
         if triangle.area > 0.0 {
             let edges = triangle.edges;
             let least = min(edges.x, min(edges.y, edges.z));
@@ -177,7 +177,7 @@ fn count(
     let first = first_of_run(group, thread);
     var weight = 0.0;
     for (var i = 0u; i < RUN; i++) {
-        weight += weight_of_triangle(triangle_of(first + i));
+        weight += weight_of_triangle(measured(first + i));
     }
     let sum = prefix_sum(thread, weight).y;
     if thread == 0u && group < settings.groups {
@@ -211,7 +211,7 @@ fn share(
     var sums: array<u32, RUN>;
     var sum = 0u;
     for (var i = 0u; i < RUN; i++) {
-        let weight = weight_of_triangle(triangle_of(first + i));
+        let weight = weight_of_triangle(measured(first + i));
         if weight > 0.0 {
             let share = weight / parts[settings.groups].weight * f32(WHOLE);
             sum += u32(share + unit_float(hash2(settings.seed, first + i)));

@@ -50,14 +50,12 @@ fn place(
     // Rounded as they are stored, and the position made from that: who reads the point finds the same place.
     let rounded = vec2<u32>(triangle_from_square(square) * 65535.0 + 0.5);
     let barycentric = vec2(min(rounded.x, 65535u), min(rounded.y, 65535u - min(rounded.x, 65535u)));
-    let corner = scene_vertices[scene_indices[3u * triangle]].position;
-    let a = scene_vertices[scene_indices[3u * triangle + 1u]].position - corner;
-    let b = scene_vertices[scene_indices[3u * triangle + 2u]].position - corner;
+    let edges = triangle_of_scene(triangle);
     let at = vec2<f32>(barycentric) / 65535.0;
     points[index] = Point(
-        corner + at.x * a + at.y * b,
+        edges.corner + at.x * edges.a + at.y * edges.b,
         triangle,
-        normal_and_area(a, b).xyz,
+        normal_and_area(edges.a, edges.b).xyz,
         barycentric.x | (barycentric.y << 16u),
     );
 }

@@ -104,6 +104,15 @@ pub fn scene_from(description: &str) -> Scene {
     scene::load("described", &Description(description)).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// Triangles with these corners \[m\], with the material of the scene `plane`.
+pub fn soup(corners: &[[f32; 3]]) -> Scene {
+    let mut soup = scene("plane");
+    soup.vertices =
+        corners.iter().map(|position| scene::Vertex { position: *position, ..soup.vertices[0] }).collect();
+    soup.indices = (0..corners.len() as u32).collect();
+    soup
+}
+
 /// Loads every variant of every shader of a pass.
 ///
 /// # Panics

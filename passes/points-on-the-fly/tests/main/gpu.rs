@@ -1,13 +1,13 @@
 //! The shaders against the twin, on a GPU.
 
 use crate::probe::{Amplification, SurfaceSample};
-use pass_test::Stand;
 use pass_test::random::{hash2, unit_float};
+use pass_test::{Stand, soup};
 use points_on_the_fly::PASS;
 use points_on_the_fly::twin::{
     ANY_NUMBER, Vec3, WHOLE, place, sample, scramble, starts, triangle_at, weights,
 };
-use scene::{Scene, Vertex};
+use scene::Scene;
 
 /// The triangles as they are at that time [s].
 fn triangles(scene: &Scene, time: f32) -> Vec<[Vec3; 3]> {
@@ -161,15 +161,6 @@ fn samples_of_a_map_are_more_even_than_random_ones() {
         let variance = boxes.iter().map(|n| (f64::from(*n) - 4.0).powi(2)).sum::<f64>() / 64.0;
         assert!(variance < 1.0, "map {map}: variance {variance}, of random samples 4");
     }
-}
-
-/// Triangles with these corners.
-fn soup(corners: &[[f32; 3]]) -> Scene {
-    let mut scene = pass_test::scene("plane");
-    scene.vertices =
-        corners.iter().map(|position| Vertex { position: *position, ..scene.vertices[0] }).collect();
-    scene.indices = (0..corners.len() as u32).collect();
-    scene
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! The shader against the twin, on a GPU.
 
 use bytemuck::{Pod, Zeroable};
-use pass_test::Stand;
 use pass_test::random::{hash2, unit_float};
-use scene::{Scene, Vertex};
+use pass_test::{Stand, soup};
+use scene::Scene;
 use scene_points::{PASS, twin};
 
 /// struct Point.
@@ -14,15 +14,6 @@ struct Point {
     triangle: u32,
     normal: [f32; 3],
     barycentric: u32,
-}
-
-/// Triangles with these corners.
-fn soup(corners: &[[f32; 3]]) -> Scene {
-    let mut scene = pass_test::scene("plane");
-    scene.vertices =
-        corners.iter().map(|position| Vertex { position: *position, ..scene.vertices[0] }).collect();
-    scene.indices = (0..corners.len() as u32).collect();
-    scene
 }
 
 fn run(scene: Scene, count: u32, seed: u32) -> Option<Vec<Point>> {
