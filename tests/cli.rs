@@ -184,6 +184,36 @@ fn a_shader_is_found_by_its_absolute_path() {
     assert!(checked.status.success(), "{}{}", out(&checked), err(&checked));
 }
 
+/// TCAS §6: the pipelines that it compares differ in the sampler alone, and stored points are another one's difference.
+#[test]
+fn the_pipelines_of_tcas_differ_in_one_entry() {
+    for (pipeline, other, change) in [
+        ("ism-invtm", "tcas", "pass lights: sample-inverse-transform → sample-metropolis"),
+        ("ism-invtm", "ism-uniform", "pass lights: sample-inverse-transform → sample-uniform"),
+        ("ism-uniform", "tcas", "pass lights: sample-uniform → sample-metropolis"),
+        ("tcas", "tcas-stored", "pass shadows/points: points-on-the-fly → scene-points"),
+    ] {
+        let printed = out(&lightloom(&["diff", pipeline, other]));
+        let passes: Vec<&str> = printed.lines().filter(|line| line.contains("pass ")).collect();
+        assert_eq!(passes, [format!("~ {change}")], "{printed}");
+    }
+    // 512² pixels are `--size`; 1,024 maps of 64² are the texels of an atlas of 2048²; one of 4×2 subsets a pixel.
+    for (name, value) in [("lights", "1024"), ("map", "64"), ("interleave_x", "4"), ("interleave_y", "2")] {
+        let printed = out(&lightloom(&["resolve", "tcas"]));
+        let said = printed.lines().find(|line| line.trim_start().starts_with(&format!("\"{name}\": U32(")));
+        assert!(said.is_some_and(|line| line.contains(&format!("default: {value}"))), "{name}: {said:?}");
+    }
+}
+
+/// Chains of no step have no last one.
+#[test]
+fn chains_of_no_step_are_refused() {
+    let done = lightloom(&["graph", "tcas", "cornell-box", "--set", "lights.steps=0"]);
+    assert!(!done.status.success());
+    let told = String::from_utf8_lossy(&done.stderr);
+    assert!(told.contains("`steps` is from 1 to 1024, and 0 is not"), "{told}");
+}
+
 #[test]
 fn graphs_lists_and_differences_are_printed() {
     let folder = tempfile::tempdir().unwrap();

@@ -12,3 +12,4 @@ mod movement;
 mod references;
 mod sampling;
 mod skins;
+mod walks;
