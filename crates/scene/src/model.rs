@@ -1,11 +1,11 @@
 //! What an importer or a generator hands over: geometry in its own space, and the nodes that place it.
 
+use bytemuck::{Pod, Zeroable, cast_slice};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use crate::animation::Track;
 use crate::light::LightKind;
 use crate::material::{Material, Texture};
-use crate::shape::Influences;
 
 /// Geometry with materials, in its own space, and a tree of nodes.
 #[derive(Clone, Debug, Default)]
@@ -166,4 +166,50 @@ pub(crate) struct NodeLight {
     pub(crate) node: usize,
     pub(crate) kind: LightKind,
     pub(crate) intensity: Vec3,
+}
+
+/// How much a vertex follows a joint.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Influence {
+    /// Index into the joints of the skin.
+    pub(crate) joint: u32,
+    pub(crate) weight: f32,
+}
+
+/// The joints that each vertex follows: at least one each, of weights that sum to 1. Empty for a mesh that
+/// no skin can bend.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Influences {
+    /// Where the influences of each vertex end in `all`.
+    ends: Vec<u32>,
+    all: Vec<Influence>,
+}
+
+impl Influences {
+    /// Adds those of the next vertex.
+    pub(crate) fn push(&mut self, influences: impl IntoIterator<Item = Influence>) {
+        self.all.extend(influences);
+        self.ends.push(self.all.len() as u32);
+    }
+
+    /// Of how many vertices.
+    pub(crate) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    pub(crate) fn of(&self, vertex: usize) -> &[Influence] {
+        let start = vertex.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.all[start as usize..self.ends[vertex] as usize]
+    }
+
+    /// All of them, for a hash.
+    pub(crate) fn bytes(&self) -> [&[u8]; 2] {
+        [cast_slice(&self.ends), cast_slice(&self.all)]
+    }
+
+    /// Every influence, with its vertex.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Influence)> {
+        (0..self.len()).flat_map(|vertex| self.of(vertex).iter().map(move |i| (vertex, i)))
+    }
 }

@@ -7,51 +7,10 @@ use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::model::{Mesh, Primitive};
+use crate::model::{Influences, Mesh, Primitive};
 
 /// Fewer vertices than this are not worth a thread of their own.
 const VERTICES_A_TASK: usize = 8192;
-
-/// How much a vertex follows a joint.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct Influence {
-    /// Index into the joints of the skin.
-    pub(crate) joint: u32,
-    pub(crate) weight: f32,
-}
-
-/// The joints that each vertex follows: at least one each, of weights that sum to 1. Empty for a mesh that
-/// no skin can bend.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Influences {
-    /// Where the influences of each vertex end in `all`.
-    ends: Vec<u32>,
-    all: Vec<Influence>,
-}
-
-impl Influences {
-    /// Adds those of the next vertex.
-    pub(crate) fn push(&mut self, influences: impl IntoIterator<Item = Influence>) {
-        self.all.extend(influences);
-        self.ends.push(self.all.len() as u32);
-    }
-
-    /// Of how many vertices.
-    pub(crate) fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    pub(crate) fn of(&self, vertex: usize) -> &[Influence] {
-        let start = vertex.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.all[start as usize..self.ends[vertex] as usize]
-    }
-
-    /// Every influence, with its vertex.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Influence)> {
-        (0..self.len()).flat_map(|vertex| self.of(vertex).iter().map(move |i| (vertex, i)))
-    }
-}
 
 /// What a morph target adds to a vertex at weight 1.
 #[repr(C)]
@@ -198,8 +157,7 @@ impl Shape {
         hash.update(cast_slice(&self.positions));
         hash.update(cast_slice(&self.normals));
         hash.update(format!("{:?}", self.faceted).as_bytes());
-        hash.update(cast_slice(&self.influences.ends));
-        hash.update(cast_slice(&self.influences.all));
+        self.influences.bytes().iter().for_each(|bytes| hash.update(bytes));
         for target in &self.targets {
             hash.update(&(target.len() as u64).to_le_bytes());
             hash.update(cast_slice(target));

@@ -8,8 +8,7 @@ use gltf::mesh::Semantic;
 
 use super::Importer;
 use crate::error::SceneError;
-use crate::model::{Mesh, Model, Morph, MorphTarget, Skin};
-use crate::shape::{Influence, Influences};
+use crate::model::{Influence, Influences, Mesh, Model, Morph, MorphTarget, Skin};
 
 /// A vertex's weights may sum to 1 ± this before it is told; more than rounding to 8 bits, four times, does.
 const TOLERANCE: f32 = 0.01;

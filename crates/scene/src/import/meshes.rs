@@ -8,8 +8,7 @@ use gltf::mesh::{Mode, Semantic};
 use super::Importer;
 use crate::error::SceneError;
 use crate::material::Material;
-use crate::model::{Mesh, MorphTarget, Primitive};
-use crate::shape::Influences;
+use crate::model::{Influences, Mesh, MorphTarget, Primitive};
 
 impl Importer<'_> {
     /// All meshes. `uv_sets` has the set of texture coordinates of each material; a default material is
