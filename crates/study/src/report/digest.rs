@@ -81,6 +81,36 @@ impl<'a> Digest<'a> {
         (0..self.taken.len()).filter(|&axis| self.taken[axis].len() > 1).collect()
     }
 
+    /// The axes to draw over, each with those that are free beside it. Of axes that go together, as `Paired` ones do,
+    /// only that is drawn over which says what the others are.
+    pub(super) fn leading(&self) -> Vec<(usize, Vec<usize>)> {
+        let varied = self.varied();
+        let follows = |axis: usize| {
+            varied.iter().any(|&other| {
+                other != axis
+                    && self.determines(other, axis)
+                    && (other < axis || !self.determines(axis, other))
+            })
+        };
+        let leads = varied.iter().copied().filter(|&axis| !follows(axis));
+        leads
+            .map(|axis| {
+                let free = |&other: &usize| other != axis && !self.determines(axis, other);
+                (axis, varied.iter().copied().filter(free).collect())
+            })
+            .collect()
+    }
+
+    /// Whether the value of one axis says that of another, in each pipeline.
+    fn determines(&self, axis: usize, other: usize) -> bool {
+        let mut said = BTreeMap::new();
+        self.rows.iter().all(|row| {
+            let place =
+                |axis: usize| row.values[axis].and_then(|v| self.taken[axis].iter().position(|t| *t == v));
+            *said.entry((row.pipeline, place(axis))).or_insert(place(other)) == place(other)
+        })
+    }
+
     /// `lights = 64, filter = true`: the values of a row on some of the axes.
     pub(super) fn values_text(&self, row: &Row<'_>, axes: &[usize]) -> String {
         let text = |&axis: &usize| {

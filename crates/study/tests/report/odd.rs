@@ -193,3 +193,22 @@ fn a_page_that_would_be_too_large_keeps_a_seed_of_each_combination() {
     assert!((37..108).contains(&kept), "{kept}");
     assert!(page.contains(&format!("{} of 108 pictures are left out", 108 - kept)), "{kept}");
 }
+
+/// As `Paired({ "lights": […], "gather.filter": […] })` makes them: lights say what the filter is.
+#[test]
+fn axes_that_go_together_are_drawn_over_as_one() {
+    let mut results = sample::results();
+    results.cells.retain(|cell| {
+        let few = cell.axes["lights"] == AxisValue::Number(64.0);
+        cell.axes["gather.filter"] == AxisValue::Bool(!few)
+    });
+    let folder = tempfile::tempdir().expect("a folder");
+    study::report(&results, folder.path()).expect("a report");
+    let files = std::fs::read_dir(folder.path().join("figures")).expect("figures");
+    let names: Vec<String> =
+        files.map(|file| file.expect("a file").file_name().to_string_lossy().into_owned()).collect();
+    let over: Vec<&String> = names.iter().filter(|name| name.contains("-over-")).collect();
+    // Five measures of two scenes, each in one chart of all three numbers of lights.
+    assert_eq!(over.len(), 10, "{over:?}");
+    assert!(over.iter().all(|name| name.ends_with("-over-lights.svg")), "{over:?}");
+}

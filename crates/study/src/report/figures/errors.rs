@@ -98,18 +98,18 @@ fn time_chart(
 /// Each measure of a scene against each axis, for each combination of the other axes; and how many charts were
 /// left out.
 pub(super) fn against_axes(digest: &Digest<'_>, scene: usize) -> (Vec<Figure>, usize) {
-    let varied = digest.varied();
+    let leading = digest.leading();
     let (mut figures, mut left_out) = (Vec::new(), 0);
     for measure in digest.measured() {
-        for &axis in &varied {
-            let rest: Vec<usize> = varied.iter().copied().filter(|&other| other != axis).collect();
+        for (axis, rest) in &leading {
+            let axis = *axis;
             let measured = digest.of_scene(scene).filter(|row| row.summary(&measure.key).is_some());
-            let combinations = combinations(measured, &rest);
+            let combinations = combinations(measured, rest);
             left_out += combinations.len().saturating_sub(MOST_COMBINATIONS);
             let charts = combinations
                 .iter()
                 .take(MOST_COMBINATIONS)
-                .filter_map(|combination| axis_chart(digest, scene, measure, axis, &rest, combination));
+                .filter_map(|combination| axis_chart(digest, scene, measure, axis, rest, combination));
             figures.extend(charts);
         }
     }
