@@ -1,6 +1,6 @@
 // What the module of an interface Points answers with.
 //
-// The uniform `settings` of the consumer, whose port is `points`, has these members:
+// The uniform `settings` of the consumer, whose port is `points`, has these members, which `pass::SurfaceSamples` fills:
 //   points_count: u32     fact of the port
 //   points_maps: u32      maps that samples are wanted for
 //   points_per_map: u32   samples wanted for each

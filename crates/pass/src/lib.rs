@@ -18,6 +18,7 @@ pub mod paraboloid;
 mod record;
 pub mod reflected;
 pub mod setting;
+mod surface_samples;
 pub mod triangle_samples;
 
 pub use frame_graph::{
@@ -30,6 +31,7 @@ pub use record::{
     Threads, request,
 };
 pub use shader_library::{Define, Library, Request};
+pub use surface_samples::SurfaceSamples;
 
 /// What the documentation says of a kind.
 #[derive(Clone, Copy, Debug)]

@@ -16,12 +16,16 @@ pub struct Progress {
 impl Progress {
     /// From the bytes of the buffer; `None` where they are too few.
     pub fn from_bytes(bytes: &[u8]) -> Option<Progress> {
-        let word = |i: usize| Some(u32::from_le_bytes(bytes.get(4 * i..4 * i + 4)?.try_into().ok()?));
         Some(Progress {
-            samples: word(0)?,
-            error: f32::from_bits(word(1)?),
-            done: word(2)? != 0,
-            limit: word(3)?,
+            samples: word(bytes, 0)?,
+            error: f32::from_bits(word(bytes, 1)?),
+            done: word(bytes, 2)? != 0,
+            limit: word(bytes, 3)?,
         })
     }
+}
+
+/// Number `i` of the `u32` in a buffer; `None` beyond its end.
+pub(crate) fn word(bytes: &[u8], i: usize) -> Option<u32> {
+    Some(u32::from_le_bytes(bytes.get(4 * i..4 * i + 4)?.try_into().ok()?))
 }

@@ -1,5 +1,7 @@
 //! What was asked for and could not all be made.
 
+use crate::progress::word;
+
 /// The struct Tally of shaders/tally.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tally {
@@ -15,7 +17,6 @@ impl Tally {
 
     /// From the bytes of the buffer; `None` where they are too few.
     pub fn from_bytes(bytes: &[u8]) -> Option<Tally> {
-        let word = |i: usize| Some(u32::from_le_bytes(bytes.get(4 * i..4 * i + 4)?.try_into().ok()?));
-        Some(Tally { asked: word(0)?, made: word(1)? })
+        Some(Tally { asked: word(bytes, 0)?, made: word(bytes, 1)? })
     }
 }

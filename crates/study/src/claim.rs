@@ -1,6 +1,7 @@
 //! Whether what a paper says holds of what was measured.
 
 use crate::description::{Claim, Pick, Pins, Relation};
+use crate::interval::Interval;
 use crate::record::{AxisValue, Cell, ClaimRecord, Outcome, PickRecord, RelationRecord, Results};
 use std::collections::BTreeMap;
 
@@ -67,7 +68,7 @@ impl Results {
         });
         let values: Vec<f64> =
             cells.filter_map(|cell| cell.measures.get(&claim.measure).copied().flatten()).collect();
-        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+        Interval::of(&values).map(|interval| interval.mean)
     }
 }
 

@@ -5,7 +5,7 @@ pub mod twin;
 use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Define, Extent, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, SurfaceSamples, Threads, UseContext, Value,
 };
 
 /// The kind `splat`.
@@ -120,32 +120,24 @@ impl Pass for Splat {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let [tile, maps] = ["tile", "count"].map(|fact| cx.fact("depth", fact));
-        let points = cx.fact("points", "count");
         let wanted = match cx.settings.u32("points_per_map") {
             0 => twin::points_per_map(tile),
             given => given,
         };
         let within_budget = (cx.settings.u32("budget") / maps.max(1)).max(1);
-        let per_map = wanted.min(points).min(within_budget);
-        // Between two samples, in units of 2⁻³² of 2⁻³¹ of the surface.
-        let step = (1_u64 << 63) / u64::from(maps * per_map).max(1);
-        // Maps that take turns, a power of two: not many more than there are.
-        let block = cx.fact("points", "block").clamp(1, maps.next_power_of_two());
-        let threads = maps.next_multiple_of(block) * per_map;
+        let samples = SurfaceSamples::new(cx, maps, wanted.min(within_budget));
         let shader = cx.shader(SHADER, &[("KERNEL", Define::from(cx.settings.text("kernel")))]);
         let dispatch = |entry: &str, threads: u32| {
-            Compute::new(shader.clone(), entry, Threads::Row(threads))
+            samples
+                .fill(Compute::new(shader.clone(), entry, Threads::Row(threads)))
                 .value("wanted", Value::U32(wanted.saturating_mul(maps)))
-                .value("points_count", Value::U32(points))
-                .value("points_maps", Value::U32(maps))
-                .value("points_per_map", Value::U32(per_map))
-                .value("threads", Value::U32(threads))
-                .value("points_block_bits", Value::U32(block.ilog2()))
-                .value("points_step_whole", Value::U32((step >> 32) as u32))
-                .value("points_step_fraction", Value::U32(step as u32))
+                .value("threads", Value::U32(samples.threads()))
         };
         let texels = maps * tile * tile;
         let cleared = Recording::one(dispatch("clear", texels.div_ceil(4)).bind("cleared", "depth"));
-        Ok(if per_map == 0 { cleared } else { cleared.then(dispatch("splat", threads)) })
+        Ok(match samples.threads() {
+            0 => cleared,
+            threads => cleared.then(dispatch("splat", threads)),
+        })
     }
 }

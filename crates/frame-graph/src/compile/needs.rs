@@ -33,12 +33,9 @@ impl<'a> Work<'a> {
         }
         for name in &options.keep {
             match self.find(name) {
-                Ok(kept) => {
-                    self.needed[kept.0] = true;
-                    for r in kept.1 {
-                        self.resources[r].persistent = true;
-                        self.resources[r].read = true;
-                    }
+                Ok((pass, resources)) => {
+                    self.needed[pass] = true;
+                    self.keep(resources);
                 }
                 Err(error) => errors.push(error),
             }
@@ -49,10 +46,17 @@ impl<'a> Work<'a> {
     /// Keeps what an output of the pipeline shows.
     fn take(&mut self, from: Tap, constant: Option<Clear>) {
         self.needed[from.pass as usize] = true;
+        self.keep(self.of_tap(&from));
         for r in self.of_tap(&from) {
-            self.resources[r].persistent = true;
-            self.resources[r].read = true;
             self.resources[r].constant = constant;
+        }
+    }
+
+    /// Keeps resources for who reads them after the frame.
+    fn keep(&mut self, resources: Range<usize>) {
+        for resource in &mut self.resources[resources] {
+            resource.persistent = true;
+            resource.read = true;
         }
     }
 
@@ -160,10 +164,7 @@ impl<'a> Work<'a> {
                 continue;
             }
             for (at, _) in pass.outputs.iter().enumerate().filter(|(_, port)| kept(port)) {
-                for r in self.of_port(i as u32, at as u32) {
-                    self.resources[r].persistent = true;
-                    self.resources[r].read = true;
-                }
+                self.keep(self.of_port(i as u32, at as u32));
             }
         }
     }

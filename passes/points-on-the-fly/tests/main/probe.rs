@@ -3,10 +3,10 @@
 use bytemuck::{Pod, Zeroable};
 use pass::{
     Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Threads, UseContext, Value, setting,
+    ResourceDesc, Setting, Settings, SurfaceSamples, Threads, UseContext, setting,
 };
 use pass_test::{Outputs, Stand};
-use points_on_the_fly::twin::Wanted;
+use points_on_the_fly::twin::{BLOCK, Wanted};
 use scene::Scene;
 
 /// struct SurfaceSample.
@@ -46,20 +46,10 @@ impl Pass for Probe {
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let Wanted { maps, per_map, block_bits, .. } = wanted(cx.settings);
-        let step = (1_u64 << 63) / u64::from(maps * per_map);
-        let values = [
-            ("points_maps", maps),
-            ("points_per_map", per_map),
-            ("points_block_bits", block_bits),
-            ("points_step_whole", (step >> 32) as u32),
-            ("points_step_fraction", step as u32),
-        ];
-        let probe =
-            Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(wanted(cx.settings).threads()));
-        Ok(Recording::one(
-            values.into_iter().fold(probe, |step, (name, value)| step.value(name, Value::U32(value))),
-        ))
+        let [maps, per_map] = ["maps", "per_map"].map(|name| cx.settings.u32(name));
+        let samples = SurfaceSamples::new(cx, maps, per_map);
+        let probe = Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(samples.threads()));
+        Ok(Recording::one(samples.fill(probe)))
     }
 }
 
@@ -103,7 +93,12 @@ impl Amplification {
             .time(time)
             .set("maps", maps)
             .set("per_map", per_map)
-            .input("points", "Points", &[("count", u32::MAX)], vec![("", desc, self.bytes.clone())])
+            .input(
+                "points",
+                "Points",
+                &[("count", u32::MAX), ("block", BLOCK)],
+                vec![("", desc, self.bytes.clone())],
+            )
             .text_fact("module", "shaders/points-on-the-fly.wgsl");
         Some(stand.run()?.read("samples"))
     }

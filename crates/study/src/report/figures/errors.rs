@@ -101,8 +101,7 @@ pub(super) fn against_axes(digest: &Digest<'_>, scene: usize) -> (Vec<Figure>, u
     let leading = digest.leading();
     let (mut figures, mut left_out) = (Vec::new(), 0);
     for measure in digest.measured() {
-        for (axis, rest) in &leading {
-            let axis = *axis;
+        for &(axis, ref rest) in &leading {
             let measured = digest.of_scene(scene).filter(|row| row.summary(&measure.key).is_some());
             let combinations = combinations(measured, rest);
             left_out += combinations.len().saturating_sub(MOST_COMBINATIONS);
