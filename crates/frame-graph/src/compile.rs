@@ -7,13 +7,13 @@ mod order;
 
 use crate::diagnostic::Diagnostics;
 use crate::link::{Graph, GraphPass, Tap};
-use crate::name::Name;
 use crate::plan::{
     AllocationId, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput, PlannedOutput,
     PlannedPass, PlannedPort, PlannedResource, ResourceId,
 };
 use crate::port::{Externals, Usage};
 use crate::resource::Clear;
+use data_file::Name;
 use std::ops::Range;
 
 /// How to compile.

@@ -2,8 +2,8 @@
 
 use crate::codes::{self, Code};
 use crate::diagnostic::nearest;
-use crate::name::Name;
 use crate::value::Value;
+use data_file::Name;
 use std::fmt;
 
 /// Deepest nesting of an expression.

@@ -67,27 +67,24 @@
 //! All errors of a file are told at once, each with a code (see [`codes`]), the place, both ends of a link, and the
 //! nearest name. Files that are broken, whatever their text, give errors and never a panic.
 
-pub mod codes;
 pub mod compile;
 pub mod description;
-pub mod diagnostic;
 mod expression;
 pub mod frame;
 pub mod link;
-mod name;
 pub mod plan;
 pub mod port;
-pub mod reader;
 pub mod resolve;
 pub mod resource;
-pub mod value;
+
+pub use data_file::{codes, diagnostic, reader, value};
 
 pub use compile::{CompileOptions, compile};
+pub use data_file::Name;
 pub use description::{Description, parse};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Source, Span, nearest};
 pub use frame::{Change, FrameState, ResetCause};
 pub use link::{Graph, LinkContext, link};
-pub use name::Name;
 pub use plan::{Plan, PlanId};
 pub use port::{
     Externals, Facts, InputPort, Interface, KindError, Kinds, Member, OutputContext, OutputDesc, OutputPort,

@@ -5,10 +5,10 @@ mod json;
 mod svg;
 mod text;
 
-use crate::name::Name;
 use crate::port::{Externals, Facts, OutputOverride};
 use crate::resource::{Clear, ResourceDesc};
 use crate::value::Settings;
+use data_file::Name;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;

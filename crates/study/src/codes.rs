@@ -32,7 +32,7 @@ codes! {
 pub fn table() -> String {
     let mut text = String::from(
         "# Errors of studies\n\nErrors of the text itself have the codes of \
-         [frame-graph](../frame-graph/ERRORS.md). An example of each, with the whole text as it is shown, is in \
+         [frame-graph](../data-file/ERRORS.md). An example of each, with the whole text as it is shown, is in \
          `tests/broken` and `tests/snapshots`.\n\n| code | meaning |\n|---|---|\n",
     );
     for code in CODES {

@@ -3,10 +3,10 @@
 use crate::diagnostic::Place;
 use crate::expression::Expr;
 use crate::frame::ResetCause;
-use crate::name::Name;
 use crate::port::OutputOverride;
 use crate::resource::{Clear, Extent, Format};
 use crate::value::{Value, ValueType};
+use data_file::Name;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;

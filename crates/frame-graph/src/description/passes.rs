@@ -1,14 +1,15 @@
 //! Passes, their links, and patches.
 
 use super::form::{At, Body, Dim, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Set, When};
+use super::read::Grammar;
 use super::read::{out_overrides, within};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::expression;
 use crate::frame::ResetCause;
-use crate::name::Name;
-use crate::reader::{Form, Node, Reader};
+use crate::reader::{Form, Node};
 use crate::resource::{Clear, Format};
+use data_file::Name;
 use std::sync::Arc;
 
 const PASS: &[&str] = &["kind", "shader", "in", "keep", "feed", "set", "out", "when", "off"];
@@ -24,7 +25,7 @@ type Fields = (&'static str, &'static [&'static str]);
 /// What may stand in `passes`; in a patch, a `Group` may not.
 pub(super) const PASS_FORMS: [Fields; 3] = [("Pass", PASS), ("Sub", SUB), ("Group", GROUP)];
 
-impl Reader<'_> {
+impl Grammar<'_, '_> {
     pub(super) fn link(&mut self, port: At<Name>, node: &Node) -> Option<Link> {
         let prev = match &node.form {
             Form::Struct(Some(name), _) | Form::Tuple(Some(name), _) => Some(&name.text),

@@ -5,21 +5,39 @@ use super::form::{At, Dim, Entry, InputDecl, Link, OutDecl, OutputDecl, Paramete
 use super::passes::PASS_FORMS;
 use crate::codes;
 use crate::diagnostic::{Diagnostics, Place, Source};
-use crate::name::Name;
 use crate::port::OutputOverride;
 use crate::reader::{Form, Node, Number, Reader, read_as};
 use crate::value::{Value, ValueType};
+use data_file::Name;
 use std::collections::BTreeMap;
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 /// Reads a file whose places carry the index `file`.
 pub(crate) fn parse_file(source: Arc<Source>, file: u32) -> Result<Description, Diagnostics> {
-    read_as(&source, file, |reader, tree| reader.pipeline(tree))
+    read_as(&source, file, |reader, tree| Grammar(reader).pipeline(tree))
+}
+
+/// The grammar of pipelines over a reader.
+pub(super) struct Grammar<'r, 'a>(&'r mut Reader<'a>);
+
+impl<'a> Deref for Grammar<'_, 'a> {
+    type Target = Reader<'a>;
+
+    fn deref(&self) -> &Reader<'a> {
+        self.0
+    }
+}
+
+impl DerefMut for Grammar<'_, '_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        self.0
+    }
 }
 
 const PARAMETER: &[&str] = &["default", "min", "max", "one_of", "unit", "doc"];
 
-impl Reader<'_> {
+impl Grammar<'_, '_> {
     pub(super) fn text_at(&mut self, node: &Node, expected: &str) -> Option<At<String>> {
         Some(At { value: self.text(node, expected)?.to_owned(), place: self.place(node) })
     }

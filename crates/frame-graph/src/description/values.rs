@@ -1,13 +1,14 @@
 //! Values: links, settings, colours, sizes.
 
 use super::form::{At, Dim, SetValue, Size, Target, is_name};
+use super::read::Grammar;
 use crate::codes;
-use crate::name::Name;
-use crate::reader::{Form, Node, Number, Reader};
+use crate::reader::{Form, Node, Number};
 use crate::resource::Clear;
 use crate::value::Value;
+use data_file::Name;
 
-impl Reader<'_> {
+impl Grammar<'_, '_> {
     /// Where the text of a link ends, if it can be pointed into.
     pub(super) fn content_end(node: &Node) -> Option<u32> {
         match &node.form {

@@ -6,7 +6,7 @@ use super::{Linker, Wire, Wires};
 use crate::codes;
 use crate::description::{At, Body, Group, InputDecl, Link, Off};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::name::Name;
+use data_file::Name;
 use std::rc::Rc;
 use std::sync::Arc;
 

@@ -5,9 +5,9 @@ use super::{GraphPort, GraphPorts, Linker};
 use crate::codes;
 use crate::description::{Body, Off};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::name::Name;
 use crate::port::{Facts, InputDesc, KindError, OutputContext, OutputDesc};
 use crate::resource::{Extent, Format, ResourceDesc, SampleKind, TextureDesc};
+use data_file::Name;
 use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock};
 

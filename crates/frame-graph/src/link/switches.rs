@@ -6,9 +6,9 @@ use crate::codes;
 use crate::description::{At, Body, Off, When, within};
 use crate::diagnostic::Diagnostic;
 use crate::expression::{Env, ExprError, Ty};
-use crate::name::Name;
 use crate::resource::Clear;
 use crate::value::{Traits, Value};
+use data_file::Name;
 
 /// Longest chain of switches that ask each other through `connected`.
 const MAX_CHAIN: u32 = 128;

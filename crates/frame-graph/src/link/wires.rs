@@ -4,9 +4,9 @@ use super::Linker;
 use crate::codes;
 use crate::description::{At, Body, Group, InputDecl, Link, Off, Past};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::name::Name;
 use crate::port::Interface;
 use crate::resource::Clear;
+use data_file::Name;
 use std::sync::Arc;
 
 /// Most borders and switched-off passes that one link may cross.

@@ -1,9 +1,9 @@
 //! The plan as JSON.
 
 use super::{Fate, Plan, PlannedPass, ResourceId};
-use crate::name::Name;
 use crate::port::Externals;
 use crate::value::Value;
+use data_file::Name;
 use serde_json::{Map, Value as Json, json};
 
 fn value(value: &Value) -> Json {

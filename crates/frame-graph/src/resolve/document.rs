@@ -6,7 +6,7 @@ use crate::description::{
     At, Body, Description, Entry, InputDecl, Link, OutputDecl, ParameterDecl, PassDecl, Patch, Target,
 };
 use crate::diagnostic::{Diagnostic, Place};
-use crate::name::Name;
+use data_file::Name;
 use std::sync::Arc;
 
 /// Longest chain of `extends`.

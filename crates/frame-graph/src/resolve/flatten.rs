@@ -8,8 +8,8 @@ use crate::description::{
     out_overrides, parse_file, within,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
-use crate::name::Name;
-use crate::value::{Misfit, Setting, Value, ValueType};
+use crate::value::{Misfit, Setting, Value};
+use data_file::Name;
 use rustc_hash::FxHashMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -479,17 +479,4 @@ impl<'a> Resolver<'a> {
 /// A link as seen from outside the part named `prefix`.
 fn prefixed(target: &Target, prefix: &str) -> Target {
     Target { pass: Name::from(format!("{prefix}/{}", target.pass)), ..target.clone() }
-}
-
-impl ValueType {
-    /// The form that declares a parameter of this type.
-    pub(super) fn form(self) -> &'static str {
-        match self {
-            ValueType::Bool => "Bool",
-            ValueType::U32 => "U32",
-            ValueType::I32 => "I32",
-            ValueType::F32 => "F32",
-            ValueType::Text | ValueType::Vector(_) => "Text",
-        }
-    }
 }

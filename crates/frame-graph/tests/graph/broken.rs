@@ -66,7 +66,7 @@ fn every_broken_file_gives_its_errors() {
 
 #[test]
 fn the_table_of_codes_is_up_to_date() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("ERRORS.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data-file/ERRORS.md");
     if std::env::var_os("INSTA_UPDATE").is_some_and(|update| update == "always") {
         std::fs::write(&path, table()).unwrap();
     }

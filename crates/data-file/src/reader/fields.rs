@@ -18,7 +18,7 @@ pub fn parse<T>(
 }
 
 /// Reads a file whose places carry the index `file`, and what `grammar` makes of its tree.
-pub(crate) fn read_as<T>(
+pub fn read_as<T>(
     source: &Arc<Source>,
     file: u32,
     grammar: impl FnOnce(&mut Reader<'_>, &Node) -> Option<T>,
@@ -64,16 +64,21 @@ pub(crate) fn read_as<T>(
 /// A file that is being read, and the errors so far.
 #[derive(Debug)]
 pub struct Reader<'a> {
-    pub(crate) source: &'a Arc<Source>,
-    pub(crate) file: u32,
-    pub(crate) errors: Vec<Diagnostic>,
+    /// The file.
+    pub source: &'a Arc<Source>,
+    /// The index that places in it carry.
+    pub file: u32,
+    /// What is wrong so far.
+    pub errors: Vec<Diagnostic>,
 }
 
 /// The named fields of a form, known to be among those that it has.
 #[derive(Debug)]
 pub struct Fields<'a> {
-    pub(crate) form: &'static str,
-    pub(crate) place: Place,
+    /// The name of the form.
+    pub form: &'static str,
+    /// Where it begins.
+    pub place: Place,
     fields: Vec<(&'a str, &'a Node)>,
 }
 
@@ -90,12 +95,13 @@ impl<'a> Fields<'a> {
 }
 
 impl Reader<'_> {
-    pub(crate) fn place(&self, node: &Node) -> Place {
+    /// The place of a value.
+    pub fn place(&self, node: &Node) -> Place {
         Place { file: self.file, start: node.start, end: node.end }
     }
 
     /// The first line of a value, for pointing at long ones.
-    pub(crate) fn head(&self, node: &Node) -> Place {
+    pub fn head(&self, node: &Node) -> Place {
         let place = self.place(node);
         let text = &self.source.text[place.start as usize..place.end as usize];
         let len = match &node.form {
@@ -105,11 +111,13 @@ impl Reader<'_> {
         place.part(0, len)
     }
 
-    pub(crate) fn span(&self, place: Place) -> Span {
+    /// The span of a place in this file.
+    pub fn span(&self, place: Place) -> Span {
         Span { source: Arc::clone(self.source), start: place.start, end: place.end }
     }
 
-    pub(crate) fn error(
+    /// Adds an error at a place, and gives it for more to be said.
+    pub fn error(
         &mut self,
         code: &'static Code,
         place: Place,
@@ -215,7 +223,8 @@ impl Reader<'_> {
         Some(Fields { form: form.0, place: self.head(node), fields: found })
     }
 
-    pub(crate) fn duplicate(&mut self, what: &str, place: Place, first: Place) {
+    /// Tells that a name or field is given twice.
+    pub fn duplicate(&mut self, what: &str, place: Place, first: Place) {
         let first = self.span(first);
         let error = self.error(&codes::DUPLICATE, place, format!("{what} is given twice"));
         error.labels[0].message = "again here".into();

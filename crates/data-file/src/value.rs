@@ -218,8 +218,19 @@ impl fmt::Display for ValueType {
 }
 
 impl ValueType {
+    /// The form that declares a parameter of this type.
+    pub fn form(self) -> &'static str {
+        match self {
+            ValueType::Bool => "Bool",
+            ValueType::U32 => "U32",
+            ValueType::I32 => "I32",
+            ValueType::F32 => "F32",
+            ValueType::Text | ValueType::Vector(_) => "Text",
+        }
+    }
+
     /// `a u32`, `an f32`, `text`.
-    pub(crate) fn with_article(self) -> String {
+    pub fn with_article(self) -> String {
         match self {
             ValueType::Text => "text".to_owned(),
             ValueType::I32 | ValueType::F32 => format!("an {self}"),

@@ -11,7 +11,7 @@ pub struct Code {
 
 macro_rules! codes {
     ($($name:ident = $code:literal: $meaning:literal;)*) => {
-        $(pub(crate) static $name: Code = Code { code: $code, meaning: $meaning };)*
+        $(#[doc = $meaning] pub static $name: Code = Code { code: $code, meaning: $meaning };)*
         /// Every code, in order.
         pub static CODES: &[&Code] = &[$(&$name),*];
     };

@@ -200,18 +200,20 @@ impl fmt::Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// A place in one of several files: what is kept of a span inside the crate.
+/// A place in one of several files: a span without its text, for descriptions that keep many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Place {
+pub struct Place {
     /// Index into [`Sources`].
-    pub(crate) file: u32,
-    pub(crate) start: u32,
-    pub(crate) end: u32,
+    pub file: u32,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
 }
 
 impl Place {
     /// The part of this place from byte `from` on, `len` bytes long.
-    pub(crate) fn part(self, from: usize, len: usize) -> Place {
+    pub fn part(self, from: usize, len: usize) -> Place {
         let start = self.start + from as u32;
         Place { file: self.file, start, end: start + len as u32 }
     }
@@ -219,15 +221,16 @@ impl Place {
 
 /// The files that places point into.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Sources(pub(crate) Vec<Arc<Source>>);
+pub struct Sources(pub Vec<Arc<Source>>);
 
 impl Sources {
-    pub(crate) fn span(&self, place: Place) -> Span {
+    /// The span of a place.
+    pub fn span(&self, place: Place) -> Span {
         Span { source: Arc::clone(&self.0[place.file as usize]), start: place.start, end: place.end }
     }
 
     /// Adds a file and returns its index.
-    pub(crate) fn add(&mut self, source: Arc<Source>) -> u32 {
+    pub fn add(&mut self, source: Arc<Source>) -> u32 {
         self.0.push(source);
         self.0.len() as u32 - 1
     }

@@ -8,6 +8,6 @@ mod fields;
 mod lexer;
 mod tree;
 
-pub(crate) use fields::read_as;
+pub use fields::read_as;
 pub use fields::{Fields, Reader, parse};
 pub use tree::{Field, Form, Node, Number, Word};

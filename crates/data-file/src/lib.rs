@@ -1,0 +1,16 @@
+//! Reads data files in RON so that every key and value knows its place, and tells what is wrong with them.
+//!
+//! Pipelines, scenes and studies are read by this one reader and tell their errors in one form: a stable code (see
+//! [`codes`]), the file, line and column, the text with a caret, what was expected, and the nearest known name.
+//! Each grammar is a function over the tree, in the crate that owns the files.
+
+pub mod codes;
+pub mod diagnostic;
+mod name;
+pub mod reader;
+pub mod value;
+
+pub use codes::Code;
+pub use diagnostic::{Diagnostic, Diagnostics, Label, Place, Source, Sources, Span, nearest};
+pub use name::Name;
+pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};
