@@ -35,7 +35,7 @@
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or `"$parameter"`; text that begins with `$` is written with `$$` |
 //! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?)`, for kinds that take their ports from a shader |
 //! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`; any number may be `"$parameter"` (`"frame / $tile"`) |
-//! | OFF | `Black`, `Color(r, g, b, a)`, or `Input("port")`: what stands in place of the outputs when the switch is off |
+//! | OFF | `Black`, `Color(r, g, b, a)`, `Input("port")`, or a link such as `"pass.port"` or `"in.input"`: what stands in place of the outputs when the switch is off |
 //! | PATCH | `Replace("pass", PASS)`, `Insert(name: "x", pass: PASS, between: ("a.port", "b.port"))`, `Set("path", VALUE)`, `Remove("pass")` |
 //!
 //! **Links.** The name of a pass alone means its only output of the interface that the input takes, else its only
@@ -56,6 +56,9 @@
 //! `lights`), `connected(input)`, truth values, numbers and `'text'`, with `!`, `&&`, `||`, `==`, `!=`, `<`, `<=`,
 //! `>`, `>=` and parentheses. Its types are checked, and so is all else in a pass that is off. What reads a pass that
 //! is off finds what `off:` says; without it, optional inputs are left unlinked and others are an error.
+//! A link stands in place of every output of its interface. It may name any pass or part, also one that is off
+//! itself: then what that one's `off:` says is taken. Passes that are off may not stand in place of each other
+//! in a ring. The pass that `off:` names is needed only where the switch is off.
 //!
 //! **The flattened file.** [`Resolved::to_ron`] writes files without `extends`, `patch` and `Sub`. In them alone
 //! stand `Group(inputs: …, in: …, outputs: …, when: …, off: …)` for the border of a part, whose inputs are

@@ -121,6 +121,7 @@ pub fn link(resolved: &Resolved, kinds: &dyn Kinds, context: &LinkContext) -> Re
     linker.find_live_wires();
     linker.find_outputs();
     let order = linker.order();
+    linker.find_instead();
     if !linker.errors.is_empty() {
         return Err(Diagnostics::sorted(linker.errors));
     }
@@ -147,6 +148,8 @@ struct Linker<'a> {
     on: Vec<Option<bool>>,
     /// Why nodes are off, where their own switches say so.
     why: FxHashMap<usize, String>,
+    /// What stands in place of passes that are off, where a link says so.
+    instead: FxHashMap<usize, String>,
     /// How many switches wait for each other.
     depth: u32,
     outputs: Vec<(&'a OutputDecl, End<'a>)>,
@@ -181,6 +184,7 @@ impl<'a> Linker<'a> {
             live: Vec::new(),
             on: Vec::with_capacity(resolved.nodes.len()),
             why: FxHashMap::default(),
+            instead: FxHashMap::default(),
             depth: 0,
             outputs: Vec::new(),
             bad_borders: Vec::new(),
@@ -228,7 +232,7 @@ impl<'a> Linker<'a> {
             match self.follow(link, None, true) {
                 Found::End(end) => self.outputs.push((output, end)),
                 Found::Nothing(off) => {
-                    let error = self.off_read(format!("the output `{}`", output.name.value), link.place, off);
+                    let error = self.off_read(format!("the output `{}`", output.name.value), link, off);
                     self.errors.push(error);
                 }
                 Found::Unlinked | Found::Told => {}

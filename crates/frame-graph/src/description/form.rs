@@ -173,10 +173,14 @@ pub(crate) struct When {
     pub(crate) content: Option<u32>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+/// What stands in place of the outputs of a pass or part that is off.
+#[derive(Clone, Debug)]
 pub(crate) enum Off {
     Constant(Clear),
+    /// What is linked to an input of its own.
     Input(Name),
+    /// What another link brings.
+    Link(Link),
 }
 
 /// One entry of `patch`.

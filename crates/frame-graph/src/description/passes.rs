@@ -173,8 +173,14 @@ impl Grammar<'_, '_> {
                 let clear = self.clear(node, "Black", &[])?;
                 Some(At { value: Off::Constant(clear), place: self.place(node) })
             }
+            Form::Text(..) => {
+                let target = self.target(node)?;
+                let port = At { value: Name::EMPTY, place: target.place };
+                let link = Link::new(port, target, Self::content_end(node));
+                Some(At { value: Off::Link(link), place })
+            }
             _ => {
-                self.wrong(node, "`Black`, `Color(r, g, b, a)` or `Input(\"port\")`");
+                self.wrong(node, "`Black`, `Color(r, g, b, a)`, `Input(\"port\")` or \"pass.port\"");
                 None
             }
         }

@@ -1,17 +1,37 @@
 //! The order of data, and what is told where there is none.
 
-use super::Linker;
+use super::{Linker, Wire};
 use crate::codes;
-use crate::description::Link;
+use crate::description::{At, Link, Off};
 use crate::diagnostic::Diagnostic;
+use crate::resolve::Node;
 use petgraph::algo::tarjan_scc;
 use petgraph::graph::DiGraph;
 use std::collections::VecDeque;
 
-impl Linker<'_> {
+impl<'a> Linker<'a> {
     /// All nodes, each after those whose data of the same frame it reads, whatever is on or off. Ties go by the
     /// order of the file. Where there is a loop, tells so; the order is then not to be used.
+    ///
+    /// A link of `off:` brings data that no link brings while the pass is on: where there is one, the order is
+    /// that of the links as things are.
     pub(super) fn order(&mut self) -> Vec<u32> {
+        let order = self.order_of(false);
+        let links = |node: &Node| matches!(&node.decl.off, Some(At { value: Off::Link(_), .. }));
+        match order {
+            Some(order) if self.live.is_empty() || !self.nodes.iter().any(links) => order,
+            Some(_) => self.order_of(true).unwrap_or_default(),
+            None => Vec::new(),
+        }
+    }
+
+    /// What a node reads: with `live`, as things are; of what is off, always what it would read.
+    fn read_by(&self, node: usize, live: bool) -> &[Wire<'a>] {
+        if live && self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] }
+    }
+
+    /// The order of data; `None` where there is a loop, which is told.
+    fn order_of(&mut self, live: bool) -> Option<Vec<u32>> {
         let count = self.nodes.len();
         let mut order = Vec::with_capacity(count);
         // 0: not seen, 1: on the way, 2: done. A loop is found when a pass on the way is met again.
@@ -25,7 +45,7 @@ impl Linker<'_> {
             }
             while let Some((node, next)) = stack.last_mut() {
                 let i = *node as usize;
-                match self.wires[i].get(*next as usize) {
+                match self.read_by(i, live).get(*next as usize) {
                     Some(wire) => {
                         *next += 1;
                         let producer = wire.end.node;
@@ -50,25 +70,25 @@ impl Linker<'_> {
             }
         }
         if looped {
-            self.tell_loops();
+            self.tell_loops(live);
         }
-        order
+        (!looped).then_some(order)
     }
 
     /// The wires that passes wait for: reader, producer, place of the wire.
-    fn waits(&self) -> Vec<(usize, usize, usize)> {
-        let wires = self.wires.iter().enumerate();
-        wires
+    fn waits(&self, live: bool) -> Vec<(usize, usize, usize)> {
+        let readers = (0..self.nodes.len()).map(|i| (i, self.read_by(i, live)));
+        readers
             .flat_map(|(i, wires)| wires.iter().enumerate().map(move |(at, wire)| (i, at, wire)))
             .filter(|(_, _, wire)| wire.end.past.is_none())
             .map(|(i, at, wire)| (i, wire.end.node as usize, at))
             .collect()
     }
 
-    fn tell_loops(&mut self) {
+    fn tell_loops(&mut self, live: bool) {
         let mut graph = DiGraph::<(), ()>::new();
         let indices: Vec<_> = (0..self.nodes.len()).map(|_| graph.add_node(())).collect();
-        let waits = self.waits();
+        let waits = self.waits(live);
         for (reader, producer, _) in &waits {
             graph.add_edge(indices[*producer], indices[*reader], ());
         }
@@ -89,7 +109,7 @@ impl Linker<'_> {
             }) else {
                 continue;
             };
-            let error = self.tell_loop(*best, &inside, members.len());
+            let error = self.tell_loop(*best, &inside, members.len(), live);
             self.errors.push(error);
         }
     }
@@ -100,6 +120,7 @@ impl Linker<'_> {
         best: (usize, usize, usize),
         inside: &[(usize, usize, usize)],
         size: usize,
+        live: bool,
     ) -> Diagnostic {
         let (reader, producer, _) = best;
         // From the reader forwards to the producer, by breadth: `via` is the wire by which a pass was reached.
@@ -126,7 +147,7 @@ impl Linker<'_> {
         }
         path.reverse();
         let text = |(reader, producer, at): &(usize, usize, usize)| {
-            let wire = &self.wires[*reader][*at];
+            let wire = &self.read_by(*reader, live)[*at];
             let port =
                 self.uses[*producer].as_ref().map_or("", |u| &*u.names.outputs[wire.end.port as usize].0);
             let input = self.uses[*reader].as_ref().map_or("", |u| &*u.names.inputs[wire.input as usize].0);
@@ -136,7 +157,7 @@ impl Linker<'_> {
             )
         };
         let link = |(reader, _, at): &(usize, usize, usize)| -> &Link {
-            self.link_of(*reader, &self.wires[*reader][*at])
+            self.link_of(*reader, &self.read_by(*reader, live)[*at])
         };
         let (from, to) = text(&best);
         let mut names = vec![&*self.nodes[reader].name];
@@ -155,6 +176,17 @@ impl Linker<'_> {
             steps.push(format!("{from} → {to}"));
         }
         steps.push(format!("{from} → {to}"));
+        for wait in path.iter().chain([&best]) {
+            // A link to a pass that is off, whose `off:` leads to another.
+            let target = self.resolved.index.get(&link(wait).target.pass).map(|i| &self.nodes[*i as usize]);
+            if live
+                && let Some(target) = target.filter(|node| node.name != self.nodes[wait.1].name)
+                && let Some(At { value: Off::Link(_), place }) = &target.decl.off
+            {
+                error =
+                    error.label(self.span(*place), format!("in place of `{}`, which is off", target.name));
+            }
+        }
         error = error.note(format!("the loop: {}", steps.join("; ")));
         if size > path.len() + 1 {
             error = error.note(format!("{} more passes are in loops with these", size - path.len() - 1));

@@ -88,10 +88,23 @@ impl<'a> Linker<'a> {
             for output in &group.outputs {
                 self.follow(&output.link, None, false);
             }
-            if let Some(At { value: Off::Input(input), place }) = &node.decl.off
-                && self.link_into_group(group, input).is_none()
-            {
-                self.unknown_off(input, *place, group.inputs.iter().map(|i| i.name.value.clone()).collect());
+            match &node.decl.off {
+                Some(At { value: Off::Input(input), place })
+                    if self.link_into_group(group, input).is_none() =>
+                {
+                    let known = group.inputs.iter().map(|i| i.name.value.clone()).collect();
+                    self.unknown_off(input, *place, known);
+                }
+                Some(At { value: Off::Link(link), .. }) => {
+                    let outputs = group.outputs.iter();
+                    let offers: Option<Vec<(Name, Name)>> =
+                        outputs.map(|o| Some((o.name.value.clone(), self.offered(&o.link, None)?))).collect();
+                    // An output that is a member takes any texture or any buffer: its readers check it.
+                    if let Some(offers) = offers {
+                        self.check_off_link(&node.name, link, &offers);
+                    }
+                }
+                _ => {}
             }
         }
         for input in &self.resolved.inputs {
@@ -122,10 +135,47 @@ impl<'a> Linker<'a> {
         self.errors.push(error);
     }
 
-    /// `off: Input(…)` must name a linked input that some output can be replaced by.
+    /// A link of `off:` must lead to what some output can be replaced by.
+    fn check_off_link(&mut self, name: &Name, link: &'a Link, offers: &[(Name, Name)]) {
+        let told = self.errors.len();
+        let mut brought = None;
+        for (_, interface) in offers {
+            match self.follow(link, Some(interface), false) {
+                Found::End(end) if !self.stands_for(interface, &end) => brought = Some(end),
+                Found::Told => {}
+                // Where nothing is there, readers are told.
+                Found::End(_) | Found::Nothing(_) | Found::Unlinked => {
+                    self.errors.truncate(told);
+                    return;
+                }
+            }
+        }
+        let Some(end) = brought else {
+            // Told once, whatever was wanted.
+            self.errors.truncate(told + 1);
+            return;
+        };
+        self.errors.truncate(told);
+        let offers: Vec<String> = offers.iter().map(|(p, i)| format!("{p}: {i}")).collect();
+        let message = format!("no output of `{name}` can be replaced by `{}`", self.end_text(&end));
+        let error = Diagnostic::new(&codes::OFF, message)
+            .label(self.span(link.place), format!("this brings {}", self.offer_text(&end)))
+            .label(self.span(self.nodes[end.node as usize].place), "from this pass")
+            .note(format!("outputs of `{name}`: {}", offers.join(", ")));
+        self.errors.push(error);
+    }
+
+    /// What `off:` names must be there, and some output must be replaceable by it.
     fn check_off(&mut self, node: usize, wires: &[Wire<'a>]) {
-        let Some(At { value: Off::Input(input), place }) = &self.nodes[node].decl.off else { return };
         let Some(used) = &self.uses[node] else { return };
+        let (input, place) = match &self.nodes[node].decl.off {
+            Some(At { value: Off::Input(input), place }) => (input, place),
+            Some(At { value: Off::Link(link), .. }) => {
+                let names = Rc::clone(&used.names);
+                return self.check_off_link(&self.nodes[node].name, link, &names.outputs);
+            }
+            _ => return,
+        };
         let wire = wires.iter().find(|wire| used.names.inputs[wire.input as usize].0 == *input);
         let Some(wire) = wire else {
             let linked = self.nodes[node].decl.links.iter().any(|link| link.port.value == *input);

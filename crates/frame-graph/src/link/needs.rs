@@ -3,7 +3,7 @@
 use super::wires::{End, Found, with_article};
 use super::{Linker, Wire, Wires};
 use crate::codes;
-use crate::description::Link;
+use crate::description::{At, Link, Off};
 use crate::diagnostic::{Diagnostic, Place, nearest};
 use crate::resource::Clear;
 use rustc_hash::FxHashMap;
@@ -94,7 +94,18 @@ impl<'a> Linker<'a> {
                 if self.on[node] == Some(true) && !ports.inputs[wire.input as usize].optional =>
             {
                 let reader = format!("`{}`, for its input `{port}`,", self.nodes[node].name);
-                let error = self.off_read(reader, link.place, off);
+                let error = self.off_read(reader, link, off);
+                self.errors.push(error);
+                None
+            }
+            Found::Unlinked if self.on[node] == Some(true) && !ports.inputs[wire.input as usize].optional => {
+                let message = format!(
+                    "`{}` needs `{port}`, and what stands in place of `{}` is an input that is not linked",
+                    self.nodes[node].name, self.nodes[wire.end.node as usize].name
+                );
+                let error = Diagnostic::new(&codes::UNLINKED, message)
+                    .label(self.span(link.place), "read here")
+                    .label(self.span(self.nodes[wire.end.node as usize].place), "off");
                 self.errors.push(error);
                 None
             }
@@ -103,7 +114,7 @@ impl<'a> Linker<'a> {
     }
 
     /// Something reads a pass that is off and has nothing in its place.
-    pub(super) fn off_read(&self, reader: String, place: Place, off: u32) -> Diagnostic {
+    pub(super) fn off_read(&self, reader: String, link: &Link, off: u32) -> Diagnostic {
         // The switch may be that of a part around it.
         let mut at = off as usize;
         while let Some(parent) = self.nodes[at].parent
@@ -118,13 +129,21 @@ impl<'a> Linker<'a> {
             (None, None) => ("is off", switched.place),
         };
         let message = format!("{reader} reads `{}`, which {verb}", node.name);
-        Diagnostic::new(&codes::OFF_READ, message)
-            .label(self.span(place), "read here")
-            .label(self.span(end), verb.strip_prefix("was ").or(verb.strip_prefix("is ")).unwrap_or(verb))
-            .note(format!(
-                "give `{}` an `off:` that says what stands in its place, such as `off: Black`",
-                node.name
-            ))
+        let mut error = Diagnostic::new(&codes::OFF_READ, message)
+            .label(self.span(link.place), "read here")
+            .label(self.span(end), verb.strip_prefix("was ").or(verb.strip_prefix("is ")).unwrap_or(verb));
+        // What is read may be another pass, whose `off:` leads here.
+        let read = self.resolved.index.get(&link.target.pass).map(|i| &self.nodes[*i as usize]);
+        if let Some(read) = read
+            && read.name != node.name
+            && let Some(At { value: Off::Link(_), place }) = &read.decl.off
+        {
+            error = error.label(self.span(*place), format!("in place of `{}`, which is off", read.name));
+        }
+        error.note(format!(
+            "give `{}` an `off:` that says what stands in its place, such as `off: Black`",
+            node.name
+        ))
     }
 
     /// Follows a link again, without telling what was told before.
@@ -166,7 +185,7 @@ impl<'a> Linker<'a> {
             let error = match link {
                 Some(link) => match self.retrace(link) {
                     Found::Nothing(off) => {
-                        self.off_read(format!("`{name}`, for its input `{}`,", input.name), link.place, off)
+                        self.off_read(format!("`{name}`, for its input `{}`,", input.name), link, off)
                     }
                     Found::Unlinked => Diagnostic::new(
                         &codes::UNLINKED,

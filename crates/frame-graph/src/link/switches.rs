@@ -9,6 +9,7 @@ use crate::expression::{Env, ExprError, Ty};
 use crate::resource::Clear;
 use crate::value::{Traits, Value};
 use data_file::Name;
+use std::rc::Rc;
 
 /// Longest chain of switches that ask each other through `connected`.
 const MAX_CHAIN: u32 = 128;
@@ -154,6 +155,37 @@ impl<'a> Linker<'a> {
         scope
     }
 
+    /// Finds what links of `off:` bring in the end, in place of passes that are off.
+    pub(super) fn find_instead(&mut self) {
+        for i in 0..self.nodes.len() {
+            let Some(At { value: Off::Link(link), .. }) = &self.nodes[i].decl.off else { continue };
+            let Some(used) = self.uses[i].as_ref().filter(|_| self.on[i] == Some(false)) else { continue };
+            let names = Rc::clone(&used.names);
+            let told = self.errors.len();
+            let ends =
+                names.outputs.iter().map(|(_, interface)| match self.follow(link, Some(interface), true) {
+                    Found::End(end) if self.stands_for(interface, &end) => Some(end),
+                    _ => None,
+                });
+            let end = ends.flatten().next();
+            self.errors.truncate(told);
+            let text = match end {
+                None => "nothing".to_owned(),
+                Some(end) => {
+                    let brought = self.end_text(&end);
+                    match end.constant {
+                        Some(clear) => format!("{}, in place of `{brought}` too", constant_text(clear)),
+                        None if self.nodes[end.node as usize].name != link.target.pass => {
+                            format!("`{brought}`, which `{}` leads to", link.target)
+                        }
+                        None => format!("`{brought}`"),
+                    }
+                }
+            };
+            self.instead.insert(i, text);
+        }
+    }
+
     /// What is told of a node that is off.
     pub(super) fn off(&self, node: usize) -> GraphOff {
         let (mut at, mut whole) = (node, String::new());
@@ -171,12 +203,21 @@ impl<'a> Linker<'a> {
         };
         let own = self.nodes[node].decl.off.as_ref().map(|off| &off.value);
         let instead = match own {
-            Some(Off::Constant(Clear::Zero)) => "Black".to_owned(),
-            Some(Off::Constant(Clear::Color([r, g, b, a]))) => format!("Color({r:?}, {g:?}, {b:?}, {a:?})"),
+            Some(Off::Constant(clear)) => constant_text(*clear),
             Some(Off::Input(input)) => format!("its input `{input}`"),
+            Some(Off::Link(link)) => {
+                self.instead.get(&node).cloned().unwrap_or_else(|| format!("`{}`", link.target))
+            }
             None if at != node => format!("what `{}` says", self.nodes[at].name),
             None => "nothing".to_owned(),
         };
         GraphOff { why: format!("{whole}{why}"), instead }
+    }
+}
+
+fn constant_text(clear: Clear) -> String {
+    match clear {
+        Clear::Zero => "Black".to_owned(),
+        color => color.to_string(),
     }
 }

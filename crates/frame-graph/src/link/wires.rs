@@ -7,6 +7,7 @@ use crate::diagnostic::{Diagnostic, Place};
 use crate::port::Interface;
 use crate::resource::Clear;
 use data_file::Name;
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Most borders and switched-off passes that one link may cross.
@@ -103,6 +104,8 @@ impl<'a> Linker<'a> {
         let mut member: Option<Name> = None;
         // The interface that must be at the end, and the `off:` that says so.
         let mut instead: Option<(Name, Place)> = None;
+        // What is off and was crossed by its `off:`.
+        let mut crossed: SmallVec<[u32; 4]> = SmallVec::new();
         for _ in 0..MAX_HOPS {
             if link.past.is_some() && past.is_some() {
                 let error = Diagnostic::new(&codes::PAST, "this reads the past of a past")
@@ -132,25 +135,30 @@ impl<'a> Linker<'a> {
             let (port, chosen) = match &decl.body {
                 Body::Removed | Body::Sub { .. } => return Found::Nothing(node),
                 Body::Group(group) => {
-                    match &decl.off {
-                        Some(At { value: Off::Constant(clear), .. }) if off => {
-                            // The constant takes the shape of what would be there.
-                            constant = Some(*clear);
-                            live = false;
-                        }
-                        Some(At { value: Off::Input(input), .. }) if off => {
-                            let Some(next) = self.link_into(node as usize, input) else { return Found::Told };
-                            link = next;
-                            continue;
-                        }
-                        _ if off => return Found::Nothing(node),
-                        _ => {}
-                    }
-                    let Some((next, chosen)) = self.output_of(node, group, link, wanted.as_ref()) else {
+                    let Some((inner, chosen)) = self.output_of(node, group, link, wanted.as_ref()) else {
                         return Found::Told;
                     };
                     member = chosen.or(member);
-                    link = next;
+                    link = match &decl.off {
+                        _ if !off => inner,
+                        None => return Found::Nothing(node),
+                        Some(At { value: Off::Constant(clear), .. }) => {
+                            // The constant takes the shape of what would be there.
+                            constant = Some(*clear);
+                            live = false;
+                            inner
+                        }
+                        Some(At { value, place }) => {
+                            let Some(next) = self.stand_in(node, value, &mut crossed) else {
+                                return Found::Told;
+                            };
+                            if let Some(interface) = self.offered(inner, wanted.as_ref()) {
+                                instead = Some((interface.clone(), *place));
+                                wanted = Some(interface);
+                            }
+                            next
+                        }
+                    };
                     continue;
                 }
                 Body::Pass { .. } => match self.select(node, link, member.as_ref(), wanted.as_ref()) {
@@ -160,11 +168,11 @@ impl<'a> Linker<'a> {
             };
             let mut end = End { node, port, member: chosen, past, constant };
             if let Some((interface, place)) = &instead
-                && self.interface_of(&end) != *interface
+                && !self.stands_for(interface, &end)
             {
                 let message = format!("`off:` must put {} here", with_article(interface));
                 let error = Diagnostic::new(&codes::OFF, message)
-                    .label(self.span(*place), format!("this input brings {}", self.offer_text(&end)))
+                    .label(self.span(*place), format!("this brings {}", self.offer_text(&end)))
                     .label(self.span(nodes[node as usize].place), "from this pass");
                 self.errors.push(error);
                 return Found::Told;
@@ -176,8 +184,8 @@ impl<'a> Linker<'a> {
                     end.constant = Some(*clear);
                     return Found::End(end);
                 }
-                Some(At { value: Off::Input(input), place }) => {
-                    let Some(next) = self.link_into(node as usize, input) else { return Found::Told };
+                Some(At { value, place }) => {
+                    let Some(next) = self.stand_in(node, value, &mut crossed) else { return Found::Told };
                     let interface = self.interface_of(&end);
                     // By name: the port at the other end has the same interface.
                     let members = self.interface(&interface).map_or(&[][..], |i| i.members);
@@ -192,6 +200,62 @@ impl<'a> Linker<'a> {
             .label(self.span(link.place), "");
         self.errors.push(error);
         Found::Told
+    }
+
+    /// The link that stands in place of the outputs of a node that is off; `None`, told, where such links lead
+    /// back to the node, or to none.
+    fn stand_in(&mut self, node: u32, off: &'a Off, crossed: &mut SmallVec<[u32; 4]>) -> Option<&'a Link> {
+        if let Some(at) = crossed.iter().position(|other| *other == node) {
+            self.off_loop(&crossed[at..]);
+            return None;
+        }
+        crossed.push(node);
+        match off {
+            Off::Input(input) => self.link_into(node as usize, input),
+            Off::Link(link) => Some(link),
+            Off::Constant(_) => None,
+        }
+    }
+
+    /// Tells that nodes that are off stand in place of each other.
+    fn off_loop(&mut self, found: &[u32]) {
+        // From whatever reader the loop was entered, it is told alike, and so once.
+        let start = (0..found.len()).min_by_key(|at| found[*at]).unwrap_or(0);
+        let mut ring: Vec<u32> = found[start..].iter().chain(&found[..start]).copied().collect();
+        let name = |node: &u32| &*self.nodes[*node as usize].name;
+        let message = match &ring[..] {
+            [only] => format!("`{}` is off, and what stands in its place is itself", name(only)),
+            ring => {
+                let names: Vec<String> = ring.iter().map(|node| format!("`{}`", name(node))).collect();
+                format!("{} are off and stand in place of each other", names.join(", "))
+            }
+        };
+        let mut error = Diagnostic::new(&codes::OFF_LOOP, message);
+        for node in &ring {
+            if let Some(off) = &self.nodes[*node as usize].decl.off {
+                error = error.label(self.span(off.place), format!("in place of `{}`", name(node)));
+            }
+        }
+        ring.push(ring[0]);
+        let path: Vec<&str> = ring.iter().map(name).collect();
+        self.errors.push(error.note(format!("the loop: {}", path.join(" → "))));
+    }
+
+    /// The interface of what a link brings with everything on; `None` where it brings a member, or nothing.
+    pub(super) fn offered(&mut self, link: &'a Link, wanted: Option<&Name>) -> Option<Name> {
+        let told = self.errors.len();
+        let found = self.follow(link, wanted, false);
+        self.errors.truncate(told);
+        match found {
+            Found::End(end) if end.member.is_none() => Some(self.interface_of(&end)),
+            _ => None,
+        }
+    }
+
+    /// Whether what is at an end can stand in place of an output of this interface.
+    pub(super) fn stands_for(&self, interface: &Name, end: &End<'_>) -> bool {
+        let single = matches!(interface.as_str(), "Texture" | "Buffer");
+        self.interface_of(end) == *interface || (single && end.member.is_some())
     }
 
     /// The link outside a part into the input that a link inside it names.

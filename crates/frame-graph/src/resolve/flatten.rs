@@ -4,8 +4,8 @@ use super::document::Document;
 use super::{Files, Node, Parameter, Resolved};
 use crate::codes;
 use crate::description::{
-    At, Body, Description, Dim, Entry, Group, InputDecl, Link, OutputDecl, PassDecl, Set, SetValue, Target,
-    out_overrides, parse_file, within,
+    At, Body, Description, Dim, Entry, Group, InputDecl, Link, Off, OutputDecl, PassDecl, Set, SetValue,
+    Target, out_overrides, parse_file, within,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
 use crate::value::{Misfit, Setting, Value};
@@ -363,6 +363,9 @@ impl<'a> Resolver<'a> {
             }
             if !prefix.is_empty() {
                 for link in decl.links.iter_mut().chain(&mut decl.feed) {
+                    link.target = prefixed(&link.target, prefix);
+                }
+                if let Some(At { value: Off::Link(link), .. }) = &mut decl.off {
                     link.target = prefixed(&link.target, prefix);
                 }
                 if let Body::Group(group) = &mut decl.body {

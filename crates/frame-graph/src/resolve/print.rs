@@ -57,6 +57,7 @@ pub(super) fn off(off: &Off) -> String {
         Off::Constant(Clear::Zero) => "Black".to_owned(),
         Off::Constant(color) => color.to_string(),
         Off::Input(port) => format!("Input({})", quoted(port)),
+        Off::Link(other) => link(other),
     }
 }
 

@@ -1,5 +1,6 @@
 mod broken;
 mod kinds;
+mod off;
 mod random;
 mod reader;
 mod variants;
