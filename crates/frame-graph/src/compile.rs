@@ -6,7 +6,7 @@ mod needs;
 mod order;
 
 use crate::diagnostic::Diagnostics;
-use crate::link::{Graph, GraphPass, Tap};
+use crate::link::{Graph, GraphPass, Made, Tap};
 use crate::plan::{
     AllocationId, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput, PlannedOutput,
     PlannedPass, PlannedPort, PlannedResource, ResourceId,
@@ -56,15 +56,77 @@ const NONE: u32 = u32::MAX;
 /// The work of compiling. Resources are numbered by pass, port and member of the graph.
 struct Work<'a> {
     graph: &'a Graph,
-    /// First entry in `ports` of each pass, and the end.
-    first_port: Vec<u32>,
-    /// First resource of each port, and the end.
-    ports: Vec<u32>,
+    numbers: Numbers,
     resources: Vec<Resource>,
     /// The passes that are needed, among them those that only a constant is needed of.
     needed: Vec<bool>,
     /// Outputs that are wanted, by index.
     wanted: Vec<u32>,
+}
+
+/// How resources are numbered: by pass, port and member.
+struct Numbers {
+    /// First entry in `ports` of each pass, and the end.
+    first_port: Vec<u32>,
+    /// First resource of each port, and the end.
+    ports: Vec<u32>,
+    /// For each resource itself, or the one of another pass that it hands on.
+    made: Vec<u32>,
+}
+
+impl Numbers {
+    /// The numbers of all ports of a pass, those among them that it hands on included.
+    fn of_pass(&self, pass: usize) -> Range<usize> {
+        let ports = |i: usize| self.ports[self.first_port[i] as usize] as usize;
+        ports(pass)..ports(pass + 1)
+    }
+
+    /// The resources that a pass makes.
+    fn made_by(&self, pass: usize) -> impl Iterator<Item = usize> + Clone + '_ {
+        self.of_pass(pass).filter(|r| self.made[*r] as usize == *r)
+    }
+
+    fn of_port(&self, pass: u32, port: u32) -> Range<usize> {
+        let at = (self.first_port[pass as usize] + port) as usize;
+        self.ports[at] as usize..self.ports[at + 1] as usize
+    }
+
+    /// The numbers in a port that a link takes.
+    fn in_port(&self, tap: &Tap) -> Range<usize> {
+        let whole = self.of_port(tap.pass, tap.port);
+        match tap.member {
+            Some(member) => whole.start + member as usize..whole.start + member as usize + 1,
+            None => whole,
+        }
+    }
+
+    /// The resources that a link takes, wherever they are made.
+    fn of_tap(&self, tap: &Tap) -> impl Iterator<Item = usize> + '_ {
+        self.in_port(tap).map(|r| self.made[r] as usize)
+    }
+
+    /// Finds where each resource is made that a pass hands on. A pass that is off hands on nothing: what stands
+    /// in its place is its own.
+    fn trace_handed(&mut self, graph: &Graph) {
+        for (i, pass) in graph.passes.iter().enumerate().filter(|(_, pass)| pass.off.is_none()) {
+            let members = pass.outputs.iter().flat_map(|port| &port.members);
+            for (r, (_, _, made)) in self.of_pass(i).zip(members) {
+                let Made::Handed { input, member } = made else { continue };
+                let Some(input) = pass.inputs.iter().find(|i| i.port == *input) else { continue };
+                let (tap, range) = (&input.from, self.in_port(&input.from));
+                let port = &graph.passes[tap.pass as usize].outputs[tap.port as usize];
+                let first = self.of_port(tap.pass, tap.port).start;
+                let named = range.clone().find(|r| port.members[r - first].0 == *member);
+                self.made[r] = named.unwrap_or(range.start) as u32;
+            }
+        }
+        for r in 0..self.made.len() {
+            // Links of one frame lead to no cycle.
+            while self.made[r] != self.made[self.made[r] as usize] {
+                self.made[r] = self.made[self.made[r] as usize];
+            }
+        }
+    }
 }
 
 /// What compiling needs to know of a resource.
@@ -77,6 +139,8 @@ struct Resource {
     constant: Option<Clear>,
     /// Same-frame links that read it, from passes that are needed.
     readers: u32,
+    /// The pass that makes it, or that a constant stands in place of.
+    pass: u32,
     /// Index of its history.
     history: u32,
     /// Whether anything reads it, now or later.
@@ -89,13 +153,16 @@ impl<'a> Work<'a> {
         let mut first_port = Vec::with_capacity(count + 1);
         let mut ports = Vec::with_capacity(count * 2 + 1);
         let mut resources = Vec::with_capacity(count * 2);
-        for pass in &graph.passes {
+        let mut hands = false;
+        for (i, pass) in graph.passes.iter().enumerate() {
             first_port.push(ports.len() as u32);
             for port in &pass.outputs {
                 ports.push(resources.len() as u32);
-                for (_, desc, _) in &port.members {
+                for (_, desc, made) in &port.members {
+                    hands |= matches!(made, Made::Handed { .. });
                     resources.push(Resource {
                         bytes: desc.bytes(),
+                        pass: i as u32,
                         persistent: false,
                         constant: None,
                         readers: 0,
@@ -107,27 +174,17 @@ impl<'a> Work<'a> {
         }
         first_port.push(ports.len() as u32);
         ports.push(resources.len() as u32);
-        Work { graph, first_port, ports, resources, needed: vec![false; count], wanted: Vec::new() }
-    }
-
-    /// The resources of all ports of a pass.
-    fn of_pass(&self, pass: usize) -> Range<usize> {
-        let ports = |i: usize| self.ports[self.first_port[i] as usize] as usize;
-        ports(pass)..ports(pass + 1)
-    }
-
-    fn of_port(&self, pass: u32, port: u32) -> Range<usize> {
-        let at = (self.first_port[pass as usize] + port) as usize;
-        self.ports[at] as usize..self.ports[at + 1] as usize
-    }
-
-    /// The resources that a link takes.
-    fn of_tap(&self, tap: &Tap) -> Range<usize> {
-        let whole = self.of_port(tap.pass, tap.port);
-        match tap.member {
-            Some(member) => whole.start + member as usize..whole.start + member as usize + 1,
-            None => whole,
+        let made = (0..resources.len() as u32).collect();
+        let mut numbers = Numbers { first_port, ports, made };
+        if hands {
+            numbers.trace_handed(graph);
         }
+        Work { graph, numbers, resources, needed: vec![false; count], wanted: Vec::new() }
+    }
+
+    /// Whether a pass makes anything: one that only hands on has no work in any frame.
+    fn makes(&self, pass: u32) -> bool {
+        self.numbers.made_by(pass as usize).next().is_some()
     }
 
     fn runs(&self, pass: usize) -> bool {
@@ -144,20 +201,22 @@ impl<'a> Work<'a> {
             let pass = &graph.passes[*i as usize];
             let mut bits = u64::from(pass.externals.0);
             for input in pass.inputs.iter().filter(|input| input.constant.is_none()) {
-                if input.past.is_some() {
-                    for r in self.of_tap(&input.from) {
-                        bits |= 1 << (8 + self.resources[r].history % 56);
-                    }
-                } else {
-                    bits |= sources[input.from.pass as usize];
+                for r in self.numbers.of_tap(&input.from) {
+                    bits |= match input.past {
+                        Some(_) => 1 << (8 + self.resources[r].history % 56),
+                        None => sources[self.resources[r].pass as usize],
+                    };
                 }
             }
             sources[*i as usize] = bits;
+            if !self.makes(*i) {
+                continue;
+            }
             for input in pass.inputs.iter().filter(|input| input.constant.is_none() && input.past.is_none()) {
-                let made = sources[input.from.pass as usize];
-                // A producer that runs in every frame is never skipped.
-                if made != bits && made & u64::from(Externals::FRAME.0) == 0 {
-                    for r in self.of_tap(&input.from) {
+                for r in self.numbers.of_tap(&input.from) {
+                    let made = sources[self.resources[r].pass as usize];
+                    // A producer that runs in every frame is never skipped.
+                    if made != bits && made & u64::from(Externals::FRAME.0) == 0 {
                         self.resources[r].persistent = true;
                     }
                 }
@@ -183,7 +242,7 @@ impl<'a> Work<'a> {
             memory: Memory::default(),
         };
         let ids = self.plan_resources(&mut plan, order);
-        self.plan_passes(&mut plan, order, &ids);
+        self.plan_passes(&mut plan, order, &position, &ids);
         for i in &self.wanted {
             let output = &graph.outputs[*i as usize];
             let port = &graph.passes[output.from.pass as usize].outputs[output.from.port as usize];
@@ -213,12 +272,13 @@ impl<'a> Work<'a> {
         let made = order.iter().enumerate().map(|(at, i)| (Some(at as u32), *i));
         for (at, i) in constants.into_iter().map(|i| (None, i)).chain(made) {
             let pass = &self.graph.passes[i as usize];
-            let mut r = self.of_pass(i as usize).start;
+            let mut r = self.numbers.of_pass(i as usize).start;
             for port in &pass.outputs {
                 for (member, desc, _) in &port.members {
                     let resource = &self.resources[r];
                     r += 1;
-                    if at.is_none() && resource.constant.is_none() {
+                    let handed = self.numbers.made[r - 1] as usize != r - 1;
+                    if handed || (at.is_none() && resource.constant.is_none()) {
                         continue;
                     }
                     ids[r - 1] = plan.resources.len() as u32;
@@ -244,6 +304,9 @@ impl<'a> Work<'a> {
                 }
             }
         }
+        for r in 0..ids.len() {
+            ids[r] = ids[self.numbers.made[r] as usize];
+        }
         ids
     }
 
@@ -252,19 +315,19 @@ impl<'a> Work<'a> {
         if tap.member.is_none() {
             return port.interface.clone();
         }
-        let first = self.of_tap(tap).start - self.of_port(tap.pass, tap.port).start;
+        let first = self.numbers.in_port(tap).start - self.numbers.of_port(tap.pass, tap.port).start;
         let texture = port.members.get(first).is_some_and(|(_, desc, _)| desc.texture().is_some());
         Name::new(if texture { "Texture" } else { "Buffer" })
     }
 
     fn members(&self, tap: &Tap, ids: &[u32]) -> Vec<(Name, ResourceId)> {
         let port = &self.graph.passes[tap.pass as usize].outputs[tap.port as usize];
-        let first = self.of_port(tap.pass, tap.port).start;
+        let first = self.numbers.of_port(tap.pass, tap.port).start;
         let name = |r: usize| if tap.bare { Name::EMPTY } else { port.members[r - first].0.clone() };
-        self.of_tap(tap).map(|r| (name(r), ResourceId(ids[r]))).collect()
+        self.numbers.in_port(tap).map(|r| (name(r), ResourceId(ids[r]))).collect()
     }
 
-    fn plan_passes(&self, plan: &mut Plan, order: &[u32], ids: &[u32]) {
+    fn plan_passes(&self, plan: &mut Plan, order: &[u32], position: &[u32], ids: &[u32]) {
         let histories = self.resources.iter().filter(|r| r.history != NONE).count();
         let unset = History {
             resource: ResourceId(NONE),
@@ -280,7 +343,7 @@ impl<'a> Work<'a> {
                 let mut past = None;
                 if let Some(of) = &input.past {
                     let mut list = Vec::new();
-                    for r in self.of_tap(&input.from) {
+                    for r in self.numbers.of_tap(&input.from) {
                         let id = self.resources[r].history;
                         let history = &mut plan.histories[id as usize];
                         history.resource = ResourceId(ids[r]);
@@ -290,7 +353,7 @@ impl<'a> Work<'a> {
                     }
                     past = Some(list);
                 } else {
-                    for r in self.of_tap(&input.from) {
+                    for r in self.numbers.of_tap(&input.from) {
                         let resource = &mut plan.resources[ids[r] as usize];
                         if resource.readers.last() != Some(&PassId(at as u32)) {
                             resource.readers.push(PassId(at as u32));
@@ -299,8 +362,11 @@ impl<'a> Work<'a> {
                     }
                 }
                 let port = &self.graph.passes[input.from.pass as usize].outputs[input.from.port as usize];
+                let producer = input.from.pass;
                 inputs.push(PlannedInput {
                     port: input.port.clone(),
+                    producer: input.constant.is_none().then(|| PassId(position[producer as usize])),
+                    producer_port: port.port.clone(),
                     interface: self.interface(&input.from),
                     members: self.members(&input.from, ids),
                     history: past,
@@ -309,23 +375,30 @@ impl<'a> Work<'a> {
             }
             let mut outputs = Vec::with_capacity(pass.outputs.len());
             let mut clears = Vec::new();
-            let mut r = self.of_pass(*i as usize).start;
+            let mut r = self.numbers.of_pass(*i as usize).start;
             for port in &pass.outputs {
                 let mut connected = false;
                 let mut members = Vec::with_capacity(port.members.len());
-                for (name, _, usage) in &port.members {
+                let mut handed = Vec::new();
+                for (name, _, made) in &port.members {
                     let id = ResourceId(ids[r]);
                     connected |= self.resources[r].read;
                     r += 1;
-                    members.push((name.clone(), id));
-                    if let Usage::ClearFirst(clear) = usage {
-                        clears.push((id, *clear));
+                    match made {
+                        Made::Handed { .. } => {
+                            handed.push((name.clone(), id));
+                            continue;
+                        }
+                        Made::Here(Usage::ClearFirst(clear)) => clears.push((id, *clear)),
+                        Made::Here(Usage::Overwrites) => {}
                     }
+                    members.push((name.clone(), id));
                 }
                 outputs.push(PlannedPort {
                     port: port.port.clone(),
                     interface: port.interface.clone(),
                     members,
+                    handed,
                     connected,
                     facts: port.facts.clone(),
                 });

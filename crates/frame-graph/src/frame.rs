@@ -221,6 +221,11 @@ impl FrameState {
             }
         }
         for (i, pass) in plan.passes.iter().enumerate() {
+            if pass.outputs.iter().all(|port| port.members.is_empty()) {
+                // It only hands on, or tells facts: there is nothing to do.
+                runs[i] = false;
+                continue;
+            }
             let from = self.first_seen[i] as usize;
             runs[i] |= pass.externals.0 & changed.0 != 0
                 || self

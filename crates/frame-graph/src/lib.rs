@@ -90,8 +90,8 @@ pub use frame::{Change, FrameState, ResetCause};
 pub use link::{Graph, LinkContext, link};
 pub use plan::{Plan, PlanId};
 pub use port::{
-    Externals, Facts, InputPort, Interface, KindError, Kinds, Member, OutputContext, OutputDesc, OutputPort,
-    Ports, Usage, Use,
+    Externals, Facts, HandedOn, InputPort, Interface, KindError, Kinds, Member, OutputContext, OutputDesc,
+    OutputPort, Ports, Usage, Use,
 };
 pub use resolve::{
     Difference, Files, Overrides, Parameter, Resolved, Settable, diff, resolve, resolve_description,

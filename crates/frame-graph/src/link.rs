@@ -1,6 +1,7 @@
 //! From a flat description to a graph: switches, ports, interfaces, sizes.
 
 mod cycle;
+mod handed;
 mod joints;
 mod needs;
 mod sizes;
@@ -95,8 +96,17 @@ pub(crate) struct GraphPort {
     pub(crate) port: Name,
     /// Empty for scratch.
     pub(crate) interface: Name,
-    pub(crate) members: SmallVec<[(Name, ResourceDesc, Usage); 1]>,
+    pub(crate) members: SmallVec<[(Name, ResourceDesc, Made); 1]>,
     pub(crate) facts: Arc<Facts>,
+}
+
+/// Where the content of a resource of an output comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Made {
+    /// The pass makes it.
+    Here(Usage),
+    /// It is this member of what is linked to this input.
+    Handed { input: Name, member: Name },
 }
 
 /// An output of the pipeline.

@@ -88,6 +88,11 @@ pub struct PlannedPass {
 pub struct PlannedInput {
     /// The port.
     pub port: Name,
+    /// The pass that the link names; `None` for the constant of a pass that is switched off. It may hand on what
+    /// another pass makes.
+    pub producer: Option<PassId>,
+    /// The output port of that pass.
+    pub producer_port: Name,
     /// The interface of what is linked.
     pub interface: Name,
     /// Member name and resource.
@@ -105,8 +110,10 @@ pub struct PlannedPort {
     pub port: Name,
     /// The interface; empty for scratch.
     pub interface: Name,
-    /// Member name and resource.
+    /// Name and resource of each member that the pass makes.
     pub members: Vec<(Name, ResourceId)>,
+    /// Name and resource of each member that the pass hands on: a resource of one of its inputs.
+    pub handed: Vec<(Name, ResourceId)>,
     /// Whether anything reads it. A pass may skip work for what nothing reads.
     pub connected: bool,
     /// Facts that go with it.
@@ -227,9 +234,23 @@ impl Plan {
         self.passes.iter().position(|pass| pass.name == *name).map(|i| PassId(i as u32))
     }
 
-    /// The resource named `pass.port` or `pass.port.member`.
+    /// The resource named `pass.port` or `pass.port.member`, which may be one that the pass hands on.
     pub fn resource(&self, name: &str) -> Option<ResourceId> {
-        self.resources.iter().position(|resource| resource.name == *name).map(|i| ResourceId(i as u32))
+        let made = self.resources.iter().position(|resource| resource.name == *name);
+        made.map(|i| ResourceId(i as u32))
+            .or_else(|| self.handed().find(|(handed, _)| handed == name).map(|(_, id)| id))
+    }
+
+    /// Every resource that a pass hands on, as `pass.port` or `pass.port.member` of that pass.
+    pub fn handed(&self) -> impl Iterator<Item = (String, ResourceId)> + '_ {
+        self.passes.iter().flat_map(|pass| {
+            pass.outputs.iter().flat_map(move |port| {
+                port.handed.iter().map(move |(member, id)| {
+                    let dot = if member.is_empty() { "" } else { "." };
+                    (format!("{}.{}{dot}{member}", pass.name, port.port), *id)
+                })
+            })
+        })
     }
 
     /// The output of this name.
@@ -263,20 +284,20 @@ impl Plan {
     fn links(&self, pass: &PlannedPass) -> Vec<DrawnLink> {
         let link = |input: &PlannedInput| {
             let (_, first) = input.members.first()?;
-            let resource = &self.resources[first.0 as usize];
-            // `pass.port` of `pass.port.member`.
-            let tail = resource.name.rsplit('/').next().unwrap_or("");
-            let port = tail.split('.').nth(1).unwrap_or("").to_owned();
-            let past = input.history.is_some();
             Some(DrawnLink {
-                producer: resource.producer,
+                producer: input.producer,
                 constant: *first,
                 input: input.port.clone(),
-                port,
-                past,
+                port: input.producer_port.to_string(),
+                past: input.history.is_some(),
             })
         };
         pass.inputs.iter().filter_map(link).collect()
+    }
+
+    /// The pass whose port an output shows; `None` where a constant stands in its place.
+    fn shown_by(&self, output: &PlannedOutput) -> Option<PassId> {
+        self.pass(output.from.split('.').next().unwrap_or(""))
     }
 
     /// The constants that stand in place of passes that are off.

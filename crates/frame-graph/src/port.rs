@@ -191,19 +191,56 @@ pub struct OutputDesc {
     pub scratch: bool,
     /// Its resources by member name (`""` for the only one), and whether they need clearing.
     pub members: Vec<(String, ResourceDesc<Extent>, Usage)>,
+    /// Further members, which are resources of an input: see [`OutputDesc::hand_on`].
+    pub handed: Vec<HandedOn>,
     /// Facts that go with it.
     pub facts: Facts,
+}
+
+/// Members of an output that are resources of an input of the same pass, handed on without a copy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum HandedOn {
+    /// Every member of the input that the interface of the output has.
+    All {
+        /// The input port.
+        input: String,
+    },
+    /// One member.
+    Member {
+        /// Name of the member of the output.
+        member: String,
+        /// The input port.
+        input: String,
+        /// Name of the member of the input; `""` for the only one.
+        from: String,
+    },
 }
 
 impl OutputDesc {
     /// A port with one resource, fully written by the pass.
     pub fn one(port: &str, desc: ResourceDesc<Extent>) -> OutputDesc {
-        OutputDesc {
-            port: port.to_owned(),
-            scratch: false,
-            members: vec![(String::new(), desc, Usage::Overwrites)],
-            facts: Facts::new(),
-        }
+        OutputDesc::of(port, vec![(String::new(), desc, Usage::Overwrites)])
+    }
+
+    /// Creates a port with these members: name, description, and how the pass treats what was in the resource.
+    pub fn of(port: &str, members: Vec<(String, ResourceDesc<Extent>, Usage)>) -> OutputDesc {
+        OutputDesc { port: port.to_owned(), scratch: false, members, handed: Vec::new(), facts: Facts::new() }
+    }
+
+    /// Creates a port that hands on every member of an input that the interface of the port has: a reader of
+    /// `port` reads the same resources as a reader of what is linked to `input`, with the facts of `port`. The
+    /// pass writes nothing for it, and nothing is copied. Members may be added with [`OutputDesc::handed`] or
+    /// to [`OutputDesc::members`]. The input must not read the past.
+    pub fn hand_on(port: &str, input: &str) -> OutputDesc {
+        let all = HandedOn::All { input: input.to_owned() };
+        OutputDesc { handed: vec![all], ..OutputDesc::of(port, Vec::new()) }
+    }
+
+    /// Adds a member that is the member `from` of an input (`""` for its only one), handed on as by
+    /// [`OutputDesc::hand_on`].
+    pub fn handed(mut self, member: &str, input: &str, from: &str) -> OutputDesc {
+        self.handed.push(HandedOn::Member { member: member.into(), input: input.into(), from: from.into() });
+        self
     }
 
     /// A resource that the pass needs only while it runs.

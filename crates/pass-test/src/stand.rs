@@ -228,6 +228,8 @@ impl<'a> Stand<'a> {
             .iter()
             .map(|input| PlannedInput {
                 port: Name::from(&input.port),
+                producer: None,
+                producer_port: Name::EMPTY,
                 interface: Name::from(&input.interface),
                 members: input
                     .members
@@ -261,6 +263,7 @@ impl<'a> Stand<'a> {
                         (Name::from(name), id)
                     })
                     .collect(),
+                handed: Vec::new(),
                 connected: !output.scratch,
                 facts: Arc::new(output.facts.clone()),
             })

@@ -175,12 +175,7 @@ impl Reflected {
                 .or_else(|| like.map(|input| Extent::like(&input.name)));
             let size = size.unwrap_or(Extent::FRAME);
             let format = said.and_then(|said| said.format);
-            let mut desc = OutputDesc {
-                port: group.port.into(),
-                scratch: false,
-                members: Vec::new(),
-                facts: Default::default(),
-            };
+            let mut desc = OutputDesc::of(group.port, Vec::new());
             for (member, written) in group.members {
                 let resource = match &written.form {
                     Form::Target(ty) => {

@@ -276,7 +276,9 @@ impl Renderer {
             full == name || (same_pass && (rest.is_empty() || parts.any(|part| part == rest)))
         };
         let found = plan.resources.iter().position(|resource| fits(&resource.name));
-        found.map(|index| ResourceId(index as u32)).ok_or_else(|| {
+        let found = found.map(|index| ResourceId(index as u32));
+        let handed = || plan.handed().find(|(full, _)| fits(full)).map(|(_, id)| id);
+        found.or_else(handed).ok_or_else(|| {
             let outputs = plan.outputs.iter().map(|output| &output.name);
             self.no_output(name, outputs.chain(plan.resources.iter().map(|resource| &resource.name)))
         })

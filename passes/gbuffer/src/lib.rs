@@ -57,14 +57,8 @@ impl Pass for Gbuffer {
         ];
         let texture = |format| ResourceDesc::texture_2d(format, Extent::FRAME);
         let members = members.into_iter().filter(|(_, _, present)| *present);
-        let view = OutputDesc {
-            port: "view".into(),
-            scratch: false,
-            members: members
-                .map(|(name, format, _)| (name.into(), texture(format), Usage::Overwrites))
-                .collect(),
-            facts: Default::default(),
-        };
+        let members = members.map(|(name, format, _)| (name.into(), texture(format), Usage::Overwrites));
+        let view = OutputDesc::of("view", members.collect());
         Ok(vec![view, OutputDesc::scratch("nearest", texture(Format::Depth32Float))])
     }
 

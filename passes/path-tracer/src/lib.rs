@@ -1,9 +1,9 @@
 //! The truth: paths from the camera with next-event estimation, accumulated from frame to frame.
 
 use pass::{
-    Compute, Define, Extent, Externals, Facts, Format, Info, KindError, OutputContext, OutputDesc, Pass,
-    Ports, RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, Usage, UseContext, Value,
-    optional, output,
+    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, Usage, UseContext, Value, optional,
+    output,
     setting::{self, SettingExt},
 };
 
@@ -101,12 +101,7 @@ impl Pass for PathTracer {
         let texture = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::FRAME);
         let sums = SUMS.iter().map(|name| ((*name).to_owned(), texture(), Usage::Overwrites));
         let progress = ("progress".to_owned(), ResourceDesc::buffer(PROGRESS_BYTES), Usage::Overwrites);
-        let samples = OutputDesc {
-            port: "samples".into(),
-            scratch: false,
-            members: sums.chain([progress]).collect(),
-            facts: Facts::new(),
-        };
+        let samples = OutputDesc::of("samples", sums.chain([progress]).collect());
         let means = SUMS.iter().map(|name| OutputDesc::one(name, texture()));
         Ok(means.chain([samples]).collect())
     }

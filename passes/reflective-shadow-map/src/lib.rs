@@ -64,16 +64,12 @@ impl Pass for ReflectiveShadowMap {
         let array = |format| ResourceDesc::texture_2d_array(format, extent.clone(), layers);
         // Without lights nothing is drawn: one layer that sees nothing.
         let usage = if lit == 0 { Usage::ClearFirst(pass::Clear::Zero) } else { Usage::Overwrites };
-        let rsm = OutputDesc {
-            port: "rsm".into(),
-            scratch: false,
-            members: vec![
-                ("position".into(), array(Format::Rgba32Float), usage),
-                ("normal".into(), array(Format::Rgba16Float), usage),
-                ("flux".into(), array(Format::Rgba32Float), usage),
-            ],
-            facts: Default::default(),
-        };
+        let members = vec![
+            ("position".into(), array(Format::Rgba32Float), usage),
+            ("normal".into(), array(Format::Rgba16Float), usage),
+            ("flux".into(), array(Format::Rgba32Float), usage),
+        ];
+        let rsm = OutputDesc::of("rsm", members);
         let mut all = vec![rsm.fact("size", Value::U32(size)).fact("layers", Value::U32(layers))];
         if lit > 0 {
             all.push(OutputDesc::scratch("albedo", array(Format::Rgba16Float)));

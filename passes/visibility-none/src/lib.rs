@@ -1,8 +1,8 @@
 //! Says that every virtual light is seen from everywhere.
 
 use pass::{
-    Externals, Facts, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    Setting, Settings, UseContext, Value,
+    Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting,
+    Settings, UseContext, Value,
 };
 
 /// The kind `visibility-none`.
@@ -38,13 +38,8 @@ impl Pass for VisibilityNone {
     }
 
     fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        let module = ("module".to_owned(), Value::Text("shaders/visibility-none.wgsl".into()));
-        Ok(vec![OutputDesc {
-            port: "visibility".into(),
-            scratch: false,
-            members: Vec::new(),
-            facts: Facts::from([module]),
-        }])
+        let module = Value::Text("shaders/visibility-none.wgsl".into());
+        Ok(vec![OutputDesc::of("visibility", Vec::new()).fact("module", module)])
     }
 
     fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {

@@ -61,10 +61,8 @@ impl Pass for VisibilityRayTraced {
             ("rounds", Value::U32(ROUNDS)),
         ];
         Ok(vec![OutputDesc {
-            port: "visibility".into(),
-            scratch: false,
-            members: Vec::new(),
             facts: Facts::from(facts.map(|(name, value)| (name.to_owned(), value))),
+            ..OutputDesc::of("visibility", Vec::new())
         }])
     }
 

@@ -7,7 +7,7 @@ use crate::value::Value;
 use xxhash_rust::xxh3::xxh3_128;
 
 /// Changes whenever the encoding does, so that names of old plans are never those of new ones.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// All that matters, in one fixed form.
 struct Encoder(Vec<u8>);
@@ -143,6 +143,7 @@ pub(super) fn of(plan: &Plan) -> PlanId {
             e.text(&port.port);
             e.text(&port.interface);
             e.members(&port.members);
+            e.members(&port.handed);
             e.u8(u8::from(port.connected));
             e.facts(&port.facts);
         }

@@ -46,17 +46,21 @@ impl<'a> Work<'a> {
     /// Keeps what an output of the pipeline shows.
     fn take(&mut self, from: Tap, constant: Option<Clear>) {
         self.needed[from.pass as usize] = true;
-        self.keep(self.of_tap(&from));
-        for r in self.of_tap(&from) {
-            self.resources[r].constant = constant;
+        self.keep(self.numbers.in_port(&from));
+        if constant.is_some() {
+            for r in self.numbers.of_tap(&from) {
+                self.resources[r].constant = constant;
+            }
         }
     }
 
     /// Keeps resources for who reads them after the frame.
     fn keep(&mut self, resources: Range<usize>) {
-        for resource in &mut self.resources[resources] {
-            resource.persistent = true;
-            resource.read = true;
+        for r in resources {
+            self.resources[r].read = true;
+            let made = &mut self.resources[self.numbers.made[r] as usize];
+            made.persistent = true;
+            made.read = true;
         }
     }
 
@@ -104,7 +108,7 @@ impl<'a> Work<'a> {
             (Some(at), _, member) => (at, member),
             _ => return Err(unknown()),
         };
-        let whole = self.of_port(i as u32, at as u32);
+        let whole = self.numbers.of_port(i as u32, at as u32);
         let Some(member) = member else { return Ok((i, whole)) };
         match found.outputs[at].members.iter().position(|(m, _, _)| m == member) {
             Some(m) if parts.next().is_none() => Ok((i, whole.start + m..whole.start + m + 1)),
@@ -128,8 +132,9 @@ impl<'a> Work<'a> {
                     self.needed[producer] = true;
                     open.push(producer as u32);
                 }
-                for r in self.of_tap(&input.from) {
-                    let resource = &mut self.resources[r];
+                for r in self.numbers.in_port(&input.from) {
+                    self.resources[r].read = true;
+                    let resource = &mut self.resources[self.numbers.made[r] as usize];
                     resource.read = true;
                     if input.constant.is_some() {
                         resource.constant = input.constant;
@@ -164,7 +169,7 @@ impl<'a> Work<'a> {
                 continue;
             }
             for (at, _) in pass.outputs.iter().enumerate().filter(|(_, port)| kept(port)) {
-                self.keep(self.of_port(i as u32, at as u32));
+                self.keep(self.numbers.of_port(i as u32, at as u32));
             }
         }
     }

@@ -96,15 +96,18 @@ fn by_bytes(work: &Work<'_>) -> Vec<u32> {
     // Bytes that are alive after the pass and were not before, for transients.
     let cost = |pass: u32, left: &[u32]| -> i64 {
         let made = work
-            .of_pass(pass as usize)
+            .numbers
+            .made_by(pass as usize)
             .map(|r| &work.resources[r])
             .filter(|r| !r.persistent && r.readers > 0);
         let made: i64 = made.map(|r| r.bytes as i64).sum();
         let mut freed = 0;
         for input in &work.graph.passes[pass as usize].inputs {
             if input.past.is_none() && input.constant.is_none() {
-                let last =
-                    work.of_tap(&input.from).filter(|r| left[*r] == 1 && !work.resources[*r].persistent);
+                let last = work
+                    .numbers
+                    .of_tap(&input.from)
+                    .filter(|r| left[*r] == 1 && !work.resources[*r].persistent);
                 freed += last.map(|r| work.resources[r].bytes as i64).sum::<i64>();
             }
         }
@@ -127,7 +130,7 @@ fn by_bytes(work: &Work<'_>) -> Vec<u32> {
                 continue;
             }
             let mut cheaper = false;
-            for r in work.of_tap(&input.from) {
+            for r in work.numbers.of_tap(&input.from) {
                 left[r] -= 1;
                 cheaper |= left[r] == 1 && !work.resources[r].persistent;
             }
@@ -187,11 +190,11 @@ fn floor(work: &Work<'_>, order: &[u32]) -> u64 {
         let mut read: SmallVec<[usize; 8]> = inputs
             .iter()
             .filter(|i| i.past.is_none() && i.constant.is_none())
-            .flat_map(|i| work.of_tap(&i.from))
+            .flat_map(|i| work.numbers.of_tap(&i.from))
             .collect();
         read.sort_unstable();
         read.dedup();
-        read.into_iter().chain(work.of_pass(*pass as usize)).map(transient).sum::<u64>()
+        read.into_iter().chain(work.numbers.made_by(*pass as usize)).map(transient).sum::<u64>()
     };
     order.iter().map(needs).max().unwrap_or(0)
 }
@@ -202,14 +205,14 @@ fn peak(work: &Work<'_>, order: &[u32]) -> u64 {
     let (mut alive, mut peak) = (0u64, 0u64);
     for pass in order {
         let transient = |r: &usize| !work.resources[*r].persistent;
-        let made = work.of_pass(*pass as usize);
+        let made = work.numbers.made_by(*pass as usize);
         alive += made.clone().filter(transient).map(|r| work.resources[r].bytes).sum::<u64>();
         peak = peak.max(alive);
         alive -=
             made.filter(transient).filter(|r| left[*r] == 0).map(|r| work.resources[r].bytes).sum::<u64>();
         for input in &work.graph.passes[*pass as usize].inputs {
             if input.past.is_none() && input.constant.is_none() {
-                for r in work.of_tap(&input.from) {
+                for r in work.numbers.of_tap(&input.from) {
                     left[r] -= 1;
                     if left[r] == 0 && transient(&r) {
                         alive -= work.resources[r].bytes;

@@ -1,7 +1,7 @@
 //! Works out the resources of every output: formats, sizes, facts.
 
 use super::wires::{End, is_bare};
-use super::{GraphPort, GraphPorts, Linker};
+use super::{GraphPort, GraphPorts, Linker, Made};
 use crate::codes;
 use crate::description::{Body, Off};
 use crate::diagnostic::{Diagnostic, Place};
@@ -23,7 +23,7 @@ const MAX_ROUNDS: usize = 16;
 static NO_FACTS: LazyLock<Arc<Facts>> = LazyLock::new(Arc::default);
 
 /// Why the outputs of a pass are not known.
-enum Unknown {
+pub(super) enum Unknown {
     /// An input that reads the past has no size yet.
     Waits(KindError),
     /// An error.
@@ -59,6 +59,7 @@ impl<'a> Linker<'a> {
         if self.errors.is_empty() {
             self.check_sorts(&ports);
             self.check_constants(&ports);
+            self.check_handed(&ports);
         }
         ports.into_iter().map(Option::unwrap_or_default).collect()
     }
@@ -271,12 +272,18 @@ impl<'a> Linker<'a> {
                     }
                 };
             let desc = self.work_out(node, &port, desc, whole, inputs)?;
-            members.push((name, desc, usage));
+            members.push((name, desc, Made::Here(usage)));
+        }
+        for handed in &output.handed {
+            self.hand_on(node, &port, known, handed, whole, inputs, &mut members)?;
+        }
+        if let Some(known) = known.filter(|_| !output.handed.is_empty()) {
+            members.sort_by_key(|(name, _, _)| known.members.iter().position(|m| *name == m.name));
         }
         let lacks = |name: &str| members.iter().all(|(n, _, _)| n != name);
         let missing = match known.filter(|_| !plain) {
             Some(known) => known.members.iter().find(|m| !m.optional && lacks(m.name)).map(|m| m.name),
-            None => (!plain && !interface.is_empty()).then_some(""),
+            None => (!interface.is_empty() && lacks("")).then_some(""),
         };
         if let Some(missing) = missing {
             return Err(self.defect(node, format!("does not describe `{missing}` of its output `{port}`")));
@@ -291,7 +298,7 @@ impl<'a> Linker<'a> {
         Ok(GraphPort { port, interface, members, facts })
     }
 
-    fn defect(&self, node: usize, what: String) -> Unknown {
+    pub(super) fn defect(&self, node: usize, what: String) -> Unknown {
         let node = &self.nodes[node];
         let kind = if let Body::Pass { kind, .. } = &node.decl.body { &*kind.value } else { "" };
         let error = Diagnostic::new(&codes::KIND_DEFECT, format!("the kind `{kind}` {what}"))

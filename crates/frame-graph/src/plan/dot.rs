@@ -55,7 +55,7 @@ pub(super) fn dot(plan: &Plan) -> String {
         let name = quoted(&format!("out.{}", output.name));
         let from = output.members.first().map(|(_, id)| &plan.resources[id.0 as usize]);
         let Some(from) = from else { continue };
-        let from = from.producer.map_or(&from.name, |p| &plan.passes[p.0 as usize].name);
+        let from = plan.shown_by(output).map_or(&from.name, |p| &plan.passes[p.0 as usize].name);
         let _ =
             writeln!(out, "  {name} [shape=ellipse, fillcolor=\"#d9f0d3\"];\n  {} -> {name};", quoted(from));
     }

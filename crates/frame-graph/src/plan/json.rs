@@ -50,7 +50,7 @@ pub(super) fn json(plan: &Plan) -> Json {
         let outputs = pass.outputs.iter().map(|port| {
             json!({
                 "port": &*port.port, "interface": &*port.interface, "connected": port.connected,
-                "resources": members(&port.members),
+                "resources": members(&port.members), "hands_on": members(&port.handed),
             })
         });
         json!({

@@ -88,7 +88,13 @@ fn tiles(plan: &Plan) -> (Vec<Tile>, Vec<Edge>) {
         let fate = plan.fates.iter().find(|(name, _)| *name == pass.name).map(|(_, fate)| fate.to_string());
         let written = pass.outputs.iter().flat_map(|port| &port.members);
         let written: u64 = written.map(|(_, id)| plan.resources[id.0 as usize].desc.bytes()).sum();
-        let lines = [pass.name.to_string(), pass.kind.to_string(), bytes(written)];
+        let hands = pass.outputs.iter().any(|port| !port.handed.is_empty());
+        let holds = match (written, hands) {
+            (0, true) => "hands on".to_owned(),
+            (written, true) => format!("{}, hands on", bytes(written)),
+            (written, false) => bytes(written),
+        };
+        let lines = [pass.name.to_string(), pass.kind.to_string(), holds];
         let title = fate.unwrap_or_default();
         tiles.push(Tile::new(lines, title, KEPT));
     }
@@ -109,7 +115,7 @@ fn tiles(plan: &Plan) -> (Vec<Tile>, Vec<Edge>) {
     }
     for output in &plan.outputs {
         let Some((_, id)) = output.members.first() else { continue };
-        let producer = plan.resources[id.0 as usize].producer.map(|p| p.0 as usize);
+        let producer = plan.shown_by(output).map(|p| p.0 as usize);
         let Some(from) = producer.or(constants[id.0 as usize]) else { continue };
         let port =
             output.from.rsplit('/').next().and_then(|tail| tail.split('.').nth(1)).unwrap_or("").to_owned();

@@ -58,5 +58,10 @@ fn write_pass(out: &mut String, plan: &Plan, at: usize, pass: &PlannedPass) {
                 resource.allocation.0
             );
         }
+        for (member, id) in &port.handed {
+            let dot = if member.is_empty() { "" } else { "." };
+            let from = &plan.resources[id.0 as usize].name;
+            let _ = writeln!(out, "       hands on {}.{}{dot}{member} = {from}", pass.name, port.port);
+        }
     }
 }

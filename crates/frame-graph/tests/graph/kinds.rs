@@ -1,6 +1,6 @@
 //! Kinds of passes for tests: small, and wide enough to reach every rule of linking.
 
-use frame_graph::port::{Facts, Kinds, Member, OutputContext, OutputDesc, Use};
+use frame_graph::port::{Kinds, Member, OutputContext, OutputDesc, Use};
 use frame_graph::resolve::Files;
 use frame_graph::{
     Clear, Extent, Externals, Format, InputPort, Interface, KindError, OutputPort, Ports, ResourceDesc,
@@ -102,7 +102,7 @@ impl TestKinds {
                     if c.settings.bool("motion") {
                         members.push(texture("motion", Format::Rg16Float));
                     }
-                    Ok(vec![OutputDesc { port: "view".into(), scratch: false, members, facts: Facts::new() }])
+                    Ok(vec![OutputDesc::of("view", members)])
                 },
             ),
             kind(
@@ -206,6 +206,21 @@ impl TestKinds {
                 let size = Extent::Like { input: "past".into(), num: 2, den: 1 };
                 Ok(vec![OutputDesc::one("image", ResourceDesc::texture_2d(Format::R32Float, size))])
             }),
+            kind(
+                "relay",
+                vec![setting("bias", Value::F32(0.5), 0.0, 1.0, &[])],
+                ports(&["view: GBuffer"], &["seen: GBuffer"], none),
+                |c| {
+                    let bias = Value::F32(c.settings.f32("bias"));
+                    Ok(vec![OutputDesc::hand_on("seen", "view").fact("bias", bias)])
+                },
+            ),
+            kind("remotion", vec![], ports(&["view: GBuffer"], &["seen: GBuffer"], none), |_| {
+                let mut seen = OutputDesc::of("seen", Vec::new());
+                let motion = ResourceDesc::texture_2d(Format::Rg16Float, Extent::FRAME);
+                seen.members.push(("motion".into(), motion, Usage::Overwrites));
+                Ok(vec![seen.handed("normal", "view", "normal").handed("depth", "view", "depth")])
+            }),
             kind("defect", vec![], ports(&[], &["image: Texture"], none), |_| Ok(vec![image("picture")])),
             kind("sink", vec![], ports(&["image: Texture"], &[], none), |_| Ok(vec![])),
         ])
@@ -259,6 +274,20 @@ impl Kinds for TestKinds {
         let said = context.use_.outputs.get("out").cloned().unwrap_or_default();
         let size = said.size.unwrap_or(Extent::FRAME);
         let format = said.format.unwrap_or(Format::Rgba16Float);
+        // A shader that hands on the first resource of its first input: alone, or beside one of its own.
+        if context.use_.shader == Some("hand.wgsl")
+            && let Some((from, _)) = context.input("i0").and_then(|input| input.members.first())
+        {
+            let own = match said.interface.as_deref() {
+                Some("GBuffer") => OutputDesc::of(
+                    "out",
+                    vec![("normal".into(), ResourceDesc::texture_2d(format, size), Usage::Overwrites)],
+                )
+                .handed("depth", "i0", from),
+                _ => OutputDesc::of("out", Vec::new()).handed("", "i0", from),
+            };
+            return Ok(vec![own]);
+        }
         Ok(vec![OutputDesc::one("out", ResourceDesc::texture_2d(format, size))])
     }
 }

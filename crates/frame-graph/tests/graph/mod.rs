@@ -1,4 +1,5 @@
 mod broken;
+mod handed;
 mod kinds;
 mod off;
 mod random;

@@ -48,6 +48,13 @@ fn text(passes: &[Drawn], outputs: &[usize], blank: &str) -> String {
             (true, 0) => write!(out, "\"p{i}\":{blank}Pass(kind: \"noise\"),"),
             (true, 1) => write!(out, "\"p{i}\": Pass(kind: \"pair\"), "),
             (true, 2) => write!(out, "\"p{i}\": Pass(kind: \"gbuffer\"),{blank}"),
+            // These hand on what they read first, where that is of this frame.
+            (false, 0 | 1) if i > 0 && !pass.reads[0].1 => write!(
+                out,
+                "\"p{i}\": Pass(kind: \"fullscreen\", shader: \"hand.wgsl\", in: {{ {} }}, out: {{ \"out\": Out({}) }}),",
+                links.join(", "),
+                if pass.source == 0 { "" } else { "interface: \"GBuffer\"" }
+            ),
             _ => write!(
                 out,
                 "\"p{i}\": Pass(kind: \"fullscreen\", shader: \"a.wgsl\", in: {{ {} }}, out: {{ \"out\": Out(size: {size}) }}),",
@@ -99,6 +106,12 @@ fn check(plan: &Plan) -> Result<(), TestCaseError> {
         }
         for (_, id) in pass.outputs.iter().flat_map(|port| &port.members) {
             prop_assert!(written.insert(*id), "{id:?} is written twice");
+        }
+        // What is handed on is what an input of this frame reads.
+        for (_, id) in pass.outputs.iter().flat_map(|port| &port.handed) {
+            let now = pass.inputs.iter().filter(|input| input.history.is_none());
+            let mut read = now.flat_map(|input| &input.members);
+            prop_assert!(read.any(|(_, other)| other == id), "{} hands on what it does not read", pass.name);
         }
     }
     // Nothing shares an object with what is alive at the same time, nor with what outlives the frame.

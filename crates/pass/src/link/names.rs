@@ -42,6 +42,9 @@ impl Names {
             for (member, id) in &output.members {
                 all.push(named(&output.port, member, true, Source::Resource(*id), *id));
             }
+            for (member, id) in &output.handed {
+                all.push(named(&output.port, member, false, Source::Resource(*id), *id));
+            }
         }
         Names(all)
     }
@@ -79,7 +82,12 @@ pub(super) fn output(plan: &Plan, output: &PlannedPort) -> PortDesc {
     PortDesc {
         name: output.port.clone(),
         interface: output.interface.clone(),
-        members: members(plan, &output.members),
+        members: output
+            .members
+            .iter()
+            .chain(&output.handed)
+            .map(|(name, id)| (name.clone(), plan.resources[id.0 as usize].desc.clone()))
+            .collect(),
         facts: Arc::clone(&output.facts),
         connected: output.connected,
         past: false,

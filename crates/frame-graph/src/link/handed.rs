@@ -1,0 +1,205 @@
+//! Members of outputs that are resources of an input, handed on under the facts of another pass.
+
+use super::sizes::Unknown;
+use super::wires::End;
+use super::{GraphPorts, Linker, Made};
+use crate::codes;
+use crate::description::Past;
+use crate::diagnostic::{Diagnostic, Place};
+use crate::port::{HandedOn, InputDesc, Interface, KindError};
+use crate::resource::ResourceDesc;
+use data_file::Name;
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// A resource of the graph: node, port, and member of the port.
+type At = (u32, u32, u32);
+
+impl Linker<'_> {
+    /// Adds the members of an output that its pass hands on.
+    #[expect(clippy::too_many_arguments, reason = "all that describing a port has")]
+    pub(super) fn hand_on(
+        &self,
+        node: usize,
+        port: &Name,
+        interface: Option<&Interface>,
+        handed: &HandedOn,
+        whole: bool,
+        inputs: &[InputDesc],
+        members: &mut SmallVec<[(Name, ResourceDesc, Made); 1]>,
+    ) -> Result<(), Unknown> {
+        let input = match handed {
+            HandedOn::All { input } | HandedOn::Member { input, .. } => input,
+        };
+        let Some(found) = inputs.iter().find(|desc| desc.name == *input) else {
+            return Err(match whole {
+                true => self.defect(
+                    node,
+                    format!("hands `{input}` on as its output `{port}`, which is no input that is linked"),
+                ),
+                false => Unknown::Waits(KindError::new(format!("`{port}` hands `{input}` on"))),
+            });
+        };
+        // Of an interface with members, the static name; of a single texture or buffer, none.
+        let own = |name: &str| match interface {
+            Some(interface) => interface.members.iter().find(|m| m.name == name).map(|m| Name::new(m.name)),
+            None => name.is_empty().then_some(Name::EMPTY),
+        };
+        let mut add = |name: Name, from: &str, desc: &ResourceDesc| {
+            if members.iter().any(|(other, _, _)| *other == name) {
+                return Err(self.defect(node, format!("describes `{name}` of its output `{port}` twice")));
+            }
+            let made = Made::Handed { input: Name::from(input), member: Name::from(from) };
+            members.push((name, desc.clone(), made));
+            Ok(())
+        };
+        match handed {
+            HandedOn::All { .. } => {
+                for (from, desc) in &found.members {
+                    if let Some(name) = own(from) {
+                        add(name, from, desc)?;
+                    }
+                }
+                Ok(())
+            }
+            HandedOn::Member { member, from, .. } => {
+                let Some(name) = own(member) else {
+                    return Err(self.defect(
+                        node,
+                        format!("hands on a member `{member}` that its output `{port}` cannot have"),
+                    ));
+                };
+                match found.member(from) {
+                    Some(desc) => add(name, from, desc),
+                    None => Err(self.defect(
+                        node,
+                        format!(
+                            "hands on `{from}` of its input `{input}`, which what is linked does not make"
+                        ),
+                    )),
+                }
+            }
+        }
+    }
+
+    /// Where a resource is made: follows what is handed on to the pass that makes it. A pass that is off hands
+    /// on nothing: what stands in its place is its own.
+    fn made_at(&self, mut at: At, ports: &[Option<GraphPorts>]) -> At {
+        loop {
+            let (node, port, member) = at;
+            let made =
+                ports[node as usize].as_ref().map(|ports| &ports[port as usize].members[member as usize].2);
+            let Some(Made::Handed { input, member }) = made else { return at };
+            let handed =
+                self.wire_of(node as usize, input).and_then(|end| member_at(self, end, member, ports));
+            match handed {
+                Some(next) if self.is_on_now(node as usize) => at = next,
+                _ => return at,
+            }
+        }
+    }
+
+    fn is_on_now(&self, node: usize) -> bool {
+        self.on[node] != Some(false)
+    }
+
+    /// The end of the wire into an input, with what is off taken out.
+    fn wire_of(&self, node: usize, input: &Name) -> Option<&End<'_>> {
+        let names = &self.uses[node].as_ref()?.names.inputs;
+        let wire = self.wires_now(node).iter().find(|wire| names[wire.input as usize].0 == *input)?;
+        Some(&wire.end)
+    }
+
+    /// What is handed on must be of this frame, and all names of one resource must agree on its past.
+    pub(super) fn check_handed(&mut self, ports: &[Option<GraphPorts>]) {
+        let hands = |ports: &GraphPorts| {
+            let members = ports.iter().flat_map(|port| &port.members);
+            members.into_iter().any(|(_, _, made)| matches!(made, Made::Handed { .. }))
+        };
+        if !ports.iter().flatten().any(hands) {
+            return;
+        }
+        let mut errors = Vec::new();
+        for (node, described) in ports.iter().enumerate() {
+            let Some(described) = described.as_ref().filter(|_| self.is_on_now(node)) else { continue };
+            for port in described {
+                let input_of = |made: &Made| match made {
+                    Made::Handed { input, .. } => Some(input.clone()),
+                    Made::Here(_) => None,
+                };
+                let mut inputs: Vec<Name> = port.members.iter().filter_map(|(_, _, m)| input_of(m)).collect();
+                inputs.dedup();
+                for input in inputs {
+                    let end = self.wire_of(node, &input);
+                    if end.is_some_and(|end| end.past.is_some() && end.constant.is_none()) {
+                        errors.push(self.hands_on_past(node, &port.port, &input));
+                    }
+                }
+            }
+        }
+        if errors.is_empty() {
+            errors = self.check_handed_pasts(ports);
+        }
+        self.errors.extend(errors);
+    }
+
+    fn hands_on_past(&self, node: usize, port: &Name, input: &Name) -> Diagnostic {
+        let name = &self.nodes[node].name;
+        let message = format!("`{name}.{port}` hands on its input `{input}`, which reads the past");
+        let place = self.nodes[node].decl.link(input).map_or(self.nodes[node].place, |link| link.place);
+        Diagnostic::new(&codes::PAST, message)
+            .label(self.span(place), "the past is read here")
+            .label(self.span(self.nodes[node].place), "by a pass that hands it on")
+            .note(
+                "a reader would take the past for this frame's: let the reader itself link to it with `Prev`",
+            )
+    }
+
+    /// A resource has one past, whatever names it is read by.
+    fn check_handed_pasts(&self, ports: &[Option<GraphPorts>]) -> Vec<Diagnostic> {
+        let mut known: FxHashMap<At, (&Arc<Past>, Place)> = FxHashMap::default();
+        let mut errors = Vec::new();
+        for node in 0..self.nodes.len() {
+            if self.uses[node].is_none() || !self.is_on_now(node) {
+                continue;
+            }
+            for wire in self.wires_now(node) {
+                let (Some(past), None) = (wire.end.past, wire.end.constant) else { continue };
+                let place = self.link_of(node, wire).place;
+                for at in members_of(self, &wire.end, ports) {
+                    let first = *known.entry(self.made_at(at, ports)).or_insert((past, place));
+                    if first.0 != past && errors.is_empty() {
+                        let message =
+                            format!("the past of `{}` is kept in two ways", self.end_text(&wire.end));
+                        let error = Diagnostic::new(&codes::PAST, message)
+                            .label(self.span(place), "with one `init` and `reset` here")
+                            .label(self.span(first.1), "and others here, where it is read by another name")
+                            .note("a resource has one past: give both links the same `init` and `reset`");
+                        errors.push(error);
+                    }
+                }
+            }
+        }
+        errors
+    }
+}
+
+/// The resources at the end of a wire.
+fn members_of(linker: &Linker<'_>, end: &End<'_>, ports: &[Option<GraphPorts>]) -> Vec<At> {
+    let Some(ports) = &ports[end.node as usize] else { return Vec::new() };
+    let port = &ports[end.port as usize];
+    let chosen = linker.member(&port.interface, end.member);
+    let members = port.members.iter().enumerate();
+    let members = members.filter(|(_, (name, _, _))| chosen.is_none_or(|chosen| *name == chosen));
+    members.map(|(m, _)| (end.node, end.port, m as u32)).collect()
+}
+
+/// The resource that an input sees under the name of a member.
+fn member_at(linker: &Linker<'_>, end: &End<'_>, member: &str, ports: &[Option<GraphPorts>]) -> Option<At> {
+    let members = members_of(linker, end, ports);
+    let port = &ports[end.node as usize].as_ref()?[end.port as usize];
+    let named = members.iter().find(|(_, _, m)| port.members[*m as usize].0 == *member);
+    // A single resource goes without its name.
+    named.or(members.first().filter(|_| member.is_empty())).copied()
+}
