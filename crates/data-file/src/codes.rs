@@ -57,6 +57,7 @@ codes! {
     OFF = "E043": "What `off:` puts in place of a pass does not fit its outputs.";
     SWITCH_LOOP = "E044": "A switch depends on itself through `connected`.";
     OFF_LOOP = "E045": "Passes that are off stand in place of each other.";
+    ARITHMETIC = "E046": "An expression divides by zero, or its value is beyond what a number can hold.";
     SIZE_INPUT = "E050": "A size is relative to an input that is not linked or has no texture.";
     SIZE_LOOP = "E051": "A size depends on itself through `Prev`.";
     SIZE_LIMIT = "E052": "A size is zero or larger than any device allows.";

@@ -6,11 +6,10 @@ mod read;
 mod values;
 
 pub(crate) use form::{
-    At, Body, Dim, Entry, Group, InputDecl, Link, Off, OutDecl, OutputDecl, ParameterDecl, PassDecl, Past,
-    Patch, Set, SetValue, Size, Target, When,
+    At, Body, Dim, Entry, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, ParameterDecl, PassDecl,
+    Past, Patch, Set, SetValue, Size, Target,
 };
-pub(crate) use read::parse_file;
-pub(crate) use read::{out_overrides, within};
+pub(crate) use read::{out_overrides, parse_file};
 
 use crate::diagnostic::{Diagnostics, Source};
 use crate::value::Value;

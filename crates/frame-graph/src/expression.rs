@@ -1,9 +1,15 @@
-//! The closed expressions of `when:`: over traits of the scene, parameters, and whether an input is linked.
+//! The closed expressions of `when:`, of settings and of sizes: over parameters, and in switches also over traits
+//! of the scene and whether an input is linked.
+
+mod parse;
+
+pub(crate) use parse::{parse, parse_scale};
 
 use crate::codes::{self, Code};
-use crate::diagnostic::nearest;
+use crate::diagnostic::{Place, nearest};
 use crate::value::Value;
 use data_file::Name;
+use std::cmp::Ordering;
 use std::fmt;
 
 /// Deepest nesting of an expression.
@@ -22,8 +28,8 @@ pub(crate) enum ExprKind {
     Value(Value),
     /// `scene.NAME`
     Trait(Name),
-    /// `$NAME` or `NAME`; its value once it is known.
-    Parameter(Name, Option<Value>),
+    /// `$NAME` or `NAME`; its value, and where that was given, once they are known.
+    Parameter(Name, Option<(Value, Place)>),
     /// `connected(PORT)`
     Connected(Name),
     Not(Box<Expr>),
@@ -40,6 +46,13 @@ pub(crate) enum Op {
     LessEqual,
     Greater,
     GreaterEqual,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Remainder,
+    Min,
+    Max,
 }
 
 /// The types of expressions: all numbers are one.
@@ -73,6 +86,93 @@ pub(crate) trait Env {
     fn ports(&self) -> Vec<String>;
 }
 
+/// What the names of a setting's or size's expression stand for, beside parameters: nothing.
+impl Env for () {
+    fn scene(&self, _: &str) -> Option<&Value> {
+        None
+    }
+
+    fn scene_names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn connected(&self, _: &str) -> Option<bool> {
+        None
+    }
+
+    fn ports(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// A value while it is worked out.
+enum Term {
+    Whole(i64),
+    Real(f64),
+    Other(Value),
+}
+
+impl Term {
+    fn of(value: &Value) -> Term {
+        match value {
+            Value::U32(n) => Term::Whole(i64::from(*n)),
+            Value::I32(n) => Term::Whole(i64::from(*n)),
+            Value::F32(x) => Term::Real(f64::from(*x)),
+            other => Term::Other(other.clone()),
+        }
+    }
+
+    fn real(&self) -> Option<f64> {
+        match self {
+            Term::Whole(n) => Some(*n as f64),
+            Term::Real(x) => Some(*x),
+            Term::Other(_) => None,
+        }
+    }
+
+    fn is_true(&self) -> bool {
+        matches!(self, Term::Other(Value::Bool(true)))
+    }
+
+    /// The order of two terms; `None` where they have none, or are different and no numbers.
+    fn order(&self, other: &Term) -> Option<Ordering> {
+        match (self, other) {
+            (Term::Whole(l), Term::Whole(r)) => Some(l.cmp(r)),
+            (Term::Other(l), Term::Other(r)) => (l == r).then_some(Ordering::Equal),
+            _ => self.real()?.partial_cmp(&other.real()?),
+        }
+    }
+
+    /// The number that an arithmetic operator makes; `None` where there is none.
+    fn join(op: Op, left: &Term, right: &Term) -> Option<Term> {
+        if let (Term::Whole(l), Term::Whole(r)) = (left, right) {
+            return match op {
+                Op::Add => l.checked_add(*r),
+                Op::Subtract => l.checked_sub(*r),
+                Op::Multiply => l.checked_mul(*r),
+                Op::Divide => l.checked_div(*r),
+                Op::Remainder => l.checked_rem(*r),
+                Op::Min => Some(*l.min(r)),
+                Op::Max => Some(*l.max(r)),
+                _ => None,
+            }
+            .map(Term::Whole);
+        }
+        let (l, r) = (left.real()?, right.real()?);
+        let real = match op {
+            Op::Add => l + r,
+            Op::Subtract => l - r,
+            Op::Multiply => l * r,
+            Op::Divide => l / r,
+            Op::Remainder => l % r,
+            Op::Min => l.min(r),
+            Op::Max => l.max(r),
+            _ => return None,
+        };
+        real.is_finite().then_some(Term::Real(real))
+    }
+}
+
 impl Op {
     fn text(self) -> &'static str {
         match self {
@@ -84,7 +184,20 @@ impl Op {
             Op::LessEqual => "<=",
             Op::Greater => ">",
             Op::GreaterEqual => ">=",
+            Op::Add => "+",
+            Op::Subtract => "-",
+            Op::Multiply => "*",
+            Op::Divide => "/",
+            Op::Remainder => "%",
+            Op::Min => "min",
+            Op::Max => "max",
         }
+    }
+
+    /// Whether it makes a number of two.
+    fn is_arithmetic(self) -> bool {
+        use Op::{Add, Divide, Max, Min, Multiply, Remainder, Subtract};
+        matches!(self, Add | Subtract | Multiply | Divide | Remainder | Min | Max)
     }
 }
 
@@ -110,206 +223,9 @@ impl fmt::Display for Ty {
     }
 }
 
-struct Parser<'a> {
-    text: &'a str,
-    at: usize,
-}
-
-/// Reads an expression.
-pub(crate) fn parse(text: &str) -> Result<Expr, ExprError> {
-    let mut parser = Parser { text, at: 0 };
-    let expr = parser.or(0)?;
-    parser.blanks();
-    if parser.at < text.len() {
-        return Err(parser.error(parser.at, "expected `&&`, `||`, a comparison, or the end"));
-    }
-    Ok(expr)
-}
-
-impl Parser<'_> {
-    fn error(&self, start: usize, message: impl Into<String>) -> ExprError {
-        let end = self.text[start..].chars().next().map_or(start, |c| start + c.len_utf8());
-        ExprError {
-            code: &codes::EXPRESSION,
-            start: start as u32,
-            end: end.max(self.at) as u32,
-            message: message.into(),
-            notes: Vec::new(),
-        }
-    }
-
-    fn rest(&self) -> &str {
-        &self.text[self.at..]
-    }
-
-    fn blanks(&mut self) {
-        let rest = self.rest();
-        self.at += rest.len() - rest.trim_start().len();
-    }
-
-    fn eat(&mut self, text: &str) -> bool {
-        self.blanks();
-        let found = self.rest().starts_with(text);
-        if found {
-            self.at += text.len();
-        }
-        found
-    }
-
-    fn binary(op: Op, left: Expr, right: Expr) -> Expr {
-        let (start, end) = (left.start, right.end);
-        Expr { start, end, kind: ExprKind::Binary(op, Box::new(left), Box::new(right)) }
-    }
-
-    fn or(&mut self, depth: u32) -> Result<Expr, ExprError> {
-        let mut left = self.and(depth)?;
-        let mut length = depth;
-        while self.eat("||") {
-            length = self.deeper(length)?;
-            left = Self::binary(Op::Or, left, self.and(depth)?);
-        }
-        Ok(left)
-    }
-
-    fn and(&mut self, depth: u32) -> Result<Expr, ExprError> {
-        let mut left = self.comparison(depth)?;
-        let mut length = depth;
-        while self.eat("&&") {
-            length = self.deeper(length)?;
-            left = Self::binary(Op::And, left, self.comparison(depth)?);
-        }
-        Ok(left)
-    }
-
-    fn comparison(&mut self, depth: u32) -> Result<Expr, ExprError> {
-        let left = self.unary(depth)?;
-        let ops = [Op::Equal, Op::NotEqual, Op::LessEqual, Op::GreaterEqual, Op::Less, Op::Greater];
-        for op in ops {
-            if self.eat(op.text()) {
-                return Ok(Self::binary(op, left, self.unary(depth)?));
-            }
-        }
-        Ok(left)
-    }
-
-    fn deeper(&self, depth: u32) -> Result<u32, ExprError> {
-        if depth >= MAX_DEPTH {
-            let message = format!("this expression is nested more than {MAX_DEPTH} deep");
-            return Err(ExprError {
-                code: &codes::NESTING,
-                ..self.error(self.at.min(self.text.len()), message)
-            });
-        }
-        Ok(depth + 1)
-    }
-
-    fn unary(&mut self, depth: u32) -> Result<Expr, ExprError> {
-        self.blanks();
-        let start = self.at;
-        if !self.rest().starts_with("!=") && self.eat("!") {
-            let inner = self.unary(self.deeper(depth)?)?;
-            return Ok(Expr { start: start as u32, end: inner.end, kind: ExprKind::Not(Box::new(inner)) });
-        }
-        if self.eat("(") {
-            let inner = self.or(self.deeper(depth)?)?;
-            if !self.eat(")") {
-                return Err(self.error(self.at, "expected `)`"));
-            }
-            return Ok(inner);
-        }
-        let kind = self.atom(start)?;
-        Ok(Expr { start: start as u32, end: self.at as u32, kind })
-    }
-
-    fn name(&mut self) -> &str {
-        let start = self.at;
-        let rest = self.rest();
-        let len = rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '-')).unwrap_or(rest.len());
-        self.at += len;
-        &self.text[start..self.at]
-    }
-
-    fn atom(&mut self, start: usize) -> Result<ExprKind, ExprError> {
-        let first = self.rest().chars().next();
-        match first {
-            Some(quote @ ('"' | '\'')) => {
-                let Some(len) = self.rest()[1..].find(quote) else {
-                    return Err(self.error(start, "this text is not closed"));
-                };
-                let text = self.rest()[1..1 + len].to_owned();
-                self.at += len + 2;
-                Ok(ExprKind::Value(Value::Text(text)))
-            }
-            Some('0'..='9' | '-' | '.' | '+') => {
-                let rest = self.rest();
-                let is_number = |(i, c): (usize, char)| {
-                    c.is_ascii_alphanumeric()
-                        || matches!(c, '.' | '_')
-                        || matches!(c, '-' | '+') && (i == 0 || rest[..i].ends_with(['e', 'E']))
-                };
-                let len = rest.char_indices().find(|x| !is_number(*x)).map_or(rest.len(), |(i, _)| i);
-                let digits = rest[..len].replace('_', "");
-                self.at += len;
-                let value = if let Ok(n) = digits.parse() {
-                    Value::U32(n)
-                } else if let Ok(n) = digits.parse() {
-                    Value::I32(n)
-                } else if let Some(x) = digits.parse().ok().filter(|x: &f32| x.is_finite()) {
-                    Value::F32(x)
-                } else {
-                    return Err(self.error(start, format!("`{digits}` is not a number")));
-                };
-                Ok(ExprKind::Value(value))
-            }
-            Some('$') => {
-                self.at += 1;
-                let name = Name::from(self.name());
-                if name.is_empty() {
-                    return Err(self.error(start, "expected the name of a parameter after `$`"));
-                }
-                Ok(ExprKind::Parameter(name, None))
-            }
-            Some(c) if c.is_alphabetic() || c == '_' => {
-                let word = self.name().to_owned();
-                match word.as_str() {
-                    "true" => Ok(ExprKind::Value(Value::Bool(true))),
-                    "false" => Ok(ExprKind::Value(Value::Bool(false))),
-                    "scene" if self.rest().starts_with('.') => {
-                        self.at += 1;
-                        let name = Name::from(self.name());
-                        if name.is_empty() {
-                            return Err(self.error(self.at, "expected the name of a trait after `scene.`"));
-                        }
-                        Ok(ExprKind::Trait(name))
-                    }
-                    _ if self.eat("(") => {
-                        if word != "connected" {
-                            let mut error = self.error(start, format!("there is no function `{word}`"));
-                            error.code = &codes::EXPRESSION_NAME;
-                            error.notes.push("the only function is `connected(input)`".into());
-                            return Err(error);
-                        }
-                        self.blanks();
-                        let quoted = self.eat("'") || self.eat("\"");
-                        let port = Name::from(self.name());
-                        let closed = (!quoted || self.eat("'") || self.eat("\"")) && self.eat(")");
-                        if port.is_empty() || !closed {
-                            return Err(self.error(self.at, "expected the name of an input and `)`"));
-                        }
-                        Ok(ExprKind::Connected(port))
-                    }
-                    _ => Ok(ExprKind::Parameter(Name::from(word), None)),
-                }
-            }
-            Some(_) => Err(self.error(start, "expected a name, a value, `!` or `(`")),
-            None => Err(self.error(start, "expected a name or a value before the end")),
-        }
-    }
-}
-
 impl Expr {
     /// Calls `f` with every parameter: its place, its name, and where its value goes.
-    pub(crate) fn parameters(&mut self, f: &mut impl FnMut((u32, u32), &Name, &mut Option<Value>)) {
+    pub(crate) fn parameters(&mut self, f: &mut impl FnMut((u32, u32), &Name, &mut Option<(Value, Place)>)) {
         match &mut self.kind {
             ExprKind::Parameter(name, value) => f((self.start, self.end), name, value),
             ExprKind::Not(inner) => inner.parameters(f),
@@ -331,6 +247,33 @@ impl Expr {
                 right.connected(out);
             }
             ExprKind::Value(_) | ExprKind::Trait(_) | ExprKind::Parameter(..) => {}
+        }
+    }
+
+    /// The first part that asks about the scene or an input.
+    pub(crate) fn question(&self) -> Option<&Expr> {
+        match &self.kind {
+            ExprKind::Trait(_) | ExprKind::Connected(_) => Some(self),
+            ExprKind::Not(inner) => inner.question(),
+            ExprKind::Binary(_, left, right) => left.question().or_else(|| right.question()),
+            ExprKind::Value(_) | ExprKind::Parameter(..) => None,
+        }
+    }
+
+    /// Where the values of its parameters were given.
+    pub(crate) fn origins(&self, out: &mut Vec<(Name, Value, Place)>) {
+        match &self.kind {
+            ExprKind::Parameter(name, Some((value, place))) => {
+                if !out.iter().any(|(known, _, _)| known == name) {
+                    out.push((name.clone(), value.clone(), *place));
+                }
+            }
+            ExprKind::Not(inner) => inner.origins(out),
+            ExprKind::Binary(_, left, right) => {
+                left.origins(out);
+                right.origins(out);
+            }
+            ExprKind::Value(_) | ExprKind::Trait(_) | ExprKind::Connected(_) | ExprKind::Parameter(..) => {}
         }
     }
 
@@ -359,7 +302,7 @@ impl Expr {
         match &self.kind {
             ExprKind::Value(value) => Ok(Ty::of(value)),
             ExprKind::Parameter(name, value) => match value {
-                Some(value) => Ok(Ty::of(value)),
+                Some((value, _)) => Ok(Ty::of(value)),
                 None => Err(self.error(&codes::UNKNOWN_PARAMETER, format!("there is no parameter `{name}`"))),
             },
             ExprKind::Trait(name) => env.scene(name).map(Ty::of).ok_or_else(|| {
@@ -376,6 +319,11 @@ impl Expr {
                 right.check(env, Ty::Bool)?;
                 Ok(Ty::Bool)
             }
+            ExprKind::Binary(op, left, right) if op.is_arithmetic() => {
+                left.check(env, Ty::Number)?;
+                right.check(env, Ty::Number)?;
+                Ok(Ty::Number)
+            }
             ExprKind::Binary(op, left, right) => {
                 let (l, r) = (left.ty(env)?, right.ty(env)?);
                 let ordered = !matches!(op, Op::Equal | Op::NotEqual);
@@ -389,43 +337,75 @@ impl Expr {
     }
 
     /// Whether it holds; the expression must have passed [`Expr::check`].
-    pub(crate) fn holds(&self, env: &dyn Env) -> bool {
-        self.value(env).as_bool().unwrap_or(false)
+    pub(crate) fn holds(&self, env: &dyn Env) -> Result<bool, ExprError> {
+        Ok(self.term(env)?.is_true())
     }
 
-    fn value(&self, env: &dyn Env) -> Value {
-        match &self.kind {
-            ExprKind::Value(value) => value.clone(),
-            ExprKind::Parameter(_, value) => value.clone().unwrap_or(Value::Bool(false)),
-            ExprKind::Trait(name) => env.scene(name).cloned().unwrap_or(Value::Bool(false)),
-            ExprKind::Connected(port) => Value::Bool(env.connected(port).unwrap_or(false)),
-            ExprKind::Not(inner) => Value::Bool(!inner.holds(env)),
-            ExprKind::Binary(Op::And, left, right) => Value::Bool(left.holds(env) && right.holds(env)),
-            ExprKind::Binary(Op::Or, left, right) => Value::Bool(left.holds(env) || right.holds(env)),
-            ExprKind::Binary(op, left, right) => {
-                let (l, r) = (left.value(env), right.value(env));
-                let order = match (number(&l), number(&r)) {
-                    (Some(l), Some(r)) => l.partial_cmp(&r),
-                    _ => (l == r).then_some(std::cmp::Ordering::Equal),
-                };
-                Value::Bool(match op {
-                    Op::Equal => order.is_some_and(|o| o.is_eq()),
-                    Op::NotEqual => !order.is_some_and(|o| o.is_eq()),
-                    Op::Less => order.is_some_and(|o| o.is_lt()),
-                    Op::LessEqual => order.is_some_and(|o| o.is_le()),
-                    Op::Greater => order.is_some_and(|o| o.is_gt()),
-                    Op::GreaterEqual => order.is_some_and(|o| o.is_ge()),
-                    Op::And | Op::Or => unreachable!("matched above"),
-                })
+    /// The value of an expression that asks about parameters alone: whole where all its numbers are.
+    pub(crate) fn value(&self) -> Result<Value, ExprError> {
+        self.ty(&())?;
+        let out = |found: &dyn fmt::Display| {
+            let message = format!("{} is {found}, which no value can hold", self.told(&()));
+            self.error(&codes::ARITHMETIC, message)
+        };
+        match self.term(&())? {
+            Term::Whole(n) => {
+                let whole = u32::try_from(n).map(Value::U32).or_else(|_| i32::try_from(n).map(Value::I32));
+                whole.map_err(|_| out(&n))
             }
+            Term::Real(x) if (x as f32).is_finite() => Ok(Value::F32(x as f32)),
+            Term::Real(x) => Err(out(&x)),
+            Term::Other(value) => Ok(value),
         }
+    }
+
+    fn term(&self, env: &dyn Env) -> Result<Term, ExprError> {
+        let truth = |is| Term::Other(Value::Bool(is));
+        Ok(match &self.kind {
+            ExprKind::Value(value) | ExprKind::Parameter(_, Some((value, _))) => Term::of(value),
+            ExprKind::Parameter(_, None) => truth(false),
+            ExprKind::Trait(name) => env.scene(name).map_or(truth(false), Term::of),
+            ExprKind::Connected(port) => truth(env.connected(port).unwrap_or(false)),
+            ExprKind::Not(inner) => truth(!inner.holds(env)?),
+            ExprKind::Binary(Op::And, left, right) => truth(left.holds(env)? && right.holds(env)?),
+            ExprKind::Binary(Op::Or, left, right) => truth(left.holds(env)? || right.holds(env)?),
+            ExprKind::Binary(op, left, right) => {
+                let (l, r) = (left.term(env)?, right.term(env)?);
+                let order = l.order(&r);
+                match op {
+                    Op::Equal => truth(order.is_some_and(Ordering::is_eq)),
+                    Op::NotEqual => truth(!order.is_some_and(Ordering::is_eq)),
+                    Op::Less => truth(order.is_some_and(Ordering::is_lt)),
+                    Op::LessEqual => truth(order.is_some_and(Ordering::is_le)),
+                    Op::Greater => truth(order.is_some_and(Ordering::is_gt)),
+                    Op::GreaterEqual => truth(order.is_some_and(Ordering::is_ge)),
+                    // By zero, nothing is divided, not even a real number.
+                    Op::Divide | Op::Remainder if r.real() == Some(0.0) => {
+                        let message = format!("{} divides by zero", self.told(env));
+                        return Err(self.error(&codes::ARITHMETIC, message));
+                    }
+                    op => Term::join(*op, &l, &r).ok_or_else(|| {
+                        let message = format!("{} is beyond all numbers", self.told(env));
+                        self.error(&codes::ARITHMETIC, message)
+                    })?,
+                }
+            }
+        })
+    }
+
+    /// The expression and the values of its names: `` `$a * 2` (a = 3) ``.
+    pub(crate) fn told(&self, env: &dyn Env) -> String {
+        let mut facts = Vec::new();
+        self.facts(env, &mut facts);
+        let text = self.text(false);
+        if facts.is_empty() { format!("`{text}`") } else { format!("`{text}` ({})", facts.join(", ")) }
     }
 
     /// The values of all its names, as `name = value`.
     pub(crate) fn facts(&self, env: &dyn Env, out: &mut Vec<String>) {
         let fact = match &self.kind {
             ExprKind::Value(_) => return,
-            ExprKind::Parameter(name, value) => value.as_ref().map(|value| format!("{name} = {value}")),
+            ExprKind::Parameter(name, value) => value.as_ref().map(|(value, _)| format!("{name} = {value}")),
             ExprKind::Trait(name) => env.scene(name).map(|value| format!("scene.{name} = {value}")),
             ExprKind::Connected(port) => env.connected(port).map(|is| format!("connected({port}) = {is}")),
             ExprKind::Not(inner) => return inner.facts(env, out),
@@ -440,28 +420,23 @@ impl Expr {
     /// The expression as text: parameters by name, or by value where `values` is set.
     pub(crate) fn text(&self, values: bool) -> String {
         let nested = |inner: &Expr| match inner.kind {
-            ExprKind::Binary(..) => format!("({})", inner.text(values)),
+            ExprKind::Binary(op, ..) if !matches!(op, Op::Min | Op::Max) => {
+                format!("({})", inner.text(values))
+            }
             _ => inner.text(values),
         };
         match &self.kind {
             ExprKind::Value(value) => literal(value),
-            ExprKind::Parameter(_, Some(value)) if values => literal(value),
+            ExprKind::Parameter(_, Some((value, _))) if values => literal(value),
             ExprKind::Parameter(name, _) => format!("${name}"),
             ExprKind::Trait(name) => format!("scene.{name}"),
             ExprKind::Connected(port) => format!("connected({port})"),
             ExprKind::Not(inner) => format!("!{}", nested(inner)),
+            ExprKind::Binary(op @ (Op::Min | Op::Max), left, right) => {
+                format!("{}({}, {})", op.text(), left.text(values), right.text(values))
+            }
             ExprKind::Binary(op, left, right) => format!("{} {} {}", nested(left), op.text(), nested(right)),
         }
-    }
-}
-
-/// Numbers compare as real ones, whatever their types.
-fn number(value: &Value) -> Option<f64> {
-    match value {
-        Value::U32(n) => Some(f64::from(*n)),
-        Value::I32(n) => Some(f64::from(*n)),
-        Value::F32(x) => Some(f64::from(*x)),
-        _ => None,
     }
 }
 

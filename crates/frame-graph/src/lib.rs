@@ -32,9 +32,9 @@
 //! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)` |
 //! | PART | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, when: …?, off: …?)`: the passes of another file, named `part/pass` |
 //! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a part, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Moved]?)` |
-//! | VALUE | `true`, a number, text, `(x, y, z)`, or `"$parameter"`; text that begins with `$` is written with `$$` |
+//! | VALUE | `true`, a number, text, `(x, y, z)`, or an expression: text in which a `$` stands, such as `"$parameter"` or `"$lights * 16"`. In plain text each `$` is written `$$`; text that begins with `$$` is never an expression |
 //! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?)`, for kinds that take their ports from a shader |
-//! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`; any number may be `"$parameter"` (`"frame / $tile"`) |
+//! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`; any number may be an expression (`"frame / $tile"`, `"like(input) * ($n + 1)"`, `("$map * 2", 64)`), as may `count` |
 //! | OFF | `Black`, `Color(r, g, b, a)`, `Input("port")`, or a link such as `"pass.port"` or `"in.input"`: what stands in place of the outputs when the switch is off |
 //! | PATCH | `Replace("pass", PASS)`, `Insert(name: "x", pass: PASS, between: ("a.port", "b.port"))`, `Set("path", VALUE)`, `Remove("pass")` |
 //!
@@ -52,9 +52,16 @@
 //! unlinked. `Set` takes a path: `parameter`, `pass.setting`, `part.parameter`, `part/pass.setting`. Values given
 //! from outside ([`Overrides`]) have the same paths and come last.
 //!
-//! **Switches.** `when:` is a closed expression over traits of the scene (`scene.glossy`), parameters (`$lights` or
-//! `lights`), `connected(input)`, truth values, numbers and `'text'`, with `!`, `&&`, `||`, `==`, `!=`, `<`, `<=`,
-//! `>`, `>=` and parentheses. Its types are checked, and so is all else in a pass that is off. What reads a pass that
+//! **Expressions.** Values, sizes and switches are written in one small language: parameters (`$lights` or `lights`),
+//! truth values, numbers and `'text'`, with `+`, `-`, `*`, `/`, `%`, `min(a, b)`, `max(a, b)`, `!`, `&&`, `||`, `==`,
+//! `!=`, `<`, `<=`, `>`, `>=` and parentheses. Whole numbers stay whole: `/` between two of them rounds towards zero,
+//! and a real number on either side makes the result real. To divide by zero is an error, as is a result that no
+//! value can hold or that the setting does not take. Names may hold `-`, so a minus has blanks around it. The factor
+//! and the divisor of a size are a number, a parameter, `min`, `max` or stand in parentheses; what a size is divided
+//! by rounds its sides up.
+//!
+//! **Switches.** `when:` is an expression that may also ask about traits of the scene (`scene.glossy`) and
+//! `connected(input)`. Its types are checked, and so is all else in a pass that is off. What reads a pass that
 //! is off finds what `off:` says; without it, optional inputs are left unlinked and others are an error.
 //! A link stands in place of every output of its interface. It may name any pass or part, also one that is off
 //! itself: then what that one's `off:` says is taken. Passes that are off may not stand in place of each other

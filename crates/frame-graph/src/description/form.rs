@@ -1,7 +1,7 @@
 //! The parts of a description. The same types hold the flattened one.
 
-use crate::diagnostic::Place;
-use crate::expression::Expr;
+use crate::diagnostic::{Diagnostic, Place, Sources};
+use crate::expression::{Expr, ExprError};
 use crate::frame::ResetCause;
 use crate::port::OutputOverride;
 use crate::resource::{Clear, Extent, Format};
@@ -65,7 +65,7 @@ pub(crate) struct PassDecl {
     pub(crate) outs: Vec<OutDecl>,
     /// `outs`, as a kind is asked with them; complete once parameters are put in.
     pub(crate) overrides: Arc<BTreeMap<String, OutputOverride>>,
-    pub(crate) when: Option<When>,
+    pub(crate) when: Option<Formula>,
     pub(crate) off: Option<At<Off>>,
     /// The link that `Insert` broke, to be joined to the only required input that fits.
     pub(crate) feed: Option<Link>,
@@ -138,6 +138,8 @@ pub(crate) enum SetValue {
     Value(Value),
     /// `"$name"`, with its value and where that was given, once they are known.
     Parameter(Name, Option<(Value, Place)>),
+    /// `"$name * 16"`, with its value once that is known.
+    Formula(Box<Formula>, Option<Value>),
 }
 
 /// `Out(…)`: what a use says of an output of a kind that takes its ports from a shader.
@@ -150,25 +152,31 @@ pub(crate) struct OutDecl {
     pub(crate) count: Option<At<Dim>>,
 }
 
-/// A whole number or a parameter that is one.
-#[derive(Clone, Debug, PartialEq)]
+/// A whole number above zero, once parameters are put in.
+#[derive(Clone, Debug)]
 pub(crate) enum Dim {
     Number(u32),
-    Parameter(Name),
+    Formula(Box<Formula>),
 }
 
 /// An [`Extent`] before parameters are put in.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) enum Size {
     Frame(Dim, Dim),
     Like(Name, Dim, Dim),
     Fixed(Dim, Dim),
 }
 
-/// `when:`, and where its text starts if it can be pointed into.
+/// An expression, and where it is written.
 #[derive(Clone, Debug)]
-pub(crate) struct When {
+pub(crate) struct Formula {
     pub(crate) expr: Expr,
+    pub(crate) text: TextPlace,
+}
+
+/// The place of a text, and where it starts within its quotes if it can be pointed into.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TextPlace {
     pub(crate) place: Place,
     pub(crate) content: Option<u32>,
 }
@@ -240,8 +248,51 @@ impl SetValue {
     pub(crate) fn get(&self) -> Option<&Value> {
         match self {
             SetValue::Value(value) | SetValue::Parameter(_, Some((value, _))) => Some(value),
+            SetValue::Formula(_, value) => value.as_ref(),
             SetValue::Parameter(_, None) => None,
         }
+    }
+
+    /// How the value came to be, where it does not stand there itself.
+    pub(crate) fn told(&self) -> Option<String> {
+        match self {
+            SetValue::Value(_) => None,
+            SetValue::Parameter(name, _) => Some(format!("the value of `{name}`")),
+            SetValue::Formula(formula, _) => Some(format!("the value of {}", formula.expr.told(&()))),
+        }
+    }
+
+    /// The parameters that went into it, and where their values were given.
+    pub(crate) fn origins(&self) -> Vec<(Name, Value, Place)> {
+        let mut origins = Vec::new();
+        match self {
+            SetValue::Value(_) | SetValue::Parameter(_, None) => {}
+            SetValue::Parameter(name, Some((value, place))) => {
+                origins.push((name.clone(), value.clone(), *place));
+            }
+            SetValue::Formula(formula, _) => formula.expr.origins(&mut origins),
+        }
+        origins
+    }
+}
+
+impl TextPlace {
+    /// The place of bytes `start..end` of the text; the whole where it holds escapes.
+    pub(crate) fn within(&self, start: u32, end: u32) -> Place {
+        match self.content {
+            Some(content) => Place { file: self.place.file, start: content + start, end: content + end },
+            None => self.place,
+        }
+    }
+}
+
+impl Formula {
+    /// What is wrong with a part of it.
+    pub(crate) fn error(&self, error: ExprError, sources: &Sources) -> Diagnostic {
+        let place = self.text.within(error.start, error.end);
+        let mut told = Diagnostic::new(error.code, error.message).label(sources.span(place), "");
+        told.notes = error.notes;
+        told
     }
 }
 
@@ -280,14 +331,21 @@ impl Size {
         f(b);
     }
 
-    /// The extent, with `value` giving parameters; `None` where it gives none.
-    pub(crate) fn extent(&self, value: &mut impl FnMut(&Dim) -> Option<u32>) -> Option<Extent> {
+    /// The extent; `None` where parameters are not put in.
+    pub(crate) fn extent(&self) -> Option<Extent> {
         Some(match self {
-            Size::Frame(num, den) => Extent::Frame { num: value(num)?, den: value(den)? },
+            Size::Frame(num, den) => Extent::Frame { num: num.number()?, den: den.number()? },
             Size::Like(input, num, den) => {
-                Extent::Like { input: input.to_string(), num: value(num)?, den: value(den)? }
+                Extent::Like { input: input.to_string(), num: num.number()?, den: den.number()? }
             }
-            Size::Fixed(w, h) => Extent::Fixed(value(w)?, value(h)?),
+            Size::Fixed(w, h) => Extent::Fixed(w.number()?, h.number()?),
         })
+    }
+}
+
+impl Dim {
+    /// The number; `None` where parameters are not put in.
+    pub(crate) fn number(&self) -> Option<u32> {
+        if let Dim::Number(n) = self { Some(*n) } else { None }
     }
 }

@@ -1,8 +1,8 @@
 //! Passes, their links, and patches.
 
-use super::form::{At, Body, Dim, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Set, When};
+use super::form::{At, Body, Formula, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Set};
 use super::read::Grammar;
-use super::read::{out_overrides, within};
+use super::read::out_overrides;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::expression;
@@ -118,10 +118,7 @@ impl Grammar<'_, '_> {
         let when = fields.get("when").and_then(|n| self.when(n));
         let off = fields.get("off").and_then(|n| self.off(n));
         let link_names = links.iter().map(|link| link.port.value.to_string()).collect();
-        let overrides = out_overrides(&outs, &mut |dim| match dim {
-            Dim::Number(n) => Some(*n),
-            Dim::Parameter(_) => None,
-        });
+        let overrides = out_overrides(&outs);
         Some(PassDecl {
             body: body?,
             links,
@@ -136,21 +133,13 @@ impl Grammar<'_, '_> {
         })
     }
 
-    pub(super) fn when(&mut self, node: &Node) -> Option<When> {
+    pub(super) fn when(&mut self, node: &Node) -> Option<Formula> {
         let Form::Text(text, content) = &node.form else {
             self.wrong(node, "a switch as text, such as \"scene.glossy && $bounces > 1\"");
             return None;
         };
-        let place = self.place(node);
-        match expression::parse(text) {
-            Ok(expr) => Some(When { expr, place, content: *content }),
-            Err(error) => {
-                let when = At { value: *content, place };
-                let at = within(&when, error.start, error.end);
-                self.error(error.code, at, error.message).notes = error.notes;
-                None
-            }
-        }
+        let parsed = expression::parse(text);
+        self.expression(node, *content, parsed)
     }
 
     pub(super) fn off(&mut self, node: &Node) -> Option<At<Off>> {
@@ -204,7 +193,8 @@ impl Grammar<'_, '_> {
         });
         let size = fields.get("size").and_then(|n| self.size(n));
         let count = fields.get("count").and_then(|n| {
-            let value = self.dim(n, "a count: a whole number or \"$parameter\"")?;
+            let value =
+                self.dim(n, "a count: a whole number above zero, or an expression such as \"$lights * 16\"")?;
             Some(At { value, place: self.place(n) })
         });
         Some(OutDecl { port, interface, format, size, count })

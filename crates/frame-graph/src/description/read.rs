@@ -1,7 +1,7 @@
 //! From the tree of a file to a description: the grammar.
 
 use super::Description;
-use super::form::{At, Dim, Entry, InputDecl, Link, OutDecl, OutputDecl, ParameterDecl, SetValue, is_name};
+use super::form::{At, Entry, InputDecl, Link, OutDecl, OutputDecl, ParameterDecl, SetValue, is_name};
 use super::passes::PASS_FORMS;
 use crate::codes;
 use crate::diagnostic::{Diagnostics, Place, Source};
@@ -196,24 +196,13 @@ impl Grammar<'_, '_> {
     }
 }
 
-/// What a kind is told of `out:`; entries whose parameters are not known are left out.
-pub(crate) fn out_overrides(
-    outs: &[OutDecl],
-    value: &mut impl FnMut(&Dim) -> Option<u32>,
-) -> Arc<BTreeMap<String, OutputOverride>> {
-    let entry = |out: &OutDecl, value: &mut dyn FnMut(&Dim) -> Option<u32>| OutputOverride {
+/// What a kind is told of `out:`; sizes and counts whose parameters are not put in are left out.
+pub(crate) fn out_overrides(outs: &[OutDecl]) -> Arc<BTreeMap<String, OutputOverride>> {
+    let entry = |out: &OutDecl| OutputOverride {
         interface: out.interface.as_ref().map(|at| at.value.to_string()),
         format: out.format,
-        size: out.size.as_ref().and_then(|at| at.value.extent(&mut |dim| value(dim))),
-        count: out.count.as_ref().and_then(|at| value(&at.value)),
+        size: out.size.as_ref().and_then(|at| at.value.extent()),
+        count: out.count.as_ref().and_then(|at| at.value.number()),
     };
-    Arc::new(outs.iter().map(|out| (out.port.value.to_string(), entry(out, value))).collect())
-}
-
-/// The place of bytes `start..end` of a text; the whole text where it holds escapes.
-pub(crate) fn within(text: &At<Option<u32>>, start: u32, end: u32) -> Place {
-    match text.value {
-        Some(content) => Place { file: text.place.file, start: content + start, end: content + end },
-        None => text.place,
-    }
+    Arc::new(outs.iter().map(|out| (out.port.value.to_string(), entry(out))).collect())
 }

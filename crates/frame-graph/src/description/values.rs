@@ -1,8 +1,9 @@
 //! Values: links, settings, colours, sizes.
 
-use super::form::{At, Dim, SetValue, Size, Target, is_name};
+use super::form::{At, Dim, Formula, SetValue, Size, Target, TextPlace, is_name};
 use super::read::Grammar;
 use crate::codes;
+use crate::expression::{self, Expr, ExprError, ExprKind, parse_scale};
 use crate::reader::{Form, Node, Number};
 use crate::resource::Clear;
 use crate::value::Value;
@@ -56,7 +57,45 @@ impl Grammar<'_, '_> {
         numbers.filter(|v| (2..=4).contains(&v.len())).map(Value::Vector)
     }
 
-    /// A value of a setting, or `"$parameter"`.
+    /// An expression that was read from the text of a node, or the error that it gave.
+    pub(super) fn expression(
+        &mut self,
+        node: &Node,
+        content: Option<u32>,
+        parsed: Result<Expr, ExprError>,
+    ) -> Option<Formula> {
+        let text = TextPlace { place: self.place(node), content };
+        match parsed {
+            Ok(expr) => Some(Formula { expr, text }),
+            Err(error) => {
+                let at = text.within(error.start, error.end);
+                self.error(error.code, at, error.message).notes = error.notes;
+                None
+            }
+        }
+    }
+
+    /// An expression that may ask about parameters alone.
+    fn formula(
+        &mut self,
+        node: &Node,
+        content: Option<u32>,
+        parsed: Result<Expr, ExprError>,
+    ) -> Option<Formula> {
+        let parsed = parsed.and_then(|expr| match expr.question() {
+            None => Ok(expr),
+            Some(question) => Err(ExprError {
+                code: &codes::EXPRESSION_NAME,
+                start: question.start,
+                end: question.end,
+                message: "only `when:` can ask about the scene and about inputs".into(),
+                notes: vec!["a value is worked out from numbers and parameters".into()],
+            }),
+        });
+        self.expression(node, content, parsed)
+    }
+
+    /// A value of a setting, or an expression that gives one.
     pub(super) fn value(&mut self, node: &Node) -> Option<SetValue> {
         let value = match &node.form {
             Form::Bool(b) => Value::Bool(*b),
@@ -74,17 +113,22 @@ impl Grammar<'_, '_> {
                 self.wrong(node, "a finite number");
                 return None;
             }
-            Form::Text(text, _) => match text.strip_prefix('$') {
-                Some(rest) if rest.starts_with('$') => Value::Text(rest.to_owned()),
-                Some(name) if is_name(name) => return Some(SetValue::Parameter(Name::from(name), None)),
-                Some(_) => {
-                    self.wrong(
-                        node,
-                        "the name of a parameter after `$` (plain text that starts so is written `$$`)",
-                    );
-                    return None;
+            Form::Text(text, content) => match (plain(text), text.strip_prefix('$')) {
+                (Some(text), _) => Value::Text(text),
+                (None, Some(name)) if is_name(name) => {
+                    return Some(SetValue::Parameter(Name::from(name), None));
                 }
-                None => Value::Text(text.clone()),
+                (None, _) => {
+                    let parsed = expression::parse(text).map_err(|mut error| {
+                        error.notes.push(
+                            "text with a `$` in it is an expression: in plain text, it is written `$$`"
+                                .into(),
+                        );
+                        error
+                    });
+                    let formula = self.formula(node, *content, parsed)?;
+                    return Some(SetValue::Formula(Box::new(formula), None));
+                }
             },
             Form::Tuple(None, items) | Form::List(items) if self.vector(items).is_some() => {
                 self.vector(items)?
@@ -101,33 +145,50 @@ impl Grammar<'_, '_> {
     }
 
     pub(super) fn dim(&mut self, node: &Node, expected: &str) -> Option<Dim> {
-        let dim = match &node.form {
-            Form::Number(Number::Integer(n)) => u32::try_from(*n).ok().filter(|n| *n > 0).map(Dim::Number),
-            Form::Text(text, _) => text
-                .strip_prefix('$')
-                .filter(|name| is_name(name))
-                .map(|name| Dim::Parameter(Name::from(name))),
-            _ => None,
-        };
-        if dim.is_none() {
-            self.wrong(node, expected);
+        match &node.form {
+            Form::Text(text, content) if text.contains('$') => {
+                let formula = self.formula(node, *content, expression::parse(text))?;
+                return Some(Dim::Formula(Box::new(formula)));
+            }
+            Form::Number(Number::Integer(n)) if u32::try_from(*n).is_ok_and(|n| n > 0) => {
+                return u32::try_from(*n).ok().map(Dim::Number);
+            }
+            _ => {}
         }
-        dim
+        self.wrong(node, expected);
+        None
     }
 
     pub(super) fn size(&mut self, node: &Node) -> Option<At<Size>> {
         const EXPECTED: &str = "a size: \"frame\", \"frame / 4\", \"like(input) * 3 / 2\" or (width, height)";
         let place = self.place(node);
         let value = match &node.form {
-            Form::Text(text, _) => {
-                let size = relation(text);
-                if size.is_none() {
+            Form::Text(text, content) => {
+                let Some((input, rest)) = base(text) else {
                     self.wrong(node, EXPECTED);
+                    return None;
+                };
+                let (factor, divisor) = match parse_scale(text, rest) {
+                    Ok((factor, divisor)) => (factor.map(Ok), divisor.map(Ok)),
+                    Err(error) => (Some(Err(error)), None),
+                };
+                let mut dim = |part: Option<Result<Expr, ExprError>>| match part {
+                    None => Some(Dim::Number(1)),
+                    Some(Ok(Expr { kind: ExprKind::Value(Value::U32(n @ 1..)), .. })) => Some(Dim::Number(n)),
+                    Some(parsed) => {
+                        let formula = self.formula(node, *content, parsed)?;
+                        Some(Dim::Formula(Box::new(formula)))
+                    }
+                };
+                let (num, den) = (dim(factor)?, dim(divisor)?);
+                match input {
+                    None => Size::Frame(num, den),
+                    Some(input) => Size::Like(input, num, den),
                 }
-                size?
             }
             Form::Tuple(None, items) if items.len() == 2 => {
-                let side = "a side in texels: a whole number above zero, or \"$parameter\"";
+                let side =
+                    "a side in texels: a whole number above zero, or an expression such as \"$map * 2\"";
                 let (w, h) = (self.dim(&items[0], side), self.dim(&items[1], side));
                 Size::Fixed(w?, h?)
             }
@@ -140,26 +201,23 @@ impl Grammar<'_, '_> {
     }
 }
 
-/// `frame`, `frame / 4`, `like(input) * 3 / 2`; numbers may be `$parameter`.
-fn relation(text: &str) -> Option<Size> {
-    let dim = |text: &str| match text.strip_prefix('$') {
-        Some(name) => is_name(name).then(|| Dim::Parameter(Name::from(name))),
-        None => text.parse().ok().filter(|n| *n > 0).map(Dim::Number),
+/// The text that is meant where it is no expression: `$$` stands for `$`. Text that begins with `$$` is never one.
+fn plain(text: &str) -> Option<String> {
+    if !text.contains('$') {
+        return Some(text.to_owned());
+    }
+    let literal = text.starts_with("$$") || !text.replace("$$", "").contains('$');
+    literal.then(|| text.replace("$$", "$"))
+}
+
+/// `frame` or `like(input)` at the beginning of a size, and where what follows begins.
+fn base(text: &str) -> Option<(Option<Name>, usize)> {
+    let start = text.trim_start();
+    let at = |rest: &str| text.len() - rest.len();
+    let Some(rest) = start.strip_prefix("like") else {
+        return Some((None, at(start.strip_prefix("frame")?)));
     };
-    let text = text.trim();
-    let (base, rest) = match text.strip_prefix("like") {
-        Some(rest) => {
-            let (input, rest) = rest.trim_start().strip_prefix('(')?.split_once(')')?;
-            let input = input.trim().trim_matches(['\'', '"']);
-            (Some(Name::from(input)).filter(|n| is_name(n))?, rest)
-        }
-        None => (Name::EMPTY, text.strip_prefix("frame")?),
-    };
-    let rest = rest.trim();
-    let (num, den) = match rest.split_once('/') {
-        Some((num, den)) => (num.trim(), dim(den.trim())?),
-        None => (rest, Dim::Number(1)),
-    };
-    let num = if num.is_empty() { Dim::Number(1) } else { dim(num.strip_prefix('*')?.trim())? };
-    Some(if base.is_empty() { Size::Frame(num, den) } else { Size::Like(base, num, den) })
+    let (input, rest) = rest.trim_start().strip_prefix('(')?.split_once(')')?;
+    let input = input.trim().trim_matches(['\'', '"']);
+    is_name(input).then(|| (Some(Name::from(input)), at(rest)))
 }

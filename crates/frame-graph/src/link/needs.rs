@@ -125,7 +125,7 @@ impl<'a> Linker<'a> {
         let (node, switched) = (&self.nodes[off as usize], &self.nodes[at]);
         let (verb, end) = match (switched.decl.removed, &switched.decl.when) {
             (Some(place), _) => ("was removed", place),
-            (None, Some(when)) => ("is switched off", when.place),
+            (None, Some(when)) => ("is switched off", when.text.place),
             (None, None) => ("is off", switched.place),
         };
         let message = format!("{reader} reads `{}`, which {verb}", node.name);

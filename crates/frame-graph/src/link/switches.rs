@@ -3,9 +3,9 @@
 use super::wires::Found;
 use super::{GraphOff, Linker};
 use crate::codes;
-use crate::description::{At, Body, Off, When, within};
+use crate::description::{At, Body, Off};
 use crate::diagnostic::Diagnostic;
-use crate::expression::{Env, ExprError, Ty};
+use crate::expression::{Env, Ty};
 use crate::resource::Clear;
 use crate::value::{Traits, Value};
 use data_file::Name;
@@ -65,18 +65,10 @@ impl<'a> Linker<'a> {
             if let Err(error) = when.expr.check(&self.scope(i), Ty::Bool)
                 && (known || error.code != &codes::EXPRESSION_NAME)
             {
-                let error = self.switch_error(when, error);
+                let error = when.error(error, &self.resolved.sources);
                 self.errors.push(error);
             }
         }
-    }
-
-    fn switch_error(&self, when: &When, error: ExprError) -> Diagnostic {
-        let text = At { value: when.content, place: when.place };
-        let mut told = Diagnostic::new(error.code, error.message)
-            .label(self.span(within(&text, error.start, error.end)), "");
-        told.notes = error.notes;
-        told
     }
 
     /// Decides every switch.
@@ -103,7 +95,7 @@ impl<'a> Linker<'a> {
         let node_ref = &self.nodes[node];
         let decl = &node_ref.decl;
         if self.depth > MAX_CHAIN {
-            let place = decl.when.as_ref().map_or(node_ref.place, |when| when.place);
+            let place = decl.when.as_ref().map_or(node_ref.place, |when| when.text.place);
             let error =
                 Diagnostic::new(&codes::SWITCH_LOOP, "switches depend on each other through `connected`")
                     .label(self.span(place), "this one depends on itself, or on too many others");
@@ -117,7 +109,11 @@ impl<'a> Linker<'a> {
             && decl.removed.is_none()
             && decl.when.as_ref().is_none_or(|when| {
                 let scope = self.live_scope(node);
-                let holds = when.expr.holds(&scope);
+                let holds = when.expr.holds(&scope).unwrap_or_else(|error| {
+                    let error = when.error(error, &self.resolved.sources);
+                    self.errors.push(error);
+                    true
+                });
                 if !holds {
                     let mut facts = Vec::new();
                     when.expr.facts(&scope, &mut facts);

@@ -208,9 +208,11 @@ impl Linker<'_> {
         set: &crate::description::Set,
     ) {
         let mut error = Diagnostic::new(code, message).label(self.span(place), "");
-        if let crate::description::SetValue::Parameter(name, Some((_, origin))) = &set.value {
-            error.labels[0].message = format!("the value of `{name}`");
-            error = error.label(self.span(*origin), "given here");
+        if let Some(told) = set.value.told() {
+            error.labels[0].message = told;
+            for (_, _, origin) in set.value.origins() {
+                error = error.label(self.span(origin), "given here");
+            }
         } else if set.patched {
             error = error.label(self.span(node.place), "of this pass");
         }

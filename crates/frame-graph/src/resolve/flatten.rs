@@ -4,10 +4,11 @@ use super::document::Document;
 use super::{Files, Node, Parameter, Resolved};
 use crate::codes;
 use crate::description::{
-    At, Body, Description, Dim, Entry, Group, InputDecl, Link, Off, OutputDecl, PassDecl, Set, SetValue,
-    Target, out_overrides, parse_file, within,
+    At, Body, Description, Dim, Entry, Formula, Group, InputDecl, Link, Off, OutputDecl, PassDecl, Set,
+    SetValue, Target, out_overrides, parse_file,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
+use crate::expression::ExprKind;
 use crate::value::{Misfit, Setting, Value};
 use data_file::Name;
 use rustc_hash::FxHashMap;
@@ -179,7 +180,7 @@ impl<'a> Resolver<'a> {
                 unit: decl.unit.unwrap_or_default(),
                 doc: decl.doc.unwrap_or_default(),
             };
-            let value = self.checked(&setting, default.value, default.place);
+            let value = self.checked(&setting, default.value, default.place, None);
             scope.push(Parameter { setting, value, place: default.place });
         }
         let mut routed: FxHashMap<usize, Vec<Assignment>> = FxHashMap::default();
@@ -321,7 +322,7 @@ impl<'a> Resolver<'a> {
 
     /// Puts the scope's parameters and the prefix of its part into a pass. A pass with neither is shared.
     fn localise(&mut self, mut decl: Arc<PassDecl>, prefix: &str, scope: &Scope) -> Arc<PassDecl> {
-        let in_set = decl.set.iter().any(|set| matches!(set.value, SetValue::Parameter(_, None)));
+        let in_set = decl.set.iter().any(|set| set.value.get().is_none());
         let in_outs = decl.outs.iter().any(|o| o.size.is_some() || o.count.is_some());
         if in_set || in_outs || decl.when.is_some() || !prefix.is_empty() {
             let decl = Arc::make_mut(&mut decl);
@@ -329,37 +330,18 @@ impl<'a> Resolver<'a> {
                 self.put(&mut set.value, set.place, scope);
             }
             if let Some(when) = &mut decl.when {
-                let at = At { value: when.content, place: when.place };
-                when.expr.parameters(&mut |(start, end), name, value| {
-                    if value.is_none() {
-                        *value = self.lookup(name, within(&at, start, end), scope).map(|p| p.value.clone());
-                    }
-                });
+                self.fill(when, scope);
             }
             if in_outs {
-                let mut resolver = |place: Place, dim: &Dim| match dim {
-                    Dim::Number(n) => Some(*n),
-                    Dim::Parameter(name) => self.count(name, place, scope),
-                };
                 for out in &mut decl.outs {
                     if let Some(size) = &mut out.size {
-                        let place = size.place;
-                        size.value.dims(&mut |dim| {
-                            if let Some(n) = resolver(place, dim) {
-                                *dim = Dim::Number(n);
-                            }
-                        });
+                        size.value.dims(&mut |dim| self.dim(dim, scope));
                     }
-                    if let Some(count) = &mut out.count
-                        && let Some(n) = resolver(count.place, &count.value)
-                    {
-                        count.value = Dim::Number(n);
+                    if let Some(count) = &mut out.count {
+                        self.dim(&mut count.value, scope);
                     }
                 }
-                decl.overrides = out_overrides(&decl.outs, &mut |dim| match dim {
-                    Dim::Number(n) => Some(*n),
-                    Dim::Parameter(_) => None,
-                });
+                decl.overrides = out_overrides(&decl.outs);
             }
             if !prefix.is_empty() {
                 for link in decl.links.iter_mut().chain(&mut decl.feed) {
@@ -379,43 +361,91 @@ impl<'a> Resolver<'a> {
     }
 
     fn put(&mut self, value: &mut SetValue, place: Place, scope: &Scope) {
-        if let SetValue::Parameter(name, known @ None) = value {
-            *known = self.lookup(name, place, scope).map(|p| (p.value.clone(), p.place));
+        match value {
+            SetValue::Parameter(name, known @ None) => {
+                *known = self.lookup(name, place, scope).map(|p| (p.value.clone(), p.place));
+            }
+            SetValue::Formula(formula, known @ None) => *known = self.evaluate(formula, scope),
+            SetValue::Value(_) | SetValue::Parameter(..) | SetValue::Formula(..) => {}
+        }
+    }
+
+    /// Puts parameters into an expression; `false` where one is not there, which is told.
+    fn fill(&mut self, formula: &mut Formula, scope: &Scope) -> bool {
+        let text = formula.text;
+        let mut whole = true;
+        formula.expr.parameters(&mut |(start, end), name, value| {
+            if value.is_none() {
+                let found = self.lookup(name, text.within(start, end), scope);
+                *value = found.map(|p| (p.value.clone(), p.place));
+                whole &= value.is_some();
+            }
+        });
+        whole
+    }
+
+    /// The value of an expression; `None`, told, where it has none.
+    fn evaluate(&mut self, formula: &mut Formula, scope: &Scope) -> Option<Value> {
+        if !self.fill(formula, scope) {
+            return None;
+        }
+        formula.expr.value().map_err(|error| self.tell(formula, formula.error(error, &self.sources))).ok()
+    }
+
+    /// Tells an error of an expression, with the places at which its parameters got their values.
+    fn tell(&mut self, formula: &Formula, mut error: Diagnostic) {
+        let mut origins = Vec::new();
+        formula.expr.origins(&mut origins);
+        for (_, _, place) in origins {
+            error = error.label(self.sources.span(place), "given here");
+        }
+        self.errors.push(error);
+    }
+
+    /// Works out a side or a count.
+    fn dim(&mut self, dim: &mut Dim, scope: &Scope) {
+        let Dim::Formula(formula) = dim else { return };
+        let Some(value) = self.evaluate(formula, scope) else { return };
+        match value.as_u32().filter(|n| *n > 0) {
+            Some(n) => *dim = Dim::Number(n),
+            None => {
+                let what = match &formula.expr.kind {
+                    ExprKind::Parameter(name, _) => format!("`{name}`"),
+                    _ => formula.expr.told(&()),
+                };
+                let place = formula.text.within(formula.expr.start, formula.expr.end);
+                let message = format!("{what} is {value}: a size needs a whole number above zero");
+                let error =
+                    Diagnostic::new(&codes::PARAMETER, message).label(self.sources.span(place), "used here");
+                self.tell(formula, error);
+            }
         }
     }
 
     fn lookup<'s>(&mut self, name: &str, place: Place, scope: &'s Scope) -> Option<&'s Parameter> {
         let found = scope.iter().find(|p| p.setting.name == name);
         if found.is_none() {
-            let error = Diagnostic::new(&codes::UNKNOWN_PARAMETER, format!("there is no parameter `{name}`"))
-                .label(self.sources.span(place), "")
-                .suggest("parameters", name, scope.iter().map(|p| p.setting.name.as_str()));
+            let known = || scope.iter().map(|p| p.setting.name.as_str());
+            let mut error =
+                Diagnostic::new(&codes::UNKNOWN_PARAMETER, format!("there is no parameter `{name}`"))
+                    .label(self.sources.span(place), "")
+                    .suggest("parameters", name, known());
+            if name.split_once('-').is_some_and(|(first, _)| known().any(|known| known == first)) {
+                error = error.note("names may hold `-`: a minus has blanks around it");
+            }
             self.errors.push(error);
         }
         found
     }
 
-    /// A parameter as a side or a count.
-    fn count(&mut self, name: &str, place: Place, scope: &Scope) -> Option<u32> {
-        let parameter = self.lookup(name, place, scope)?;
-        let count = parameter.value.as_u32().filter(|n| *n > 0);
-        if count.is_none() {
-            let message = format!("`{name}` is {}: a size needs a whole number above zero", parameter.value);
-            let error = Diagnostic::new(&codes::PARAMETER, message)
-                .label(self.sources.span(place), "used here")
-                .label(self.sources.span(parameter.place), "given here");
-            self.errors.push(error);
-        }
-        count
-    }
-
     /// The value as the setting's type; tells what is wrong and takes the default where it does not fit.
-    fn checked(&mut self, setting: &Setting, value: Value, place: Place) -> Value {
+    fn checked(&mut self, setting: &Setting, value: Value, place: Place, told: Option<String>) -> Value {
         match setting.check(value) {
             Ok(value) => value,
             Err(Misfit::Type(message) | Misfit::Range(message)) => {
-                self.errors
-                    .push(Diagnostic::new(&codes::PARAMETER, message).label(self.sources.span(place), ""));
+                let error = Diagnostic::new(&codes::PARAMETER, message)
+                    .label(self.sources.span(place), told.unwrap_or_default());
+                self.errors.push(error);
                 setting.default.clone()
             }
         }
@@ -435,7 +465,7 @@ impl<'a> Resolver<'a> {
             match scope.iter().position(|p| p.setting.name == assignment.path) {
                 Some(i) => {
                     let setting = scope[i].setting.clone();
-                    scope[i].value = self.checked(&setting, value, assignment.place);
+                    scope[i].value = self.checked(&setting, value, assignment.place, assignment.value.told());
                     scope[i].place = assignment.place;
                 }
                 None => {

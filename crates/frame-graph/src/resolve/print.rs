@@ -1,10 +1,13 @@
 //! Writes a flattened pipeline as RON.
 
 use super::{Node, Resolved};
-use crate::description::{At, Body, Dim, Group, InputDecl, Link, Off, OutDecl, OutputDecl, SetValue, Size};
+use crate::description::{
+    At, Body, Dim, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, SetValue, Size,
+};
 use crate::diagnostic::Place;
 use crate::resource::Clear;
 use crate::value::{Value, ValueType};
+use data_file::Name;
 use std::fmt::Write as _;
 
 struct Printer<'a> {
@@ -28,7 +31,7 @@ fn quoted(text: &str) -> String {
 
 fn value(value: &Value) -> String {
     match value {
-        Value::Text(text) if text.starts_with('$') => format!("{:?}", format!("${text}")),
+        Value::Text(text) => quoted(&text.replace('$', "$$")),
         other => other.to_string(),
     }
 }
@@ -45,11 +48,7 @@ pub(super) fn link(link: &Link) -> String {
 }
 
 pub(super) fn set(set: &SetValue) -> String {
-    match (set.get(), set) {
-        (Some(v), _) => value(v),
-        (None, SetValue::Parameter(name, _)) => quoted(&format!("${name}")),
-        (None, SetValue::Value(_)) => String::new(),
-    }
+    set.get().map_or_else(String::new, value)
 }
 
 pub(super) fn off(off: &Off) -> String {
@@ -71,7 +70,7 @@ pub(super) fn when(node: &Node) -> Option<String> {
 fn dim(dim: &Dim) -> String {
     match dim {
         Dim::Number(n) => n.to_string(),
-        Dim::Parameter(name) => quoted(&format!("${name}")),
+        Dim::Formula(formula) => formula.expr.text(true),
     }
 }
 
@@ -86,7 +85,7 @@ pub(super) fn out(out: &OutDecl) -> String {
     if let Some(At { value: size, .. }) = &out.size {
         let times = |num: &Dim, den: &Dim| {
             let part = |sign: &str, d: &Dim| {
-                if *d == Dim::Number(1) { String::new() } else { format!(" {sign} {}", dim(d)) }
+                if matches!(d, Dim::Number(1)) { String::new() } else { format!(" {sign} {}", dim(d)) }
             };
             part("*", num) + &part("/", den)
         };
@@ -118,6 +117,20 @@ impl Printer<'_> {
         if self.origins && (patched || place.file != 0) {
             let origin = self.resolved.sources.span(place).to_string().replace(char::is_control, " ");
             let _ = write!(line, "  // {origin}");
+        }
+        self.line(depth, &line);
+    }
+
+    /// A line that holds the value of an expression.
+    fn computed(&mut self, depth: usize, text: &str, formula: &Formula, origins: &[(Name, Value, Place)]) {
+        let mut line = text.to_owned();
+        if self.origins {
+            let span = |place: Place| self.resolved.sources.span(place).to_string();
+            let mut origin = format!("{}: {}", span(formula.text.place), formula.expr.text(false));
+            for (name, value, place) in origins {
+                let _ = write!(origin, ", {name} = {value} ({})", span(*place));
+            }
+            let _ = write!(line, "  // {}", origin.replace(char::is_control, " "));
         }
         self.line(depth, &line);
     }
@@ -211,17 +224,17 @@ impl Printer<'_> {
         }
         self.map(3, "set", &decl.set, |p, s| {
             let line = format!("{}: {},", quoted(&s.name.value), set(&s.value));
-            let (place, given) = match &s.value {
-                SetValue::Parameter(_, Some((_, place))) => (*place, true),
-                _ => (s.place, s.patched),
-            };
-            p.value(4, &line, place, given);
+            match &s.value {
+                SetValue::Parameter(_, Some((_, place))) => p.value(4, &line, *place, true),
+                SetValue::Formula(formula, _) => p.computed(4, &line, formula, &s.value.origins()),
+                _ => p.value(4, &line, s.place, s.patched),
+            }
         });
         self.map(3, "out", &decl.outs, |p, o| {
             p.value(4, &format!("{}: {},", quoted(&o.port.value), out(o)), o.port.place, false);
         });
         if let Some(text) = when(node) {
-            let place = decl.removed.or(decl.when.as_ref().map(|w| w.place)).unwrap_or(node.place);
+            let place = decl.removed.or(decl.when.as_ref().map(|w| w.text.place)).unwrap_or(node.place);
             self.value(3, &format!("when: {},", quoted(&text)), place, decl.removed.is_some());
         }
         if let Some(o) = &decl.off {

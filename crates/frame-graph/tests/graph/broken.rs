@@ -42,6 +42,10 @@ fn errors_of(path: &str, files: &MemoryFiles) -> Option<Diagnostics> {
     let options =
         CompileOptions { outputs: header("ask"), keep: header("keep"), ..CompileOptions::default() };
     let context = LinkContext { frame: (1920, 1080), traits: traits() };
+    // The other broken files are none that it could mean.
+    let files =
+        MemoryFiles(files.0.clone().into_iter().filter(|(p, _)| p.contains('/') || p == path).collect());
+    let files = &files;
     let run = || compile(&link(&resolve(path, files, &overrides)?, &TestKinds::new(), &context)?, &options);
     run().err()
 }

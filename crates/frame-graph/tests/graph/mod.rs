@@ -1,4 +1,5 @@
 mod broken;
+mod formulas;
 mod handed;
 mod kinds;
 mod off;
