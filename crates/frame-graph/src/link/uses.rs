@@ -2,13 +2,15 @@
 
 use super::Linker;
 use crate::codes::{self, Code};
-use crate::description::{At, Body, PassDecl};
+use crate::description::{At, Body, PassDecl, Set};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::port::{KindError, Ports, Use};
 use crate::resolve::Node;
 use crate::value::{Misfit, Setting, Settings};
 use data_file::Name;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHasher};
+use smallvec::SmallVec;
+use std::hash::{Hash, Hasher};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -36,7 +38,10 @@ pub(super) struct PortNames {
 type Shared<K, V> = FxHashMap<*const (), (Arc<K>, V)>;
 
 #[derive(Default)]
-struct Caches {
+struct Caches<'a> {
+    /// The uses that have been asked for and are sound, by a hash of what a kind may look at: another use that says
+    /// the same gets the same answer.
+    uses: FxHashMap<u64, SmallVec<[(&'a PassDecl, UseOf); 1]>>,
     defaults: FxHashMap<*const (), (Arc<[Setting]>, Arc<Settings>)>,
     names: Shared<Ports, Rc<PortNames>>,
 }
@@ -51,13 +56,43 @@ impl UseOf {
     }
 }
 
-impl Linker<'_> {
+/// Hashes what a kind may look at in a use.
+fn hash_use(decl: &PassDecl, kind: &Name, shader: Option<&Name>) -> u64 {
+    let mut hasher = FxHasher::default();
+    kind.hash(&mut hasher);
+    shader.hash(&mut hasher);
+    decl.link_names.hash(&mut hasher);
+    for set in &decl.set {
+        set.name.value.hash(&mut hasher);
+    }
+    hasher.finish()
+}
+
+/// Whether a kind cannot tell two uses of it from each other.
+fn same_use(a: &PassDecl, b: &PassDecl) -> bool {
+    let (
+        Body::Pass { kind: kind_a, shader: shader_a },
+        Body::Pass { kind: kind_b, shader: shader_b },
+    ) = (&a.body, &b.body)
+    else {
+        return false;
+    };
+    let sets = |a: &Set, b: &Set| a.name.value == b.name.value && a.value.get() == b.value.get();
+    kind_a.value == kind_b.value
+        && shader_a.as_ref().map(|s| &s.value) == shader_b.as_ref().map(|s| &s.value)
+        && a.link_names == b.link_names
+        && a.set.len() == b.set.len()
+        && a.set.iter().zip(&b.set).all(|(a, b)| sets(a, b))
+        && (Arc::ptr_eq(&a.overrides, &b.overrides) || a.overrides == b.overrides)
+}
+
+impl<'a> Linker<'a> {
     pub(super) fn find_uses(&mut self) {
         let mut caches = Caches::default();
         let mut uses = Vec::with_capacity(self.nodes.len());
         for node in self.nodes {
             let used = match &node.decl.body {
-                Body::Pass { kind, shader } => self.find_use(node, kind, shader.as_ref(), &mut caches),
+                Body::Pass { kind, shader } => self.known_use(node, kind, shader.as_ref(), &mut caches),
                 Body::Group(_) | Body::Sub { .. } | Body::Removed => None,
             };
             uses.push(used);
@@ -65,12 +100,35 @@ impl Linker<'_> {
         self.uses = Rc::new(uses);
     }
 
+    /// The use as found for an equal one, or asked for.
+    fn known_use(
+        &mut self,
+        node: &'a Node,
+        kind: &At<Name>,
+        shader: Option<&At<Name>>,
+        caches: &mut Caches<'a>,
+    ) -> Option<UseOf> {
+        let decl = &*node.decl;
+        let hash = hash_use(decl, &kind.value, shader.map(|s| &s.value));
+        let known = caches.uses.get(&hash).into_iter().flatten();
+        if let Some((_, used)) = known.into_iter().find(|(other, _)| same_use(decl, other)) {
+            return Some(used.clone());
+        }
+        let told = self.errors.len();
+        let used = self.find_use(node, kind, shader, caches)?;
+        // What is wrong is told at each place where it is said.
+        if self.errors.len() == told && used.inputs.is_none() {
+            caches.uses.entry(hash).or_default().push((decl, used.clone()));
+        }
+        Some(used)
+    }
+
     fn find_use(
         &mut self,
         node: &Node,
         kind: &At<Name>,
         shader: Option<&At<Name>>,
-        caches: &mut Caches,
+        caches: &mut Caches<'a>,
     ) -> Option<UseOf> {
         let decl = &*node.decl;
         match (self.kinds.takes_shader(&kind.value), shader) {
@@ -159,7 +217,7 @@ impl Linker<'_> {
     }
 
     /// The settings of a use, checked and complete.
-    fn settings(&mut self, node: &Node, schema: &Arc<[Setting]>, caches: &mut Caches) -> Arc<Settings> {
+    fn settings(&mut self, node: &Node, schema: &Arc<[Setting]>, caches: &mut Caches<'a>) -> Arc<Settings> {
         let set = &node.decl.set;
         let key = schema.as_ptr().cast::<()>();
         let (_, defaults) = caches.defaults.entry(key).or_insert_with(|| {
@@ -219,7 +277,7 @@ impl Linker<'_> {
         self.errors.push(error);
     }
 
-    fn names(&self, ports: &Arc<Ports>, caches: &mut Caches) -> Rc<PortNames> {
+    fn names(&self, ports: &Arc<Ports>, caches: &mut Caches<'a>) -> Rc<PortNames> {
         let key = Arc::as_ptr(ports).cast::<()>();
         let (_, names) = caches.names.entry(key).or_insert_with(|| {
             let interface = |name: &str| {
