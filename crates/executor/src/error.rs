@@ -58,6 +58,14 @@ pub enum ExecutorError {
         /// The adapter's name.
         adapter: String,
     },
+    /// A pass draws what a buffer says, and the adapter takes no first instance from there.
+    #[error("pass {pass} draws indirectly, for which {adapter} lacks the feature INDIRECT_FIRST_INSTANCE")]
+    NoFirstInstance {
+        /// Name of the pass.
+        pass: String,
+        /// The adapter's name.
+        adapter: String,
+    },
     /// The device is gone.
     #[error("the graphics device is gone: {message}")]
     Lost {

@@ -20,6 +20,7 @@ impl Gpu {
     /// Features that are used where they are there; none is needed.
     pub const WANTED: Features = Features::TIMESTAMP_QUERY
         .union(Features::FLOAT32_FILTERABLE)
+        .union(Features::INDIRECT_FIRST_INSTANCE)
         .union(Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES)
         .union(Features::EXPERIMENTAL_RAY_QUERY);
 
@@ -113,6 +114,11 @@ impl Gpu {
     /// Whether shaders can query an acceleration structure.
     pub fn has_ray_queries(&self) -> bool {
         self.device.features().contains(Features::EXPERIMENTAL_RAY_QUERY)
+    }
+
+    /// Whether an indirect draw can begin at another instance than the first.
+    pub fn has_first_instance(&self) -> bool {
+        self.device.features().contains(Features::INDIRECT_FIRST_INSTANCE)
     }
 
     /// Adapter and driver in one line, for provenance.

@@ -42,7 +42,7 @@ pub struct ObjectUsage {
     pub storage: bool,
     /// Copied to.
     pub filled: bool,
-    /// Holds workgroup counts.
+    /// Holds the size of an indirect dispatch or draw.
     pub indirect: bool,
 }
 

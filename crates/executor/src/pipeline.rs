@@ -5,7 +5,7 @@ use crate::format::{sample_type, storage_format, texture_format};
 use crate::gpu::Gpu;
 use frame_graph::Format;
 use frame_graph::resource::SampleKind;
-use pass::{Blend, Draw, LinkedStep, Step};
+use pass::{Draw, LinkedStep, Step};
 use shader_library::{Access, Dimension, GlobalKind, Sample, Stage};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -30,9 +30,8 @@ pub(crate) enum PipelineKind {
 struct Key {
     shader: u128,
     entries: Vec<usize>,
-    constants: Vec<(String, u64)>,
-    targets: Vec<(Format, Blend)>,
-    depth: Option<(Format, bool)>,
+    targets: Vec<Format>,
+    depth: Option<Format>,
     vertices: bool,
 }
 
@@ -56,38 +55,20 @@ impl Pipelines {
         gpu: &Gpu,
         pass: &str,
         step: &LinkedStep,
-        formats: &TargetFormats,
+        formats: TargetFormats,
     ) -> Result<(Arc<Pipeline>, bool), ExecutorError> {
-        let constants = match &step.step {
-            Step::Compute(compute) => &compute.constants,
-            Step::Raster(raster) => &raster.constants,
-        };
-        let (targets, depth, vertices) = match &step.step {
-            Step::Compute(_) => (Vec::new(), None, false),
-            Step::Raster(raster) => (
-                formats
-                    .colors
-                    .iter()
-                    .zip(&raster.targets)
-                    .map(|(format, target)| (*format, target.blend))
-                    .collect(),
-                formats.depth.zip(raster.depth.as_ref()).map(|(format, depth)| (format, depth.less)),
-                raster.draw == Draw::Scene,
-            ),
-        };
         let key = Key {
             shader: step.shader.hash,
             entries: step.entries.clone(),
-            constants: constants.iter().map(|(name, value)| (name.clone(), value.to_bits())).collect(),
-            targets,
-            depth,
-            vertices,
+            targets: formats.colors,
+            depth: formats.depth,
+            vertices: matches!(&step.step, Step::Raster(raster) if raster.draw == Draw::Scene),
         };
         if let Some(pipeline) = self.made.get(&key) {
             return Ok((Arc::clone(pipeline), false));
         }
         let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let pipeline = Arc::new(self.build(gpu, pass, step, &key, constants));
+        let pipeline = Arc::new(self.build(gpu, pass, step, &key));
         if let Some(error) = pollster::block_on(scope.pop()) {
             self.modules.remove(&step.shader.hash);
             return Err(ExecutorError::Pass { pass: pass.to_owned(), message: error.to_string() });
@@ -102,14 +83,7 @@ impl Pipelines {
         self.modules.retain(|hash, _| used.contains(hash));
     }
 
-    fn build(
-        &mut self,
-        gpu: &Gpu,
-        pass: &str,
-        step: &LinkedStep,
-        key: &Key,
-        constants: &[(String, f64)],
-    ) -> Pipeline {
+    fn build(&mut self, gpu: &Gpu, pass: &str, step: &LinkedStep, key: &Key) -> Pipeline {
         let module = self.modules.entry(step.shader.hash).or_insert_with(|| {
             gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: step.shader.files().first().map(String::as_str),
@@ -125,13 +99,8 @@ impl Pipelines {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let constants: Vec<(&str, f64)> =
-            constants.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-        let compilation_options = wgpu::PipelineCompilationOptions {
-            constants: &constants,
-            // Every shader of ours writes workgroup memory before it reads it.
-            zero_initialize_workgroup_memory: true,
-        };
+        // The defaults, by which workgroup memory begins as zero, as WGSL says: shaders of users may count on it.
+        let compilation_options = wgpu::PipelineCompilationOptions::default();
         let entry = |index: usize| Some(step.shader.interface.entries[step.entries[index]].name.as_str());
         let kind = match &step.step {
             Step::Compute(_) => {
@@ -146,7 +115,7 @@ impl Pipelines {
             }
             Step::Raster(raster) => {
                 let targets: Vec<Option<wgpu::ColorTargetState>> =
-                    key.targets.iter().map(|(format, blend)| Some(color_target(*format, *blend))).collect();
+                    key.targets.iter().map(|format| Some(texture_format(*format).into())).collect();
                 PipelineKind::Render(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                     label: Some(pass),
                     layout: Some(&pipeline_layout),
@@ -157,14 +126,10 @@ impl Pipelines {
                         buffers: if key.vertices { SCENE_VERTICES } else { &[] },
                     },
                     primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
-                    depth_stencil: key.depth.map(|(format, less)| wgpu::DepthStencilState {
+                    depth_stencil: key.depth.map(|format| wgpu::DepthStencilState {
                         format: texture_format(format),
                         depth_write_enabled: Some(true),
-                        depth_compare: Some(if less {
-                            wgpu::CompareFunction::LessEqual
-                        } else {
-                            wgpu::CompareFunction::GreaterEqual
-                        }),
+                        depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
                         stencil: wgpu::StencilState::default(),
                         bias: wgpu::DepthBiasState::default(),
                     }),
@@ -196,19 +161,6 @@ static SCENE_VERTICES: &[Option<wgpu::VertexBufferLayout<'static>>] = &[Some(wgp
         wgpu::VertexAttribute { format: wgpu::VertexFormat::Uint32, offset: 28, shader_location: 4 },
     ],
 })];
-
-fn color_target(format: Format, blend: Blend) -> wgpu::ColorTargetState {
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    wgpu::ColorTargetState {
-        format: texture_format(format),
-        blend: (blend == Blend::Add).then_some(wgpu::BlendState { color: add, alpha: add }),
-        write_mask: wgpu::ColorWrites::ALL,
-    }
-}
 
 fn layout_entries(step: &LinkedStep) -> Vec<wgpu::BindGroupLayoutEntry> {
     step.bindings

@@ -184,14 +184,18 @@ impl Executor {
     }
 
     fn check_features(&self, plan: &Plan, steps: &[Vec<LinkedStep>]) -> Result<(), ExecutorError> {
-        let queries = |steps: &[LinkedStep]| steps.iter().any(LinkedStep::queries_rays);
-        match plan.passes.iter().zip(steps).find(|(_, steps)| queries(steps)) {
-            Some((pass, _)) if !self.gpu.has_ray_queries() => Err(ExecutorError::NoRayQueries {
-                pass: pass.name.to_string(),
-                adapter: self.gpu.info.name.clone(),
-            }),
-            _ => Ok(()),
+        let first = |wants: fn(&LinkedStep) -> bool| {
+            let found = plan.passes.iter().zip(steps).find(|(_, steps)| steps.iter().any(wants));
+            found.map(|(pass, _)| pass.name.to_string())
+        };
+        let adapter = || self.gpu.info.name.clone();
+        if let Some(pass) = first(LinkedStep::queries_rays).filter(|_| !self.gpu.has_ray_queries()) {
+            return Err(ExecutorError::NoRayQueries { pass, adapter: adapter() });
         }
+        if let Some(pass) = first(LinkedStep::draws_indirectly).filter(|_| !self.gpu.has_first_instance()) {
+            return Err(ExecutorError::NoFirstInstance { pass, adapter: adapter() });
+        }
+        Ok(())
     }
 
     fn changed_passes(&self, plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<PassId> {
@@ -459,7 +463,7 @@ fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage>
         }
     };
     for step in steps.iter().flatten() {
-        step.usages(&mut add);
+        step.usages(plan, &mut add);
     }
     let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
     for pass in &plan.passes {

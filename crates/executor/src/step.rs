@@ -51,7 +51,7 @@ impl LoadedStep {
             colors: linked.targets.iter().filter_map(format).collect(),
             depth: linked.depth.as_ref().and_then(format),
         };
-        let (pipeline, made) = pipelines.get(gpu, &pass.name, &linked, &formats)?;
+        let (pipeline, made) = pipelines.get(gpu, &pass.name, &linked, formats)?;
         let entry =
             linked.entries.first().map_or("", |&entry| linked.shader.interface.entries[entry].name.as_str());
         let label = format!("{}: {entry}", pass.name);
@@ -105,8 +105,8 @@ impl LoadedStep {
         }
     }
 
-    /// Tells what each resource is used for.
-    pub(crate) fn usages(&self, add: &mut impl FnMut(ResourceId, ObjectUsage)) {
+    /// Tells what each resource of the plan is used for.
+    pub(crate) fn usages(&self, plan: &Plan, add: &mut impl FnMut(ResourceId, ObjectUsage)) {
         let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
         self.linked.targets.iter().chain(&self.linked.depth).for_each(|id| add(*id, attachment));
         for bound in &self.linked.bindings {
@@ -119,7 +119,12 @@ impl LoadedStep {
                 add(*id, ObjectUsage { storage: true, ..ObjectUsage::default() });
             }
         }
-        if let Some(id) = self.linked.indirect {
+        let indirect = match &self.linked.indirect {
+            Some(Source::Resource(id)) => Some(*id),
+            Some(Source::Past(history)) => Some(plan.histories[history.0 as usize].resource),
+            _ => None,
+        };
+        if let Some(id) = indirect {
             add(id, ObjectUsage { indirect: true, ..ObjectUsage::default() });
         }
     }
@@ -183,11 +188,16 @@ impl LoadedStep {
                 pass.dispatch_workgroups(all.div_ceil(rows), rows, 1);
             }
             Threads::Indirect { offset, .. } => {
-                let buffer = self.linked.indirect.and_then(|id| (context.object_of)(&Source::Resource(id)));
-                if let Some((_, Object::Buffer(buffer))) = buffer {
-                    pass.dispatch_workgroups_indirect(buffer, *offset);
-                }
+                pass.dispatch_workgroups_indirect(self.indirect_buffer(context), *offset);
             }
+        }
+    }
+
+    /// The buffer that holds the size of the dispatch or draw.
+    fn indirect_buffer<'a>(&self, context: &StepContext<'a>) -> &'a wgpu::Buffer {
+        match self.linked.indirect.as_ref().and_then(|source| (context.object_of)(source)) {
+            Some((_, Object::Buffer(buffer))) => buffer,
+            _ => unreachable!("linking gives every indirect step a buffer of the plan"),
         }
     }
 
@@ -260,6 +270,7 @@ impl LoadedStep {
         match &raster.draw {
             Draw::Fullscreen => pass.draw(0..3, 0..1),
             Draw::Vertices { vertices, instances } => pass.draw(0..*vertices, 0..*instances),
+            Draw::Indirect { offset, .. } => pass.draw_indirect(self.indirect_buffer(context), *offset),
             Draw::Scene => {
                 if let (Some(External::Buffer(vertices)), Some(External::Buffer(indices))) =
                     (context.externals.get("scene_vertices"), context.externals.get("scene_indices"))

@@ -27,8 +27,8 @@ pub use frame_graph::{
 };
 pub use link::{Bound, LinkedStep, PastFact, SettingsFill, Source, link_steps, pass_seed};
 pub use record::{
-    Blend, Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target,
-    Threads, request,
+    Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target, Threads,
+    request,
 };
 pub use shader_library::{Define, Library, Request};
 pub use surface_samples::SurfaceSamples;

@@ -1,11 +1,11 @@
 //! Links the steps of a pass to the resources of a plan: shaders loaded, globals resolved by name, types
 //! checked, uniforms laid out. All of it without a GPU, so that `check` proves what an executor will run.
 
-use crate::record::{Compute, PortDesc, Raster, RecordContext, Recording, Step, Threads};
+use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step};
 use crate::{Pass, UseContext, externals};
 use fit::{describe, describe_global, mismatch};
 use frame_graph::plan::{HistoryId, PassId, Plan, PlannedPass, ResourceId};
-use frame_graph::{Diagnostic, Diagnostics, Externals, Setting, Traits, Use, Value, nearest};
+use frame_graph::{Diagnostic, Diagnostics, Externals, ResourceDesc, Setting, Traits, Use, Value, nearest};
 use names::{Named, Names};
 use shader_library::{GlobalKind, Library, Request, Shader, Stage, StructLayout};
 use std::collections::BTreeMap;
@@ -53,8 +53,8 @@ pub struct LinkedStep {
     pub targets: Vec<ResourceId>,
     /// Depth target of a draw.
     pub depth: Option<ResourceId>,
-    /// Buffer of the workgroup counts.
-    pub indirect: Option<ResourceId>,
+    /// The buffer that an indirect dispatch or draw reads its size from: a resource or the past of one.
+    pub indirect: Option<Source>,
 }
 
 impl LinkedStep {
@@ -62,6 +62,28 @@ impl LinkedStep {
     pub fn externals(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.bindings.iter().filter_map(|bound| match bound.source {
             Source::External(name) => Some(name),
+            _ => None,
+        })
+    }
+
+    /// Whether it is a draw whose size is on the GPU.
+    pub fn draws_indirectly(&self) -> bool {
+        matches!(&self.step, Step::Raster(raster) if matches!(raster.draw, Draw::Indirect { .. }))
+    }
+
+    /// The request by which its shader was loaded.
+    fn request(&self) -> &Request {
+        match &self.step {
+            Step::Compute(compute) => &compute.shader,
+            Step::Raster(raster) => &raster.shader,
+        }
+    }
+
+    /// The buffers that its shader may write.
+    fn written_buffers(&self) -> impl Iterator<Item = ResourceId> + '_ {
+        let globals = &self.shader.interface.globals;
+        self.bindings.iter().filter_map(|bound| match (&bound.source, &globals[bound.global].kind) {
+            (Source::Resource(id), GlobalKind::Storage { writable: true, .. }) => Some(*id),
             _ => None,
         })
     }
@@ -174,7 +196,13 @@ pub fn link_steps(
         declared,
         schema: &schema,
     };
-    recording.steps.into_iter().map(|step| linker.link(step, library)).collect()
+    let steps = recording
+        .steps
+        .into_iter()
+        .map(|step| linker.link(step, library))
+        .collect::<Result<Vec<LinkedStep>, Diagnostics>>()?;
+    linker.check_order(&steps)?;
+    Ok(steps)
 }
 
 struct StepLinker<'a> {
@@ -217,25 +245,46 @@ impl StepLinker<'_> {
             }
             bindings.push(Bound { global, source });
         }
-        let (mut targets, mut depth, mut indirect) = (Vec::new(), None, None);
-        match &step {
-            Step::Raster(raster) => {
-                for target in &raster.targets {
-                    targets.push(self.written(request, &target.resource)?);
-                }
-                if let Some(target) = &raster.depth {
-                    depth = Some(self.written(request, &target.resource)?);
-                }
+        let (mut targets, mut depth) = (Vec::new(), None);
+        if let Step::Raster(raster) = &step {
+            for target in &raster.targets {
+                targets.push(self.written(request, &target.resource)?);
             }
-            Step::Compute(Compute { threads: Threads::Indirect { buffer, .. }, .. }) => {
-                let named = self.names.find(buffer).ok_or_else(|| self.unknown(request, buffer))?;
-                if let Source::Resource(id) = named.source {
-                    indirect = Some(id);
-                }
+            if let Some(target) = &raster.depth {
+                depth = Some(self.written(request, &target.resource)?);
             }
-            Step::Compute(_) => {}
         }
-        Ok(LinkedStep { step, shader, entries, bindings, settings, targets, depth, indirect })
+        let place = step.indirect().map(|(buffer, offset, bytes)| (buffer.to_owned(), offset, bytes));
+        let mut linked =
+            LinkedStep { step, shader, entries, bindings, settings, targets, depth, indirect: None };
+        if let Some((buffer, offset, bytes)) = place {
+            linked.indirect = Some(self.indirect(&linked, &buffer, offset, bytes)?);
+        }
+        Ok(linked)
+    }
+
+    /// Checks that what an indirect step reads its size from has been written when the step comes.
+    fn check_order(&self, steps: &[LinkedStep]) -> Result<(), Diagnostics> {
+        let mut written: Vec<ResourceId> = Vec::new();
+        for step in steps {
+            let own = self.planned.outputs.iter().flat_map(|port| port.members.iter().map(|(_, id)| *id));
+            if let Some(Source::Resource(id)) = step.indirect
+                && own.into_iter().any(|own| own == id)
+                && !written.contains(&id)
+            {
+                return Err(self.error(
+                    "E067",
+                    format!(
+                        "{} cannot take its size from `{}`: no earlier step of the pass writes it",
+                        step.request().path,
+                        self.plan.resources[id.0 as usize].name
+                    ),
+                    Vec::new(),
+                ));
+            }
+            written.extend(step.written_buffers());
+        }
+        Ok(())
     }
 
     fn entry(
@@ -396,6 +445,38 @@ impl StepLinker<'_> {
             (Value::Text(_), Some(index)) => Value::U32(index as u32),
             _ => value.clone(),
         }
+    }
+
+    /// The buffer that an indirect dispatch or draw takes its size from. The step itself cannot write it.
+    fn indirect(
+        &self,
+        step: &LinkedStep,
+        buffer: &str,
+        offset: u64,
+        bytes: u64,
+    ) -> Result<Source, Diagnostics> {
+        let request = step.request();
+        let named = self.names.find(buffer).ok_or_else(|| self.unknown(request, buffer))?;
+        let refused = |why: String| {
+            let message = format!("{} cannot take its size from `{buffer}`: {why}", request.path);
+            Err(self.error("E067", message, Vec::new()))
+        };
+        let ResourceDesc::Buffer(desc) = &named.desc else {
+            return refused(format!("it is {}, not a buffer", describe(&named.desc)));
+        };
+        if !offset.is_multiple_of(4) {
+            return refused(format!("the offset {offset} is no multiple of 4"));
+        }
+        if offset.checked_add(bytes).is_none_or(|end| end > desc.bytes) {
+            return refused(format!(
+                "{bytes} bytes from the offset {offset} go beyond its {} bytes",
+                desc.bytes
+            ));
+        }
+        if step.written_buffers().any(|id| named.source == Source::Resource(id)) {
+            return refused("the same step writes it; an earlier one has to".to_owned());
+        }
+        Ok(named.source.clone())
     }
 
     fn written(&self, request: &Request, name: &str) -> Result<ResourceId, Diagnostics> {

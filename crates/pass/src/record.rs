@@ -172,8 +172,6 @@ pub struct Compute {
     pub threads: Threads,
     /// Values for members of `settings`, before those of the pass.
     pub values: Vec<(String, Value)>,
-    /// Values of the shader's `override`s.
-    pub constants: Vec<(String, f64)>,
     /// Globals bound otherwise than by their own name: `(global, port or port.member)`.
     pub bind: Vec<(String, String)>,
 }
@@ -186,11 +184,14 @@ pub enum Threads {
     /// At least this many in a row, folded into two dimensions where one cannot hold the workgroups: the
     /// shader finds its index with `row_index` of shaders/dispatch.wgsl.
     Row(u32),
-    /// Workgroups as three u32 in a buffer.
+    /// Reads the number of workgroups from a buffer on the GPU: three u32, one for each dimension. The buffer is one that
+    /// an earlier step of the pass has written, or an input, which may be the past. A number of 0 dispatches nothing, as
+    /// does one above the adapter's `max_compute_workgroups_per_dimension`: the shader that writes it has to respect that
+    /// limit, which is at least 65,535.
     Indirect {
         /// `port` or `port.member`.
         buffer: String,
-        /// Offset in bytes.
+        /// Offset of the first number in bytes, a multiple of 4.
         offset: u64,
     },
 }
@@ -212,8 +213,6 @@ pub struct Raster {
     pub draw: Draw,
     /// Values for members of `settings`, before those of the pass.
     pub values: Vec<(String, Value)>,
-    /// Values of the shader's `override`s.
-    pub constants: Vec<(String, f64)>,
     /// Globals bound otherwise than by their own name.
     pub bind: Vec<(String, String)>,
 }
@@ -227,18 +226,6 @@ pub struct Target {
     pub layer: u32,
     /// What is there before.
     pub load: Load,
-    /// How fragments combine.
-    pub blend: Blend,
-}
-
-/// How a fragment combines with what is there.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Blend {
-    /// It takes its place.
-    #[default]
-    Replace,
-    /// It is added.
-    Add,
 }
 
 /// What a target holds when a draw begins.
@@ -250,7 +237,7 @@ pub enum Load {
     Keep,
 }
 
-/// A depth target, tested with *greater or equal* (reversed z) unless `less` is set.
+/// A depth target, tested with *greater or equal*: z is reversed, so that what is nearer is greater.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthTarget {
     /// `port` or `port.member` of an output or of scratch.
@@ -259,8 +246,6 @@ pub struct DepthTarget {
     pub layer: u32,
     /// Value to clear to.
     pub clear: f32,
-    /// Nearer is less.
-    pub less: bool,
 }
 
 /// What a draw draws. Nothing is culled by winding: scenes are two-sided.
@@ -278,26 +263,44 @@ pub enum Draw {
         /// Instances.
         instances: u32,
     },
+    /// Draws triangles without attributes, as many as a buffer on the GPU says: four u32, which are the number of vertices,
+    /// the number of instances, the first vertex and the first instance. The buffer is one that an earlier step of the pass
+    /// has written, or an input, which may be the past.
+    Indirect {
+        /// `port` or `port.member`.
+        buffer: String,
+        /// Offset of the first number in bytes, a multiple of 4.
+        offset: u64,
+    },
+}
+
+impl Step {
+    /// Returns the buffer that holds the size of an indirect dispatch or draw: its name, the offset in bytes, and the
+    /// bytes that are read from there.
+    pub(crate) fn indirect(&self) -> Option<(&str, u64, u64)> {
+        match self {
+            Step::Compute(Compute { threads: Threads::Indirect { buffer, offset }, .. }) => {
+                Some((buffer, *offset, 12))
+            }
+            Step::Raster(Raster { draw: Draw::Indirect { buffer, offset }, .. }) => {
+                Some((buffer, *offset, 16))
+            }
+            _ => None,
+        }
+    }
 }
 
 impl Target {
     /// The whole of a port's texture, cleared to zero first.
     pub fn clear(resource: &str) -> Target {
-        Target { resource: resource.into(), layer: 0, load: Load::Clear([0.0; 4]), blend: Blend::Replace }
+        Target { resource: resource.into(), layer: 0, load: Load::Clear([0.0; 4]) }
     }
 }
 
 impl Compute {
     /// A dispatch whose globals are bound by name.
     pub fn new(shader: Request, entry: &str, threads: Threads) -> Compute {
-        Compute {
-            shader,
-            entry: entry.into(),
-            threads,
-            values: Vec::new(),
-            constants: Vec::new(),
-            bind: Vec::new(),
-        }
+        Compute { shader, entry: entry.into(), threads, values: Vec::new(), bind: Vec::new() }
     }
 
     /// One thread for each texel of a size.
@@ -308,12 +311,6 @@ impl Compute {
     /// With a value for a member of `settings`.
     pub fn value(mut self, name: &str, value: Value) -> Compute {
         self.values.push((name.into(), value));
-        self
-    }
-
-    /// With a value for an `override`.
-    pub fn constant(mut self, name: &str, value: f64) -> Compute {
-        self.constants.push((name.into(), value));
         self
     }
 

@@ -107,7 +107,6 @@ impl Pass for Fullscreen {
             depth: None,
             draw: Draw::Fullscreen,
             values: Vec::new(),
-            constants: Vec::new(),
             bind: Vec::new(),
         };
         Ok(Recording { steps: vec![Step::Raster(draw)] })

@@ -69,10 +69,9 @@ impl Pass for Gbuffer {
             vertex: "project".into(),
             fragment: Some(fragment.into()),
             targets: members.iter().map(|member| Target::clear(&format!("view.{member}"))).collect(),
-            depth: Some(DepthTarget { resource: "nearest".into(), layer: 0, clear: 0.0, less: false }),
+            depth: Some(DepthTarget { resource: "nearest".into(), layer: 0, clear: 0.0 }),
             draw: Draw::Scene,
             values: Vec::new(),
-            constants: Vec::new(),
             bind: Vec::new(),
         };
         let specular = has("specular");

@@ -4,8 +4,8 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Blend, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc,
-    Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, UseContext,
+    DepthTarget, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc, Pass,
+    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, UseContext,
     Value,
 };
 
@@ -98,12 +98,10 @@ impl Pass for ParaboloidShadowMaps {
                 resource: "visibility.atlas".into(),
                 layer: 0,
                 load: Load::Clear([NOTHING; 4]),
-                blend: Blend::Replace,
             }],
-            depth: Some(DepthTarget { resource: "nearness".into(), layer: 0, clear: 0.0, less: false }),
+            depth: Some(DepthTarget { resource: "nearness".into(), layer: 0, clear: 0.0 }),
             draw: Draw::Vertices { vertices, instances: cx.fact("lights", "count") },
             values: Vec::new(),
-            constants: Vec::new(),
             bind: Vec::new(),
         };
         Ok(Recording { steps: vec![Step::Raster(maps)] })

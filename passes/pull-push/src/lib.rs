@@ -4,9 +4,9 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Blend, Compute, Define, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext,
-    OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
-    Threads, UseContext, Value,
+    Compute, Define, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc, Pass,
+    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, Threads,
+    UseContext, Value,
 };
 
 /// The kind `pull-push`.
@@ -146,12 +146,10 @@ impl Pass for PullPush {
                 resource: "visibility.atlas".into(),
                 layer: 0,
                 load: Load::Clear([NOTHING; 4]),
-                blend: Blend::Replace,
             }],
             depth: None,
             draw: Draw::Vertices { vertices: 6, instances: pyramid.count },
             values: vec![("coarse_side".into(), Value::U32(pyramid.side(1)))],
-            constants: Vec::new(),
             bind: vec![("level_1".into(), "pyramid".into())],
         }));
         Ok(recording)

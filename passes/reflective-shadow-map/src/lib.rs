@@ -91,15 +91,9 @@ impl Pass for ReflectiveShadowMap {
                     fragment: Some("surfaces".into()),
                     // With the flux it would be more than the 32 bytes a texel that WebGPU promises.
                     targets: vec![target("rsm.position"), target("rsm.normal"), target("albedo")],
-                    depth: Some(DepthTarget {
-                        resource: "nearest".into(),
-                        layer: 0,
-                        clear: 0.0,
-                        less: false,
-                    }),
+                    depth: Some(DepthTarget { resource: "nearest".into(), layer: 0, clear: 0.0 }),
                     draw: Draw::Scene,
                     values: vec![("layer".into(), Value::U32(layer))],
-                    constants: Vec::new(),
                     bind: Vec::new(),
                 })
             })

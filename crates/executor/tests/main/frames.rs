@@ -1,0 +1,387 @@
+//! What frames do with a plan: objects, histories, constants, targets, uniforms, timers, errors.
+
+use crate::harness::{Kind, Running, Workshop, every_frame, gpu, shader, texture, words};
+use executor::{ExecutorError, FrameOptions};
+use frame_graph::ResetCause;
+use frame_graph::plan::ResourceId;
+use pass::{
+    Clear, Compute, Draw, Extent, Format, Load, OutputDesc, Raster, ResourceDesc, Step, Target, Threads,
+    Usage, Value,
+};
+
+const POISON: FrameOptions = FrameOptions { timed: false, poison: true };
+
+/// One thread that runs this body, with these globals.
+fn compute(globals: &str, body: &str) -> String {
+    format!("{globals}\n@compute @workgroup_size(1) fn main() {{ {body} }}")
+}
+
+fn run(path: &str) -> Compute {
+    Compute::new(shader(path), "main", Threads::Grid([1; 3]))
+}
+
+fn cleared(mut output: OutputDesc, clear: Clear) -> OutputDesc {
+    output.members[0].2 = Usage::ClearFirst(clear);
+    output
+}
+
+/// A pipeline of one pass that has the steps and outputs of `kind`, all of which are outputs of the pipeline.
+fn alone(kind: Kind, ports: &[&str], shaders: &[(&str, &str)]) -> Option<Running> {
+    let outputs: Vec<String> = ports.iter().map(|port| format!("\"{port}\": \"use.{port}\"")).collect();
+    Workshop::new(vec![kind], shaders).start(r#""use": Pass(kind: "kind")"#, &outputs.join(", "))
+}
+
+/// Writes the second of four words.
+const SECOND: &str = "var<storage, read_write> out: array<u32>;";
+
+#[test]
+fn what_asks_for_it_is_cleared_in_every_frame() {
+    let layered = ResourceDesc::texture_2d_array(Format::Rgba32Float, Extent::Fixed(2, 1), 3);
+    let kind = Kind::new("kind")
+        .output(cleared(OutputDesc::one("out", words(4)), Clear::Zero))
+        .output(cleared(OutputDesc::one("layers", layered), Clear::Color([0.5, -1.0, 2.0, 0.25])))
+        .output(cleared(OutputDesc::one("depth", texture(Format::Depth32Float)), Clear::Color([0.75; 4])))
+        .steps(|_| vec![Step::Compute(run("second.wgsl"))]);
+    let second = compute(SECOND, "out[1] += 5u;");
+    let ports = ["out", "layers", "depth"];
+    let Some(mut running) = alone(kind, &ports, &[("second.wgsl", &second)]) else { return };
+    for options in [FrameOptions::default(), POISON, FrameOptions::default()] {
+        running.frame_of_all(options);
+        assert_eq!(running.read("use.out"), [0, 5, 0, 0]);
+        assert_eq!(running.read_floats("use.layers"), [0.5, -1.0, 2.0, 0.25].repeat(6));
+        assert_eq!(running.read_floats("use.depth"), [0.75; 32]);
+    }
+}
+
+/// Poison fills buffers and textures, whatever their rows, before the pass runs; what it then writes stays.
+#[test]
+fn poison_is_in_all_that_is_not_written() {
+    let odd = ResourceDesc::texture_2d_array(Format::R32Float, Extent::Fixed(3, 2), 2);
+    let kind = Kind::new("kind")
+        .output(OutputDesc::one("out", words(4)))
+        .output(OutputDesc::one("layers", odd))
+        .steps(|_| vec![Step::Compute(run("second.wgsl"))]);
+    let second = compute(SECOND, "out[1] = 5u;");
+    let Some(mut running) = alone(kind, &["out", "layers"], &[("second.wgsl", &second)]) else { return };
+    running.frame_of_all(POISON);
+    assert_eq!(running.read("use.out"), [u32::MAX, 5, u32::MAX, u32::MAX]);
+    assert_eq!(running.read("use.layers"), [u32::MAX; 12]);
+}
+
+/// WGSL says that workgroup memory is zero when a dispatch begins, whatever one before it has left there.
+#[test]
+fn workgroup_memory_begins_as_zero() {
+    let memory = "var<workgroup> shared_words: array<u32, 64>;\n";
+    let fill = format!(
+        "{memory} var<storage, read_write> filled: array<u32>;
+         @compute @workgroup_size(64) fn main(@builtin(local_invocation_index) i: u32) {{
+             shared_words[i] = 0xffffffffu;
+             workgroupBarrier();
+             filled[i] = shared_words[63u - i];
+         }}"
+    );
+    let read = format!(
+        "{memory} var<storage, read_write> out: array<u32>;
+         @compute @workgroup_size(64) fn main(@builtin(local_invocation_index) i: u32) {{
+             out[i] = shared_words[i];
+         }}"
+    );
+    let kind = Kind::new("kind")
+        .output(OutputDesc::one("out", words(64)))
+        .output(OutputDesc::one("filled", words(64)))
+        .steps(|_| vec![Step::Compute(run("fill.wgsl")), Step::Compute(run("read.wgsl"))]);
+    let shaders = [("fill.wgsl", &*fill), ("read.wgsl", &*read)];
+    let Some(mut running) = alone(kind, &["out", "filled"], &shaders) else { return };
+    running.frame_of_all(POISON);
+    assert_eq!(running.read("use.filled"), [u32::MAX; 64]);
+    assert_eq!(running.read("use.out"), [0; 64]);
+}
+
+/// A chain of passes whose resources could all lie in two objects.
+fn chain(length: u32) -> (Vec<Kind>, String, String) {
+    let texel = OutputDesc::one("out", texture(Format::R32Uint));
+    let kind = every_frame(Kind::new("kind").input("before", "Texture").output(texel)).steps(|cx| {
+        let shader = shader(if cx.connected("before") { "next.wgsl" } else { "first.wgsl" });
+        vec![Step::Compute(Compute::per_texel(shader, "main", cx.frame))]
+    });
+    let passes = (1..=length).map(|i| {
+        let from = if i > 1 { format!(", in: {{ \"before\": \"p{}\" }}", i - 1) } else { String::new() };
+        format!("\"p{i}\": Pass(kind: \"kind\"{from})")
+    });
+    (vec![kind], passes.collect::<Vec<_>>().join(", "), format!("\"out\": \"p{length}.out\""))
+}
+
+const CHAIN: &[(&str, &str)] = &[
+    (
+        "first.wgsl",
+        "var out: texture_storage_2d<r32uint, write>;
+         @compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) at: vec3<u32>) {
+             textureStore(out, at.xy, vec4(1u + at.x + 8u * at.y));
+         }",
+    ),
+    (
+        "next.wgsl",
+        "var before: texture_2d<u32>;
+         var out: texture_storage_2d<r32uint, write>;
+         @compute @workgroup_size(8, 8) fn main(@builtin(global_invocation_id) at: vec3<u32>) {
+             textureStore(out, at.xy, 3u * textureLoad(before, at.xy, 0) + 1u);
+         }",
+    ),
+];
+
+#[test]
+fn sharing_leaves_the_same_bits() {
+    let (kinds, passes, outputs) = chain(7);
+    let mut workshop = Workshop::new(kinds, CHAIN);
+    let mut pictures = Vec::new();
+    let mut held = Vec::new();
+    for sharing in [true, false] {
+        workshop.options.sharing = sharing;
+        let Some(mut running) = workshop.start(&passes, &outputs) else { return };
+        for options in [FrameOptions::default(), POISON] {
+            running.frame_of_all(options);
+            pictures.push(running.read("p7.out"));
+        }
+        held.push(running.0.held_bytes());
+    }
+    let expected = (1..=32).map(|first: u32| (0..6).fold(first, |x, _| 3 * x + 1)).collect::<Vec<_>>();
+    assert!(pictures.iter().all(|picture| *picture == expected), "{pictures:?}");
+    assert_eq!(held, [3 * 128, 7 * 128], "two objects change places, and the output has one of its own");
+}
+
+/// Tells the age of the past, why it ended, and what it holds and one more.
+const AGES: &str = "
+    struct Settings { past_age: u32, past_reset: u32 }
+    var<uniform> settings: Settings;
+    var<storage, read> past: array<u32>;
+    var<storage, read_write> out: array<u32>;";
+
+#[test]
+fn histories_age_and_end() {
+    let kind = Kind::new("kind")
+        .input("past", "Buffer")
+        .output(OutputDesc::one("out", words(4)))
+        .steps(|_| vec![Step::Compute(run("ages.wgsl"))]);
+    let ages = compute(
+        AGES,
+        "out[0] = settings.past_age; out[1] = settings.past_reset; out[2] = past[2] + 1u; out[3] = past[3];",
+    );
+    let workshop = Workshop::new(vec![kind], &[("ages.wgsl", &ages)]);
+    let passes = r#""use": Pass(kind: "kind", in: { "past": Prev(port: "use", reset: [Cut]) })"#;
+    let Some(mut running) = workshop.start(passes, r#""out": "use.out""#) else { return };
+    for (age, reset) in [(0, 1), (1, 0), (2, 0)] {
+        running.frame();
+        assert_eq!(running.read("use.out"), [age, reset, age + 1, 0]);
+    }
+    running.frame_after(ResetCause::Scene);
+    assert_eq!(running.read("use.out"), [3, 0, 4, 0], "the link does not name it");
+    for copy in 0..2 {
+        running.frame_after(ResetCause::Cut);
+        assert_eq!(running.read("use.out"), [0, 3, 1, 0], "in either copy: {copy}");
+        running.frame();
+        assert_eq!(running.read("use.out"), [1, 0, 2, 0]);
+        running.frame();
+    }
+}
+
+/// `init` is what the first frame finds, and a pass that is off leaves a constant; both with the layers that they have.
+#[test]
+fn constants_and_beginnings_are_filled() {
+    let layered = || {
+        let desc = ResourceDesc::texture_2d_array(Format::Rgba32Float, Extent::Fixed(1, 1), 2);
+        OutputDesc::one("out", desc)
+    };
+    let copy = "
+        var constant: texture_2d_array<f32>;
+        var past: texture_2d_array<f32>;
+        var out: texture_storage_2d_array<rgba32float, write>;
+        @compute @workgroup_size(1) fn main(@builtin(global_invocation_id) at: vec3<u32>) {
+            let sum = textureLoad(constant, at.xy, at.z, 0) + textureLoad(past, at.xy, at.z, 0);
+            textureStore(out, at.xy, at.z, sum);
+        }";
+    let kinds = vec![
+        Kind::new("source").output(layered()),
+        Kind::new("sum").input("constant", "Texture").input("past", "Texture").output(layered()).steps(
+            |_| vec![Step::Compute(Compute::new(shader("copy.wgsl"), "main", Threads::Grid([1, 1, 2])))],
+        ),
+    ];
+    let workshop = Workshop::new(kinds, &[("copy.wgsl", copy)]);
+    let passes = r#"
+        "off": Pass(kind: "source", when: "false", off: Color(0.5, 1, 2, 4)),
+        "use": Pass(kind: "sum", in: {
+            "constant": "off",
+            "past": Prev(port: "use", init: Color(8, 16, 32, 64), reset: [Cut]),
+        })"#;
+    let Some(mut running) = workshop.start(passes, r#""out": "use.out""#) else { return };
+    for frame in 1..4 {
+        running.frame_with_poison();
+        let times = frame as f32;
+        let texel = [8.0 + 0.5 * times, 16.0 + times, 32.0 + 2.0 * times, 64.0 + 4.0 * times];
+        assert_eq!(running.read_floats("use.out"), texel.repeat(2), "frame {frame}");
+    }
+}
+
+/// Covers the frame up to a share of its width with a colour.
+const COVER: &str = "
+    struct Settings { width: f32, color: f32 }
+    var<uniform> settings: Settings;
+    @vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
+        let side = vec2(f32(i == 1u || i == 2u || i == 4u), f32(i == 2u || i >= 4u));
+        return vec4(side.x * 2.0 * settings.width - 1.0, side.y * 2.0 - 1.0, 0.0, 1.0);
+    }
+    @fragment fn color() -> @location(0) vec4<f32> {
+        return vec4(settings.color, 0.0, 0.0, 1.0);
+    }";
+
+#[test]
+fn draws_reach_their_layer_and_keep_what_is_there() {
+    let cover = |layer: u32, load: Load, width: f32, color: f32| {
+        Step::Raster(Raster {
+            shader: shader("cover.wgsl"),
+            vertex: "corner".into(),
+            fragment: Some("color".into()),
+            targets: vec![Target { resource: "layers".into(), layer, load }],
+            depth: None,
+            draw: Draw::Vertices { vertices: 6, instances: 1 },
+            values: vec![("width".into(), Value::F32(width)), ("color".into(), Value::F32(color))],
+            bind: Vec::new(),
+        })
+    };
+    let layers = ResourceDesc::texture_2d_array(Format::R32Float, Extent::Fixed(4, 1), 3);
+    let kind = Kind::new("kind").output(OutputDesc::one("layers", layers)).steps(move |_| {
+        vec![
+            cover(2, Load::Clear([5.0, 0.0, 0.0, 0.0]), 0.25, 1.0),
+            cover(0, Load::Clear([6.0, 0.0, 0.0, 0.0]), 0.75, 2.0),
+            cover(0, Load::Keep, 0.5, 3.0),
+            cover(1, Load::Clear([7.0, 0.0, 0.0, 0.0]), 1.0, 4.0),
+        ]
+    });
+    let Some(mut running) = alone(kind, &["layers"], &[("cover.wgsl", COVER)]) else { return };
+    for _ in 0..2 {
+        running.frame_of_all(POISON);
+        let [first, second, third] = [[3.0, 3.0, 2.0, 6.0], [4.0; 4], [1.0, 5.0, 5.0, 5.0]];
+        assert_eq!(running.read_floats("use.layers"), [first, second, third].concat());
+    }
+}
+
+/// The uniform holds what the steps say, the seed of the pass, and the size of its ports; another seed of the run makes the
+/// pass run again.
+#[test]
+fn uniforms_follow_the_seed() {
+    let tell = "
+        struct Settings { seed: u32, given: vec2<f32>, picture_size: vec2<u32> }
+        var<uniform> settings: Settings;
+        var<storage, read_write> out: array<u32>;
+        @compute @workgroup_size(1) fn main() {
+            out[0] = settings.seed;
+            out[1] = u32(settings.given.x * 10.0 + settings.given.y);
+            out[2] = settings.picture_size.x;
+            out[3] = settings.picture_size.y;
+        }";
+    let kind = Kind::new("kind")
+        .output(OutputDesc::one("out", words(4)))
+        .output(OutputDesc::scratch("picture", texture(Format::R32Float)))
+        .steps(|_| vec![Step::Compute(run("tell.wgsl").value("given", Value::Vector(vec![4.0, 2.0])))]);
+    let Some(mut running) = alone(kind, &["out"], &[("tell.wgsl", tell)]) else { return };
+    assert_eq!(running.frame().ran, [true]);
+    assert_eq!(running.read("use.out"), [0, 42, 8, 4]);
+    assert_eq!(running.frame().ran, [false], "nothing has changed");
+    running.0.set_seed(17);
+    assert_eq!(running.frame().ran, [true]);
+    assert_eq!(running.read("use.out"), [pass::pass_seed(17, "use"), 42, 8, 4]);
+    running.0.set_seed(17);
+    assert_eq!(running.frame().ran, [false], "the seed is the same");
+}
+
+#[test]
+fn what_runs_is_timed() {
+    if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
+        return;
+    }
+    let (mut kinds, passes, outputs) = chain(3);
+    kinds.push(Kind::new("still").output(cleared(OutputDesc::one("out", words(4)), Clear::Zero)));
+    let workshop = Workshop::new(kinds, CHAIN);
+    let (passes, outputs) =
+        (format!(r#"{passes}, "still": Pass(kind: "still")"#), format!(r#"{outputs}, "still": "still.out""#));
+    let Some(mut running) = workshop.start(&passes, &outputs) else { return };
+    assert!(running.frame().times.is_empty(), "not asked for");
+    let report = running.frame_of_all(FrameOptions { timed: true, poison: false });
+    assert_eq!(report.ran, [true; 4]);
+    assert_eq!(report.times.len(), 4);
+    let still = running.0.plan().unwrap().pass("still").unwrap().0 as usize;
+    for (pass, time) in report.times.iter().enumerate() {
+        assert!(time.is_finite() && *time < 1e4, "{:?}", report.times);
+        assert_eq!(*time > 0.0, pass != still, "a pass without steps takes no time: {:?}", report.times);
+    }
+}
+
+#[test]
+fn resources_are_written_and_read() {
+    let kind = Kind::new("kind")
+        .output(OutputDesc::one("out", words(4)))
+        .output(OutputDesc::one("odd", ResourceDesc::texture_2d(Format::R32Uint, Extent::Fixed(3, 2))));
+    let Some(running) = alone(kind, &["out", "odd"], &[]) else { return };
+    let words = |range: std::ops::Range<u32>| range.collect::<Vec<u32>>();
+    running.0.write(running.id("use.out"), bytemuck::cast_slice(&words(1..5)));
+    running.0.write(running.id("use.odd"), bytemuck::cast_slice(&words(10..16)));
+    assert_eq!(running.read("use.out"), words(1..5));
+    assert_eq!(running.read("use.odd"), words(10..16));
+    let refused = running.0.read(ResourceId(2)).unwrap_err();
+    assert!(matches!(refused, ExecutorError::ReadBack { .. }), "{refused}");
+    assert!(running.0.object(ResourceId(2)).is_none());
+}
+
+/// What the adapter cannot hold is refused with its name and the limit, and the plan before goes on.
+#[test]
+fn a_plan_that_does_not_load_replaces_nothing() {
+    let limits = match gpu() {
+        Some(gpu) => gpu.limits(),
+        None => return,
+    };
+    let sized = |name, desc| Kind::new(name).output(OutputDesc::one("out", desc));
+    let layers = limits.max_texture_array_layers + 1;
+    let bytes = limits.max_storage_buffer_binding_size + 4;
+    let (mut kinds, passes, outputs) = chain(2);
+    kinds
+        .push(sized("layers", ResourceDesc::texture_2d_array(Format::R32Float, Extent::Fixed(1, 1), layers)));
+    kinds.push(sized("bytes", ResourceDesc::buffer(bytes)));
+    let workshop = Workshop::new(kinds, CHAIN);
+    let Some(mut running) = workshop.start(&passes, &outputs) else { return };
+    running.frame();
+    let (held, picture) = (running.0.held_bytes(), running.read("p2.out"));
+    for (kind, limit) in
+        [("layers", "max_texture_array_layers"), ("bytes", "max_storage_buffer_binding_size")]
+    {
+        let pipeline = format!(r#"{passes}, "too-large": Pass(kind: "{kind}")"#);
+        let linked = workshop.link(&pipeline, &format!(r#"{outputs}, "x": "too-large.out""#)).unwrap();
+        match running.load(linked).unwrap_err() {
+            ExecutorError::Limit { resource, limit: told, .. } => {
+                assert_eq!((resource.as_str(), told), ("too-large.out", limit));
+            }
+            other => panic!("{other}"),
+        }
+        assert_eq!(running.0.plan().unwrap().passes.len(), 2);
+        assert_eq!(running.0.held_bytes(), held);
+        running.frame_of_all(POISON);
+        assert_eq!(running.read("p2.out"), picture);
+    }
+}
+
+/// The same plan again makes no pipeline, keeps all objects, and runs what its steps make new.
+#[test]
+fn loading_again_keeps_what_is_the_same() {
+    let (kinds, passes, outputs) = chain(3);
+    let workshop = Workshop::new(kinds, CHAIN);
+    let Some(mut running) = workshop.start(&passes, &outputs) else { return };
+    running.frame();
+    let report = running.load(workshop.link(&passes, &outputs).unwrap()).unwrap();
+    assert!(report.kept && report.changed.is_empty() && report.pipelines == 0, "{report:?}");
+    let (kinds, passes, outputs) = chain(4);
+    let longer = Workshop::new(kinds, CHAIN).link(&passes, &outputs).unwrap();
+    let report = running.load(longer).unwrap();
+    assert!(!report.kept && report.pipelines == 0, "the shaders are the same: {report:?}");
+    assert_eq!(report.changed.len(), 1, "one pass more: {report:?}");
+    running.frame();
+    let expected = (1..=32).map(|first: u32| (0..3).fold(first, |x, _| 3 * x + 1)).collect::<Vec<_>>();
+    assert_eq!(running.read("p4.out"), expected);
+}

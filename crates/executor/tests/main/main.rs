@@ -1,0 +1,5 @@
+//! Tests of the executor on a GPU; without an adapter those that need one are skipped, which stderr says.
+
+mod frames;
+mod harness;
+mod indirect;
