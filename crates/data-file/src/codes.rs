@@ -58,6 +58,7 @@ codes! {
     SWITCH_LOOP = "E044": "A switch depends on itself through `connected`.";
     OFF_LOOP = "E045": "Passes that are off stand in place of each other.";
     ARITHMETIC = "E046": "An expression divides by zero, or its value is beyond what a number can hold.";
+    REPEAT = "E047": "`repeat` or `carry` of a part does not fit the part, or what no copy makes is read.";
     SIZE_INPUT = "E050": "A size is relative to an input that is not linked or has no texture.";
     SIZE_LOOP = "E051": "A size depends on itself through `Prev`.";
     SIZE_LIMIT = "E052": "A size is zero or larger than any device allows.";

@@ -7,7 +7,7 @@ mod values;
 
 pub(crate) use form::{
     At, Body, Dim, Entry, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, ParameterDecl, PassDecl,
-    Past, Patch, Set, SetValue, Size, Target,
+    Past, Patch, Repeat, Set, SetValue, Size, Target,
 };
 pub(crate) use read::{out_overrides, parse_file};
 
@@ -74,7 +74,7 @@ impl Description {
         });
         let decls = self.passes.iter().map(|entry| &entry.decl).chain(patched);
         let parts = decls.filter_map(|decl| match &decl.body {
-            Body::Sub { file } => Some(file.value.as_str()),
+            Body::Sub { file, .. } => Some(file.value.as_str()),
             Body::Pass { .. } | Body::Group(_) | Body::Removed => None,
         });
         self.extends().into_iter().chain(parts).collect()

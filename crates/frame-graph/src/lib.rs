@@ -30,7 +30,8 @@
 //! |---|---|
 //! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `I32`, `F32`, `Bool`, `Text`. A variant gives only what differs |
 //! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)` |
-//! | PART | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, when: …?, off: …?)`: the passes of another file, named `part/pass` |
+//! | PART | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, repeat: COUNT?, carry: { "input": "output" * }?, when: …?, off: …?)`: the passes of another file, named `part/pass` |
+//! | COUNT | a whole number or an expression that gives one: how many copies of the part there are, one after the other |
 //! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a part, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Moved]?)` |
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or an expression: text in which a `$` stands, such as `"$parameter"` or `"$lights * 16"`. In plain text each `$` is written `$$`; text that begins with `$$` is never an expression |
 //! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?)`, for kinds that take their ports from a shader |
@@ -45,12 +46,22 @@
 //! there is no past, and `reset` names the events that end it (the first four, where it is left out; `Moved` is any change of what
 //! the pass that writes the past reads of camera, lights and scene).
 //!
+//! **Repeated parts.** With `repeat: "$n"` a part stands in the pipeline as copies whose passes are named
+//! `part/0/pass`, `part/1/pass`, and so on. The first copy takes what `in:` says; each further one takes, for an input
+//! that `carry` names, the output of the copy before it, and for all others what `in:` says. The outputs of the part are those of
+//! the last copy, and so is the past that `Prev` reads of them. Repeated 0 times, the part hands through what comes
+//! in for an output that is carried; to read another one is an error. `when:` and `off:` are of the whole. Values
+//! given to `part.parameter` and `part/pass.setting` reach all copies, those given to `part/2.parameter` and
+//! `part/2/pass.setting` one of them, in the order in which they are given. Errors are told once for all copies.
+//!
 //! **Patches.** They are applied in order, after the entries of the file itself. `Replace` keeps the links of the
 //! old pass whose ports the new kind has, its `when` and its `off`, unless they are given anew. `Insert` puts a pass
 //! into a link; the link goes to its only required input that takes it; `"out.NAME"` stands for an output of the
 //! pipeline. `Remove` puts what `off:` says in place of a pass; without it, optional inputs that read it are left
 //! unlinked. `Set` takes a path: `parameter`, `pass.setting`, `part.parameter`, `part/pass.setting`. Values given
-//! from outside ([`Overrides`]) have the same paths and come last.
+//! from outside ([`Overrides`]) have the same paths and come last. Of what is inside a part, patches set values and
+//! no more: to change its passes, a file extends that of the part, and `Replace` puts it in its place; `repeat` and
+//! `carry` are given anew then.
 //!
 //! **Expressions.** Values, sizes and switches are written in one small language: parameters (`$lights` or `lights`),
 //! truth values, numbers and `'text'`, with `+`, `-`, `*`, `/`, `%`, `min(a, b)`, `max(a, b)`, `!`, `&&`, `||`, `==`,

@@ -13,7 +13,7 @@ use crate::codes;
 use crate::description::{Body, Link, OutputDecl, Past};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Span};
 use crate::port::{Externals, Facts, Interface, Kinds, OutputOverride, Usage};
-use crate::resolve::{Node, Resolved};
+use crate::resolve::{Node, Resolved, told_once};
 use crate::resource::{Clear, ResourceDesc};
 use crate::value::{Settings, Traits};
 use data_file::Name;
@@ -133,11 +133,11 @@ pub fn link(resolved: &Resolved, kinds: &dyn Kinds, context: &LinkContext) -> Re
     let order = linker.order();
     linker.find_instead();
     if !linker.errors.is_empty() {
-        return Err(Diagnostics::sorted(linker.errors));
+        return Err(linker.told());
     }
     let ports = linker.find_sizes(&order);
     if !linker.errors.is_empty() {
-        return Err(Diagnostics::sorted(linker.errors));
+        return Err(linker.told());
     }
     Ok(linker.graph(ports, &order))
 }
@@ -160,6 +160,8 @@ struct Linker<'a> {
     why: FxHashMap<usize, String>,
     /// What stands in place of passes that are off, where a link says so.
     instead: FxHashMap<usize, String>,
+    /// Whether some part is repeated 0 times.
+    copyless: bool,
     /// How many switches wait for each other.
     depth: u32,
     outputs: Vec<(&'a OutputDecl, End<'a>)>,
@@ -195,11 +197,18 @@ impl<'a> Linker<'a> {
             on: Vec::with_capacity(resolved.nodes.len()),
             why: FxHashMap::default(),
             instead: FxHashMap::default(),
+            copyless: resolved.nodes.iter().any(
+                |node| matches!(&node.decl.body, Body::Group(group) if matches!(group.copies, Some((0, _)))),
+            ),
             depth: 0,
             outputs: Vec::new(),
             bad_borders: Vec::new(),
             errors: Vec::new(),
         }
+    }
+
+    fn told(self) -> Diagnostics {
+        Diagnostics::sorted(told_once(self.errors, self.nodes))
     }
 
     fn span(&self, place: Place) -> Span {
@@ -236,10 +245,12 @@ impl<'a> Linker<'a> {
             let link = &output.link;
             // It must be sound with everything on, and lead somewhere as things are. What shows a pass that a
             // patch took out goes with it.
-            if !matches!(self.follow(link, None, false), Found::End(_)) {
-                continue;
-            }
-            match self.follow(link, None, true) {
+            let found = match self.follow(link, None, false) {
+                Found::End(_) => self.follow(link, None, true),
+                Found::Nothing(off) if self.without_copy(off).is_some() => Found::Nothing(off),
+                Found::Nothing(_) | Found::Unlinked | Found::Told => continue,
+            };
+            match found {
                 Found::End(end) => self.outputs.push((output, end)),
                 Found::Nothing(off) => {
                     let error = self.off_read(format!("the output `{}`", output.name.value), link, off);

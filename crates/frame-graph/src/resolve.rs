@@ -1,5 +1,6 @@
 //! From a description to a flat one: `extends`, patches, subgraphs and parameters.
 
+mod copies;
 mod diff;
 mod document;
 mod flatten;
@@ -12,6 +13,7 @@ use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, par
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span};
 use crate::port::{Kinds, Use};
 use crate::value::{Setting, Value};
+pub(crate) use copies::told_once;
 use data_file::Name;
 use flatten::{Assignment, Resolver};
 use rustc_hash::FxHashMap;

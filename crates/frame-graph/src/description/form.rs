@@ -81,6 +81,7 @@ pub(crate) enum Body {
     },
     Sub {
         file: At<String>,
+        repeat: Option<Repeat>,
     },
     /// The border of a part whose passes have been moved up into the pipeline.
     Group(Group),
@@ -92,6 +93,16 @@ pub(crate) enum Body {
 pub(crate) struct Group {
     pub(crate) inputs: Vec<InputDecl>,
     pub(crate) outputs: Vec<OutputDecl>,
+    /// How many copies of a part it holds, and where that is said; `None` where it is the part itself.
+    pub(crate) copies: Option<(u32, Place)>,
+}
+
+/// `repeat:` and `carry:` of a part.
+#[derive(Clone, Debug)]
+pub(crate) struct Repeat {
+    pub(crate) count: At<SetValue>,
+    /// Links into inputs; the target of each is an output of the copy before, without the name of a pass.
+    pub(crate) carry: Vec<Link>,
 }
 
 /// One entry of `in`.

@@ -1,29 +1,29 @@
 //! Passes, their links, and patches.
 
-use super::form::{At, Body, Formula, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Set};
+use super::form::{At, Body, Formula, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Repeat, Set, Target};
 use super::read::Grammar;
 use super::read::out_overrides;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::expression;
 use crate::frame::ResetCause;
-use crate::reader::{Form, Node};
+use crate::reader::{Fields, Form, Node};
 use crate::resource::{Clear, Format};
 use data_file::Name;
 use std::sync::Arc;
 
 const PASS: &[&str] = &["kind", "shader", "in", "keep", "feed", "set", "out", "when", "off"];
-const SUB: &[&str] = &["file", "in", "set", "when", "off"];
+const SUB: &[&str] = &["file", "in", "set", "repeat", "carry", "when", "off"];
 const GROUP: &[&str] = &["inputs", "in", "outputs", "when", "off"];
 
 const INSERT: &str = "`Insert(name: \"pass\", pass: Pass(…), between: (\"a.port\", \"b.port\"))`";
 const BETWEEN: &str = "two ports: (\"a.port\", \"b.port\")";
 
 /// A form's name and its fields.
-type Fields = (&'static str, &'static [&'static str]);
+type Shape = (&'static str, &'static [&'static str]);
 
 /// What may stand in `passes`; in a patch, a `Group` may not.
-pub(super) const PASS_FORMS: [Fields; 3] = [("Pass", PASS), ("Sub", SUB), ("Group", GROUP)];
+pub(super) const PASS_FORMS: [Shape; 3] = [("Pass", PASS), ("Sub", SUB), ("Group", GROUP)];
 
 impl Grammar<'_, '_> {
     pub(super) fn link(&mut self, port: At<Name>, node: &Node) -> Option<Link> {
@@ -80,12 +80,13 @@ impl Grammar<'_, '_> {
             "Sub" => {
                 let file =
                     self.need(&fields, "file").and_then(|n| self.text_at(n, "the path of a pipeline file"));
-                file.map(|file| Body::Sub { file })
+                let repeat = self.repeat(&fields);
+                file.map(|file| Body::Sub { file, repeat })
             }
             _ => {
                 let inputs = fields.get("inputs").map(|n| self.inputs(n)).unwrap_or_default();
                 let outputs = fields.get("outputs").map(|n| self.outputs(n)).unwrap_or_default();
-                Some(Body::Group(Group { inputs, outputs }))
+                Some(Body::Group(Group { inputs, outputs, copies: None }))
             }
         };
         let mut links = Vec::new();
@@ -131,6 +132,28 @@ impl Grammar<'_, '_> {
             feed,
             removed: None,
         })
+    }
+
+    /// `repeat:` and `carry:`.
+    fn repeat(&mut self, fields: &Fields<'_>) -> Option<Repeat> {
+        let mut carry = Vec::new();
+        let carried = fields.get("carry");
+        for (input, node) in carried.map(|n| self.map(n, "an input", false)).unwrap_or_default() {
+            let Some(output) = self.name(node, "an output", false) else { continue };
+            let target = Target { pass: Name::EMPTY, port: Some(output.value), member: None };
+            let target = At { value: target, place: output.place };
+            carry.push(Link::new(input, target, Self::content_end(node)));
+        }
+        let Some(node) = fields.get("repeat") else {
+            if let Some(node) = carried {
+                let place = self.head(node);
+                let error = self.error(&codes::MISSING_FIELD, place, "`carry` needs `repeat`");
+                error.notes.push("it says what each copy takes from the one before it".into());
+            }
+            return None;
+        };
+        let count = At { value: self.value(node)?, place: self.place(node) };
+        Some(Repeat { count, carry })
     }
 
     pub(super) fn when(&mut self, node: &Node) -> Option<Formula> {

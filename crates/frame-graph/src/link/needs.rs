@@ -3,9 +3,10 @@
 use super::wires::{End, Found, with_article};
 use super::{Linker, Wire, Wires};
 use crate::codes;
-use crate::description::{At, Link, Off};
+use crate::description::{At, Body, Group, Link, Off};
 use crate::diagnostic::{Diagnostic, Place, nearest};
 use crate::resource::Clear;
+use data_file::Name;
 use rustc_hash::FxHashMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -123,6 +124,13 @@ impl<'a> Linker<'a> {
             at = parent as usize;
         }
         let (node, switched) = (&self.nodes[off as usize], &self.nodes[at]);
+        if let Some((part, place)) = self.without_copy(off) {
+            let message = format!("{reader} reads of `{part}` what is not carried, and no copy makes it");
+            return Diagnostic::new(&codes::REPEAT, message)
+                .label(self.span(link.place), "read here")
+                .label(self.span(place), "repeated 0 times")
+                .note("`carry` hands an input through where there is no copy");
+        }
         let (verb, end) = match (switched.decl.removed, &switched.decl.when) {
             (Some(place), _) => ("was removed", place),
             (None, Some(when)) => ("is switched off", when.text.place),
@@ -144,6 +152,17 @@ impl<'a> Linker<'a> {
             "give `{}` an `off:` that says what stands in its place, such as `off: Black`",
             node.name
         ))
+    }
+
+    /// The part that has no copy, and where that is said, if a node stands for what a copy would make.
+    pub(super) fn without_copy(&self, node: u32) -> Option<(&'a Name, Place)> {
+        let node = &self.nodes[node as usize];
+        let part = node.parent.filter(|_| matches!(node.decl.body, Body::Removed))?;
+        let part = &self.nodes[part as usize];
+        match &part.decl.body {
+            Body::Group(Group { copies: Some((0, place)), .. }) => Some((&part.name, *place)),
+            _ => None,
+        }
     }
 
     /// Follows a link again, without telling what was told before.
@@ -179,6 +198,9 @@ impl<'a> Linker<'a> {
             }
         }
         let mut errors = Vec::new();
+        // Of a part without a copy, an optional input may not read what only a copy makes either.
+        let needed = |port: &Name| missing.iter().any(|(input, _)| *port == *input.name);
+        let optional: Vec<&Link> = decl.links.iter().filter(|link| !needed(&link.port.value)).collect();
         let missing: Vec<_> = missing.into_iter().map(|(input, link)| (input.clone(), link)).collect();
         for (input, link) in missing {
             let name = &self.nodes[node].name;
@@ -210,6 +232,16 @@ impl<'a> Linker<'a> {
                 }
             };
             errors.push(error);
+        }
+        if self.copyless {
+            for link in optional {
+                if let Found::Nothing(off) = self.retrace(link)
+                    && self.without_copy(off).is_some()
+                {
+                    let reader = format!("`{}`, for its input `{}`,", self.nodes[node].name, link.port.value);
+                    errors.push(self.off_read(reader, link, off));
+                }
+            }
         }
         self.errors.extend(errors);
     }

@@ -196,8 +196,9 @@ impl<'a> Linker<'a> {
                 }
             }
         }
-        let error = Diagnostic::new(&codes::CYCLE, "this link leads back to itself through parts")
-            .label(self.span(link.place), "");
+        let message =
+            format!("this link leads back to itself, or across more than {MAX_HOPS} borders of parts");
+        let error = Diagnostic::new(&codes::CYCLE, message).label(self.span(link.place), "");
         self.errors.push(error);
         Found::Told
     }

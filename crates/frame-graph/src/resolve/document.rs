@@ -140,9 +140,20 @@ impl Resolver<'_> {
     fn find(&mut self, document: &Document, name: &str, place: Place) -> Option<usize> {
         let found = document.passes.iter().position(|entry| entry.name.value == name);
         if found.is_none() {
-            let error = Diagnostic::new(&codes::PATCH_TARGET, format!("there is no pass `{name}` to patch"))
-                .label(self.sources.span(place), "")
-                .suggest("passes", name, document.passes.iter().map(|entry| &*entry.name.value));
+            let mut error =
+                Diagnostic::new(&codes::PATCH_TARGET, format!("there is no pass `{name}` to patch"))
+                    .label(self.sources.span(place), "")
+                    .suggest("passes", name, document.passes.iter().map(|entry| &*entry.name.value));
+            let part = document.passes.iter().filter(|entry| Self::is_sub(entry)).find(|entry| {
+                name.strip_prefix(&*entry.name.value).is_some_and(|rest| rest.starts_with('/'))
+            });
+            if let Some(Entry { name: part, .. }) = part {
+                let part = &part.value;
+                error = error.note(format!(
+                    "`{part}` is a part: of it, patches set values and no more; to change its passes, write a \
+                     file that extends it, and Replace(\"{part}\", Sub(…))"
+                ));
+            }
             self.errors.push(error);
         }
         found

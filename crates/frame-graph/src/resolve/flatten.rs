@@ -1,11 +1,12 @@
 //! Puts parameters in and moves the passes of parts up into the pipeline.
 
+use super::copies::{Repeated, told_once};
 use super::document::Document;
 use super::{Files, Node, Parameter, Resolved};
 use crate::codes;
 use crate::description::{
-    At, Body, Description, Dim, Entry, Formula, Group, InputDecl, Link, Off, OutputDecl, PassDecl, Set,
-    SetValue, Target, out_overrides, parse_file,
+    At, Body, Description, Dim, Entry, Formula, Group, InputDecl, Link, Off, OutputDecl, PassDecl, Repeat,
+    Set, SetValue, Target, out_overrides, parse_file,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
 use crate::expression::ExprKind;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 /// Deepest nesting of parts.
 const MAX_PARTS: usize = 16;
 /// Most passes of a flattened pipeline.
-const MAX_PASSES: usize = 65_536;
+pub(super) const MAX_PASSES: usize = 65_536;
 
 /// A value for a parameter or a setting, from a patch, from `set:` of a part, or from outside.
 #[derive(Clone, Debug)]
@@ -49,14 +50,16 @@ pub(super) struct Resolver<'a> {
     pub(super) sources: Sources,
     loaded: FxHashMap<String, Option<Rc<Description>>>,
     pub(super) errors: Vec<Diagnostic>,
-    nodes: Vec<Node>,
-    part_parameters: Vec<(Name, Vec<Parameter>)>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) part_parameters: Vec<(Name, Vec<Parameter>)>,
     /// The parts that are being flattened, outermost first.
-    parts: Vec<String>,
+    pub(super) parts: Vec<String>,
+    /// Where those of them that are repeated say so.
+    pub(super) repeated: Vec<Place>,
 }
 
 /// The parameters that a file's values may name.
-type Scope = Vec<Parameter>;
+pub(super) type Scope = Vec<Parameter>;
 
 impl<'a> Resolver<'a> {
     pub(super) fn new(files: &'a dyn Files, root: Arc<Source>) -> Resolver<'a> {
@@ -68,6 +71,7 @@ impl<'a> Resolver<'a> {
             nodes: Vec::new(),
             part_parameters: Vec::new(),
             parts: Vec::new(),
+            repeated: Vec::new(),
         }
     }
 
@@ -125,7 +129,7 @@ impl<'a> Resolver<'a> {
             }
         }
         if !self.errors.is_empty() {
-            return Err(Diagnostics::sorted(self.errors));
+            return Err(Diagnostics::sorted(told_once(self.errors, &self.nodes)));
         }
         self.adopt(&index);
         let Resolver { sources, nodes, part_parameters, .. } = self;
@@ -152,7 +156,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// Flattens a document into `self.nodes`; returns its parameters and its outputs.
-    fn flatten(
+    pub(super) fn flatten(
         &mut self,
         document: Document,
         prefix: &str,
@@ -225,11 +229,17 @@ impl<'a> Resolver<'a> {
         (scope, outputs)
     }
 
-    fn too_large(&mut self, place: Place) {
-        let message = format!("the flattened pipeline has more than {MAX_PASSES} passes");
-        if !self.errors.iter().any(|e| e.code == codes::TOO_LARGE.code) {
-            self.errors.push(Diagnostic::new(&codes::TOO_LARGE, message).label(self.sources.span(place), ""));
+    pub(super) fn too_large(&mut self, place: Place) {
+        if self.errors.iter().any(|e| e.code == codes::TOO_LARGE.code) {
+            return;
         }
+        let message = format!("the flattened pipeline has more than {MAX_PASSES} passes");
+        let error = Diagnostic::new(&codes::TOO_LARGE, message);
+        let error = match self.repeated.first() {
+            Some(repeat) => error.label(self.sources.span(*repeat), "repeated here"),
+            None => error.label(self.sources.span(place), ""),
+        };
+        self.errors.push(error);
     }
 
     /// Takes in a part: its border as a group, then its passes.
@@ -242,7 +252,9 @@ impl<'a> Resolver<'a> {
         assigned: Vec<Assignment>,
     ) {
         let mut decl = Arc::unwrap_or_clone(decl);
-        let Body::Sub { file: At { value: path, place: file_place } } = decl.body.clone() else { return };
+        let Body::Sub { file: At { value: path, place: file_place }, repeat } = decl.body.clone() else {
+            return;
+        };
         if self.parts.contains(&path) || self.parts.len() > MAX_PARTS {
             let chain = self.parts.join(" → ");
             let error = if self.parts.contains(&path) {
@@ -275,10 +287,22 @@ impl<'a> Resolver<'a> {
         decl.body = Body::Removed;
         self.nodes.push(Node { name: name.clone(), place, parent, decl: Arc::new(decl.clone()) });
         self.parts.push(path);
-        let (scope, outputs) = self.flatten(document, &name, Some(group), given);
+        let (scope, outputs, copies) = match repeat {
+            None => {
+                let (scope, outputs) = self.flatten(document, &name, Some(group), given);
+                (scope, outputs, None)
+            }
+            Some(repeat) => {
+                let whole = Repeated { name: &name, place, group, links: &decl.links, repeat: &repeat };
+                self.repeated.push(repeat.count.place);
+                let (scope, outputs, count) = self.copies(&whole, &document, given);
+                self.repeated.pop();
+                (scope, outputs, Some((count, repeat.count.place)))
+            }
+        };
         self.part_parameters.push((name, scope));
         self.parts.pop();
-        decl.body = Body::Group(Group { inputs, outputs });
+        decl.body = Body::Group(Group { inputs, outputs, copies });
         self.nodes[group as usize].decl = Arc::new(decl);
     }
 
@@ -324,8 +348,12 @@ impl<'a> Resolver<'a> {
     fn localise(&mut self, mut decl: Arc<PassDecl>, prefix: &str, scope: &Scope) -> Arc<PassDecl> {
         let in_set = decl.set.iter().any(|set| set.value.get().is_none());
         let in_outs = decl.outs.iter().any(|o| o.size.is_some() || o.count.is_some());
-        if in_set || in_outs || decl.when.is_some() || !prefix.is_empty() {
+        let repeated = matches!(decl.body, Body::Sub { repeat: Some(_), .. });
+        if in_set || in_outs || repeated || decl.when.is_some() || !prefix.is_empty() {
             let decl = Arc::make_mut(&mut decl);
+            if let Body::Sub { repeat: Some(Repeat { count, .. }), .. } = &mut decl.body {
+                self.put(&mut count.value, count.place, scope);
+            }
             for set in &mut decl.set {
                 self.put(&mut set.value, set.place, scope);
             }

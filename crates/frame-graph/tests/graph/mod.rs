@@ -5,5 +5,6 @@ mod kinds;
 mod off;
 mod random;
 mod reader;
+mod repeat;
 mod variants;
 mod whole;

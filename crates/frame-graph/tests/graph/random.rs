@@ -70,8 +70,11 @@ fn text(passes: &[Drawn], outputs: &[usize], blank: &str) -> String {
 }
 
 fn plan(text: &str, sharing: bool) -> Plan {
-    let files = MemoryFiles::new(&[("random.ron", text)]);
-    let resolved = resolve("random.ron", &files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"));
+    plan_of(&MemoryFiles::new(&[("random.ron", text)]), text, sharing)
+}
+
+fn plan_of(files: &MemoryFiles, text: &str, sharing: bool) -> Plan {
+    let resolved = resolve("random.ron", files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"));
     let context = LinkContext { frame: (64, 64), traits: traits() };
     let graph = link(&resolved, &TestKinds::new(), &context).unwrap_or_else(|e| panic!("{e}\n{text}"));
     compile(&graph, &CompileOptions { sharing, ..CompileOptions::default() })
@@ -182,6 +185,13 @@ fn check_culling(plan: &Plan, passes: &[Drawn], outputs: &[usize]) -> Result<(),
         prop_assert_eq!(planned, needed.contains(&i));
     }
     Ok(())
+}
+
+/// What a plan says, without its name and under the names that passes have where copies are written out.
+fn written_out(plan: &Plan) -> String {
+    let mut json = plan.to_json();
+    json["id"] = serde_json::Value::Null;
+    json.to_string().replace("loop/", "c")
 }
 
 /// A change of one frame, by numbers.
@@ -341,6 +351,52 @@ proptest! {
         other[at].source = 4;
         other[at].scale += 10;
         prop_assert_ne!(id, plan(&text(&other, &outputs, " "), true).id);
+    }
+
+    #[test]
+    fn a_part_that_is_repeated_is_a_chain_of_parts(
+        passes in prop::collection::vec(drawn(), 1..12),
+        outputs in prop::collection::vec(any::<prop::sample::Index>(), 1..4),
+        count in 0..5usize,
+        prior in prop::bool::ANY,
+    ) {
+        let outputs: Vec<usize> = outputs.iter().map(|index| index.index(1 << 16)).collect();
+        // What would read the first pass reads the input of the part.
+        let part = text(&passes, &outputs, " ")
+            .replace("\": \"p0\"", "\": \"in.x\"")
+            .replacen("Pipeline(", "Pipeline( inputs: { \"x\": \"Any\" },", 1);
+        let shown = if count == 0 { 1 } else { outputs.len() };
+        let whole = |passes: &str, last: &str| {
+            let outputs: Vec<String> = (0..shown).map(|i| match last {
+                "seed" => format!("\"o{i}\": \"seed\""),
+                last => format!("\"o{i}\": \"{last}.o{i}\""),
+            }).collect();
+            format!("Pipeline(passes: {{ \"first\": Pass(kind: \"noise\"), {passes} }}, outputs: {{ {} }})", outputs.join(", "))
+        };
+        // What comes in is of this frame, or what the last copy made in the frame before.
+        let seed = |last: &str| match prior {
+            true if last != "seed" => {
+                format!("\"seed\": Pass(kind: \"fullscreen\", shader: \"a.wgsl\", in: {{ \"past\": Prev(port: \"{last}.o0\", reset: [Cut]) }}), ")
+            }
+            _ => "\"seed\": Pass(kind: \"noise\"), ".to_owned(),
+        };
+        let last = if count == 0 { "seed".to_owned() } else { format!("c{}", count - 1) };
+        let chain: String = (0..count).map(|i| {
+            let from = if i == 0 { "seed".to_owned() } else { format!("c{}.o0", i - 1) };
+            format!("\"c{i}\": Sub(file: \"part.ron\", in: {{ \"x\": \"{from}\" }}), ")
+        }).collect();
+        let by_hand = whole(&(seed(&last) + &chain), &last);
+        let repeat = format!("\"loop\": Sub(file: \"part.ron\", in: {{ \"x\": \"seed\" }}, repeat: {count}, carry: {{ \"x\": \"o0\" }}), ");
+        let seed = seed(if count == 0 { "seed" } else { "loop" });
+        let repeated = whole(&(seed + &repeat), "loop");
+        let planned = |text: &str| plan_of(&MemoryFiles::new(&[("random.ron", text), ("part.ron", &part)]), text, true);
+        let (found, expected) = (planned(&repeated), planned(&by_hand));
+        check(&found)?;
+        prop_assert_eq!(written_out(&found), written_out(&expected));
+        // The flattened file is the same pipeline.
+        let files = MemoryFiles::new(&[("random.ron", &repeated), ("part.ron", &part)]);
+        let flat = resolve("random.ron", &files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}")).to_ron();
+        prop_assert_eq!(plan(&flat, true).id, found.id);
     }
 
     #[test]
