@@ -1,10 +1,12 @@
 //! What frames run, and that pictures do not depend on how memory is used.
 
-use crate::adapter::{SMALL, bits, renderer};
+use crate::adapter::{SMALL, bits, gpu, renderer, root, set};
 use frame_graph::CompileOptions;
 use glam::Vec3;
-use renderer::FrameOptions;
+use renderer::{Assets, Catalog, FrameOptions, Renderer};
 use scene::Camera;
+use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// Sharing on, sharing off, and every object filled with NaN before it is written: the same bits.
 #[test]
@@ -28,6 +30,31 @@ fn pictures_are_identical_with_sharing_on_off_and_poisoned() {
         }
         let memory = renderer.plan().unwrap().memory;
         assert!(memory.bound <= memory.shared && memory.shared <= memory.unshared);
+    }
+}
+
+/// The threads of every compute shader in another order: the same bits.
+#[test]
+fn pictures_are_identical_with_threads_in_another_order() {
+    let Some(gpu) = gpu() else { return };
+    let assets = Assets::new(Some(root()));
+    for (pipeline, scene, values) in [
+        ("ism-invtm", "cornell-box-lights", SMALL),
+        ("tcas", "cornell-box", SMALL),
+        ("reference", "cornell-box", &["samples=4"]),
+    ] {
+        let picture = |catalog: Catalog| {
+            let catalog = Arc::new(catalog);
+            let scene = renderer::load_scene(&catalog, scene).unwrap();
+            let mut renderer = Renderer::new(gpu.clone(), catalog, scene, (45, 31)).unwrap();
+            renderer.set_pipeline(pipeline, &set(values)).unwrap();
+            renderer.frame_until_done(|_, _| ControlFlow::Continue(())).unwrap();
+            bits(&renderer.output("image").unwrap())
+        };
+        let plain = picture(Catalog::new(assets.clone()));
+        assert!(plain.iter().any(|pixel| pixel[0] != 0), "{pipeline} renders something of {scene}");
+        let permuted = picture(Catalog::with_thread_order(assets.clone(), 2));
+        assert!(plain == permuted, "{pipeline} on {scene} depends on the order of threads");
     }
 }
 

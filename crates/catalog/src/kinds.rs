@@ -17,11 +17,20 @@ pub struct Catalog {
 }
 
 impl Catalog {
-    /// Of these files.
+    /// Creates the catalog of these files.
     pub fn new(assets: Assets) -> Catalog {
-        let files = Arc::new(ShaderAssets(assets.clone()));
-        // Imports are looked for beside the importing file, then among the shared modules.
-        let shaders = Library::new(files).with_roots(["shaders", ""]);
+        let shaders = library(&assets);
+        Catalog::with_shaders(assets, shaders)
+    }
+
+    /// Creates the catalog of these files whose compute shaders run their threads in another order, which `seed`
+    /// chooses ([`Library::with_thread_order`]): for tests that pictures depend on no order.
+    pub fn with_thread_order(assets: Assets, seed: u32) -> Catalog {
+        let shaders = library(&assets).with_thread_order(seed);
+        Catalog::with_shaders(assets, shaders)
+    }
+
+    fn with_shaders(assets: Assets, shaders: Library) -> Catalog {
         Catalog {
             pipelines: PipelineFiles(assets.clone()),
             assets,
@@ -48,6 +57,11 @@ impl Catalog {
     fn find(&self, kind: &str) -> Result<&'static dyn Pass, KindError> {
         crate::find(kind).ok_or_else(|| KindError::new(format!("there is no kind `{kind}`")))
     }
+}
+
+fn library(assets: &Assets) -> Library {
+    // Imports are looked for beside the importing file, then among the shared modules.
+    Library::new(Arc::new(ShaderAssets(assets.clone()))).with_roots(["shaders", ""])
 }
 
 impl std::fmt::Debug for Catalog {

@@ -22,6 +22,7 @@ mod reflect;
 mod scan;
 mod settings;
 mod shader;
+mod thread_order;
 mod watch;
 
 pub use composed::{Outline, ShaderOption};

@@ -50,6 +50,7 @@ pub struct Library {
     files: Arc<dyn ShaderFiles>,
     roots: Vec<String>,
     capabilities: Capabilities,
+    thread_order: Option<u32>,
     made: Mutex<BTreeMap<Request, Made>>,
 }
 
@@ -72,7 +73,13 @@ impl Library {
     /// A library of `files`, whose imports are looked for beside the importing file and then at the root of
     /// all files, validated for [`Library::PORTABLE`].
     pub fn new(files: Arc<dyn ShaderFiles>) -> Self {
-        Library { files, roots: vec![String::new()], capabilities: Self::PORTABLE, made: Mutex::default() }
+        Library {
+            files,
+            roots: vec![String::new()],
+            capabilities: Self::PORTABLE,
+            thread_order: None,
+            made: Mutex::default(),
+        }
     }
 
     /// Looks for imports in these folders instead, in this order, after the folder of the importing file.
@@ -85,6 +92,13 @@ impl Library {
     /// Validates for a device that can do other than [`Library::PORTABLE`].
     pub fn with_capabilities(mut self, capabilities: Capabilities) -> Self {
         self.capabilities = capabilities;
+        self
+    }
+
+    /// Runs the workgroups of every compute entry point, and the threads in them, in another order, which `seed`
+    /// chooses. A shader that is correct gives the same bits: this is for tests that show it.
+    pub fn with_thread_order(mut self, seed: u32) -> Self {
+        self.thread_order = Some(seed);
         self
     }
 
@@ -102,7 +116,9 @@ impl Library {
             return made.shader.clone();
         }
         let (touched, composed) = compose(&*self.files, &self.roots, request, false);
-        let shader = composed.and_then(|composed| Shader::new(composed, self.capabilities)).map(Arc::new);
+        let shader = composed
+            .and_then(|composed| Shader::new(composed, self.capabilities, self.thread_order))
+            .map(Arc::new);
         if let Err(errors) = &shader {
             tracing::debug!(path = request.path, errors = errors.0.len(), "shader refused");
         }

@@ -148,6 +148,37 @@ pub(crate) fn find_struct(text: &str, name: &str) -> Option<FoundStruct> {
     Some(FoundStruct { name: at..at + name.len(), members })
 }
 
+/// A function in the text.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct FoundFunction {
+    /// Where its parameters stand, without the parentheses.
+    pub(crate) parameters: Range<usize>,
+    /// Where its body begins, behind the `{`.
+    pub(crate) body: usize,
+}
+
+/// Finds `fn name`. The text is one that naga accepts.
+pub(crate) fn find_function(text: &str, name: &str) -> Option<FoundFunction> {
+    let mut lexemes = lexemes(text);
+    loop {
+        if lexemes.next()?.0 == Lexeme::Word("fn") && lexemes.next()?.0 == Lexeme::Word(name) {
+            break;
+        }
+    }
+    let start = lexemes.find(|(lexeme, _)| *lexeme == Lexeme::Symbol('('))?.1 + 1;
+    let mut depth = 1;
+    let end = lexemes.find_map(|(lexeme, at)| {
+        match lexeme {
+            Lexeme::Symbol('(') => depth += 1,
+            Lexeme::Symbol(')') => depth -= 1,
+            _ => {}
+        }
+        (depth == 0).then_some(at)
+    })?;
+    let body = lexemes.find(|(lexeme, _)| *lexeme == Lexeme::Symbol('{'))?.1 + 1;
+    Some(FoundFunction { parameters: start..end, body })
+}
+
 /// The first `{` that is not closed before another file begins, or the text ends; `same_file` says whether
 /// two bytes are of one file.
 pub(crate) fn unclosed_brace(text: &str, same_file: impl Fn(usize, usize) -> bool) -> Option<usize> {

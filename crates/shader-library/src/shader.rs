@@ -6,6 +6,7 @@ use crate::composed::{Composed, Outline};
 use crate::interface::ShaderInterface;
 use crate::layout::{StructLayout, WriteError, side_by_side, write_struct};
 use crate::reflect::reflect;
+use crate::thread_order::permuted;
 use crate::{scan, settings};
 use frame_graph::{Diagnostics, Setting, Span, Value};
 use naga::Module;
@@ -28,13 +29,23 @@ pub struct Shader {
 }
 
 impl Shader {
-    pub(crate) fn new(composed: Composed, capabilities: Capabilities) -> Result<Self, Diagnostics> {
-        let (module, info) = compile(&composed, capabilities)?;
+    /// Compiles a composed text. With a `thread_order`, compute entry points run in the order that it chooses.
+    pub(crate) fn new(
+        composed: Composed,
+        capabilities: Capabilities,
+        thread_order: Option<u32>,
+    ) -> Result<Self, Diagnostics> {
+        let (mut module, mut info) = compile(&composed, capabilities)?;
+        let mut hashed = composed.text.clone();
+        if let Some(seed) = thread_order {
+            let permuted = Composed { text: permuted(&composed.text, &module, seed), ..composed.clone() };
+            (module, info) = compile(&permuted, capabilities)?;
+            hashed = permuted.text;
+        }
         let interface = reflect(&module, &info).map_err(|(span, message)| {
             let label = span.to_range().map(|range| (range.start as u32..range.end as u32, String::new()));
             Diagnostics::from(composed.diagnostic(codes::INVALID, message, label, []))
         })?;
-        let mut hashed = composed.text.clone();
         for global in &interface.globals {
             hashed.push_str(&format!("\n{} {}", global.binding, global.name));
         }
@@ -42,7 +53,7 @@ impl Shader {
         Ok(Shader { module, info, interface, hash, composed })
     }
 
-    /// The composed WGSL.
+    /// The composed WGSL, with threads in their own order.
     pub fn text(&self) -> &str {
         &self.composed.text
     }

@@ -6,6 +6,7 @@ mod layouts;
 mod random;
 mod reflecting;
 mod settings;
+mod thread_order;
 mod watching;
 
 use shader_library::{Library, MemoryFiles, Request, Shader};

@@ -5,10 +5,11 @@ use crate::output::{self, bytes, progress, say};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::CompileOptions;
 use metrics::{Display, FileFormat, Image, Tonemap};
-use renderer::{FrameOptions, Gpu, Provenance, Renderer};
+use renderer::{Catalog, FrameOptions, Gpu, Provenance, Renderer};
 use serde_json::json;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Render a scene by a pipeline.
@@ -62,6 +63,9 @@ pub(crate) struct Args {
     /// Fill what passes write with NaN first: pictures must not change
     #[arg(long)]
     poison: bool,
+    /// Run the threads of compute shaders in another order, which the seed chooses: pictures must not change
+    #[arg(long, value_name = "SEED")]
+    thread_order: Option<u32>,
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
@@ -71,7 +75,11 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     for repair in &scene.repairs {
         eprintln!("note: {repair}");
     }
-    let mut renderer = Renderer::new(Gpu::open()?, context.catalog.clone(), scene, args.size)?;
+    let catalog = match args.thread_order {
+        Some(seed) => Arc::new(Catalog::with_thread_order(context.catalog.assets().clone(), seed)),
+        None => Arc::clone(&context.catalog),
+    };
+    let mut renderer = Renderer::new(Gpu::open()?, catalog, scene, args.size)?;
     renderer.set_seed(args.seed);
     renderer.set_frame_index(args.first_frame);
     renderer
