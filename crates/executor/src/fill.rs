@@ -43,6 +43,19 @@ pub(crate) fn fill(encoder: &mut wgpu::CommandEncoder, object: &Object, desc: &R
     }
 }
 
+/// Encodes the copying of a resource into an object of the same format and size.
+pub(crate) fn copy(encoder: &mut wgpu::CommandEncoder, from: &Object, to: &Object, desc: &ResourceDesc) {
+    match (from, to) {
+        (Object::Buffer(from), Object::Buffer(to)) => {
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, desc.bytes());
+        }
+        (Object::Texture { texture: from, .. }, Object::Texture { texture: to, .. }) => {
+            encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), to.size());
+        }
+        _ => {}
+    }
+}
+
 /// One layer of a texture, as an attachment.
 pub(crate) fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor {
@@ -89,8 +102,11 @@ pub(crate) fn poison_object(
         (Object::Buffer(buffer), ResourceDesc::Buffer(desc)) => {
             encoder.copy_buffer_to_buffer(poison, 0, buffer, 0, desc.bytes);
         }
-        (Object::Texture { texture, .. }, ResourceDesc::Texture(desc)) if object.0.filled => encoder
-            .copy_buffer_to_texture(
+        // Depth is not copied from buffers.
+        (Object::Texture { texture, .. }, ResourceDesc::Texture(desc))
+            if object.0.filled && desc.format != frame_graph::Format::Depth32Float =>
+        {
+            encoder.copy_buffer_to_texture(
                 wgpu::TexelCopyBufferInfo {
                     buffer: poison,
                     layout: wgpu::TexelCopyBufferLayout {
@@ -101,7 +117,8 @@ pub(crate) fn poison_object(
                 },
                 texture.as_image_copy(),
                 texture.size(),
-            ),
+            );
+        }
         _ => {}
     }
 }

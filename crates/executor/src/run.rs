@@ -1,7 +1,7 @@
 //! The executor: loads plans and encodes frames.
 
 use crate::error::ExecutorError;
-use crate::fill::{fill, poison_buffer, poison_object};
+use crate::fill::{copy, fill, poison_buffer, poison_object};
 use crate::gpu::Gpu;
 use crate::object::{External, Object, ObjectUsage, Pool};
 use crate::pipeline::Pipelines;
@@ -9,7 +9,7 @@ use crate::readback;
 use crate::step::{LoadedStep, StepContext};
 use crate::timing::Timers;
 use frame_graph::frame::{FrameSchedule, FrameState};
-use frame_graph::plan::{AllocationId, HistoryId, PassId, Plan, ResourceId};
+use frame_graph::plan::{AllocationId, Begins, HistoryId, PassId, Plan, ResourceId};
 use frame_graph::{Change, ResetCause, ResourceDesc};
 use pass::{LinkedStep, PastFact, Source, pass_seed};
 use std::collections::{HashMap, HashSet};
@@ -269,8 +269,11 @@ impl Executor {
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
-            if slot.reset.is_some() {
-                let desc = &plan.resources[history.resource.0 as usize].desc;
+            let resource = &plan.resources[history.resource.0 as usize];
+            // Where the past lies in the object that holds the newest version, it ends when the pass runs.
+            let runs = resource.producer.is_some_and(|pass| schedule.runs[pass.0 as usize]);
+            if slot.reset.is_some() && (runs || !history.in_place) {
+                let desc = &resource.desc;
                 fill(
                     &mut encoder,
                     &loaded.objects[history.copies[slot.previous].0 as usize].1,
@@ -303,11 +306,12 @@ impl Executor {
         let mut open: Option<wgpu::ComputePass<'static>> = None;
         for (index, pass) in plan.passes.iter().enumerate().filter(|(index, _)| schedule.runs[*index]) {
             let poisoned = poison.as_ref().filter(|_| options.poison);
-            if !pass.clears.is_empty() || poisoned.is_some() {
+            if !pass.clears.is_empty() || !pass.continues.is_empty() || poisoned.is_some() {
                 open = None;
             }
             if let Some(poison) = poisoned {
-                for id in pass.outputs.iter().flat_map(|output| output.members.iter().map(|(_, id)| *id)) {
+                let written = pass.outputs.iter().flat_map(|output| output.members.iter().map(|(_, id)| *id));
+                for id in written.filter(|id| pass.continues.iter().all(|c| c.resource != *id)) {
                     let allocation = current_allocation(&plan, &schedule, id);
                     poison_object(
                         &mut encoder,
@@ -325,6 +329,16 @@ impl Executor {
                     &plan.resources[id.0 as usize].desc,
                     *clear,
                 );
+            }
+            for continued in &pass.continues {
+                let from = match continued.from {
+                    Begins::InPlace(_) => continue,
+                    Begins::CopyOfPast(history) => past_allocation(&plan, &schedule, history),
+                    Begins::Copy(id) => current_allocation(&plan, &schedule, id),
+                };
+                let to = current_allocation(&plan, &schedule, continued.resource);
+                let (from, to) = (&objects[from.0 as usize].1, &objects[to.0 as usize].1);
+                copy(&mut encoder, from, to, &plan.resources[continued.resource.0 as usize].desc);
             }
             let count = steps[index].len();
             for (i, step) in steps[index].iter_mut().enumerate() {
@@ -468,6 +482,8 @@ fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage>
     let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
     for pass in &plan.passes {
         pass.clears.iter().for_each(|(id, _)| add(*id, attachment));
+        let copied = pass.continues.iter().filter(|c| !matches!(c.from, Begins::InPlace(_)));
+        copied.for_each(|c| add(c.resource, ObjectUsage { filled: true, ..ObjectUsage::default() }));
     }
     for (index, resource) in plan.resources.iter().enumerate() {
         if resource.constant.is_some() || resource.history.is_some() {

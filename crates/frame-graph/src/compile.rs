@@ -6,10 +6,10 @@ mod needs;
 mod order;
 
 use crate::diagnostic::Diagnostics;
-use crate::link::{Graph, GraphPass, Made, Tap};
+use crate::link::{Graph, GraphInput, GraphPass, Made, Tap};
 use crate::plan::{
-    AllocationId, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput, PlannedOutput,
-    PlannedPass, PlannedPort, PlannedResource, ResourceId,
+    AllocationId, Begins, Continued, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput,
+    PlannedOutput, PlannedPass, PlannedPort, PlannedResource, ResourceId,
 };
 use crate::port::{Externals, Usage};
 use crate::resource::Clear;
@@ -105,6 +105,23 @@ impl Numbers {
         self.in_port(tap).map(|r| self.made[r] as usize)
     }
 
+    /// The input of that name, and the number of the resource that it sees under the name of a member.
+    fn member_of<'g>(
+        &self,
+        graph: &Graph,
+        pass: &'g GraphPass,
+        input: &str,
+        member: &str,
+    ) -> Option<(&'g GraphInput, usize)> {
+        let input = pass.inputs.iter().find(|i| i.port == *input)?;
+        let (tap, range) = (&input.from, self.in_port(&input.from));
+        let port = &graph.passes[tap.pass as usize].outputs[tap.port as usize];
+        let first = self.of_port(tap.pass, tap.port).start;
+        let named = range.clone().find(|r| port.members[r - first].0 == *member);
+        // A single resource goes without its name.
+        Some((input, named.unwrap_or(range.start)))
+    }
+
     /// Finds where each resource is made that a pass hands on. A pass that is off hands on nothing: what stands
     /// in its place is its own.
     fn trace_handed(&mut self, graph: &Graph) {
@@ -112,12 +129,9 @@ impl Numbers {
             let members = pass.outputs.iter().flat_map(|port| &port.members);
             for (r, (_, _, made)) in self.of_pass(i).zip(members) {
                 let Made::Handed { input, member } = made else { continue };
-                let Some(input) = pass.inputs.iter().find(|i| i.port == *input) else { continue };
-                let (tap, range) = (&input.from, self.in_port(&input.from));
-                let port = &graph.passes[tap.pass as usize].outputs[tap.port as usize];
-                let first = self.of_port(tap.pass, tap.port).start;
-                let named = range.clone().find(|r| port.members[r - first].0 == *member);
-                self.made[r] = named.unwrap_or(range.start) as u32;
+                if let Some((_, from)) = self.member_of(graph, pass, input, member) {
+                    self.made[r] = from as u32;
+                }
             }
         }
         for r in 0..self.made.len() {
@@ -141,6 +155,8 @@ struct Resource {
     readers: u32,
     /// The pass that makes it, or that a constant stands in place of.
     pass: u32,
+    /// Links that read its past, from passes that are needed.
+    past_readers: u32,
     /// Index of its history.
     history: u32,
     /// Whether anything reads it, now or later.
@@ -166,6 +182,7 @@ impl<'a> Work<'a> {
                         persistent: false,
                         constant: None,
                         readers: 0,
+                        past_readers: 0,
                         history: NONE,
                         read: false,
                     });
@@ -332,6 +349,7 @@ impl<'a> Work<'a> {
         let unset = History {
             resource: ResourceId(NONE),
             copies: [AllocationId(NONE); 2],
+            in_place: false,
             init: Clear::Zero,
             reset: Vec::new(),
         };
@@ -375,6 +393,7 @@ impl<'a> Work<'a> {
             }
             let mut outputs = Vec::with_capacity(pass.outputs.len());
             let mut clears = Vec::new();
+            let mut continues = Vec::new();
             let mut r = self.numbers.of_pass(*i as usize).start;
             for port in &pass.outputs {
                 let mut connected = false;
@@ -391,6 +410,17 @@ impl<'a> Work<'a> {
                         }
                         Made::Here(Usage::ClearFirst(clear)) => clears.push((id, *clear)),
                         Made::Here(Usage::Overwrites) => {}
+                        Made::Here(Usage::Continue { input, member }) => {
+                            let begins = self.begins_as(pass, r - 1, input, member, ids);
+                            if let Some(Begins::InPlace(history)) = begins {
+                                plan.histories[history.0 as usize].in_place = true;
+                            }
+                            continues.extend(begins.map(|from| Continued {
+                                resource: id,
+                                input: Name::from(input),
+                                from,
+                            }));
+                        }
                     }
                     members.push((name.clone(), id));
                 }
@@ -415,8 +445,29 @@ impl<'a> Work<'a> {
                 depends_on: pass.depends_on,
                 remembers: pass.remembers,
                 clears,
+                continues,
             });
         }
+    }
+
+    /// What a resource that continues an input begins as.
+    fn begins_as(
+        &self,
+        pass: &GraphPass,
+        r: usize,
+        input: &str,
+        member: &str,
+        ids: &[u32],
+    ) -> Option<Begins> {
+        let (input, from) = self.numbers.member_of(self.graph, pass, input, member)?;
+        let from = self.numbers.made[from] as usize;
+        let made = &self.resources[from];
+        Some(match input.past.is_some() {
+            false => Begins::Copy(ResourceId(ids[from])),
+            // Its own past, which nobody else needs once it runs.
+            true if from == r && made.past_readers == 1 => Begins::InPlace(HistoryId(made.history)),
+            true => Begins::CopyOfPast(HistoryId(made.history)),
+        })
     }
 
     /// What became of every pass, and why.

@@ -81,6 +81,30 @@ pub struct PlannedPass {
     pub remembers: bool,
     /// Resources to clear before it runs.
     pub clears: Vec<(ResourceId, Clear)>,
+    /// Resources that begin as the content of another.
+    pub continues: Vec<Continued>,
+}
+
+/// A resource of a pass that begins as the content of one of its inputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Continued {
+    /// The resource that the pass writes.
+    pub resource: ResourceId,
+    /// The input port that it continues.
+    pub input: Name,
+    /// What it begins as.
+    pub from: Begins,
+}
+
+/// What a [`Continued`] resource begins as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Begins {
+    /// Its own past: the same object, so that nothing is copied.
+    InPlace(HistoryId),
+    /// A copy of a past.
+    CopyOfPast(HistoryId),
+    /// A copy of a resource of this frame, or of a constant.
+    Copy(ResourceId),
 }
 
 /// A connected input of a [`PlannedPass`].
@@ -158,8 +182,10 @@ pub struct Allocation {
 pub struct History {
     /// The resource.
     pub resource: ResourceId,
-    /// Its two objects. The executor writes them in turn.
+    /// Its two objects. The executor writes them in turn. Twice the same one where `in_place` is set.
     pub copies: [AllocationId; 2],
+    /// Set where the only reader of the past is the pass that writes on in it: one object is enough.
+    pub in_place: bool,
     /// What a reader finds where there is no past.
     pub init: Clear,
     /// The events that end the past.

@@ -174,12 +174,22 @@ impl<'a> OutputContext<'a> {
 }
 
 /// How the first use of a resource in a pass treats what was in it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Usage {
     /// The pass writes every bit of it before anything is read.
     Overwrites,
     /// It must be cleared before the pass runs.
     ClearFirst(Clear),
+    /// It begins as this member of what is linked to this input, which must be of the same format and size: the
+    /// pass writes only what differs. Where the input is the `Prev` of the output itself and nothing else reads
+    /// that past, both are one object and nothing is copied; else a copy is made before the pass runs. The
+    /// version is new all the same. The pass must not bind that member of the input: it finds it in the output.
+    Continue {
+        /// The input port, which must be linked.
+        input: String,
+        /// Name of the member; `""` for the only one.
+        member: String,
+    },
 }
 
 /// The resources of one output port, or one resource that the pass needs only while it runs.
@@ -246,6 +256,14 @@ impl OutputDesc {
     /// A resource that the pass needs only while it runs.
     pub fn scratch(name: &str, desc: ResourceDesc<Extent>) -> OutputDesc {
         OutputDesc { scratch: true, ..OutputDesc::one(name, desc) }
+    }
+
+    /// The same, where every member begins as the member of the same name of an input: see [`Usage::Continue`].
+    pub fn continuing(mut self, input: &str) -> OutputDesc {
+        for (member, _, usage) in &mut self.members {
+            *usage = Usage::Continue { input: input.to_owned(), member: member.clone() };
+        }
+        self
     }
 
     /// The same, with a fact.

@@ -280,6 +280,7 @@ impl<'a> Stand<'a> {
             depends_on: Externals(u8::MAX),
             remembers: false,
             clears,
+            continues: Vec::new(),
         };
         let allocations = (0..)
             .map(ResourceId)

@@ -4,7 +4,7 @@
 use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step};
 use crate::{Pass, UseContext, externals};
 use fit::{describe, describe_global, mismatch};
-use frame_graph::plan::{HistoryId, PassId, Plan, PlannedPass, ResourceId};
+use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId};
 use frame_graph::{Diagnostic, Diagnostics, Externals, ResourceDesc, Setting, Traits, Use, Value, nearest};
 use names::{Named, Names};
 use shader_library::{GlobalKind, Library, Request, Shader, Stage, StructLayout};
@@ -338,6 +338,16 @@ impl StepLinker<'_> {
         }
         let wanted = renamed.unwrap_or(&global.name);
         let named = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted))?;
+        if let Some(output) = self.continued_as(named) {
+            return Err(self.error(
+                "E063",
+                format!(
+                    "{}: `{}` is continued as `{output}`, which holds it when the pass begins",
+                    request.path, named.name
+                ),
+                vec![format!("read `{output}` in its place, or link another input to the same `Prev`")],
+            ));
+        }
         if let Some(why) = mismatch(&global.kind, &named.desc, named.writable) {
             return Err(self.error(
                 "E063",
@@ -473,10 +483,26 @@ impl StepLinker<'_> {
                 desc.bytes
             ));
         }
+        if let Some(output) = self.continued_as(named) {
+            return refused(format!("it is continued as `{output}`, which holds it when the pass begins"));
+        }
         if step.written_buffers().any(|id| named.source == Source::Resource(id)) {
             return refused("the same step writes it; an earlier one has to".to_owned());
         }
         Ok(named.source.clone())
+    }
+
+    /// The output that continues a member of an input: the two may be one object.
+    fn continued_as(&self, named: &Named) -> Option<String> {
+        let port = named.name.split('.').next().unwrap_or("");
+        let continued = self.planned.continues.iter().find(|continued| {
+            continued.input == *port
+                && match (continued.from, &named.source) {
+                    (Begins::InPlace(a) | Begins::CopyOfPast(a), Source::Past(b)) => a == *b,
+                    _ => false,
+                }
+        })?;
+        Some(self.plan.resources[continued.resource.0 as usize].name.to_string())
     }
 
     fn written(&self, request: &Request, name: &str) -> Result<ResourceId, Diagnostics> {

@@ -176,7 +176,7 @@ fn storage_that_it_writes_is_an_output_beside_its_results() {
             return textureLoad(view_depth, vec2<u32>(at.xy), 0);
         }";
     let outputs = Case::new(wgsl, &["view"]).outputs(&[]).unwrap();
-    let found: Vec<_> = outputs.iter().map(|o| (o.port.to_string(), o.members[0].2)).collect();
+    let found: Vec<_> = outputs.iter().map(|o| (o.port.to_string(), o.members[0].2.clone())).collect();
     let cleared = Usage::ClearFirst(Clear::Zero);
     assert_eq!(found, [("result".into(), Usage::Overwrites), ("histogram".into(), cleared)]);
     assert_eq!(outputs[1].members[0].1, ResourceDesc::buffer(1024));

@@ -65,8 +65,8 @@ impl Pass for ReflectiveShadowMap {
         // Without lights nothing is drawn: one layer that sees nothing.
         let usage = if lit == 0 { Usage::ClearFirst(pass::Clear::Zero) } else { Usage::Overwrites };
         let members = vec![
-            ("position".into(), array(Format::Rgba32Float), usage),
-            ("normal".into(), array(Format::Rgba16Float), usage),
+            ("position".into(), array(Format::Rgba32Float), usage.clone()),
+            ("normal".into(), array(Format::Rgba16Float), usage.clone()),
             ("flux".into(), array(Format::Rgba32Float), usage),
         ];
         let rsm = OutputDesc::of("rsm", members);

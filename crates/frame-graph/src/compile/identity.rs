@@ -1,6 +1,6 @@
 //! The stable name of a plan.
 
-use crate::plan::{Plan, PlanId, ResourceId};
+use crate::plan::{Begins, Plan, PlanId, ResourceId};
 use crate::port::Facts;
 use crate::resource::{Clear, ResourceDesc};
 use crate::value::Value;
@@ -151,6 +151,17 @@ pub(super) fn of(plan: &Plan) -> PlanId {
         for (id, clear) in &pass.clears {
             e.u32(id.0);
             e.clear(clear);
+        }
+        e.len(pass.continues.len());
+        for continued in &pass.continues {
+            e.u32(continued.resource.0);
+            let (form, id) = match continued.from {
+                Begins::InPlace(history) => (0, history.0),
+                Begins::CopyOfPast(history) => (1, history.0),
+                Begins::Copy(resource) => (2, resource.0),
+            };
+            e.u8(form);
+            e.u32(id);
         }
     }
     e.len(plan.resources.len());

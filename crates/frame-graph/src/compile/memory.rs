@@ -74,9 +74,12 @@ pub(super) fn share(plan: &mut Plan, sharing: bool) {
             resource.allocation = object(&resource.desc);
             memory.persistent += bytes;
             if let Some(history) = resource.history {
-                let second = object(&resource.desc);
-                plan.histories[history.0 as usize].copies = [resource.allocation, second];
-                memory.persistent += bytes;
+                let history = &mut plan.histories[history.0 as usize];
+                history.copies = [resource.allocation; 2];
+                if !history.in_place {
+                    history.copies[1] = object(&resource.desc);
+                    memory.persistent += bytes;
+                }
             }
             continue;
         }

@@ -142,6 +142,7 @@ impl<'a> Work<'a> {
                     } else if input.past.is_some() {
                         resource.persistent = true;
                         resource.history = 0;
+                        resource.past_readers += 1;
                     } else {
                         resource.readers += 1;
                     }

@@ -6,7 +6,7 @@ use super::{GraphPorts, Linker, Made};
 use crate::codes;
 use crate::description::Past;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::port::{HandedOn, InputDesc, Interface, KindError};
+use crate::port::{HandedOn, InputDesc, Interface, KindError, Usage};
 use crate::resource::ResourceDesc;
 use data_file::Name;
 use rustc_hash::FxHashMap;
@@ -105,7 +105,7 @@ impl Linker<'_> {
     }
 
     /// The end of the wire into an input, with what is off taken out.
-    fn wire_of(&self, node: usize, input: &Name) -> Option<&End<'_>> {
+    fn wire_of(&self, node: usize, input: &str) -> Option<&End<'_>> {
         let names = &self.uses[node].as_ref()?.names.inputs;
         let wire = self.wires_now(node).iter().find(|wire| names[wire.input as usize].0 == *input)?;
         Some(&wire.end)
@@ -154,6 +154,38 @@ impl Linker<'_> {
             .note(
                 "a reader would take the past for this frame's: let the reader itself link to it with `Prev`",
             )
+    }
+
+    /// What an output begins as must be of its format and size.
+    pub(super) fn check_continued(&mut self, ports: &[Option<GraphPorts>]) {
+        let mut errors = Vec::new();
+        for (node, described) in ports.iter().enumerate() {
+            let Some(described) = described.as_ref().filter(|_| self.is_on_now(node)) else { continue };
+            for port in described {
+                for (name, desc, made) in &port.members {
+                    let Made::Here(Usage::Continue { input, member }) = made else { continue };
+                    let Some(end) = self.wire_of(node, input) else { continue };
+                    let from = member_at(self, end, member, ports).and_then(|(node, port, member)| {
+                        let ports = ports[node as usize].as_ref()?;
+                        Some(&ports[port as usize].members[member as usize].1)
+                    });
+                    if from != Some(desc) {
+                        let dot = if name.is_empty() { "" } else { "." };
+                        let text = format!("{}.{}{dot}{name}", self.nodes[node].name, port.port);
+                        let found = from.map_or("nothing".to_owned(), ToString::to_string);
+                        let place = self.nodes[node].decl.link(input).map(|link| link.place);
+                        let place = place.unwrap_or(self.nodes[node].place);
+                        let message =
+                            format!("`{text}`, {desc}, continues its input `{input}`, which is {found}");
+                        let error = Diagnostic::new(&codes::INTERFACE, message)
+                            .label(self.span(place), "not of the same format and size")
+                            .label(self.span(self.nodes[node].place), "of this pass");
+                        errors.push(error);
+                    }
+                }
+            }
+        }
+        self.errors.extend(errors);
     }
 
     /// A resource has one past, whatever names it is read by.

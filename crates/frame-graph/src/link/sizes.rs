@@ -5,7 +5,7 @@ use super::{GraphPort, GraphPorts, Linker, Made};
 use crate::codes;
 use crate::description::{Body, Off};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::port::{Facts, InputDesc, KindError, OutputContext, OutputDesc};
+use crate::port::{Facts, InputDesc, KindError, OutputContext, OutputDesc, Usage};
 use crate::resource::{Extent, Format, ResourceDesc, SampleKind, TextureDesc};
 use data_file::Name;
 use smallvec::SmallVec;
@@ -60,6 +60,7 @@ impl<'a> Linker<'a> {
             self.check_sorts(&ports);
             self.check_constants(&ports);
             self.check_handed(&ports);
+            self.check_continued(&ports);
         }
         ports.into_iter().map(Option::unwrap_or_default).collect()
     }
@@ -272,6 +273,14 @@ impl<'a> Linker<'a> {
                     }
                 };
             let desc = self.work_out(node, &port, desc, whole, inputs)?;
+            if let Usage::Continue { input, .. } = &usage
+                && whole
+                && inputs.iter().all(|desc| desc.name != *input)
+            {
+                let what =
+                    format!("continues `{input}` in its output `{port}`, which is no input that is linked");
+                return Err(self.defect(node, what));
+            }
             members.push((name, desc, Made::Here(usage)));
         }
         for handed in &output.handed {

@@ -70,10 +70,8 @@ fn hash_use(decl: &PassDecl, kind: &Name, shader: Option<&Name>) -> u64 {
 
 /// Whether a kind cannot tell two uses of it from each other.
 fn same_use(a: &PassDecl, b: &PassDecl) -> bool {
-    let (
-        Body::Pass { kind: kind_a, shader: shader_a },
-        Body::Pass { kind: kind_b, shader: shader_b },
-    ) = (&a.body, &b.body)
+    let (Body::Pass { kind: kind_a, shader: shader_a }, Body::Pass { kind: kind_b, shader: shader_b }) =
+        (&a.body, &b.body)
     else {
         return false;
     };

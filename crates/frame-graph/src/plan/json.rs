@@ -1,6 +1,6 @@
 //! The plan as JSON.
 
-use super::{Fate, Plan, PlannedPass, ResourceId};
+use super::{Begins, Fate, Plan, PlannedPass, ResourceId};
 use crate::port::Externals;
 use crate::value::Value;
 use data_file::Name;
@@ -53,10 +53,24 @@ pub(super) fn json(plan: &Plan) -> Json {
                 "resources": members(&port.members), "hands_on": members(&port.handed),
             })
         });
+        let continues = pass.continues.iter().map(|continued| {
+            let (from, past) = match continued.from {
+                Begins::InPlace(history) | Begins::CopyOfPast(history) => {
+                    (plan.histories[history.0 as usize].resource, true)
+                }
+                Begins::Copy(id) => (id, false),
+            };
+            let in_place = matches!(continued.from, Begins::InPlace(_));
+            json!({
+                "resource": name_of(&continued.resource), "input": &*continued.input, "from": name_of(&from),
+                "past": past, "in_place": in_place,
+            })
+        });
         json!({
             "name": &*pass.name, "kind": &*pass.kind, "shader": pass.shader.as_deref(), "settings": settings,
             "externals": pass.externals.names(), "depends_on": pass.depends_on.names(), "remembers": pass.remembers,
             "inputs": inputs.collect::<Json>(), "outputs": outputs.collect::<Json>(),
+            "continues": continues.collect::<Json>(),
         })
     };
     let resource = |r: &super::PlannedResource| {

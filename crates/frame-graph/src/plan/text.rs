@@ -1,6 +1,6 @@
 //! The plan as text.
 
-use super::{Fate, Plan, PlannedPass, bytes};
+use super::{Begins, Fate, Plan, PlannedPass, bytes};
 use std::fmt::Write as _;
 
 pub(super) fn text(plan: &Plan) -> String {
@@ -57,6 +57,17 @@ fn write_pass(out: &mut String, plan: &Plan, at: usize, pass: &PlannedPass) {
                 bytes(resource.desc.bytes()),
                 resource.allocation.0
             );
+        }
+        let ids = port.members.iter().map(|(_, id)| *id);
+        for continued in pass.continues.iter().filter(|c| ids.clone().any(|id| id == c.resource)) {
+            let name = |id: super::ResourceId| plan.resources[id.0 as usize].name.clone();
+            let past = |history: super::HistoryId| name(plan.histories[history.0 as usize].resource);
+            let from = match continued.from {
+                Begins::InPlace(_) => "its own past, in place".to_owned(),
+                Begins::CopyOfPast(history) => format!("a copy of the past of {}", past(history)),
+                Begins::Copy(id) => format!("a copy of {}", name(id)),
+            };
+            let _ = writeln!(out, "       continues {} as {from}", name(continued.resource));
         }
         for (member, id) in &port.handed {
             let dot = if member.is_empty() { "" } else { "." };

@@ -7,14 +7,14 @@ use frame_graph::{
     resolve,
 };
 
-fn plan_with(passes: &str, outputs: &str, options: &CompileOptions) -> Result<Plan, Diagnostics> {
+pub(super) fn plan_with(passes: &str, outputs: &str, options: &CompileOptions) -> Result<Plan, Diagnostics> {
     let text = format!("Pipeline(passes: {{ {passes} }}, outputs: {{ {outputs} }})");
     let resolved = resolve("p.ron", &MemoryFiles::new(&[("p.ron", &text)]), &Overrides::default())?;
     let context = LinkContext { frame: (64, 64), traits: traits() };
     compile(&link(&resolved, &TestKinds::new(), &context)?, options)
 }
 
-fn plan(passes: &str, outputs: &str) -> Plan {
+pub(super) fn plan(passes: &str, outputs: &str) -> Plan {
     plan_with(passes, outputs, &CompileOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -274,6 +274,10 @@ impl Kinds for TestKinds {
         let said = context.use_.outputs.get("out").cloned().unwrap_or_default();
         let size = said.size.unwrap_or(Extent::FRAME);
         let format = said.format.unwrap_or(Format::Rgba16Float);
+        if context.use_.shader == Some("go-on.wgsl") {
+            let out = OutputDesc::one("out", ResourceDesc::texture_2d(format, size));
+            return Ok(vec![out.continuing("own")]);
+        }
         // A shader that hands on the first resource of its first input: alone, or beside one of its own.
         if context.use_.shader == Some("hand.wgsl")
             && let Some((from, _)) = context.input("i0").and_then(|input| input.members.first())

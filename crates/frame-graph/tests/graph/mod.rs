@@ -1,4 +1,5 @@
 mod broken;
+mod continued;
 mod formulas;
 mod handed;
 mod kinds;

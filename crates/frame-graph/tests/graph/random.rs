@@ -33,7 +33,7 @@ fn drawn() -> impl Strategy<Value = Drawn> {
 fn text(passes: &[Drawn], outputs: &[usize], blank: &str) -> String {
     let mut out = format!("Pipeline({blank}passes: {{");
     for (i, pass) in passes.iter().enumerate() {
-        let links: Vec<String> = pass
+        let mut links: Vec<String> = pass
             .reads
             .iter()
             .enumerate()
@@ -55,6 +55,15 @@ fn text(passes: &[Drawn], outputs: &[usize], blank: &str) -> String {
                 links.join(", "),
                 if pass.source == 0 { "" } else { "interface: \"GBuffer\"" }
             ),
+            // These write on in their own past.
+            (_, 3) => {
+                links.push(format!("\"own\": Prev(port: \"p{i}\", reset: [Cut])"));
+                write!(
+                    out,
+                    "\"p{i}\": Pass(kind: \"fullscreen\", shader: \"go-on.wgsl\", in: {{ {} }}, out: {{ \"out\": Out(size: {size}) }}),",
+                    links.join(", ")
+                )
+            }
             _ => write!(
                 out,
                 "\"p{i}\": Pass(kind: \"fullscreen\", shader: \"a.wgsl\", in: {{ {} }}, out: {{ \"out\": Out(size: {size}) }}),",
@@ -277,7 +286,9 @@ fn scheduled(
     objects: &mut [Content],
 ) -> Vec<Option<Vec<Content>>> {
     for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
-        if slot.reset.is_some() {
+        let producer = plan.resources[history.resource.0 as usize].producer;
+        let runs = producer.is_some_and(|pass| schedule.runs[pass.0 as usize]);
+        if slot.reset.is_some() && (runs || !history.in_place) {
             objects[history.copies[slot.previous].0 as usize] = INIT;
         }
     }
