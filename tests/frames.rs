@@ -143,3 +143,17 @@ fn frames_of_any_size() {
         assert_eq!(renderer.output("image").unwrap().width(), 5);
     }
 }
+
+/// What no output needs is made where it is asked for, and shown.
+#[test]
+fn what_is_culled_can_be_asked_for() {
+    let Some(mut renderer) = renderer("ism-uniform", "cornell-box", (32, 32), SMALL) else { return };
+    assert!(renderer.plan().unwrap().pass("importance").is_none(), "nothing reads the importance map");
+    for wrong in ["importance.importanse", "importence"] {
+        assert!(renderer.keep(wrong).is_err(), "{wrong}");
+    }
+    renderer.keep("importance").unwrap();
+    renderer.frame().unwrap();
+    let map = bits(&renderer.picture("importance", 0).unwrap());
+    assert!(map.iter().any(|pixel| pixel[0] != 0), "the map is made");
+}

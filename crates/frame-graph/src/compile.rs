@@ -23,7 +23,8 @@ pub struct CompileOptions {
     pub sharing: bool,
     /// The outputs wanted, by name; all where empty. Whatever none of them needs is culled.
     pub outputs: Vec<String>,
-    /// Further resources to keep for reading back, as `pass.port` or `pass.port.member`.
+    /// Further resources to keep for reading back, as `pass`, `pass.port`, `pass.member` or `pass.port.member`.
+    /// What makes them is not culled.
     pub keep: Vec<String>,
     /// Interfaces of which all is kept that is made anyway: it keeps no pass from being culled.
     pub keep_interfaces: Vec<String>,

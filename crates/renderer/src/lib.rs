@@ -258,9 +258,18 @@ impl Renderer {
         if self.planned_output(name).is_ok() {
             return Ok(());
         }
-        let id = self.find(name)?;
         let plan = self.plan().ok_or(RenderError::NoPipeline)?;
-        let full = plan.resources[id.0 as usize].name.to_string();
+        let full = match self.find(name) {
+            Ok(id) => plan.resources[id.0 as usize].name.to_string(),
+            Err(missing) => {
+                // A pass that was culled has no resources in the plan; the graph knows what it would make.
+                let pass = name.split_once('.').map_or(name, |(pass, _)| pass);
+                if plan.pass(pass).is_some() || plan.fates.iter().all(|(known, _)| known != pass) {
+                    return Err(missing);
+                }
+                name.to_owned()
+            }
+        };
         let mut options = self.options.clone();
         options.keep.push(full);
         self.set_compile_options(options)

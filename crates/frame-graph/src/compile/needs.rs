@@ -64,7 +64,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The pass and resources of `pass.port` or `pass.port.member`.
+    /// The pass and resources of `pass`, `pass.port`, `pass.member` or `pass.port.member`.
     fn find(&self, name: &str) -> Result<(usize, Range<usize>), Diagnostic> {
         let mut parts = name.split('.');
         let pass = parts.next().unwrap_or("");
@@ -96,24 +96,26 @@ impl<'a> Work<'a> {
                 known.iter().map(String::as_str),
             )
         };
+        let of_port = |at: usize| self.numbers.of_port(i as u32, at as u32);
+        let of_member = |at: usize, member: &str| {
+            let m = found.outputs[at].members.iter().position(|(m, _, _)| m == member)?;
+            let first = of_port(at).start + m;
+            Some(first..first + 1)
+        };
         // Scratch comes after all ports, and can be kept by name alone.
         let seen = found.outputs.iter().filter(|p| !p.interface.is_empty()).count();
-        let at = match port {
-            Some(port) => found.outputs.iter().position(|p| p.port == *port),
-            None => (seen == 1).then_some(0),
+        let of_name = |port: &str| found.outputs.iter().position(|p| p.port == *port);
+        let resources = match (port, member, parts.next()) {
+            (None, ..) if seen > 0 => Some(of_port(0).start..of_port(seen - 1).end),
+            // A port, or a member of the first port that has one of that name.
+            (Some(port), None, _) => match of_name(port) {
+                Some(at) => Some(of_port(at)),
+                None => (0..seen).find_map(|at| of_member(at, port)),
+            },
+            (Some(port), Some(member), None) => of_name(port).and_then(|at| of_member(at, member)),
+            _ => None,
         };
-        // `pass.member`, where the pass has one port.
-        let (at, member) = match (at, port, member) {
-            (None, Some(port), None) if seen == 1 => (0, Some(port)),
-            (Some(at), _, member) => (at, member),
-            _ => return Err(unknown()),
-        };
-        let whole = self.numbers.of_port(i as u32, at as u32);
-        let Some(member) = member else { return Ok((i, whole)) };
-        match found.outputs[at].members.iter().position(|(m, _, _)| m == member) {
-            Some(m) if parts.next().is_none() => Ok((i, whole.start + m..whole.start + m + 1)),
-            _ => Err(unknown()),
-        }
+        resources.map(|resources| (i, resources)).ok_or_else(unknown)
     }
 
     /// Marks what is needed, through links of this frame and of the last.

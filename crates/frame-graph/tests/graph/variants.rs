@@ -275,6 +275,23 @@ fn what_is_kept_is_kept() {
         assert!(kept.resources[kept.resource(name).unwrap().0 as usize].persistent, "{name}");
     }
     assert!(!kept.resources[kept.resource("lights.scan").unwrap().0 as usize].persistent);
+    // By the pass alone, and by a member of its port; of a pass that would be culled, too.
+    for (name, found) in [
+        ("unused", vec!["unused.irradiance"]),
+        ("view", vec!["view.view.depth", "view.view.normal", "view.view.motion"]),
+        ("view.normal", vec!["view.view.normal"]),
+        ("image", vec!["image.image"]),
+        ("lights.scan", vec!["lights.scan"]),
+    ] {
+        let kept = planned(&resolved, traits(), &keep(&[name]));
+        for resource in &kept.resources {
+            let was =
+                plain.resource(&resource.name).is_some_and(|id| plain.resources[id.0 as usize].persistent);
+            let is = was || resource.constant.is_some() || found.contains(&resource.name.as_str());
+            assert_eq!(resource.persistent, is, "{name}: {}", resource.name);
+        }
+        assert!(found.iter().all(|name| kept.resource(name).is_some()), "{name}");
+    }
 }
 
 #[test]
