@@ -2,6 +2,7 @@
 
 pub mod twin;
 
+use gpu_algorithms::reduce;
 use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Define, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
@@ -17,13 +18,7 @@ pub struct SampleMetropolis;
 const SAMPLE: &str = "passes/sample-metropolis/sample-metropolis.wgsl";
 const MEAN: &str = "passes/sample-metropolis/mean.wgsl";
 
-/// Threads of a workgroup that sums: SCAN_SIZE of shaders/prefix-sum.wgsl.
-const SCAN_SIZE: u32 = 256;
-
-/// Workgroups that sum proposals, at most: a thread each of the one that sums their sums.
-const GREATEST_PARTS: u32 = 256;
-
-/// Bytes of `Scaled` in shaders/prefix-sum.wgsl.
+/// Bytes of `Scaled` in shaders/algorithms/scaled.wgsl.
 const SCALED_BYTES: u64 = 8;
 
 impl Pass for SampleMetropolis {
@@ -75,9 +70,8 @@ impl Pass for SampleMetropolis {
             OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
         ];
         if without_weights(cx.settings) {
-            let sums = |count: u32| ResourceDesc::buffer(SCALED_BYTES * u64::from(count));
-            outputs.push(OutputDesc::scratch("parts", sums(parts(cx.settings))));
-            outputs.push(OutputDesc::scratch("sum", sums(1)));
+            outputs.push(reduce::scratch("sums", proposals(cx.settings), SCALED_BYTES));
+            outputs.push(OutputDesc::scratch("sum", ResourceDesc::buffer(SCALED_BYTES)));
         }
         Ok(outputs)
     }
@@ -89,14 +83,8 @@ impl Pass for SampleMetropolis {
         if !without_weights(cx.settings) {
             return Ok(Recording::one(sample));
         }
-        let parts = parts(cx.settings);
-        let add = |entry, groups: u32| {
-            Compute::new(cx.shader(MEAN, &[]), entry, Threads::Grid([SCAN_SIZE * groups, 1, 1]))
-                .value("parts", Value::U32(parts))
-        };
-        Ok(Recording::one(add("add_proposals", parts).bind("sums", "parts"))
-            .then(add("add_parts", 1).bind("sums", "sum"))
-            .then(sample))
+        let sum = reduce::steps(&cx.shader(MEAN, &[]), proposals(cx.settings), "sums");
+        Ok(Recording::of(sum).then(sample))
     }
 }
 
@@ -104,7 +92,7 @@ fn without_weights(settings: &Settings) -> bool {
     settings.text("weights") == "none"
 }
 
-/// Workgroups that sum proposals.
-fn parts(settings: &Settings) -> u32 {
-    (settings.u32("count") * settings.u32("steps")).div_ceil(SCAN_SIZE).min(GREATEST_PARTS)
+/// Proposals of all chains.
+fn proposals(settings: &Settings) -> u32 {
+    settings.u32("count") * settings.u32("steps")
 }
