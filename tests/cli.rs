@@ -235,3 +235,36 @@ fn graphs_lists_and_differences_are_printed() {
         assert!(lightloom(&["passes", kind]).status.success());
     }
 }
+
+/// The filter of the guide: five iterations of a part in WGSL and RON alone, in place of the blur.
+#[test]
+fn the_guides_filter_repeats_a_part_without_rust() {
+    let listed = lightloom(&["graph", "docs/examples/a-trous.ron", "cornell-box"]);
+    let printed = out(&listed);
+    assert!(listed.status.success(), "{}", err(&listed));
+    for copy in 0..5 {
+        assert!(printed.contains(&format!("filter/{copy}/smooth")), "{printed}");
+    }
+    assert!(!printed.contains("filter/5/"), "{printed}");
+    // An option of its shader is a setting like any other, with the words that it declares.
+    let set = |value: &str| lightloom(&["graph", "docs/examples/a-trous.ron", "cornell-box", "--set", value]);
+    assert!(set("filter/smooth.edges=geometry").status.success());
+    let wrong = set("filter/smooth.edges=light");
+    assert!(
+        err(&wrong).contains("`edges` is one of \"all\", \"geometry\""),
+        "{}{}",
+        out(&wrong),
+        err(&wrong)
+    );
+}
+
+#[test]
+fn settings_of_passes_inside_parts_can_be_set() {
+    let set = |value: &str| lightloom(&["graph", "ism-invtm", "cornell-box", "--set", value]);
+    let done = set("shadows/splat.kernel=surfel");
+    assert!(done.status.success(), "{}", err(&done));
+    let wrong = set("shadows/splat.kernel=surfle");
+    assert!(err(&wrong).contains("`kernel` is one of"), "{}{}", out(&wrong), err(&wrong));
+    let misspelt = set("shadows/splat.kernle=surfel");
+    assert!(err(&misspelt).contains("did you mean `kernel`?"), "{}{}", out(&misspelt), err(&misspelt));
+}

@@ -30,7 +30,7 @@
 //! |---|---|
 //! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `I32`, `F32`, `Bool`, `Text`. A variant gives only what differs |
 //! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)` |
-//! | PART | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, repeat: COUNT?, carry: { "input": "output" * }?, when: …?, off: …?)`: the passes of another file, named `part/pass` |
+//! | PART | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, repeat: COUNT?, carry: { "input": "output" * }?, index: "parameter"?, when: …?, off: …?)`: the passes of another file, named `part/pass` |
 //! | COUNT | a whole number or an expression that gives one: how many copies of the part there are, one after the other |
 //! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a part, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Moved]?)` |
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or an expression: text in which a `$` stands, such as `"$parameter"` or `"$lights * 16"`. In plain text each `$` is written `$$`; text that begins with `$$` is never an expression |

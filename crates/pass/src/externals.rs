@@ -29,3 +29,22 @@ pub static GLOBALS: &[(&str, Externals)] = &[
 pub fn of_global(name: &str) -> Option<Externals> {
     GLOBALS.iter().find(|(global, _)| *global == name).map(|(_, externals)| *externals)
 }
+
+/// The names of what a scene says of itself: [`RecordContext::traits`](crate::RecordContext) has each of them. An
+/// `#option` of a user's shader that is named so, in capitals, is set by the scene.
+pub const TRAITS: [&str; 14] = [
+    "textured",
+    "glossy",
+    "emissive",
+    "masked",
+    "environment",
+    "moving_camera",
+    "moving_lights",
+    "moving_geometry",
+    "lights",
+    "spot_lights",
+    "point_lights",
+    "directional_lights",
+    "light_layers",
+    "triangles",
+];

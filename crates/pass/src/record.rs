@@ -91,7 +91,19 @@ impl<'a> RecordContext<'a> {
     /// A shader with these defines, and with the modules that the connected inputs bring: an input whose facts
     /// have a `module` answers `#import interface "PORT"`. Its facts in capitals are values for the module's options.
     pub fn shader(&self, path: &str, defines: &[(&str, Define)]) -> Request {
-        let mut request = request(path, defines);
+        self.with_modules(request(path, defines))
+    }
+
+    /// Returns an option of a shader with the value of the setting that is named so in small letters: for settings
+    /// that a shader's options declare (see [`of_options`](crate::setting::of_options)). An option that is no setting
+    /// is told when the shader is loaded.
+    pub fn option<'n>(&self, name: &'n str) -> (&'n str, Define) {
+        let value = self.settings.get(&name.to_lowercase()).and_then(|value| Define::try_from(value).ok());
+        (name, value.unwrap_or_else(|| Define::Text(String::new())))
+    }
+
+    /// The request with the modules that the connected inputs bring, and values for the modules' options.
+    pub(crate) fn with_modules(&self, mut request: Request) -> Request {
         for input in self.inputs {
             if let Some(Value::Text(module)) = input.facts.get("module") {
                 request.modules.insert(input.name.to_string(), module.clone());
@@ -325,17 +337,6 @@ impl Recording {
     /// Of one dispatch.
     pub fn one(step: Compute) -> Recording {
         Recording { steps: vec![Step::Compute(step)] }
-    }
-
-    /// Returns the recording of dispatches in order.
-    pub fn of(steps: impl IntoIterator<Item = Compute>) -> Recording {
-        Recording { steps: steps.into_iter().map(Step::Compute).collect() }
-    }
-
-    /// Adds dispatches.
-    pub fn then_all(mut self, steps: impl IntoIterator<Item = Compute>) -> Recording {
-        self.steps.extend(steps.into_iter().map(Step::Compute));
-        self
     }
 
     /// With one more dispatch.

@@ -1,14 +1,238 @@
-//! Settings, declared in one line each.
+//! Settings that Rust reads, declared once: [`settings!`](crate::settings) makes of one declaration the schema
+//! that users see and the struct that a pass reads, so that a misspelt name does not compile.
 //!
 //! ```
-//! use pass::setting::{self, SettingExt};
-//! let size = setting::u32("size", 512, "Side of a map. Error falls and time grows with it.").range(1.0, 8192.0).unit("px");
-//! assert_eq!(size.max, Some(8192.0));
+//! use pass::{Settings, choice, settings};
+//!
+//! choice! {
+//!     /// What a splat stores.
+//!     pub enum Kernel {
+//!         /// One distance.
+//!         Box = "box",
+//!         /// The distance of the tangent plane.
+//!         Surfel = "surfel",
+//!     }
+//! }
+//!
+//! settings! {
+//!     /// Settings of a pass.
+//!     pub struct MySettings {
+//!         /// Side of a map. Error falls and time grows with it.
+//!         size: u32 = 512, min: 1, max: 8192, unit: "px";
+//!         /// What a splat stores.
+//!         kernel: Kernel = Kernel::Box;
+//!     }
+//! }
+//!
+//! let schema = MySettings::schema();
+//! assert_eq!(schema[0].max, Some(8192.0));
+//! assert_eq!(schema[1].one_of.len(), 2);
+//! let read = MySettings::read(&Settings::default());
+//! assert_eq!((read.size, read.kernel, MySettings::kernel), (512, Kernel::Box, "kernel"));
 //! ```
+//!
+//! What only WGSL reads is declared there, by a bracket in the doc comment of a member of `struct Settings`;
+//! [`of_shader`] gives those, and [`of_options`] the `#option`s that users choose.
 
-use frame_graph::{Setting, Value};
+use crate::{KindError, Library, request};
+use frame_graph::{Setting, Settings, Value};
+use shader_library::ShaderOption;
 
-fn new(name: &str, default: Value, doc: &str) -> Setting {
+/// A type that a setting can have in Rust.
+pub trait SettingValue: Clone {
+    /// Returns the value as the graph holds it.
+    fn to_value(&self) -> Value;
+
+    /// Reads a value of the graph; `None` where it is of another type.
+    fn from_value(value: &Value) -> Option<Self>;
+
+    /// Returns the only values there are; empty where there are too many to list.
+    fn all() -> Vec<Value> {
+        Vec::new()
+    }
+}
+
+impl SettingValue for u32 {
+    fn to_value(&self) -> Value {
+        Value::U32(*self)
+    }
+
+    fn from_value(value: &Value) -> Option<u32> {
+        value.as_u32()
+    }
+}
+
+impl SettingValue for f32 {
+    fn to_value(&self) -> Value {
+        Value::F32(*self)
+    }
+
+    fn from_value(value: &Value) -> Option<f32> {
+        value.as_f32()
+    }
+}
+
+impl SettingValue for bool {
+    fn to_value(&self) -> Value {
+        Value::Bool(*self)
+    }
+
+    fn from_value(value: &Value) -> Option<bool> {
+        value.as_bool()
+    }
+}
+
+/// Creates a setting with its type's choices, without bounds and unit. `doc` holds the lines of a doc comment.
+pub fn new<T: SettingValue>(name: &str, default: &T, doc: &[&str]) -> Setting {
+    let default = default.to_value();
+    let lines: Vec<&str> = doc.iter().map(|line| line.trim()).filter(|line| !line.is_empty()).collect();
+    Setting {
+        name: name.to_owned(),
+        ty: default.ty(),
+        default,
+        min: None,
+        max: None,
+        one_of: T::all(),
+        unit: String::new(),
+        doc: lines.join(" "),
+    }
+}
+
+/// Reads a setting of a use. The default stands where a test gives none; the graph gives all.
+pub fn read<T: SettingValue>(settings: &Settings, name: &str, default: T) -> T {
+    settings.get(name).and_then(T::from_value).unwrap_or(default)
+}
+
+/// Returns what the doc comments of `struct Settings` declare in a shader and its imports, with every option at its
+/// default. Modules of interfaces are left out.
+///
+/// # Errors
+/// A shader that is not there or cannot be composed, and declarations that cannot be read.
+pub fn of_shader(library: &Library, path: &str) -> Result<Vec<Setting>, KindError> {
+    library.settings(&request(path, &[])).map_err(|errors| KindError::new(errors.to_string()))
+}
+
+/// Returns the settings that are options of a shader: each of `names` is an `#option` in capitals and a setting in
+/// small letters. [`RecordContext::shader`](crate::RecordContext::shader) gives the options their values.
+///
+/// # Errors
+/// A shader that is not there or cannot be composed, and options that it does not declare.
+pub fn of_options(library: &Library, path: &str, names: &[&str]) -> Result<Vec<Setting>, KindError> {
+    let outline =
+        library.outline(&request(path, &[])).map_err(|errors| KindError::new(errors.to_string()))?;
+    let named = |name: &&str| {
+        let found = outline.options.iter().find(|option| option.name == **name);
+        found.map(ShaderOption::setting).ok_or_else(|| {
+            let known: Vec<&str> = outline.options.iter().map(|option| option.name.as_str()).collect();
+            KindError::new(format!("{path} declares no `#option {name}`: it has {}", known.join(", ")))
+        })
+    };
+    names.iter().map(named).collect()
+}
+
+/// Declares the settings that a pass reads in Rust: a struct with a public field for each, `schema()`, which gives
+/// their [`Setting`]s, and `read(&Settings)`. Each name is also a constant of the struct, for errors about a
+/// setting: `KindError::setting(MySettings::size, …)`. See [the module](crate::setting).
+///
+/// A field is `name: type = default`, then any of `min:`, `max:` (numbers), `one_of:` (values) and `unit:`.
+#[macro_export]
+macro_rules! settings {
+    (
+        $(#[$attribute:meta])*
+        $visibility:vis struct $Name:ident {
+            $(
+                $(#[doc = $doc:literal])*
+                $field:ident : $type:ty = $default:expr $(, $key:ident : $value:expr)*;
+            )*
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Clone, Debug, PartialEq)]
+        $visibility struct $Name {
+            $($(#[doc = $doc])* pub $field: $type,)*
+        }
+
+        #[allow(non_upper_case_globals, reason = "each is named as the setting whose name it is")]
+        impl $Name {
+            $(#[doc = concat!("The name of the setting `", stringify!($field), "`.")]
+            pub const $field: &'static str = stringify!($field);)*
+
+            /// Returns what users see of the settings.
+            pub fn schema() -> ::std::vec::Vec<$crate::Setting> {
+                ::std::vec![$({
+                    let default: $type = $default;
+                    #[allow(unused_mut, reason = "a setting may have nothing but a default")]
+                    let mut setting = $crate::setting::new(stringify!($field), &default, &[$($doc),*]);
+                    $($crate::settings!(@ setting $type, $key, $value);)*
+                    setting
+                }),*]
+            }
+
+            /// Reads the settings of a use.
+            pub fn read(settings: &$crate::Settings) -> Self {
+                Self { $($field: $crate::setting::read(settings, stringify!($field), $default),)* }
+            }
+        }
+    };
+    (@ $setting:ident $type:ty, min, $value:expr) => { $setting.min = Some(f64::from($value)) };
+    (@ $setting:ident $type:ty, max, $value:expr) => { $setting.max = Some(f64::from($value)) };
+    (@ $setting:ident $type:ty, unit, $value:expr) => { $setting.unit = $value.into() };
+    (@ $setting:ident $type:ty, one_of, $value:expr) => {
+        $setting.one_of = <[$type]>::iter(&$value).map($crate::setting::SettingValue::to_value).collect()
+    };
+}
+
+/// Declares an enum whose variants are the words of a setting: see [the module](crate::setting). It converts to the
+/// value of a shader's option.
+#[macro_export]
+macro_rules! choice {
+    (
+        $(#[$attribute:meta])*
+        $visibility:vis enum $Name:ident {
+            $($(#[$of_variant:meta])* $Variant:ident = $word:literal),* $(,)?
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $visibility enum $Name {
+            $($(#[$of_variant])* $Variant,)*
+        }
+
+        impl $Name {
+            /// Returns the word of the setting.
+            pub fn word(self) -> &'static str {
+                match self {
+                    $($Name::$Variant => $word,)*
+                }
+            }
+        }
+
+        impl $crate::setting::SettingValue for $Name {
+            fn to_value(&self) -> $crate::Value {
+                $crate::Value::Text(self.word().into())
+            }
+
+            fn from_value(value: &$crate::Value) -> Option<Self> {
+                match value.as_text()? {
+                    $($word => Some($Name::$Variant),)*
+                    _ => None,
+                }
+            }
+
+            fn all() -> ::std::vec::Vec<$crate::Value> {
+                ::std::vec![$($crate::Value::Text($word.into())),*]
+            }
+        }
+
+        impl From<$Name> for $crate::Define {
+            fn from(choice: $Name) -> $crate::Define {
+                $crate::Define::from(choice.word())
+            }
+        }
+    };
+}
+
+fn plain(name: &str, default: Value, doc: &str) -> Setting {
     Setting {
         name: name.into(),
         ty: default.ty(),
@@ -23,23 +247,23 @@ fn new(name: &str, default: Value, doc: &str) -> Setting {
 
 /// A whole number that is not negative.
 pub fn u32(name: &str, default: u32, doc: &str) -> Setting {
-    new(name, Value::U32(default), doc)
+    plain(name, Value::U32(default), doc)
 }
 
 /// A real number.
 pub fn f32(name: &str, default: f32, doc: &str) -> Setting {
-    new(name, Value::F32(default), doc)
+    plain(name, Value::F32(default), doc)
 }
 
 /// On or off.
 pub fn bool(name: &str, default: bool, doc: &str) -> Setting {
-    new(name, Value::Bool(default), doc)
+    plain(name, Value::Bool(default), doc)
 }
 
 /// One of several names; the first is the default.
 pub fn choice(name: &str, choices: &[&str], doc: &str) -> Setting {
     let values: Vec<Value> = choices.iter().map(|choice| Value::Text((*choice).into())).collect();
-    Setting { one_of: values.clone(), ..new(name, values[0].clone(), doc) }
+    Setting { one_of: values.clone(), ..plain(name, values[0].clone(), doc) }
 }
 
 /// What can be added to a [`Setting`].

@@ -26,5 +26,7 @@ pub(crate) const INVALID: &str = "S011";
 pub(crate) const COMPILER: &str = "S012";
 /// A declaration of a setting that cannot be read.
 pub(crate) const SETTING: &str = "S020";
+/// An attribute of a function or a global that cannot be read.
+pub(crate) const ATTRIBUTE: &str = "S021";
 /// A struct that the CPU declares otherwise.
 pub(crate) const LAYOUT: &str = "S030";

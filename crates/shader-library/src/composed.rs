@@ -2,7 +2,7 @@
 
 use crate::directive::Define;
 use crate::line_map::{LineMap, span};
-use frame_graph::{Diagnostic, Label, Source, Span};
+use frame_graph::{Diagnostic, Label, Setting, Source, Span, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
@@ -36,6 +36,31 @@ pub struct ShaderOption {
 }
 
 impl ShaderOption {
+    /// Returns the option as a setting: named in small letters, of the option's default and values. Of a word, the
+    /// values are those that make variants.
+    pub fn setting(&self) -> Setting {
+        let negative = |value: &Define| matches!(value, Define::Int(number) if *number < 0);
+        let signed = negative(&self.default) || self.one_of.iter().any(negative);
+        let value = |define: &Define| match define {
+            Define::Bool(on) => Value::Bool(*on),
+            Define::Int(n) if signed => Value::I32((*n).clamp(i32::MIN.into(), i32::MAX.into()) as i32),
+            Define::Int(n) => Value::U32((*n).clamp(0, u32::MAX.into()) as u32),
+            Define::Text(word) => Value::Text(word.clone()),
+        };
+        let one_of = if let Define::Text(_) = &self.default { self.values() } else { self.one_of.clone() };
+        let default = value(&self.default);
+        Setting {
+            name: self.name.to_lowercase(),
+            ty: default.ty(),
+            default,
+            min: None,
+            max: None,
+            one_of: one_of.iter().map(value).collect(),
+            unit: String::new(),
+            doc: self.doc.clone(),
+        }
+    }
+
     /// The values that make variants: both truths; all of `one_of`; or else the default and whatever a
     /// condition compares with.
     pub fn values(&self) -> Vec<Define> {

@@ -8,11 +8,13 @@
 //! [`Library::load`] goes the whole way and keeps what it made; [`Watcher`] tells which files changed, and
 //! [`Library::invalidate`] which requests they touched.
 
+mod attributes;
 mod codes;
 mod compile;
 mod compose;
 mod composed;
 mod directive;
+mod doc_reader;
 mod files;
 mod interface;
 mod layout;
@@ -25,6 +27,7 @@ mod shader;
 mod thread_order;
 mod watch;
 
+pub use attributes::{Amount, Attributes, EntryAttributes, GlobalAttributes, ThreadCount};
 pub use composed::{Outline, ShaderOption};
 pub use directive::Define;
 pub use files::{DiskFiles, MemoryFiles, Overlay, ShaderFiles};

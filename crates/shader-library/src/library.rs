@@ -5,8 +5,9 @@ use crate::compose::compose;
 use crate::composed::Outline;
 use crate::directive::Define;
 use crate::files::ShaderFiles;
+use crate::settings;
 use crate::shader::Shader;
-use frame_graph::{Diagnostic, Diagnostics};
+use frame_graph::{Diagnostic, Diagnostics, Setting};
 use naga::valid::Capabilities;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -132,6 +133,16 @@ impl Library {
     /// As [`Library::load`], but for what only WGSL's own grammar and types show.
     pub fn outline(&self, request: &Request) -> Result<Outline, Diagnostics> {
         compose(&*self.files, &self.roots, request, true).1.map(|composed| composed.outline)
+    }
+
+    /// What the doc comments of `struct Settings` declare in the request's file and its imports, in the order of
+    /// its members. Reads comments alone: it needs no module for any interface, and is quick.
+    ///
+    /// # Errors
+    /// As [`Library::outline`], and each declaration that cannot be read, at its place.
+    pub fn settings(&self, request: &Request) -> Result<Vec<Setting>, Diagnostics> {
+        let composed = compose(&*self.files, &self.roots, request, true).1?;
+        settings::read(&composed, None)
     }
 
     /// All variants of a request: each combination of the values that make a difference

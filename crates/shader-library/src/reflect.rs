@@ -78,7 +78,7 @@ pub(crate) fn reflect(
     let structs: Vec<StructLayout> =
         module.types.iter().filter_map(|(handle, ty)| reflector.struct_layout(handle, ty)).collect();
     let overrides = module.overrides.iter().map(|(handle, _)| reflector.override_(handle)).collect();
-    let settings = structs.iter().find(|layout| layout.name == "Settings").cloned();
+    let settings = structs.iter().find(|layout| layout.name == crate::settings::STRUCT).cloned();
     Ok(ShaderInterface { globals, entries, settings, overrides, structs })
 }
 

@@ -16,6 +16,8 @@ pub(crate) struct FoundMember {
     pub(crate) name: String,
     /// Where the name stands.
     pub(crate) range: Range<usize>,
+    /// The type as written, without space.
+    pub(crate) ty: String,
     pub(crate) doc: Doc,
 }
 
@@ -127,6 +129,15 @@ pub(crate) fn find_struct(text: &str, name: &str) -> Option<FoundStruct> {
     let mut word = None;
     let mut in_type = false;
     for (lexeme, at) in lexemes.skip_while(|(lexeme, _)| *lexeme != Lexeme::Symbol('{')).skip(1) {
+        let of_type = in_type && !matches!(lexeme, Lexeme::Symbol('}') | Lexeme::Doc(_));
+        if let Some(FoundMember { ty, .. }) = members.last_mut().filter(|_| of_type) {
+            match lexeme {
+                Lexeme::Symbol(',') if depth == 0 => {}
+                Lexeme::Symbol(symbol) => ty.push(symbol),
+                Lexeme::Word(word) => ty.push_str(word),
+                Lexeme::Doc(_) => {}
+            }
+        }
         match lexeme {
             Lexeme::Symbol('}') => break,
             Lexeme::Symbol('<' | '(' | '[') => depth += 1,
@@ -136,7 +147,12 @@ pub(crate) fn find_struct(text: &str, name: &str) -> Option<FoundStruct> {
                 if let Some((name, at)) = word.take() {
                     let name: &str = name;
                     let range = at..at + name.len();
-                    members.push(FoundMember { name: name.to_owned(), range, doc: std::mem::take(&mut doc) });
+                    members.push(FoundMember {
+                        name: name.to_owned(),
+                        range,
+                        ty: String::new(),
+                        doc: std::mem::take(&mut doc),
+                    });
                     in_type = true;
                 }
             }
@@ -177,6 +193,48 @@ pub(crate) fn find_function(text: &str, name: &str) -> Option<FoundFunction> {
     })?;
     let body = lexemes.find(|(lexeme, _)| *lexeme == Lexeme::Symbol('{'))?.1 + 1;
     Some(FoundFunction { parameters: start..end, body })
+}
+
+/// A function or a global variable with a doc comment.
+#[derive(Debug)]
+pub(crate) struct FoundDeclaration {
+    pub(crate) name: String,
+    pub(crate) doc: Doc,
+}
+
+/// Finds the functions and global variables that have doc comments, in order.
+pub(crate) fn find_documented(text: &str) -> Vec<FoundDeclaration> {
+    let mut lexemes = lexemes(text).peekable();
+    let mut found = Vec::new();
+    let mut doc = Doc::default();
+    // Depth inside `{}`, where nothing is a declaration.
+    let mut depth = 0_u32;
+    while let Some((lexeme, at)) = lexemes.next() {
+        match lexeme {
+            Lexeme::Symbol('{') => {
+                depth += 1;
+                doc = Doc::default();
+            }
+            Lexeme::Symbol('}') => {
+                depth = depth.saturating_sub(1);
+                doc = Doc::default();
+            }
+            Lexeme::Symbol(';') => doc = Doc::default(),
+            Lexeme::Doc(line) if depth == 0 => doc.push(line, at),
+            Lexeme::Word("fn" | "var") if depth == 0 => {
+                if let Some((Lexeme::Symbol('<'), _)) = lexemes.peek() {
+                    lexemes.by_ref().find(|(lexeme, _)| *lexeme == Lexeme::Symbol('>'));
+                }
+                if let Some((Lexeme::Word(name), _)) = lexemes.next()
+                    && !doc.text.is_empty()
+                {
+                    found.push(FoundDeclaration { name: name.to_owned(), doc: std::mem::take(&mut doc) });
+                }
+            }
+            _ => {}
+        }
+    }
+    found
 }
 
 /// The first `{` that is not closed before another file begins, or the text ends; `same_file` says whether

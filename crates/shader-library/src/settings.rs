@@ -9,41 +9,29 @@
 
 use crate::codes;
 use crate::composed::Composed;
+use crate::doc_reader::{Literal, Problem, Reader};
 use crate::files::nearest;
 use crate::layout::StructLayout;
 use crate::scan::{FoundMember, find_struct};
 use frame_graph::{Diagnostic, Diagnostics, Setting, Value, ValueType};
 use std::ops::Range;
 
-/// An error in a declaration, at a range of its doc text.
-struct Problem {
-    range: Range<usize>,
-    message: String,
-    note: Option<String>,
-}
-
-impl Problem {
-    fn new(range: Range<usize>, message: impl Into<String>) -> Self {
-        Problem { range, message: message.into(), note: None }
-    }
-
-    fn note(mut self, note: impl Into<String>) -> Self {
-        self.note = Some(note.into());
-        self
-    }
-}
-
 const KEYS: [&str; 6] = ["default", "min", "max", "unit", "one_of", "bool"];
 
-/// Reads the declarations of `struct Settings`, whose layout is `layout`.
-pub(crate) fn read(composed: &Composed, layout: &StructLayout) -> Result<Vec<Setting>, Diagnostics> {
-    let Some(found) = find_struct(&composed.text, &layout.name) else { return Ok(Vec::new()) };
+/// The struct whose members can be settings.
+pub(crate) const STRUCT: &str = "Settings";
+
+/// Reads the declarations of `struct Settings`. Where its layout is not known, types are as they are written.
+pub(crate) fn read(composed: &Composed, layout: Option<&StructLayout>) -> Result<Vec<Setting>, Diagnostics> {
+    let Some(found) = find_struct(&composed.text, STRUCT) else { return Ok(Vec::new()) };
     let mut declared = Vec::new();
     let mut errors: Vec<Diagnostic> = Vec::new();
     for member in &found.members {
-        let Some(ty) = layout.members.iter().find(|m| m.name == member.name).map(|m| m.ty.as_str()) else {
-            continue;
+        let laid_out = |layout: &'_ StructLayout| {
+            layout.members.iter().find(|m| m.name == member.name).map(|m| m.ty.clone())
         };
+        let Some(ty) = layout.map_or_else(|| Some(member.ty.clone()), laid_out) else { continue };
+        let ty = ty.as_str();
         match declaration(member, ty) {
             Ok(setting) => declared.extend(setting),
             Err(problem) => {
@@ -80,7 +68,7 @@ fn declaration(member: &FoundMember, ty: &str) -> Result<Option<Setting>, Proble
     let starts: Vec<usize> =
         text.match_indices('[').map(|(i, _)| i).filter(|&i| declares(&text[i + 1..])).collect();
     let Some(&start) = starts.first() else { return Ok(None) };
-    let mut reader = Reader { text, at: start + 1 };
+    let mut reader = Reader::new(text, start + 1);
     let fields = reader.fields()?;
     let end = reader.at;
     if let Some(&second) = starts.iter().find(|&&other| other >= end) {
@@ -104,51 +92,7 @@ struct Fields {
     is_bool: bool,
 }
 
-#[derive(Clone, Debug)]
-enum Literal {
-    Bool(bool),
-    /// A number, as written.
-    Number(String),
-    Text(String),
-    List(Vec<(Literal, Range<usize>)>),
-}
-
-struct Reader<'a> {
-    text: &'a str,
-    at: usize,
-}
-
 impl Reader<'_> {
-    fn skip(&mut self) -> Option<char> {
-        let rest = &self.text[self.at..];
-        self.at += rest.len() - rest.trim_start().len();
-        self.text[self.at..].chars().next()
-    }
-
-    fn here(&self) -> Range<usize> {
-        let len = self.text[self.at..].chars().next().map_or(0, char::len_utf8);
-        if len == 0 { self.at.saturating_sub(1)..self.at } else { self.at..self.at + len }
-    }
-
-    fn accept(&mut self, c: char) -> bool {
-        let found = self.skip() == Some(c);
-        if found {
-            self.at += c.len_utf8();
-        }
-        found
-    }
-
-    fn word(&mut self) -> (String, Range<usize>) {
-        self.skip();
-        let rest = &self.text[self.at..];
-        let len = rest
-            .find(|c: char| !(c.is_alphanumeric() || matches!(c, '_' | '.' | '+' | '-')))
-            .unwrap_or(rest.len());
-        let range = self.at..self.at + len;
-        self.at += len;
-        (rest[..len].to_owned(), range)
-    }
-
     /// `key: value, …]`
     fn fields(&mut self) -> Result<Fields, Problem> {
         let mut fields = Fields::default();
@@ -189,45 +133,6 @@ impl Reader<'_> {
             }
             if !self.accept(',') {
                 return Err(Problem::new(self.here(), "expected `,` or `]`"));
-            }
-        }
-    }
-
-    fn literal(&mut self, depth: u32) -> Result<(Literal, Range<usize>), Problem> {
-        let first = self.skip();
-        let start = self.at;
-        match first {
-            Some(open @ ('[' | '(')) if depth < 2 => {
-                self.at += 1;
-                let close = if open == '[' { ']' } else { ')' };
-                let mut items = Vec::new();
-                while !self.accept(close) {
-                    items.push(self.literal(depth + 1)?);
-                    if !self.accept(',') && self.skip() != Some(close) {
-                        return Err(Problem::new(self.here(), format!("expected `,` or `{close}`")));
-                    }
-                }
-                Ok((Literal::List(items), start..self.at))
-            }
-            Some('"') => match self.text[start + 1..].find('"') {
-                Some(len) => {
-                    self.at = start + len + 2;
-                    Ok((Literal::Text(self.text[start + 1..start + 1 + len].to_owned()), start..self.at))
-                }
-                None => Err(Problem::new(start..self.text.len(), "a quote that does not end")),
-            },
-            _ => {
-                let (word, range) = self.word();
-                match word.as_str() {
-                    "true" => Ok((Literal::Bool(true), range)),
-                    "false" => Ok((Literal::Bool(false), range)),
-                    number if number.parse::<f64>().is_ok_and(f64::is_finite) => {
-                        Ok((Literal::Number(word), range))
-                    }
-                    "" => Err(Problem::new(self.here(), "expected a value")),
-                    other => Err(Problem::new(range, format!("`{other}` is not a value"))
-                        .note(format!("a word wants quotes: \"{other}\""))),
-                }
             }
         }
     }

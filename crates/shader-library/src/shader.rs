@@ -1,5 +1,6 @@
 //! One variant of one shader: composed, validated, bound by name, reflected.
 
+use crate::attributes::{self, Attributes};
 use crate::codes;
 use crate::compile::compile;
 use crate::composed::{Composed, Outline};
@@ -80,9 +81,18 @@ impl Shader {
     /// Each declaration that cannot be read, at its place.
     pub fn settings(&self) -> Result<Vec<Setting>, Diagnostics> {
         match &self.interface.settings {
-            Some(layout) => settings::read(&self.composed, layout),
+            Some(layout) => settings::read(&self.composed, Some(layout)),
             None => Ok(Vec::new()),
         }
+    }
+
+    /// What the doc comments of entry points and globals say in brackets: `[threads: texels(sums)]`,
+    /// `[scratch]` and so on. Only kinds of passes that are WGSL alone ask for it.
+    ///
+    /// # Errors
+    /// Each attribute that cannot be read, at its place.
+    pub fn attributes(&self) -> Result<Attributes, Diagnostics> {
+        attributes::read(&self.composed, &self.interface)
     }
 
     /// The bytes of `struct Settings` (see [`write_struct`]), where a setting that is one of several words is

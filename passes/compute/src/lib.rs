@@ -1,32 +1,32 @@
-//! A compute shader of the user's. Needs no Rust: the ports are read from the shader.
+//! A compute shader of the user's. Needs no Rust: settings, ports and steps are read from the shader.
 
-use pass::reflected::Reflected;
+use pass::reflected::{self, Reflected, UserShader};
 use pass::{
-    Compute as Dispatch, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    Setting, Settings, Threads, UseContext, Value,
+    Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting, Settings,
+    Use, UseContext,
 };
 use shader_library::Stage;
 
 /// The pass.
 pub const PASS: &dyn Pass = &Compute;
 
-/// Dispatches a thread for each texel of the first output texture, or else each element of the first buffer.
+/// Dispatches the compute entry points of a WGSL file, in the order of the text.
 #[derive(Debug)]
 pub struct Compute;
 
-fn reflect(cx: &UseContext<'_>) -> Result<Reflected, KindError> {
-    let path = cx.use_.shader.ok_or_else(|| {
+fn user<'a>(use_: &Use<'a>) -> Result<UserShader<'a>, KindError> {
+    let path = use_.shader.ok_or_else(|| {
         KindError::new("the use names no shader")
             .help("say which: Pass(kind: \"compute\", shader: \"my-pass.wgsl\", …)")
     })?;
-    Reflected::new(cx, &pass::request(path, &[]), path, Stage::Compute)
+    Ok(UserShader { path, request: pass::request(path, &[]), stage: Stage::Compute })
 }
 
 impl Pass for Compute {
     fn info(&self) -> Info {
         Info {
             kind: "compute",
-            about: "A compute shader, from WGSL alone: `shader:` names the file. A thread an output texel.",
+            about: "Compute shaders, from WGSL alone: `shader:` names the file, whose entry points are run in order.",
             paper: "",
             shaders: &[],
         }
@@ -37,12 +37,11 @@ impl Pass for Compute {
     }
 
     fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        reflect(cx)?.settings()
+        reflected::settings(cx, &user(&cx.use_)?)
     }
 
-    fn ports(&self, cx: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
-        let reflected = reflect(cx)?;
-        reflected.ports(cx, &reflected.written_globals(cx.use_.inputs))
+    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError> {
+        Reflected::new(cx, &user(&cx.use_)?, settings)?.ports(cx, settings)
     }
 
     fn outputs(
@@ -50,22 +49,11 @@ impl Pass for Compute {
         cx: &UseContext<'_>,
         outputs: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, KindError> {
-        let reflected = reflect(cx)?;
-        reflected.outputs(cx, outputs, &reflected.written_globals(cx.use_.inputs))
+        Reflected::new(cx, &user(&cx.use_)?, outputs.settings)?.outputs(cx, outputs)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let reflected = reflect(&UseContext { use_: cx.use_, shaders: cx.shaders })?;
-        let shader = reflected.variant(cx.shader(cx.use_.shader.unwrap_or_default(), &[]), cx);
-        Ok(Recording::one(Dispatch::new(shader, &reflected.entry.name, threads(cx))))
+        let (user, use_cx) = (user(&cx.use_)?, UseContext { use_: cx.use_, shaders: cx.shaders });
+        Reflected::new(&use_cx, &user, cx.settings)?.record(cx, &user)
     }
-}
-
-fn threads(cx: &RecordContext<'_>) -> Threads {
-    let textures = cx.outputs.iter().flat_map(|port| &port.members).find_map(|(_, desc)| desc.texture());
-    if let Some(texture) = textures {
-        return Threads::Grid([texture.size.0, texture.size.1, texture.layers]);
-    }
-    let count = cx.outputs.iter().find_map(|port| port.facts.get("count").and_then(Value::as_u32));
-    Threads::Row(count.unwrap_or(1))
 }

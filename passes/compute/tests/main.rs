@@ -1,13 +1,14 @@
 //! What the kind reads from a shader. What it shares with `fullscreen` is tested there.
 
+mod a_trous;
 mod gpu;
 
 use compute::PASS;
 
 use frame_graph::port::{InputDesc, OutputOverride};
 use pass::{
-    Clear, Extent, Externals, Format, KindError, Library, OutputContext, OutputDesc, RecordContext,
-    ResourceDesc, Settings, Step, Threads, Traits, Usage, Use, UseContext, Value,
+    Clear, Compute, Define, Extent, Externals, Format, KindError, Library, OutputContext, OutputDesc,
+    RecordContext, ResourceDesc, Settings, Step, Threads, Traits, Usage, Use, UseContext, Value,
 };
 use shader_library::{DiskFiles, MemoryFiles, Overlay};
 use std::collections::BTreeMap;
@@ -36,7 +37,7 @@ impl Case {
     }
 
     fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, KindError> {
-        let (settings, traits) = (Settings::default(), Traits::default());
+        let (settings, traits) = (self.settings(&[]), Traits::default());
         let context = OutputContext {
             use_: self.cx().use_,
             settings: &settings,
@@ -47,8 +48,8 @@ impl Case {
         PASS.outputs(&self.cx(), &context)
     }
 
-    /// How many threads it asks for, with these outputs.
-    fn threads(&self, outputs: &[OutputDesc]) -> Threads {
+    /// Its steps, with these outputs and every setting but `set` at its default.
+    fn record(&self, outputs: &[OutputDesc], set: &[(&str, Value)]) -> Result<Vec<Compute>, KindError> {
         let ports: Vec<pass::PortDesc> = outputs
             .iter()
             .map(|output| pass::PortDesc {
@@ -64,23 +65,45 @@ impl Case {
                 past: false,
             })
             .collect();
-        let (settings, traits) = (Settings::default(), Traits::default());
-        let recording = PASS
-            .record(&RecordContext {
-                name: "own",
-                use_: self.cx().use_,
-                settings: &settings,
-                inputs: &[],
-                outputs: &ports,
-                frame: (64, 48),
-                traits: &traits,
-                shaders: &self.library,
-            })
-            .unwrap();
-        let [Step::Compute(dispatch)] = recording.steps.as_slice() else {
-            panic!("one dispatch: {recording:?}")
+        let (settings, traits) = (self.settings(set), Traits::default());
+        let recording = PASS.record(&RecordContext {
+            name: "own",
+            use_: self.cx().use_,
+            settings: &settings,
+            inputs: &[],
+            outputs: &ports,
+            frame: (64, 48),
+            traits: &traits,
+            shaders: &self.library,
+        })?;
+        let dispatch = |step| match step {
+            Step::Compute(dispatch) => dispatch,
+            Step::Raster(_) => panic!("a dispatch: {step:?}"),
         };
-        dispatch.threads.clone()
+        Ok(recording.steps.into_iter().map(dispatch).collect())
+    }
+
+    /// How many threads its only dispatch asks for, with these outputs.
+    fn threads(&self, outputs: &[OutputDesc]) -> Threads {
+        let steps = self.record(outputs, &[]).unwrap();
+        assert_eq!(steps.len(), 1);
+        steps[0].threads.clone()
+    }
+
+    /// Its settings at their defaults, but for some.
+    fn settings(&self, set: &[(&str, Value)]) -> Settings {
+        let schema = PASS.settings(&self.cx()).unwrap();
+        let defaults = schema.into_iter().map(|setting| (setting.name, setting.default));
+        Settings(
+            defaults.chain(set.iter().map(|(name, value)| ((*name).to_owned(), value.clone()))).collect(),
+        )
+    }
+
+    /// The message and help by which its ports are refused.
+    fn refusal(&self) -> String {
+        let refused = PASS.settings(&self.cx()).and_then(|_| PASS.ports(&self.cx(), &self.settings(&[])));
+        let error = refused.unwrap_err();
+        format!("{} | {}", error.message, error.help.unwrap_or_default())
     }
 }
 
@@ -167,4 +190,201 @@ fn a_shader_that_writes_nothing_is_refused() {
     let case = Case::new("@compute @workgroup_size(1) fn idle() {}", &[]);
     let error = PASS.ports(&case.cx(), &Settings::default()).unwrap_err();
     assert!(error.message.contains("writes nothing"), "{}", error.message);
+}
+
+/// A filter whose variants are chosen from the pipeline.
+const VARIANTS: &str = "#option TAPS 9 one_of [1, 9, 25] // how many texels count
+    #option FILTER box one_of [box, gauss] // their weights
+    #option CLAMPED true
+    #option TEXTURED false
+    struct Settings {
+        /// Not a setting.
+        image_size: vec2<u32>,
+    #if FILTER == gauss
+        /// Width of the bell. [default: 1.5, min: 0.1, unit: \"px\"]
+        sigma: f32,
+    #endif
+    }
+    var<uniform> settings: Settings;
+    #if TAPS == 25
+    var weights: texture_2d<f32>;
+    #endif
+    var image: texture_storage_2d<r32float, write>;
+    @compute @workgroup_size(8, 8) fn blur(@builtin(global_invocation_id) id: vec3<u32>) {
+        var value = f32(settings.image_size.x) + f32(TAPS);
+    #if TAPS == 25
+        value += textureLoad(weights, id.xy, 0).x;
+    #endif
+    #if FILTER == gauss
+        value += settings.sigma;
+    #endif
+        textureStore(image, id.xy, vec4(value));
+    }";
+
+#[test]
+fn options_are_settings_that_choose_the_variant() {
+    let case = Case::new(VARIANTS, &[]);
+    let settings = PASS.settings(&case.cx()).unwrap();
+    let told: Vec<_> =
+        settings.iter().map(|s| (&*s.name, s.default.clone(), s.one_of.len(), &*s.doc)).collect();
+    assert_eq!(
+        told,
+        [
+            // Declared by one variant alone, and a setting of all.
+            ("sigma", Value::F32(1.5), 0, "Width of the bell."),
+            ("taps", Value::U32(9), 3, "how many texels count"),
+            ("filter", Value::Text("box".into()), 2, "their weights"),
+            // `TEXTURED` is the scene's to say.
+            ("clamped", Value::Bool(true), 0, ""),
+        ]
+    );
+    assert!(settings[1].check(Value::U32(16)).is_err(), "16 is none of 1, 9 and 25");
+    let inputs = |set: &[(&str, Value)]| PASS.ports(&case.cx(), &case.settings(set)).unwrap().inputs;
+    assert!(inputs(&[]).is_empty());
+    let of_25 = inputs(&[("taps", Value::U32(25))]);
+    assert_eq!(of_25.iter().map(|input| &*input.name).collect::<Vec<_>>(), ["weights"]);
+    let outputs = case.outputs(&[]).unwrap();
+    let set = [("taps", Value::U32(1)), ("filter", Value::Text("gauss".into()))];
+    let steps = case.record(&outputs, &set).unwrap();
+    let defines = &steps[0].shader.defines;
+    assert_eq!(defines["TAPS"], Define::Int(1));
+    assert_eq!(defines["FILTER"], Define::Text("gauss".into()));
+    assert_eq!(defines["CLAMPED"], Define::Bool(true));
+    assert!(!defines.contains_key("TEXTURED"), "the scene does not say");
+}
+
+#[test]
+fn a_name_is_one_setting() {
+    let twice = "#option TAPS 9
+        struct Settings {
+            /// Also. [default: 1.0]
+            taps: f32,
+        }
+        var<uniform> settings: Settings;
+        var<storage, read_write> sum: f32;
+        @compute @workgroup_size(1) fn add() { sum = settings.taps; }";
+    let refusal = PASS.settings(&Case::new(twice, &[]).cx()).unwrap_err().message;
+    assert!(refusal.contains("`taps` is an option and a member of `Settings`"), "{refusal}");
+}
+
+/// Three entry points that hand on by scratch.
+const STEPS: &str = "struct Settings {
+        /// Rounds. [default: 3, max: 10]
+        rounds: u32,
+        round: u32,
+    }
+    var<uniform> settings: Settings;
+    var<storage, read> numbers: array<u32>;
+    /// Sums of groups of 64. [scratch]
+    var<storage, read_write> sums: array<u32, 16>;
+    /// In [0, 1]; the square of the picture. [scratch]
+    var square: texture_storage_2d<rgba16float, write>;
+    /// [reads: square]
+    var squared: texture_2d<f32>;
+    var picture: texture_storage_2d<rgba16float, write>;
+
+    /// Adds up, a thread a number. [threads: elements(numbers)]
+    @compute @workgroup_size(64) fn add(@builtin(global_invocation_id) id: vec3<u32>) {
+        sums[id.x / 64u] = numbers[id.x];
+    }
+    /// [threads: (4, 2, rounds), repeat: rounds]
+    @compute @workgroup_size(1) fn spread() {
+        sums[settings.round % 16u] += 1u;
+    }
+    @compute @workgroup_size(8, 8) fn multiply(@builtin(global_invocation_id) id: vec3<u32>) {
+        textureStore(square, id.xy, vec4(f32(sums[0])));
+    }
+    @compute @workgroup_size(8, 8) fn show(@builtin(global_invocation_id) id: vec3<u32>) {
+        textureStore(picture, id.xy, textureLoad(squared, id.xy, 0));
+    }";
+
+#[test]
+fn entry_points_are_run_in_the_order_of_the_text_and_share_scratch() {
+    let mut case = Case::new(STEPS, &["numbers"]);
+    case.outputs
+        .insert("square".into(), OutputOverride { size: Some(Extent::Fixed(8, 8)), ..Default::default() });
+    let ports = PASS.ports(&case.cx(), &case.settings(&[])).unwrap();
+    let names = |ports: &[&str]| ports.iter().map(ToString::to_string).collect::<Vec<_>>();
+    assert_eq!(ports.inputs.iter().map(|p| p.name.clone()).collect::<Vec<_>>(), names(&["numbers"]));
+    assert_eq!(ports.outputs.iter().map(|p| p.name.clone()).collect::<Vec<_>>(), names(&["picture"]));
+    let outputs = case.outputs(&[]).unwrap();
+    let told: Vec<_> = outputs.iter().map(|o| (&*o.port, o.scratch)).collect();
+    assert_eq!(told, [("square", true), ("picture", false), ("sums", true)]);
+    assert_eq!(outputs[0].members[0].1, ResourceDesc::texture_2d(Format::Rgba16Float, Extent::Fixed(8, 8)));
+    assert_eq!(outputs[2].members[0].1, ResourceDesc::buffer(64));
+
+    let mut with_numbers = outputs.clone();
+    // An input here: only its name and its bytes are asked for.
+    with_numbers.push(OutputDesc::one("numbers", ResourceDesc::buffer(4 * 1000)));
+    let steps = case.record(&with_numbers, &[("rounds", Value::U32(2))]).unwrap();
+    let told: Vec<_> = steps.iter().map(|s| (&*s.entry, s.threads.clone())).collect();
+    let frame = Threads::Grid([64, 48, 1]);
+    let spread = || ("spread", Threads::Grid([4, 2, 2]));
+    assert_eq!(
+        told,
+        [("add", Threads::Row(1000)), spread(), spread(), ("multiply", frame.clone()), ("show", frame)]
+    );
+    let rounds: Vec<_> = steps[1..3].iter().map(|s| s.values.clone()).collect();
+    assert_eq!(rounds, [0, 1].map(|round| vec![("round".to_owned(), Value::U32(round))]));
+    assert_eq!(steps[4].bind, [("squared".to_owned(), "square".to_owned())]);
+}
+
+#[test]
+fn attributes_that_mean_nothing_are_told_where_they_stand() {
+    let cases = [
+        (
+            "elements(numbers)",
+            "elements(number)",
+            "own.wgsl:16:37: `add`: there is no input, output or scratch `number` | did you mean `numbers`?",
+        ),
+        ("repeat: rounds", "repeat: round", "there is no setting `round` | did you mean `rounds`?"),
+        ("repeat: rounds", "repeet: rounds", "did you mean `repeat`?"),
+        ("elements(numbers)", "lanes(numbers)", "there are `texels(NAME)` and `elements(NAME)`"),
+        ("(4, 2, rounds)", "(4, 2)", "expected `,`, as in `(8, 8, 1)`"),
+        ("(4, 2, rounds)", "-4", "expected a whole number, or a setting that is one"),
+        (
+            "[reads: square]",
+            "[reads: squares]",
+            "reads `squares`, which the shader does not write | did you mean `square`?",
+        ),
+        ("[reads: square]", "[scratch]", "`squared` is scratch, but the shader does not write it"),
+        ("[reads: square]", "[threads: 4]", "`threads` and `repeat` are of entry points"),
+        ("/// Adds up, ", "/// [reads: sums] ", "there are two brackets of attributes"),
+        (
+            "textureStore(picture",
+            "textureStore(square",
+            "`show` reads `squared`, which it writes itself as `square`",
+        ),
+    ];
+    for (from, to, expected) in cases {
+        let refusal = Case::new(&STEPS.replace(from, to), &["numbers"]).refusal();
+        assert!(refusal.contains(expected), "{to}: {refusal}");
+    }
+}
+
+#[test]
+fn the_module_of_an_interface_is_an_input() {
+    let wgsl = "#import \"virtual-lights.wgsl\"
+        #import interface \"visibility\"
+        var<storage, read> lights: VirtualLights;
+        var<storage, read_write> seen: array<f32>;
+        @compute @workgroup_size(64) fn look(@builtin(global_invocation_id) id: vec3<u32>) {
+            let light = lights.lights[id.x];
+            seen[id.x] = visibility(id.x, light, vec3(0.0), vec3(0.0, 1.0, 0.0));
+        }";
+    for links in [&[][..], &["visibility", "lights"]] {
+        let case = Case::new(wgsl, links);
+        let ports = PASS.ports(&case.cx(), &case.settings(&[])).unwrap();
+        let interface =
+            |name: &str| ports.inputs.iter().find(|p| p.name == name).map(|p| p.interface.to_string());
+        assert_eq!(interface("visibility").as_deref(), Some("Visibility"));
+        assert_eq!(interface("lights").as_deref(), Some("Buffer"));
+        assert_eq!(ports.inputs.len(), 2);
+    }
+    let unknown = Case::new(&wgsl.replace("interface \"visibility", "interface \"shadows"), &[]);
+    let refusal = PASS.settings(&unknown.cx()).unwrap_err();
+    assert!(
+        refusal.message.contains("imports the interface \"shadows\", and no producer brings that"),
+        "{refusal:?}"
+    );
 }

@@ -209,11 +209,57 @@ fn it_records_one_draw_of_the_scenes_variant() {
 }
 
 #[test]
+fn entry_points_draw_one_after_the_other() {
+    let wgsl = "/// Along rows. [scratch]
+        @fragment fn rows() -> @location(0) vec4<f32> { return vec4(0.5); }
+        /// A variable cannot have the name of a function. [reads: rows]
+        var rows_drawn: texture_2d<f32>;
+        @fragment fn columns(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+            return textureLoad(rows_drawn, vec2<u32>(at.xy), 0);
+        }";
+    let case = Case::new(wgsl, &[]);
+    let ports = case.ports().unwrap();
+    assert_eq!(ports.outputs.iter().map(|port| &*port.name).collect::<Vec<_>>(), ["columns"]);
+    assert!(ports.inputs.is_empty());
+    let outputs = case.outputs(&[]).unwrap();
+    let told: Vec<_> = outputs.iter().map(|output| (&*output.port, output.scratch)).collect();
+    assert_eq!(told, [("rows", true), ("columns", false)]);
+    let recording = PASS
+        .record(&RecordContext {
+            name: "blur",
+            use_: case.cx().use_,
+            settings: &Settings::default(),
+            inputs: &[],
+            outputs: &[],
+            frame: (64, 48),
+            traits: &Traits::default(),
+            shaders: &case.library,
+        })
+        .unwrap();
+    let drawn: Vec<(&str, &str)> = recording
+        .steps
+        .iter()
+        .map(|step| match step {
+            Step::Raster(draw) => (draw.fragment.as_deref().unwrap(), &*draw.targets[0].resource),
+            Step::Compute(_) => panic!("draws alone: {step:?}"),
+        })
+        .collect();
+    assert_eq!(drawn, [("rows", "rows"), ("columns", "columns")]);
+}
+
+#[test]
 fn refusals_say_what_is_wrong_and_what_to_do() {
     let with = |line: &str| format!("{line}\n{RED}");
     let cases: &[(String, &[&str], &str)] = &[
         ("fn f() {}".into(), &[], "has no @fragment entry point"),
-        (with(&RED.replace("red", "blue")), &[], "2 @fragment entry points: `blue`, `red`"),
+        (
+            "struct Result { @location(0) colour: vec4<f32> }
+            @fragment fn red() -> Result { return Result(vec4(1.0)); }
+            @fragment fn blue() -> Result { return Result(vec4(0.0)); }"
+                .into(),
+            &[],
+            "two entry points have a result `colour`",
+        ),
         ("@fragment fn f() -> @location(0) vec4<f32> { return 1; }".into(), &[], "own.wgsl:1:"),
         (
             "@fragment fn f(@location(0) uv: vec2<f32>) -> @location(0) vec4<f32> { return vec4(uv, uv); }"

@@ -103,6 +103,8 @@ pub(crate) struct Repeat {
     pub(crate) count: At<SetValue>,
     /// Links into inputs; the target of each is an output of the copy before, without the name of a pass.
     pub(crate) carry: Vec<Link>,
+    /// The parameter of the part that is the number of the copy.
+    pub(crate) index: Option<At<Name>>,
 }
 
 /// One entry of `in`.

@@ -13,7 +13,7 @@ use data_file::Name;
 use std::sync::Arc;
 
 const PASS: &[&str] = &["kind", "shader", "in", "keep", "feed", "set", "out", "when", "off"];
-const SUB: &[&str] = &["file", "in", "set", "repeat", "carry", "when", "off"];
+const SUB: &[&str] = &["file", "in", "set", "repeat", "carry", "index", "when", "off"];
 const GROUP: &[&str] = &["inputs", "in", "outputs", "when", "off"];
 
 const INSERT: &str = "`Insert(name: \"pass\", pass: Pass(…), between: (\"a.port\", \"b.port\"))`";
@@ -134,7 +134,7 @@ impl Grammar<'_, '_> {
         })
     }
 
-    /// `repeat:` and `carry:`.
+    /// `repeat:`, `carry:` and `index:`.
     fn repeat(&mut self, fields: &Fields<'_>) -> Option<Repeat> {
         let mut carry = Vec::new();
         let carried = fields.get("carry");
@@ -144,16 +144,21 @@ impl Grammar<'_, '_> {
             let target = At { value: target, place: output.place };
             carry.push(Link::new(input, target, Self::content_end(node)));
         }
+        let index = fields.get("index").and_then(|n| self.name(n, "a parameter of the part", false));
         let Some(node) = fields.get("repeat") else {
             if let Some(node) = carried {
                 let place = self.head(node);
                 let error = self.error(&codes::MISSING_FIELD, place, "`carry` needs `repeat`");
                 error.notes.push("it says what each copy takes from the one before it".into());
             }
+            if let Some(index) = index {
+                let error = self.error(&codes::MISSING_FIELD, index.place, "`index` needs `repeat`");
+                error.notes.push("it names the parameter that is the number of the copy".into());
+            }
             return None;
         };
         let count = At { value: self.value(node)?, place: self.place(node) };
-        Some(Repeat { count, carry })
+        Some(Repeat { count, carry, index })
     }
 
     pub(super) fn when(&mut self, node: &Node) -> Option<Formula> {

@@ -6,6 +6,7 @@ use super::flatten::{Assignment, MAX_PASSES, Resolver, Scope};
 use crate::codes;
 use crate::description::{At, Body, Group, InputDecl, Link, OutputDecl, PassDecl, Repeat, SetValue, Target};
 use crate::diagnostic::{Diagnostic, Place};
+use crate::value::Value;
 use data_file::Name;
 use rustc_hash::FxHashSet;
 use std::sync::Arc;
@@ -78,7 +79,13 @@ impl Resolver<'_> {
                 }
                 None => Some(given.clone()),
             };
-            let given = given.iter().filter_map(of_copy).collect();
+            let index = whole.repeat.index.iter().map(|index| Assignment {
+                path: index.value.to_string(),
+                path_place: index.place,
+                value: SetValue::Value(Value::U32(i)),
+                place: index.place,
+            });
+            let given = index.chain(given.iter().filter_map(of_copy)).collect();
             let (name, node) = (whole.copy(i), self.nodes.len());
             let border = |body| PassDecl { body, links: whole.links(i), ..PassDecl::tombstone(None) };
             let (place, parent) = (whole.place, Some(whole.group));

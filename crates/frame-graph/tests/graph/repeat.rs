@@ -110,6 +110,21 @@ fn without_a_copy_what_is_carried_is_handed_through() {
 }
 
 #[test]
+fn a_copy_knows_its_number() {
+    let indexed = |more: &str| text(&format!(r#", index: "radius"{more}"#), r#""soft": "loop.soft""#);
+    assert_eq!(radii(&plan(&indexed(""), &[])), [0.0, 1.0, 2.0]);
+    // Said for a copy or for all, another value comes after.
+    assert_eq!(radii(&plan(&indexed(""), &[("loop/1.radius", Value::F32(9.0))])), [0.0, 9.0, 2.0]);
+    let unknown = text(r#", index: "raduis""#, r#""soft": "loop.soft""#);
+    let error = try_plan(&unknown, &[]).unwrap_err();
+    assert_eq!(error.0.len(), 1, "{error}");
+    assert!(error.to_string().contains("radius"), "{error}");
+    let single = unknown.replace(r#"repeat: "$n", carry: { "irradiance": "soft" }, "#, "");
+    let error = resolved(&single, &[]).unwrap_err();
+    assert!(error.to_string().contains("`index` needs `repeat`"), "{error}");
+}
+
+#[test]
 fn values_reach_all_copies_or_one() {
     let soft = text(r#", set: { "radius": "$n * 2" }"#, r#""soft": "loop.soft""#);
     let with = |path: &str| radii(&plan(&soft, &[(path, Value::F32(9.0))]));
