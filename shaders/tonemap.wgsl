@@ -1,6 +1,6 @@
 // From linear radiance to what a screen shows: exposure, a curve, and the encoding of sRGB.
 
-#option TONEMAP reinhard one_of [reinhard, reinhard-simple, aces, filmic, none] // the curve
+#option TONEMAP reinhard one_of [reinhard, reinhard-simple, aces, filmic, none] // The curve from radiance to `display`; `image` stays linear.
 
 #import "color.wgsl"
 

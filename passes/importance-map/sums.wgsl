@@ -1,6 +1,6 @@
 // What the importance is a mixture of, summed over texels.
 
-#import "algorithms/scaled.wgsl"
+#import "prefix-sum.wgsl"
 
 struct Sums {
     contribution: Scaled,

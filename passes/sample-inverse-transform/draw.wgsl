@@ -7,6 +7,9 @@
 
 struct Settings {
     count: u32,
+    /// Random numbers a light. 3: layer, row and column have one each. 2: the number that picks the layer is
+    /// renormalised and picks the row too (Shirley & Wang 1991); flicker between frames is higher (TCAS Fig. 8).
+    /// [default: 3, one_of: [3, 2]]
     dimensions: u32,
     seed: u32,
 }

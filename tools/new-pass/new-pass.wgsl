@@ -2,6 +2,7 @@
 
 struct Settings {
     image_size: vec2<u32>,
+    /// What the radiance is multiplied by. [default: 1.0, min: 0.0, max: 1000000.0]
     gain: f32,
 }
 

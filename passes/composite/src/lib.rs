@@ -2,8 +2,7 @@
 
 use pass::{
     Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, optional, output,
-    setting::{self, SettingExt},
+    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, optional, output, setting,
 };
 
 pub mod twin;
@@ -18,9 +17,6 @@ pub struct Composite;
 const LIGHT: &str = "passes/composite/composite.wgsl";
 const SCREEN: &str = "passes/composite/display.wgsl";
 
-/// The curves, as `tonemap` and the shader's option name them.
-const TONEMAPS: [&str; 5] = ["reinhard", "reinhard-simple", "aces", "filmic", "none"];
-
 impl Pass for Composite {
     fn info(&self) -> Info {
         Info {
@@ -31,26 +27,10 @@ impl Pass for Composite {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        Ok(vec![
-            setting::choice(
-                "tonemap",
-                &TONEMAPS,
-                "The curve from radiance to `display`; `image` stays linear.",
-            ),
-            setting::f32("exposure", 0.0, "Brightness of `display`: each step doubles it.")
-                .range(-40.0, 40.0)
-                .unit("EV"),
-            // DEVIATION(white): one default for both curves that take it.
-            setting::f32(
-                "white",
-                4.0,
-                "The least exposed luminance that `display` shows as white, with `reinhard` and `filmic`. \
-                 Bright parts keep their detail as it grows; the picture loses contrast.",
-            )
-            .range(0.01, 1e6)
-            .unit("W/(m² sr)"),
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let mut all = setting::of_options(cx.shaders, SCREEN, &["TONEMAP"])?;
+        all.extend(setting::of_shader(cx.shaders, SCREEN)?);
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
@@ -107,8 +87,8 @@ impl Pass for Composite {
         let size = cx.size("view");
         let mut recording = Recording::one(Compute::per_texel(cx.shader(LIGHT, &defines), "composite", size));
         if cx.connected("display") {
-            let curve = Define::Text(cx.settings.text("tonemap").into());
-            let show = Compute::per_texel(cx.shader(SCREEN, &[("TONEMAP", curve)]), "show", size);
+            let shader = cx.shader(SCREEN, &[cx.option("TONEMAP")]);
+            let show = Compute::per_texel(shader, "show", size);
             recording = recording.then(show.bind("radiance", "image"));
         }
         Ok(recording)

@@ -2,8 +2,7 @@
 
 use pass::{
     Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, Value, input, output,
-    setting::{self, SettingExt},
+    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, output, setting,
 };
 
 pub mod twin;
@@ -27,24 +26,8 @@ impl Pass for DirectLight {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        let pcf = setting::u32(
-            "pcf",
-            5,
-            "Side of the window that shadows are filtered over: 5 makes 25 taps. Edges soften, and time \
-             grows with its square.",
-        );
-        Ok(vec![
-            Setting { one_of: [1, 3, 5, 7, 9].map(Value::U32).to_vec(), ..pcf }.unit("texels"),
-            setting::f32(
-                "bias",
-                0.25,
-                "How far behind the map a surface may lie and still be lit, on top of its own slope. Specks \
-                 on lit surfaces fade as it grows; shadows come loose from what casts them.",
-            )
-            .range(0.0, 100.0)
-            .unit("texels"),
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        setting::of_shader(cx.shaders, SHADER)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {

@@ -3,7 +3,7 @@
 use pass::{
     Define, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass,
     Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, Usage,
-    UseContext, Value, output, setting,
+    UseContext, Value, output,
 };
 
 pub mod twin;
@@ -18,6 +18,15 @@ pub struct Gbuffer;
 const GEOMETRY: &str = "passes/gbuffer/gbuffer.wgsl";
 const MOTION: &str = "passes/gbuffer/motion.wgsl";
 
+pass::settings! {
+    /// The settings of the kind `gbuffer`.
+    pub struct GbufferSettings {
+        /// Whether the G-buffer has the member `motion`. It takes one more draw over the frame; the scene is taken to
+        /// be at rest.
+        motion: bool = false;
+    }
+}
+
 impl Pass for Gbuffer {
     fn info(&self) -> Info {
         Info {
@@ -29,12 +38,7 @@ impl Pass for Gbuffer {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        Ok(vec![setting::bool(
-            "motion",
-            false,
-            "Whether the G-buffer has the member `motion`. One more draw over the frame; \
-             the scene is taken to be at rest.",
-        )])
+        Ok(GbufferSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
@@ -53,7 +57,7 @@ impl Pass for Gbuffer {
             ("albedo", Format::Rgba16Float, true),
             ("specular", Format::Rgba16Float, has("glossy")),
             ("emission", Format::Rgba32Float, has("emissive")),
-            ("motion", Format::Rg32Float, outputs.settings.bool("motion")),
+            ("motion", Format::Rg32Float, GbufferSettings::read(outputs.settings).motion),
         ];
         let texture = |format| ResourceDesc::texture_2d(format, Extent::FRAME);
         let members = members.into_iter().filter(|(_, _, present)| *present);

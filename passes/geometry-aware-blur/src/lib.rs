@@ -2,7 +2,7 @@
 
 pub mod twin;
 
-use pass::setting::{self, SettingExt};
+use pass::setting;
 use pass::{
     Compute, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
     RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, Value,
@@ -16,6 +16,20 @@ pub struct GeometryAwareBlur;
 
 const SHADER: &str = "passes/geometry-aware-blur/geometry-aware-blur.wgsl";
 
+pass::settings! {
+    /// The settings of the kind `geometry-aware-blur` that are not the shader's alone.
+    pub struct GeometryAwareBlurSettings {
+        /// Width of the window; 0 takes the interleaving of the input (its fact `interleave_x`). Multiples of that leave
+        /// no pattern. Noise falls and detail is lost with it.
+        width: u32 = 0, max: 64, unit: "px";
+        /// Height of the window; 0 takes the interleaving of the input (its fact `interleave_y`).
+        height: u32 = 0, max: 64, unit: "px";
+        /// Filter rows, then columns: the time of width + height reads in place of width · height. The result differs
+        /// only where pixels are rejected.
+        separable: bool = true;
+    }
+}
+
 impl Pass for GeometryAwareBlur {
     fn info(&self) -> Info {
         Info {
@@ -26,43 +40,10 @@ impl Pass for GeometryAwareBlur {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        let window = |name, fact| {
-            setting::u32(
-                name,
-                0,
-                &format!(
-                    "Window; 0 takes the interleaving of the input (its fact `{fact}`). Multiples of that leave no \
-                     pattern. Noise falls and detail is lost with it."
-                ),
-            )
-            .range(0.0, 64.0)
-            .unit("px")
-        };
-        Ok(vec![
-            window("width", "interleave_x"),
-            window("height", "interleave_y"),
-            setting::f32(
-                "alpha",
-                0.02,
-                "Pixels count whose distance from the plane of the middle one is at most this fraction of its depth \
-                 (ACRSM gives none). More blurs over steps, less leaves noise on curved surfaces.",
-            )
-            .at_least(0.0),
-            setting::f32(
-                "beta",
-                0.9,
-                "Pixels count whose normals have at least this cosine with that of the middle one (ACRSM gives \
-                 none). Less blurs over creases, more leaves noise on curved surfaces.",
-            )
-            .range(-1.0, 1.0),
-            setting::bool(
-                "separable",
-                true,
-                "Filter rows, then columns: the time of width + height reads in place of width · height. Differs only \
-                 where pixels are rejected.",
-            ),
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let mut all = GeometryAwareBlurSettings::schema();
+        all.extend(setting::of_shader(cx.shaders, SHADER)?);
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
@@ -91,24 +72,26 @@ impl Pass for GeometryAwareBlur {
         }
         let image = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view"));
         let mut outputs = vec![OutputDesc::one("filtered", image())];
-        if cx.settings.bool("separable") {
+        if GeometryAwareBlurSettings::read(cx.settings).separable {
             outputs.push(OutputDesc::scratch("rows", image()));
         }
         Ok(outputs)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let window = |setting, fact| match cx.settings.u32(setting) {
+        let settings = GeometryAwareBlurSettings::read(cx.settings);
+        let window = |setting, fact| match setting {
             0 => cx.fact("irradiance", fact).max(1),
             given => given,
         };
-        let (width, height) = (window("width", "interleave_x"), window("height", "interleave_y"));
+        let (width, height) =
+            (window(settings.width, "interleave_x"), window(settings.height, "interleave_y"));
         let blur = |width, height| {
             Compute::per_texel(cx.shader(SHADER, &[]), "blur", cx.size("view"))
                 .value("width", Value::U32(width))
                 .value("height", Value::U32(height))
         };
-        if cx.settings.bool("separable") {
+        if settings.separable {
             let rows = blur(width, 1).bind("filtered", "rows");
             Ok(Recording::one(rows).then(blur(1, height).bind("irradiance", "rows")))
         } else {

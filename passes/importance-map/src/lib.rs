@@ -2,8 +2,6 @@
 
 pub mod twin;
 
-use gpu_algorithms::reduce;
-use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
     RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, output,
@@ -17,7 +15,6 @@ pub struct ImportanceMap;
 
 const VIEW_SAMPLES: &str = "passes/importance-map/view-samples.wgsl";
 const IMPORTANCE_MAP: &str = "passes/importance-map/importance-map.wgsl";
-const SUM: &str = "passes/importance-map/sum.wgsl";
 const MIX: &str = "passes/importance-map/mix.wgsl";
 
 /// Side of the workgroups of importance-map.wgsl.
@@ -27,57 +24,66 @@ const VIEW_SAMPLE_BYTES: u64 = 48;
 /// Bytes of struct Sums.
 const SUMS_BYTES: u64 = 16;
 
+pass::choice! {
+    /// What importance is.
+    pub enum Measure {
+        /// What a texel adds to samples of the view.
+        Contribution = "contribution",
+        /// The luminance of the flux that it reflects.
+        Flux = "flux",
+    }
+}
+
+pass::settings! {
+    /// The settings of the kind `importance-map`.
+    pub struct ImportanceMapSettings {
+        /// What importance is. contribution: what the texel adds to samples of the view, visibility left out (TCAS
+        /// Eq. 1-2). flux: luminance of the flux that it reflects, whatever the camera sees (ISM §4).
+        measure: Measure = Measure::Contribution;
+        /// Samples of the view P, for the measure contribution. Noise of the importance falls as P^-½, time rises with
+        /// P × texels of the map. TCAS §2 names 0.1 % of the pixels.
+        // DEVIATION(sample-count): a number, not a share of the pixels.
+        view_samples: u32 = 256, min: 1, max: 65_536;
+        /// Distance that a texel and a sample of the view have at least when their geometry term is taken. Larger:
+        /// fewer lights crowd where a sample happens to lie near a lit surface; too large: lights miss corners, which
+        /// are lit from near by.
+        min_distance: f32 = 0.01, min: 1e-4, max: 1.0, unit: "scene extents";
+        /// Share δ of the lights that is drawn by flux whatever the view, for the measure contribution. Bounds the
+        /// weight of a light by 1/δ times that of drawing by flux, and draws texels that no sample of the view saw.
+        /// Larger: fewer bright outliers, but more lights out of sight. 0: as in the paper.
+        defensive: f32 = 0.05, min: 0.0, max: 1.0;
+    }
+}
+
+impl ImportanceMapSettings {
+    fn by_contribution(&self) -> bool {
+        self.measure == Measure::Contribution
+    }
+
+    fn mixes(&self) -> bool {
+        self.by_contribution() && self.defensive > 0.0
+    }
+}
+
 impl Pass for ImportanceMap {
     fn info(&self) -> Info {
         Info {
             kind: "importance-map",
             about: "How much each texel of a reflective shadow map matters as a virtual light.",
             paper: "TCAS §4.1, Eq. 1-2; ISM §4",
-            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP, SUM, MIX],
+            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP, MIX],
         }
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        Ok(vec![
-            setting::choice(
-                "measure",
-                &["contribution", "flux"],
-                "What importance is. contribution: what the texel adds to samples of the view, visibility left out \
-                 (TCAS Eq. 1-2). flux: luminance of the flux that it reflects, whatever the camera sees (ISM §4).",
-            ),
-            // DEVIATION(sample-count): a number, not a share of the pixels.
-            setting::u32(
-                "view_samples",
-                256,
-                "Samples of the view P, for the measure contribution. Noise of the importance falls as P^-½, time \
-                 rises with P × texels of the map. TCAS §2 names 0.1 % of the pixels.",
-            )
-            .range(1.0, 65536.0),
-            setting::f32(
-                "min_distance",
-                0.01,
-                "Distance that a texel and a sample of the view have at least when their geometry term is taken. \
-                 Larger: fewer lights crowd where a sample happens to lie near a lit surface; too large: lights miss \
-                 corners, which are lit from near by.",
-            )
-            .range(1e-4, 1.0)
-            .unit("scene extents"),
-            setting::f32(
-                "defensive",
-                0.05,
-                "Share δ of the lights that is drawn by flux whatever the view, for the measure contribution. Bounds \
-                 the weight of a light by 1/δ times that of drawing by flux, and draws texels that no sample of the \
-                 view saw. Larger: fewer bright outliers, but more lights out of sight. 0: as in the paper.",
-            )
-            .range(0.0, 1.0),
-        ])
+        Ok(ImportanceMapSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError> {
         let rsm = input("rsm", "ReflectiveShadowMap", "Each texel is a potential virtual light.");
         let importance =
             output("importance", "ImportanceMap", "f(v) of each texel; the mean is 1 where it is a mixture.");
-        Ok(if by_contribution(settings) {
+        Ok(if ImportanceMapSettings::read(settings).by_contribution() {
             Ports {
                 inputs: vec![rsm, input("view", "GBuffer", "What the lights are to be important for.")],
                 outputs: vec![importance],
@@ -100,11 +106,12 @@ impl Pass for ImportanceMap {
                 .fact("size", Value::U32(texture.size.0))
                 .fact("layers", Value::U32(texture.layers)),
         ];
-        if by_contribution(cx.settings) {
-            let samples = VIEW_SAMPLE_BYTES * u64::from(cx.settings.u32("view_samples"));
+        let settings = ImportanceMapSettings::read(cx.settings);
+        if settings.by_contribution() {
+            let samples = VIEW_SAMPLE_BYTES * u64::from(settings.view_samples);
             outputs.push(OutputDesc::scratch("samples", ResourceDesc::buffer(samples)));
         }
-        if mixes(cx.settings) {
+        if settings.mixes() {
             let partial = SUMS_BYTES * u64::from(groups(texture.size, texture.layers));
             outputs.push(OutputDesc::scratch("contribution", map()));
             outputs.push(OutputDesc::scratch("partial_sums", ResourceDesc::buffer(partial)));
@@ -116,31 +123,28 @@ impl Pass for ImportanceMap {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let layers = cx.layers("importance");
         let (width, height) = cx.size("importance");
-        let (contribution, mixed) = (by_contribution(cx.settings), mixes(cx.settings));
+        let settings = ImportanceMapSettings::read(cx.settings);
+        let (contribution, mixed) = (settings.by_contribution(), settings.mixes());
         let texels = Threads::Grid([width, height, layers]);
         let defines = [("CONTRIBUTION", Define::Bool(contribution)), ("SUMS", Define::Bool(mixed))];
         let measure = Compute::new(cx.shader(IMPORTANCE_MAP, &defines), "measure", texels.clone());
         if !contribution {
             return Ok(Recording::one(measure));
         }
-        let samples = Threads::Row(cx.settings.u32("view_samples"));
+        let samples = Threads::Row(settings.view_samples);
         let pick = Recording::one(Compute::new(cx.shader(VIEW_SAMPLES, &[]), "pick", samples));
         if !mixed {
             return Ok(pick.then(measure));
         }
-        let sum =
-            reduce::few(&cx.shader(SUM, &[])).value("groups", Value::U32(groups((width, height), layers)));
-        let mix = Compute::new(cx.shader(MIX, &[]), "mix_with_flux", texels);
-        Ok(pick.then(measure.bind("importance", "contribution")).then(sum).then(mix))
+        let mix = |entry, threads| {
+            Compute::new(cx.shader(MIX, &[]), entry, threads)
+                .value("groups", Value::U32(groups((width, height), layers)))
+        };
+        Ok(pick
+            .then(measure.bind("importance", "contribution"))
+            .then(mix("add", Threads::Grid([1, 1, 1])).bind("sum", "sums"))
+            .then(mix("mix_with_flux", texels).bind("total", "sums")))
     }
-}
-
-fn by_contribution(settings: &Settings) -> bool {
-    settings.text("measure") == "contribution"
-}
-
-fn mixes(settings: &Settings) -> bool {
-    by_contribution(settings) && settings.f32("defensive") > 0.0
 }
 
 /// Workgroups of importance-map.wgsl.

@@ -4,7 +4,6 @@ use pass::{
     Compute, Define, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, OutputContext,
     OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
     Threads, Usage, UseContext, Value, output,
-    setting::{self, SettingExt},
 };
 
 pub mod twin;
@@ -24,6 +23,15 @@ fn light_layers(traits: &pass::Traits) -> u32 {
     traits.0.get("light_layers").and_then(Value::as_u32).unwrap_or(0)
 }
 
+pass::settings! {
+    /// The settings of the kind `reflective-shadow-map`.
+    pub struct ReflectiveShadowMapSettings {
+        /// Side of a layer. Shadows sharpen and virtual lights have more places to stand as it grows; time and memory
+        /// grow with its square.
+        size: u32 = 512, min: 1, max: 8192, unit: "px";
+    }
+}
+
 impl Pass for ReflectiveShadowMap {
     fn info(&self) -> Info {
         Info {
@@ -36,16 +44,7 @@ impl Pass for ReflectiveShadowMap {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        Ok(vec![
-            setting::u32(
-                "size",
-                512,
-                "Side of a layer. Shadows sharpen and virtual lights have more places to stand as it grows; \
-                 time and memory grow with its square.",
-            )
-            .range(1.0, 8192.0)
-            .unit("px"),
-        ])
+        Ok(ReflectiveShadowMapSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
@@ -57,7 +56,7 @@ impl Pass for ReflectiveShadowMap {
     }
 
     fn outputs(&self, _: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        let size = outputs.settings.u32("size");
+        let size = ReflectiveShadowMapSettings::read(outputs.settings).size;
         let extent = Extent::Fixed(size, size);
         let lit = light_layers(outputs.traits);
         let layers = lit.max(1);
@@ -80,7 +79,7 @@ impl Pass for ReflectiveShadowMap {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let layers = light_layers(cx.traits);
-        let size = cx.settings.u32("size");
+        let size = ReflectiveShadowMapSettings::read(cx.settings).size;
         let shader = cx.shader(SURFACES, &[("TEXTURED", Define::Bool(cx.trait_bool("textured")))]);
         let mut steps: Vec<Step> = (0..layers)
             .map(|layer| {

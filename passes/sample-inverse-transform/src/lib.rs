@@ -2,8 +2,7 @@
 
 pub mod twin;
 
-use gpu_algorithms::segmented_scan;
-use pass::setting::{self, SettingExt};
+use pass::setting;
 use pass::{
     Compute, Define, Extent, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
     Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
@@ -18,6 +17,17 @@ pub struct SampleInverseTransform;
 const CUMULATE: &str = "passes/sample-inverse-transform/cumulate.wgsl";
 const DRAW: &str = "passes/sample-inverse-transform/draw.wgsl";
 
+/// Threads of a workgroup that sums a segment: SCAN_SIZE of shaders/prefix-sum.wgsl.
+const SCAN_SIZE: u32 = 256;
+
+pass::settings! {
+    /// The settings of the kind `sample-inverse-transform` that are not draw.wgsl's alone.
+    pub struct SampleInverseTransformSettings {
+        /// Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.
+        count: u32 = 1024, min: 1, max: 2_097_152;
+    }
+}
+
 impl Pass for SampleInverseTransform {
     fn info(&self) -> Info {
         Info {
@@ -28,18 +38,10 @@ impl Pass for SampleInverseTransform {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        let count = "Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.";
-        let dimensions = "Random numbers a light. 3: layer, row and column have one each. 2: the number that picks \
-                          the layer is renormalised and picks the row too (Shirley & Wang 1991); flicker between \
-                          frames is higher (TCAS Fig. 8).";
-        Ok(vec![
-            setting::u32("count", 1024, count).range(1.0, 2_097_152.0),
-            Setting {
-                one_of: vec![Value::U32(3), Value::U32(2)],
-                ..setting::u32("dimensions", 3, dimensions)
-            },
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let mut all = SampleInverseTransformSettings::schema();
+        all.extend(setting::of_shader(cx.shaders, DRAW)?);
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
@@ -58,7 +60,7 @@ impl Pass for SampleInverseTransform {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        let count = cx.settings.u32("count");
+        let count = SampleInverseTransformSettings::read(cx.settings).count;
         let ((_, height), layers) = interfaces::importance_shape(cx)?;
         let cdf = |entries: u32| ResourceDesc::buffer(4 * u64::from(entries));
         let totals = |segments: u32| ResourceDesc::buffer(8 * u64::from(segments));
@@ -79,10 +81,16 @@ impl Pass for SampleInverseTransform {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let (_, height) = cx.size("row_cdf");
         let layers = cx.layers("row_cdf");
-        let cumulate = |rows| cx.shader(CUMULATE, &[("ROWS", Define::Bool(rows))]);
-        let rows = segmented_scan(&cumulate(true), height, layers).bind("totals", "row_totals");
+        let rows = Compute::new(
+            cx.shader(CUMULATE, &[("ROWS", Define::Bool(true))]),
+            "cumulate",
+            Threads::Grid([SCAN_SIZE, height, layers]),
+        )
+        .bind("totals", "row_totals");
         let run = |length: u32, segments: u32| {
-            segmented_scan(&cumulate(false), segments, 1).value("segment_length", Value::U32(length))
+            let threads = Threads::Grid([SCAN_SIZE, segments, 1]);
+            Compute::new(cx.shader(CUMULATE, &[("ROWS", Define::Bool(false))]), "cumulate", threads)
+                .value("segment_length", Value::U32(length))
         };
         let columns = run(height, layers)
             .bind("parts", "row_totals")
@@ -90,7 +98,8 @@ impl Pass for SampleInverseTransform {
             .bind("totals", "layer_totals");
         let maps =
             run(layers, 1).bind("parts", "layer_totals").bind("cdf", "layer_cdf").bind("totals", "total");
-        let draw = Compute::new(cx.shader(DRAW, &[]), "draw", Threads::Row(cx.settings.u32("count")));
+        let count = SampleInverseTransformSettings::read(cx.settings).count;
+        let draw = Compute::new(cx.shader(DRAW, &[]), "draw", Threads::Row(count));
         Ok(Recording::one(rows).then(columns).then(maps).then(draw))
     }
 }

@@ -2,11 +2,9 @@
 
 pub mod twin;
 
-use gpu_algorithms::reduce;
-use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
+    Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc,
+    Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
 };
 
 /// The pass, for the catalog.
@@ -18,8 +16,43 @@ pub struct SampleMetropolis;
 const SAMPLE: &str = "passes/sample-metropolis/sample-metropolis.wgsl";
 const MEAN: &str = "passes/sample-metropolis/mean.wgsl";
 
-/// Bytes of `Scaled` in shaders/algorithms/scaled.wgsl.
+/// Threads of a workgroup that sums: SCAN_SIZE of shaders/prefix-sum.wgsl.
+const SCAN_SIZE: u32 = 256;
+
+/// Workgroups that sum proposals, at most: a thread each of the one that sums their sums.
+const GREATEST_PARTS: u32 = 256;
+
+/// Bytes of `Scaled` in shaders/prefix-sum.wgsl.
 const SCALED_BYTES: u64 = 8;
+
+pass::choice! {
+    /// What stands for the mean importance in a light's weight; the words are those of the shader's option `WEIGHTS`.
+    pub enum Weights {
+        /// The mean over the chain's proposals.
+        LocalMean = "local-mean",
+        /// The importance of the first proposal.
+        Single = "single",
+        /// The mean over the proposals of all chains.
+        None = "none",
+    }
+}
+
+pass::settings! {
+    /// The settings of the kind `sample-metropolis`.
+    pub struct SampleMetropolisSettings {
+        /// Number of virtual lights N, a chain each. Error falls as N^-½; the time for shadows and gathering rises
+        /// with N.
+        count: u32 = 1024, min: 1, max: 2_097_152;
+        /// Samples of a chain M; the last is the light. Larger: lights follow the importance more closely; time rises
+        /// with N M. 1: uniform. 5 suffices (TCAS §4.3.1).
+        // N M elements of the sequence have numbers of 32 bits.
+        steps: u32 = 5, min: 1, max: 1024;
+        /// What stands for the mean importance in a light's weight. local-mean: the mean over the chain's proposals,
+        /// which takes out most of the start-up bias. single: the importance of the first; unbiased, but lights vary
+        /// more (Veach & Guibas 1997). none: the mean over the proposals of all chains; start-up bias stays.
+        weights: Weights = Weights::LocalMean;
+    }
+}
 
 impl Pass for SampleMetropolis {
     fn info(&self) -> Info {
@@ -32,20 +65,7 @@ impl Pass for SampleMetropolis {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        let count = "Number of virtual lights N, a chain each. Error falls as N^-½; the time for shadows and \
-                     gathering rises with N.";
-        let steps = "Samples of a chain M; the last is the light. Larger: lights follow the importance more closely; \
-                     time rises with N M. 1: uniform. 5 suffices (TCAS §4.3.1).";
-        let weights = "What stands for the mean importance in a light's weight. local-mean: the mean over the \
-                       chain's proposals, which takes out most of the start-up bias. single: the importance of the \
-                       first; unbiased, but lights vary more (Veach & Guibas 1997). none: the mean over the \
-                       proposals of all chains; start-up bias stays.";
-        Ok(vec![
-            setting::u32("count", 1024, count).range(1.0, 2_097_152.0),
-            // N M elements of the sequence have numbers of 32 bits.
-            setting::u32("steps", 5, steps).range(1.0, 1024.0),
-            setting::choice("weights", &["local-mean", "single", "none"], weights),
-        ])
+        Ok(SampleMetropolisSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
@@ -65,34 +85,38 @@ impl Pass for SampleMetropolis {
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         interfaces::importance_shape(cx)?;
-        let count = cx.settings.u32("count");
+        let settings = SampleMetropolisSettings::read(cx.settings);
+        let count = settings.count;
         let mut outputs = vec![
             OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
         ];
-        if without_weights(cx.settings) {
-            outputs.push(reduce::scratch("sums", proposals(cx.settings), SCALED_BYTES));
-            outputs.push(OutputDesc::scratch("sum", ResourceDesc::buffer(SCALED_BYTES)));
+        if settings.weights == Weights::None {
+            let sums = |count: u32| ResourceDesc::buffer(SCALED_BYTES * u64::from(count));
+            outputs.push(OutputDesc::scratch("parts", sums(parts(&settings))));
+            outputs.push(OutputDesc::scratch("sum", sums(1)));
         }
         Ok(outputs)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
-        let weights = Define::Text(cx.settings.text("weights").into());
-        let shader = cx.shader(SAMPLE, &[("WEIGHTS", weights)]);
-        let sample = Compute::new(shader, "sample", Threads::Row(cx.settings.u32("count")));
-        if !without_weights(cx.settings) {
+        let settings = SampleMetropolisSettings::read(cx.settings);
+        let shader = cx.shader(SAMPLE, &[("WEIGHTS", settings.weights.into())]);
+        let sample = Compute::new(shader, "sample", Threads::Row(settings.count));
+        if settings.weights != Weights::None {
             return Ok(Recording::one(sample));
         }
-        let sum = reduce::steps(&cx.shader(MEAN, &[]), proposals(cx.settings), "sums");
-        Ok(Recording::of(sum).then(sample))
+        let parts = parts(&settings);
+        let add = |entry, groups: u32| {
+            Compute::new(cx.shader(MEAN, &[]), entry, Threads::Grid([SCAN_SIZE * groups, 1, 1]))
+                .value("parts", Value::U32(parts))
+        };
+        Ok(Recording::one(add("add_proposals", parts).bind("sums", "parts"))
+            .then(add("add_parts", 1).bind("sums", "sum"))
+            .then(sample))
     }
 }
 
-fn without_weights(settings: &Settings) -> bool {
-    settings.text("weights") == "none"
-}
-
-/// Proposals of all chains.
-fn proposals(settings: &Settings) -> u32 {
-    settings.u32("count") * settings.u32("steps")
+/// Workgroups that sum proposals.
+fn parts(settings: &SampleMetropolisSettings) -> u32 {
+    (settings.count * settings.steps).div_ceil(SCAN_SIZE).min(GREATEST_PARTS)
 }

@@ -2,7 +2,6 @@
 
 pub mod twin;
 
-use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting,
     Settings, Threads, UseContext, Value, input, interfaces, output,
@@ -13,6 +12,14 @@ pub const PASS: &dyn Pass = &SampleUniform;
 
 /// See the crate.
 pub struct SampleUniform;
+
+pass::settings! {
+    /// The settings of the kind `sample-uniform`.
+    pub struct SampleUniformSettings {
+        /// Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.
+        count: u32 = 1024, min: 1, max: 2_097_152;
+    }
+}
 
 impl Pass for SampleUniform {
     fn info(&self) -> Info {
@@ -25,8 +32,7 @@ impl Pass for SampleUniform {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        let count = "Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.";
-        Ok(vec![setting::u32("count", 1024, count).range(1.0, 2_097_152.0)])
+        Ok(SampleUniformSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
@@ -38,7 +44,7 @@ impl Pass for SampleUniform {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        let count = cx.settings.u32("count");
+        let count = SampleUniformSettings::read(cx.settings).count;
         Ok(vec![
             OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
         ])
@@ -46,6 +52,7 @@ impl Pass for SampleUniform {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let shader = cx.shader("passes/sample-uniform/sample-uniform.wgsl", &[]);
-        Ok(Recording::one(Compute::new(shader, "sample", Threads::Row(cx.settings.u32("count")))))
+        let count = SampleUniformSettings::read(cx.settings).count;
+        Ok(Recording::one(Compute::new(shader, "sample", Threads::Row(count))))
     }
 }

@@ -2,8 +2,7 @@
 
 use pass::{
     Compute, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, output,
-    setting::{self, SettingExt},
+    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, output, setting,
 };
 
 pub mod twin;
@@ -22,8 +21,8 @@ impl Pass for NewPass {
         Info { kind: "new-pass", about: "Radiance times a gain.", paper: "", shaders: &[SHADER] }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        Ok(vec![setting::f32("gain", 1.0, "What the radiance is multiplied by.").range(0.0, 1e6)])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        setting::of_shader(cx.shaders, SHADER)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
