@@ -6,8 +6,8 @@
 /// Sums are made for mixing with the flux.
 #option SUMS true
 
+#import "algorithms/scaled.wgsl"
 #import "color.wgsl"
-#import "prefix-sum.wgsl"
 #if CONTRIBUTION
 #import "scene.wgsl"
 #import "view-sample.wgsl"

@@ -3,37 +3,20 @@
 // weighs more than 1/δ times what drawing by flux alone would give it (defensive sampling, Hesterberg 1995).
 // DEVIATION(defensive): with δ = 0 it is the paper's.
 
+#import "algorithms/scaled.wgsl"
 #import "color.wgsl"
-#import "prefix-sum.wgsl"
 #import "sums.wgsl"
 
 struct Settings {
     defensive: f32,
-    groups: u32,
 }
 
 var<uniform> settings: Settings;
-/// [groups]
-var<storage, read> partial_sums: array<Sums>;
-var<storage, read_write> sum: Sums;
-var<storage, read> total: Sums;
+/// Of all texels.
+var<storage, read> sums: Sums;
 var contribution: texture_2d_array<f32>;
 var rsm_flux: texture_2d_array<f32>;
 var importance: texture_storage_2d_array<r32float, write>;
-
-@compute @workgroup_size(256)
-fn add(@builtin(local_invocation_index) thread: u32) {
-    var own = Sums();
-    for (var i = thread; i < settings.groups; i += SCAN_SIZE) {
-        own.contribution = add_scaled(own.contribution, partial_sums[i].contribution);
-        own.flux = add_scaled(own.flux, partial_sums[i].flux);
-    }
-    let contribution = workgroup_sum(thread, own.contribution);
-    let flux = workgroup_sum(thread, own.flux);
-    if thread == 0u {
-        sum = Sums(contribution, flux);
-    }
-}
 
 /// What part of the whole a value is; 0 of nothing.
 fn share(value: f32, whole: Scaled) -> f32 {
@@ -49,8 +32,8 @@ fn mix_with_flux(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= size) {
         return;
     }
-    let by_view = share(textureLoad(contribution, id.xy, id.z, 0).r, total.contribution);
-    let by_flux = share(weight_of(luminance(textureLoad(rsm_flux, id.xy, id.z, 0).rgb)), total.flux);
+    let by_view = share(textureLoad(contribution, id.xy, id.z, 0).r, sums.contribution);
+    let by_flux = share(weight_of(luminance(textureLoad(rsm_flux, id.xy, id.z, 0).rgb)), sums.flux);
     let texels = f32(size.x) * f32(size.y) * f32(textureNumLayers(rsm_flux));
     textureStore(importance, id.xy, id.z, vec4(texels * mix(by_view, by_flux, settings.defensive)));
 }

@@ -1,6 +1,6 @@
 // What the importance is a mixture of, summed over texels.
 
-#import "prefix-sum.wgsl"
+#import "algorithms/scaled.wgsl"
 
 struct Sums {
     contribution: Scaled,

@@ -4,7 +4,9 @@
 // and ε a hundredth of the squared mean of the picture, as in `lightloom compare`.
 
 #option PAST false // whether there are samples of earlier frames
+#option SUM luminance one_of [luminance, error] // what is summed over the pixels: the second needs the first
 
+#import "algorithms/sum-f32.wgsl"
 #import "color.wgsl"
 #import "path-progress.wgsl"
 
@@ -20,57 +22,65 @@ var samples_image: texture_2d<f32>;
 #if PAST
 var<storage, read> past_progress: Progress;
 #endif
-var<storage, read_write> samples_progress: Progress;
 
-const THREADS: u32 = 256u;
-var<workgroup> partial: array<f32, THREADS>;
-
-/// The sum of what each thread brings.
-fn sum(local: u32, value: f32) -> f32 {
-    partial[local] = value;
-    for (var half = THREADS / 2u; half > 0u; half /= 2u) {
-        workgroupBarrier();
-        if local < half {
-            partial[local] += partial[local + half];
-        }
-    }
-    let total = workgroupUniformLoad(&partial[0]);
-    workgroupBarrier();
-    return total;
+/// How far it was before this frame.
+fn progress_before() -> Progress {
+    var before: Progress;
+#if PAST
+    before = past_progress;
+#endif
+    return before;
 }
 
+/// Samples a pixel by now.
+fn samples_so_far() -> u32 {
+    let before = progress_before();
+    return before.samples + samples_of_frame(before, settings.samples_per_frame, settings.samples);
+}
+
+/// Sums over the samples of a pixel.
 fn pixel(index: u32) -> vec4<f32> {
     let width = settings.samples_size.x;
     return textureLoad(samples_image, vec2(index % width, index / width), 0);
 }
 
-@compute @workgroup_size(THREADS)
-fn estimate(@builtin(local_invocation_index) local: u32) {
-    var before: Progress;
-#if PAST
-    before = past_progress;
-#endif
-    let samples = before.samples + samples_of_frame(before, settings.samples_per_frame, settings.samples);
-    let pixels = settings.samples_size.x * settings.samples_size.y;
-    // In units of the picture's mean: neither vanishes nor overflows at any intensity of the lights.
-    var mine = 0.0;
-    for (var i = local; i < pixels; i += THREADS) {
-        mine += luminance(pixel(i).rgb);
-    }
-    let mean = max(sum(local, mine) / f32(pixels) / f32(max(samples, 1u)), 1e-30);
-    mine = 0.0;
-    for (var i = local; i < pixels; i += THREADS) {
-        let sums = pixel(i) / f32(max(samples, 1u));
-        let own = luminance(sums.rgb) / mean;
-        let variance = max(sums.a / mean / mean - own * own, 0.0) / f32(max(samples, 2u) - 1u);
-        mine += variance / (own * own + 0.01);
-    }
-    let error = sum(local, mine) / f32(pixels);
-    if local == 0u {
-        let estimated = select(0.0, error, samples >= 2u);
-        // A few samples all in the dark would look like no error at all.
-        let good = samples >= 16u && error <= settings.error && settings.error > 0.0;
-        let finished = before.done != 0u || samples >= settings.samples || good;
-        samples_progress = Progress(samples, estimated, select(0u, 1u, finished), settings.samples);
-    }
+fn reduce_length() -> u32 {
+    return settings.samples_size.x * settings.samples_size.y;
 }
+
+#if SUM == luminance
+/// Of all pixels.
+var<storage, read_write> luminance_sum: f32;
+
+fn reduce_element(i: u32) -> f32 {
+    return luminance(pixel(i).rgb);
+}
+
+fn reduce_store(result: f32) {
+    luminance_sum = result;
+}
+#else
+var<storage, read> luminance_sum: f32;
+var<storage, read_write> samples_progress: Progress;
+
+fn reduce_element(i: u32) -> f32 {
+    let samples = samples_so_far();
+    // In units of the picture's mean: neither vanishes nor overflows at any intensity of the lights.
+    let mean = max(luminance_sum / f32(reduce_length()) / f32(max(samples, 1u)), 1e-30);
+    let sums = pixel(i) / f32(max(samples, 1u));
+    let own = luminance(sums.rgb) / mean;
+    let variance = max(sums.a / mean / mean - own * own, 0.0) / f32(max(samples, 2u) - 1u);
+    return variance / (own * own + 0.01);
+}
+
+fn reduce_store(result: f32) {
+    let before = progress_before();
+    let samples = samples_so_far();
+    let error = result / f32(reduce_length());
+    let estimated = select(0.0, error, samples >= 2u);
+    // A few samples all in the dark would look like no error at all.
+    let good = samples >= 16u && error <= settings.error && settings.error > 0.0;
+    let finished = before.done != 0u || samples >= settings.samples || good;
+    samples_progress = Progress(samples, estimated, select(0u, 1u, finished), settings.samples);
+}
+#endif

@@ -1,6 +1,6 @@
 // Uniform proposals: the same Halton sequence in every frame, each element a texel and a number to accept it by.
 
-#import "prefix-sum.wgsl"
+#import "algorithms/scaled.wgsl"
 #import "random.wgsl"
 
 var importance: texture_2d_array<f32>;

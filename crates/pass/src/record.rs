@@ -339,6 +339,17 @@ impl Recording {
         Recording { steps: vec![Step::Compute(step)] }
     }
 
+    /// Returns the recording of dispatches in order.
+    pub fn of(steps: impl IntoIterator<Item = Compute>) -> Recording {
+        Recording { steps: steps.into_iter().map(Step::Compute).collect() }
+    }
+
+    /// Adds dispatches.
+    pub fn then_all(mut self, steps: impl IntoIterator<Item = Compute>) -> Recording {
+        self.steps.extend(steps.into_iter().map(Step::Compute));
+        self
+    }
+
     /// With one more dispatch.
     pub fn then(mut self, step: Compute) -> Recording {
         self.steps.push(Step::Compute(step));

@@ -2,6 +2,7 @@
 
 pub mod twin;
 
+use gpu_algorithms::{LOOP_ITERATIONS, Part};
 use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
@@ -19,14 +20,10 @@ const SPAN: u32 = 2;
 
 const SHADER: &str = "passes/gather/gather.wgsl";
 
-/// Rounds of loops that a thread makes in one dispatch, about. A driver takes a dispatch that goes on for seconds for
-/// a hang, and lavapipe ends all loops of a thread after 65,535 rounds without a word.
-const ROUNDS: u32 = 32_768;
-
 /// Lights of a subset that one dispatch takes, where a look at visibility makes so many rounds of loops.
 fn lights_of_part(rounds_of_look: u32) -> u32 {
     // A round for the light itself.
-    (ROUNDS / (1 + SPAN * SPAN * (1 + rounds_of_look))).max(1)
+    (LOOP_ITERATIONS / (1 + SPAN * SPAN * (1 + rounds_of_look))).max(1)
 }
 
 impl Pass for Gather {
@@ -112,7 +109,7 @@ impl Pass for Gather {
             .fact("interleave_y", interleave("interleave_y")),
         ];
         let fact = |input, name| cx.fact(input, name).and_then(Value::as_u32).unwrap_or(0);
-        if parts(cx.settings, fact("lights", "count"), fact("visibility", "rounds")) > 1 {
+        if parts(cx.settings, fact("lights", "count"), fact("visibility", "rounds")).len() > 1 {
             let (width, height) = cx.input("view").and_then(|view| view.size()).unwrap_or(cx.frame);
             let bytes = u64::from(width) * u64::from(height) * 16;
             outputs.push(OutputDesc::scratch("sums", ResourceDesc::buffer(bytes)));
@@ -130,7 +127,7 @@ impl Pass for Gather {
         let shader = cx.shader(
             SHADER,
             &[
-                ("PARTS", Define::Bool(parts > 1)),
+                ("PARTS", Define::Bool(parts.len() > 1)),
                 ("VISIBILITY", Define::Bool(cx.connected("visibility"))),
                 ("VISIBILITY_FILTER", Define::from(cx.settings.text("visibility_filter"))),
             ],
@@ -138,25 +135,27 @@ impl Pass for Gather {
         let slack = cx.port("visibility").and_then(|port| port.facts.get("slack")).and_then(Value::as_f32);
         let slack = slack.unwrap_or(1.0);
         let runs = u32::from(cx.settings.text("subsets") == "runs");
-        let part = |part: u32| {
-            let begin = part * lights_of_part(rounds);
-            let last = part + 1 == parts;
+        let gather = |part: Part| {
             Compute::new(shader.clone(), "gather", Threads::Grid(grid))
                 .value("runs", Value::U32(runs))
-                .value("begin", Value::U32(begin))
-                .value("end", Value::U32(if last { u32::MAX } else { begin + lights_of_part(rounds) }))
-                .value("last", Value::U32(u32::from(last)))
+                .value("begin", Value::U32(part.begin))
+                .value("end", Value::U32(part.end))
+                .value("last", Value::U32(u32::from(part.last)))
                 // Not every kind of visibility has maps.
                 .value("visibility_bias", Value::F32(cx.settings.f32("visibility_bias") * slack))
                 .value("visibility_tile", Value::U32(cx.fact("visibility", "tile")))
                 .value("visibility_columns", Value::U32(cx.fact("visibility", "columns")))
         };
-        Ok(Recording { steps: (0..parts).map(|index| pass::Step::Compute(part(index))).collect() })
+        Ok(Recording::of(parts.map(gather)))
     }
 }
 
-/// How many dispatches the lights of the largest subset take.
-fn parts(settings: &Settings, lights: u32, rounds_of_look: u32) -> u32 {
+/// The dispatches that the lights of the largest subset take.
+fn parts(
+    settings: &Settings,
+    lights: u32,
+    rounds_of_look: u32,
+) -> impl ExactSizeIterator<Item = Part> + use<> {
     let subsets = settings.u32("interleave_x") * settings.u32("interleave_y");
-    lights.div_ceil(subsets.max(1)).div_ceil(lights_of_part(rounds_of_look)).max(1)
+    gpu_algorithms::parts(lights.div_ceil(subsets.max(1)), lights_of_part(rounds_of_look))
 }

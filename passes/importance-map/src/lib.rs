@@ -2,6 +2,7 @@
 
 pub mod twin;
 
+use gpu_algorithms::reduce;
 use pass::{
     Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
     RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, output,
@@ -15,6 +16,7 @@ pub struct ImportanceMap;
 
 const VIEW_SAMPLES: &str = "passes/importance-map/view-samples.wgsl";
 const IMPORTANCE_MAP: &str = "passes/importance-map/importance-map.wgsl";
+const SUM: &str = "passes/importance-map/sum.wgsl";
 const MIX: &str = "passes/importance-map/mix.wgsl";
 
 /// Side of the workgroups of importance-map.wgsl.
@@ -71,7 +73,7 @@ impl Pass for ImportanceMap {
             kind: "importance-map",
             about: "How much each texel of a reflective shadow map matters as a virtual light.",
             paper: "TCAS §4.1, Eq. 1-2; ISM §4",
-            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP, MIX],
+            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP, SUM, MIX],
         }
     }
 
@@ -136,14 +138,10 @@ impl Pass for ImportanceMap {
         if !mixed {
             return Ok(pick.then(measure));
         }
-        let mix = |entry, threads| {
-            Compute::new(cx.shader(MIX, &[]), entry, threads)
-                .value("groups", Value::U32(groups((width, height), layers)))
-        };
-        Ok(pick
-            .then(measure.bind("importance", "contribution"))
-            .then(mix("add", Threads::Grid([1, 1, 1])).bind("sum", "sums"))
-            .then(mix("mix_with_flux", texels).bind("total", "sums")))
+        let sum =
+            reduce::few(&cx.shader(SUM, &[])).value("groups", Value::U32(groups((width, height), layers)));
+        let mix = Compute::new(cx.shader(MIX, &[]), "mix_with_flux", texels);
+        Ok(pick.then(measure.bind("importance", "contribution")).then(sum).then(mix))
     }
 }
 

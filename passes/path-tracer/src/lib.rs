@@ -1,9 +1,9 @@
 //! The truth: paths from the camera with next-event estimation, accumulated from frame to frame.
 
+use gpu_algorithms::reduce;
 use pass::{
     Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, Usage, UseContext, Value, optional,
-    output,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, Usage, UseContext, Value, optional, output,
     setting::{self, SettingExt},
 };
 
@@ -97,13 +97,16 @@ impl Pass for PathTracer {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let texture = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::FRAME);
         let sums = SUMS.iter().map(|name| ((*name).to_owned(), texture(), Usage::Overwrites));
         let progress = ("progress".to_owned(), ResourceDesc::buffer(PROGRESS_BYTES), Usage::Overwrites);
         let samples = OutputDesc::of("samples", sums.chain([progress]).collect());
         let means = SUMS.iter().map(|name| OutputDesc::one(name, texture()));
-        Ok(means.chain([samples]).collect())
+        let pixels = cx.frame.0 * cx.frame.1;
+        let sums = reduce::scratch("estimate_sums", pixels, 4);
+        let luminance = OutputDesc::scratch("luminance_sum", ResourceDesc::buffer(4));
+        Ok(means.chain([samples, sums, luminance]).collect())
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
@@ -118,7 +121,6 @@ impl Pass for PathTracer {
             ("RAYS", Define::from(cx.settings.text("rays"))),
         ];
         let paths = cx.shader(PATHS, &defines);
-        let estimate = cx.shader(ESTIMATE, &[past]);
         // A ray to each light and one onwards, at each surface.
         let rays = (1 + cx.trait_u32("lights")) * (1 + cx.settings.u32("bounces"));
         let at_once = Value::U32(cx.settings.u32("samples_per_frame").min((RAYS / rays).max(1)));
@@ -128,11 +130,12 @@ impl Pass for PathTracer {
             // What nobody reads is not worth a ray.
             .value("direct", switch(cx.connected("image") || cx.connected("direct")))
             .value("emissive", switch(cx.trait_bool("emissive")));
+        let estimate = ["luminance", "error"].into_iter().flat_map(|sum| {
+            let shader = cx.shader(ESTIMATE, &[past.clone(), ("SUM", Define::from(sum))]);
+            reduce::steps(&shader, size.0 * size.1, "estimate_sums")
+        });
         Ok(Recording::one(paths)
-            .then(
-                Compute::new(estimate, "estimate", Threads::Grid([1, 1, 1]))
-                    .value("samples_per_frame", at_once),
-            )
+            .then_all(estimate.map(|step| step.value("samples_per_frame", at_once.clone())))
             .then(Compute::per_texel(cx.shader(MEAN, &[]), "mean", size)))
     }
 }

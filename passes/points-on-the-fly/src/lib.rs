@@ -2,6 +2,7 @@
 
 pub mod twin;
 
+use gpu_algorithms::{reduce, scan};
 use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Define, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
@@ -14,17 +15,18 @@ pub const PASS: &dyn Pass = &PointsOnTheFly;
 /// See the crate.
 pub struct PointsOnTheFly;
 
-const AMPLIFY: &str = "passes/points-on-the-fly/amplify.wgsl";
+const BOUNDS: &str = "passes/points-on-the-fly/bounds.wgsl";
+const SUM: &str = "passes/points-on-the-fly/sum.wgsl";
+const SHARE: &str = "passes/points-on-the-fly/share.wgsl";
+const GUIDE: &str = "passes/points-on-the-fly/guide.wgsl";
 const MODULE: &str = "shaders/points-on-the-fly.wgsl";
 
-/// Threads of a workgroup: SCAN_SIZE of shaders/prefix-sum.wgsl.
-const SCAN_SIZE: u32 = 256;
-/// Triangles of a workgroup: RUN of amplify.wgsl for each thread.
-const GROUP_SIZE: u32 = 8 * SCAN_SIZE;
 /// Bytes of struct Amplification without its array.
 const HEADER_BYTES: u64 = 16;
-/// Bytes of struct Part.
-const PART_BYTES: u64 = 24;
+/// Bytes of struct Bounds.
+const BOUNDS_BYTES: u64 = 16;
+/// Bytes of a weight.
+const WEIGHT_BYTES: u64 = 4;
 
 impl Pass for PointsOnTheFly {
     fn info(&self) -> Info {
@@ -32,7 +34,7 @@ impl Pass for PointsOnTheFly {
             kind: "points-on-the-fly",
             about: "Triangles amplified into points when they are wanted, and stored nowhere.",
             paper: "TCAS §5.2, ACRSM §5.2",
-            shaders: &[AMPLIFY],
+            shaders: &[BOUNDS, SUM, SHARE, GUIDE],
         }
     }
 
@@ -68,41 +70,45 @@ impl Pass for PointsOnTheFly {
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
-        let groups = u64::from(triangles.div_ceil(GROUP_SIZE).max(1));
         let guide = (1 << guide_bits(triangles)) + 1;
         let bytes = HEADER_BYTES + 4 * (u64::from(triangles) + 1 + guide);
-        Ok(vec![
+        let mut outputs = vec![
             OutputDesc::one("points", ResourceDesc::buffer(bytes.next_multiple_of(16)))
                 .fact("module", Value::Text(MODULE.into()))
                 .fact("count", Value::U32(if triangles > 0 { u32::MAX } else { 0 }))
                 .fact("block", Value::U32(twin::BLOCK)),
-            OutputDesc::scratch("parts", ResourceDesc::buffer(PART_BYTES * (groups + 1))),
-            OutputDesc::scratch("blocks", ResourceDesc::buffer(4 * groups)),
-        ])
+            OutputDesc::scratch("total_weight", ResourceDesc::buffer(WEIGHT_BYTES)),
+            reduce::scratch("weight_blocks", triangles, WEIGHT_BYTES),
+        ];
+        outputs.extend(scan::scratch("share_sums", triangles));
+        if tessellates(cx.settings) {
+            outputs.push(OutputDesc::scratch("bounds", ResourceDesc::buffer(BOUNDS_BYTES)));
+            outputs.push(reduce::scratch("bounds_blocks", triangles, BOUNDS_BYTES));
+        }
+        Ok(outputs)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let triangles = cx.trait_u32("triangles");
-        let groups = triangles.div_ceil(GROUP_SIZE).max(1);
-        let tessellated = cx.settings.text("rule") == "tessellation";
-        let shader = cx.shader(AMPLIFY, &[("TESSELLATION", Define::Bool(tessellated))]);
-        let step = |entry: &str, threads: u32| {
-            Compute::new(shader.clone(), entry, Threads::Row(threads))
-                .value("groups", Value::U32(groups))
-                .value("guide_bits", Value::U32(guide_bits(triangles)))
-        };
-        let all = groups * SCAN_SIZE;
-        let mut recording = Recording::one(step("measure", all)).then(step("sum_up", SCAN_SIZE));
-        if tessellated {
-            recording = recording.then(step("count", all)).then(step("sum_up", SCAN_SIZE));
-        }
-        let guide = (1 << guide_bits(triangles)) + 1;
-        Ok(recording
-            .then(step("share", all))
-            .then(step("offset", SCAN_SIZE))
-            .then(step("place", triangles))
-            .then(step("guide", guide)))
+        let tessellates = tessellates(cx.settings);
+        let defines = [("TESSELLATION", Define::Bool(tessellates))];
+        let bounds = tessellates
+            .then(|| reduce::steps(&cx.shader(BOUNDS, &[]), triangles, "bounds_blocks"))
+            .into_iter()
+            .flatten();
+        let sum = reduce::steps(&cx.shader(SUM, &defines), triangles, "weight_blocks");
+        let shares = scan::steps(&cx.shader(SHARE, &defines), triangles, "share_sums");
+        let entries = (1 << guide_bits(triangles)) + 1;
+        let guide = Compute::new(cx.shader(GUIDE, &[]), "guide", Threads::Row(entries));
+        let with_guide = |step: Compute| step.value("guide_bits", Value::U32(guide_bits(triangles)));
+        Ok(Recording::of(bounds.chain(sum))
+            .then_all(shares.into_iter().map(with_guide))
+            .then(with_guide(guide)))
     }
+}
+
+fn tessellates(settings: &Settings) -> bool {
+    settings.text("rule") == "tessellation"
 }
 
 /// Binary logarithm of the entries of the guide: about as many as triangles.

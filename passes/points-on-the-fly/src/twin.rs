@@ -1,4 +1,4 @@
-//! `amplify.wgsl` and `shaders/points-on-the-fly.wgsl` with the same integers, and double precision before them.
+//! The WGSL of the pass and `shaders/points-on-the-fly.wgsl` with the same integers, and double precision before them.
 
 pub use pass::triangle_samples::{Vec3, normal_and_area, scramble, triangle_at, triangle_from_square};
 

@@ -2,6 +2,7 @@
 
 pub mod twin;
 
+use gpu_algorithms::segmented_scan;
 use pass::setting;
 use pass::{
     Compute, Define, Extent, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
@@ -16,9 +17,6 @@ pub struct SampleInverseTransform;
 
 const CUMULATE: &str = "passes/sample-inverse-transform/cumulate.wgsl";
 const DRAW: &str = "passes/sample-inverse-transform/draw.wgsl";
-
-/// Threads of a workgroup that sums a segment: SCAN_SIZE of shaders/prefix-sum.wgsl.
-const SCAN_SIZE: u32 = 256;
 
 pass::settings! {
     /// The settings of the kind `sample-inverse-transform` that are not draw.wgsl's alone.
@@ -81,16 +79,10 @@ impl Pass for SampleInverseTransform {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
         let (_, height) = cx.size("row_cdf");
         let layers = cx.layers("row_cdf");
-        let rows = Compute::new(
-            cx.shader(CUMULATE, &[("ROWS", Define::Bool(true))]),
-            "cumulate",
-            Threads::Grid([SCAN_SIZE, height, layers]),
-        )
-        .bind("totals", "row_totals");
+        let cumulate = |rows| cx.shader(CUMULATE, &[("ROWS", Define::Bool(rows))]);
+        let rows = segmented_scan(&cumulate(true), height, layers).bind("totals", "row_totals");
         let run = |length: u32, segments: u32| {
-            let threads = Threads::Grid([SCAN_SIZE, segments, 1]);
-            Compute::new(cx.shader(CUMULATE, &[("ROWS", Define::Bool(false))]), "cumulate", threads)
-                .value("segment_length", Value::U32(length))
+            segmented_scan(&cumulate(false), segments, 1).value("segment_length", Value::U32(length))
         };
         let columns = run(height, layers)
             .bind("parts", "row_totals")

@@ -1,5 +1,7 @@
 //! `cumulate.wgsl` and `draw.wgsl` in double precision, which needs no scaling by powers of two.
 
+use gpu_algorithms::reference::segmented_scan;
+
 /// The sums of TCAS §4.2: along rows, along the last column, over maps.
 #[derive(Clone, Debug)]
 pub struct Cdf {
@@ -42,28 +44,13 @@ pub fn weight_of(x: f32) -> f64 {
     if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 }
 }
 
-/// Sums of runs of `length` values, and each run's total.
-pub fn cumulate(values: &[f64], length: u32) -> (Vec<f64>, Vec<f64>) {
-    let mut sums = Vec::with_capacity(values.len());
-    let mut totals = Vec::new();
-    for run in values.chunks_exact(length as usize) {
-        let mut sum = 0.0;
-        sums.extend(run.iter().map(|value| {
-            sum += value;
-            sum
-        }));
-        totals.push(sum);
-    }
-    (sums, totals)
-}
-
 impl Cdf {
     /// Of an importance map `[layers][height][width]`.
     pub fn new(importance: &[f32], size: (u32, u32)) -> Cdf {
         let weights: Vec<f64> = importance.iter().map(|&f| weight_of(f)).collect();
-        let (rows, totals) = cumulate(&weights, size.0);
-        let (columns, totals) = cumulate(&totals, size.1);
-        let (layers, _) = cumulate(&totals, totals.len() as u32);
+        let (rows, totals) = segmented_scan(&weights, size.0 as usize);
+        let (columns, totals) = segmented_scan(&totals, size.1 as usize);
+        let (layers, _) = segmented_scan(&totals, totals.len());
         Cdf { size, rows, columns, layers }
     }
 
@@ -100,17 +87,5 @@ pub fn choose(sums: &[f64], number: f64) -> Choice {
         index: index as u32,
         probability: (width / total).max(1.0 / 16_777_216.0),
         rest: ((sought - before) / width).clamp(0.0, 1.0_f64.next_down()),
-    }
-}
-
-/// Sums of a workgroup in single precision and in the shader's order (Sklansky 1960), so that what the order
-/// promises can be tested without a GPU: no sum falls, and none rises at a value of zero.
-pub fn prefix_sum(values: &mut [f32]) {
-    let mut width = 1;
-    while width < values.len() {
-        for thread in (0..values.len()).filter(|thread| thread & width != 0) {
-            values[thread] += values[(thread & !(width - 1)) - 1];
-        }
-        width *= 2;
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod twin;
 
+use gpu_algorithms::reduce;
 use pass::{
     Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc,
     Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
@@ -16,13 +17,7 @@ pub struct SampleMetropolis;
 const SAMPLE: &str = "passes/sample-metropolis/sample-metropolis.wgsl";
 const MEAN: &str = "passes/sample-metropolis/mean.wgsl";
 
-/// Threads of a workgroup that sums: SCAN_SIZE of shaders/prefix-sum.wgsl.
-const SCAN_SIZE: u32 = 256;
-
-/// Workgroups that sum proposals, at most: a thread each of the one that sums their sums.
-const GREATEST_PARTS: u32 = 256;
-
-/// Bytes of `Scaled` in shaders/prefix-sum.wgsl.
+/// Bytes of `Scaled` in shaders/algorithms/scaled.wgsl.
 const SCALED_BYTES: u64 = 8;
 
 pass::choice! {
@@ -91,9 +86,8 @@ impl Pass for SampleMetropolis {
             OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
         ];
         if settings.weights == Weights::None {
-            let sums = |count: u32| ResourceDesc::buffer(SCALED_BYTES * u64::from(count));
-            outputs.push(OutputDesc::scratch("parts", sums(parts(&settings))));
-            outputs.push(OutputDesc::scratch("sum", sums(1)));
+            outputs.push(reduce::scratch("sums", proposals(&settings), SCALED_BYTES));
+            outputs.push(OutputDesc::scratch("sum", ResourceDesc::buffer(SCALED_BYTES)));
         }
         Ok(outputs)
     }
@@ -105,18 +99,12 @@ impl Pass for SampleMetropolis {
         if settings.weights != Weights::None {
             return Ok(Recording::one(sample));
         }
-        let parts = parts(&settings);
-        let add = |entry, groups: u32| {
-            Compute::new(cx.shader(MEAN, &[]), entry, Threads::Grid([SCAN_SIZE * groups, 1, 1]))
-                .value("parts", Value::U32(parts))
-        };
-        Ok(Recording::one(add("add_proposals", parts).bind("sums", "parts"))
-            .then(add("add_parts", 1).bind("sums", "sum"))
-            .then(sample))
+        let sum = reduce::steps(&cx.shader(MEAN, &[]), proposals(&settings), "sums");
+        Ok(Recording::of(sum).then(sample))
     }
 }
 
-/// Workgroups that sum proposals.
-fn parts(settings: &SampleMetropolisSettings) -> u32 {
-    (settings.count * settings.steps).div_ceil(SCAN_SIZE).min(GREATEST_PARTS)
+/// Proposals of all chains.
+fn proposals(settings: &SampleMetropolisSettings) -> u32 {
+    settings.count * settings.steps
 }

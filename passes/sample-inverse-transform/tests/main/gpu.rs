@@ -1,11 +1,12 @@
 //! The shaders against the twin, on a GPU.
 
 use crate::distribution::{SIZE, importance};
+use gpu_algorithms::reference::workgroup_prefix_sum;
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::{Outputs, Stand, VirtualLight};
 use sample_inverse_transform::PASS;
-use sample_inverse_transform::twin::{Cdf, prefix_sum};
+use sample_inverse_transform::twin::Cdf;
 
 /// Flux of a texel: 1 W in red, so that Φ is 1 / (N p) there, and some other in green.
 fn flux(texel: u32) -> [f32; 3] {
@@ -143,7 +144,7 @@ fn sums_of_a_row_are_those_of_the_order_of_summation() {
     for chunk in row.chunks(256) {
         let mut sums = [0.0; 256];
         sums[..chunk.len()].copy_from_slice(chunk);
-        prefix_sum(&mut sums);
+        workgroup_prefix_sum(&mut sums);
         expected.extend(sums[..chunk.len()].iter().map(|sum| before + sum));
         before += sums[255];
     }

@@ -1,8 +1,8 @@
 //! The inverse transform method: sums, distribution, flux, extremes.
 
+mod choices;
 mod distribution;
 mod gpu;
-mod sums;
 
 use sample_inverse_transform::PASS;
 

@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 const CATALOG: &str = "crates/catalog/Cargo.toml";
 
 /// Packages that are used where there is no GPU; passes are too.
-const WITHOUT_GPU: &[&str] = &["data-file", "frame-graph", "scene", "shader-library", "pass"];
+const WITHOUT_GPU: &[&str] =
+    &["data-file", "frame-graph", "scene", "shader-library", "pass", "gpu-algorithms"];
 
 pub(super) fn catalog(tree: &Tree) -> Vec<Finding> {
     let Some(catalog) = tree.manifests().iter().find(|manifest| manifest.path == CATALOG) else {

@@ -1,0 +1,70 @@
+//! Elements sorted into cells: `shaders/algorithms/grid.wgsl`.
+
+use crate::RadixSort;
+use pass::{Compute, OutputDesc, Request, ResourceDesc, Threads};
+
+/// The elements of a grid's cells, or of a hash table's: a table of where each cell begins, and the elements' numbers
+/// cell after cell. Elements of a cell keep their order, so the result does not depend on the order of threads.
+///
+/// Buffers are named as `port` or `port.member`.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid<'a> {
+    /// The most elements there can be, at most 2³¹.
+    pub length: u32,
+    /// Cells: what `grid_cells` of the shader returns; at most 2³¹.
+    pub cells: u32,
+    /// Where each cell begins, and then where the last ends: [`Grid::starts_bytes`] bytes.
+    pub starts: &'a str,
+    /// The numbers of the elements, cell after cell: [`Grid::indices_bytes`] bytes, of which those left out fill the end.
+    pub indices: &'a str,
+    /// Begins the names of the scratch memory.
+    pub scratch: &'a str,
+}
+
+impl Grid<'_> {
+    /// Returns the size of the buffer `starts`.
+    pub fn starts_bytes(&self) -> u64 {
+        4 * (u64::from(self.cells) + 1)
+    }
+
+    /// Returns the size of the buffer `indices`.
+    pub fn indices_bytes(&self) -> u64 {
+        4 * u64::from(self.length.max(1))
+    }
+
+    fn keys(&self) -> String {
+        format!("{}_cells", self.scratch)
+    }
+
+    fn sort<'a>(&'a self, keys: &'a str) -> RadixSort<'a> {
+        RadixSort {
+            length: self.length,
+            count: None,
+            bits: u32::BITS - self.cells.leading_zeros(),
+            keys,
+            values: None,
+            sorted_keys: keys,
+            sorted_values: self.indices,
+            scratch: self.scratch,
+        }
+    }
+
+    /// Returns the scratch memory: 12 bytes an element, and little more.
+    pub fn scratch(&self) -> Vec<OutputDesc> {
+        let keys = self.keys();
+        let mut scratch = self.sort(&keys).scratch();
+        scratch.push(OutputDesc::scratch(&keys, ResourceDesc::buffer(self.indices_bytes())));
+        scratch
+    }
+
+    /// Returns the steps, with a shader that imports `algorithms/grid.wgsl`.
+    pub fn steps(&self, shader: &Request) -> Vec<Compute> {
+        let keys = self.keys();
+        let make_keys = Compute::new(shader.clone(), "grid_make_keys", Threads::Row(self.length.max(1)));
+        let find_starts = Compute::new(shader.clone(), "grid_find_starts", Threads::Row(self.cells + 1));
+        let mut steps = vec![make_keys.bind("grid_keys", &keys)];
+        steps.extend(self.sort(&keys).steps());
+        steps.push(find_starts.bind("grid_sorted", &keys).bind("grid_starts", self.starts));
+        steps
+    }
+}

@@ -1,0 +1,70 @@
+//! Reductions, scans, compactions, sorts, selection, grids and divided dispatches, as steps for passes.
+//!
+//! The WGSL is in `shaders/algorithms/`. A pass has a shader of its own that imports one of those files and gives the
+//! functions that the file asks for: how many elements there are, what each is, and what is done with the results. So an
+//! algorithm reads textures, structs or numbers that are never stored. The functions of this crate return the
+//! dispatches of that shader, in order, and the scratch memory that they need:
+//!
+//! | | the shader imports | scratch | steps |
+//! |---|---|---|---|
+//! | combine all elements into one | `algorithms/reduce.wgsl`, `sum-f32.wgsl`, `sum-scaled.wgsl` | [`reduce::scratch`] | [`reduce::steps`] |
+//! | prefix sums of whole numbers | `algorithms/scan.wgsl` | [`scan::scratch`] | [`scan::steps`] |
+//! | keep some elements | `algorithms/compact.wgsl` | [`scan::scratch`] | [`scan::steps`] |
+//! | prefix sums of weights, by segments | `algorithms/segmented-scan.wgsl` | | [`segmented_scan`] |
+//! | the element of a rank | `algorithms/select.wgsl` | [`select::scratch`] | [`select::steps`] |
+//! | sort keys and values | (none) | [`RadixSort::scratch`] | [`RadixSort::steps`] |
+//! | sort elements into cells | `algorithms/grid.wgsl` | [`Grid::scratch`] | [`Grid::steps`] |
+//! | cut a dispatch that would take too long | | | [`parts`] |
+//!
+//! All of them give the same bits in every run: sums of floating-point numbers have one order, and atomic operations are
+//! on whole numbers alone. No workgroup waits for another. Lengths are upper bounds: a shader may read the true one from
+//! a buffer. Zero elements are allowed everywhere, and at most 2³¹.
+//!
+//! ```no_run
+//! # fn record(cx: &pass::RecordContext<'_>) -> pass::Recording {
+//! use gpu_algorithms::scan;
+//! let shader = cx.shader("passes/my-pass/offsets.wgsl", &[]);
+//! pass::Recording::of(scan::steps(&shader, cx.fact("points", "count"), "offsets_sums"))
+//! # }
+//! ```
+
+mod grid;
+mod parts;
+mod radix_sort;
+pub mod reduce;
+pub mod reference;
+pub mod scan;
+pub mod select;
+
+pub use grid::Grid;
+pub use parts::{LOOP_ITERATIONS, Part, parts};
+pub use radix_sort::RadixSort;
+
+use pass::{Compute, Request, Threads};
+
+/// Threads of a workgroup: `GROUP_SIZE` of `shaders/algorithms/workgroup.wgsl`.
+const GROUP_SIZE: u32 = 256;
+
+/// Elements of a workgroup: `BLOCK_SIZE` of `shaders/algorithms/workgroup.wgsl`.
+const BLOCK_SIZE: u32 = 8 * GROUP_SIZE;
+
+/// Returns how many blocks hold so many elements, at least one.
+fn blocks(length: u32) -> u32 {
+    length.div_ceil(BLOCK_SIZE).max(1)
+}
+
+/// Returns a dispatch of a workgroup for each block.
+fn per_block(shader: &Request, entry: &str, length: u32) -> Compute {
+    Compute::new(shader.clone(), entry, Threads::Row(GROUP_SIZE * blocks(length)))
+}
+
+/// Returns a dispatch of one workgroup.
+fn one_group(shader: &Request, entry: &str) -> Compute {
+    Compute::new(shader.clone(), entry, Threads::Row(GROUP_SIZE))
+}
+
+/// Returns the scan of segments of equal length, a workgroup for each: `rows` times `layers` segments, whose number the
+/// shader gets as `segment.y` and `segment.z`. At most 65,535 of each.
+pub fn segmented_scan(shader: &Request, rows: u32, layers: u32) -> Compute {
+    Compute::new(shader.clone(), "scan_segments", Threads::Grid([GROUP_SIZE, rows, layers]))
+}

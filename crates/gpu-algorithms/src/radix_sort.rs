@@ -1,0 +1,105 @@
+//! A stable sort of keys and values: `shaders/algorithms/radix-sort.wgsl`.
+
+use crate::{blocks, per_block, scan};
+use pass::{Compute, Define, OutputDesc, Request, ResourceDesc, Value};
+
+const SORT: &str = "shaders/algorithms/radix-sort.wgsl";
+const OFFSETS: &str = "shaders/algorithms/radix-offsets.wgsl";
+
+/// Digits of the sort: `DIGITS` of the shader, of four bits each.
+const DIGITS: u32 = 16;
+
+/// A stable sort of keys, each a u32, with a value of 32 bits each. Elements with equal keys keep their order.
+///
+/// Buffers are named as `port` or `port.member`. The keys and values may lie in the buffers that the sorted ones are
+/// written to. The time is proportional to `length` and to `bits`.
+#[derive(Clone, Copy, Debug)]
+pub struct RadixSort<'a> {
+    /// Elements, at most 2³¹; where there is a count, the most there can be.
+    pub length: u32,
+    /// A buffer whose first word is the number of elements, such as `VirtualLights`.
+    pub count: Option<&'a str>,
+    /// How many of the low bits of a key count: the rest must be 0. Few are faster; 32 for any keys.
+    pub bits: u32,
+    /// The keys: `array<u32>`.
+    pub keys: &'a str,
+    /// The values: `array<u32>`; without them, the value of an element is its index.
+    pub values: Option<&'a str>,
+    /// Where the keys go in rising order: `array<u32>`.
+    pub sorted_keys: &'a str,
+    /// Where the values go in the order of their keys: `array<u32>`.
+    pub sorted_values: &'a str,
+    /// Begins the names of the scratch memory.
+    pub scratch: &'a str,
+}
+
+impl RadixSort<'_> {
+    fn offsets(&self) -> u32 {
+        DIGITS * blocks(self.length)
+    }
+
+    fn scratch_name(&self, part: &str) -> String {
+        format!("{}_{part}", self.scratch)
+    }
+
+    /// Returns the scratch memory: 8 bytes an element, and little more.
+    pub fn scratch(&self) -> Vec<OutputDesc> {
+        let buffer = |part, words: u32| {
+            OutputDesc::scratch(&self.scratch_name(part), ResourceDesc::buffer(4 * u64::from(words.max(1))))
+        };
+        let mut scratch = vec![
+            buffer("keys", self.length),
+            buffer("values", self.length),
+            buffer("offsets", self.offsets()),
+        ];
+        scratch.extend(scan::scratch(&self.scratch_name("sums"), self.offsets()));
+        scratch
+    }
+
+    /// Returns the steps.
+    pub fn steps(&self) -> Vec<Compute> {
+        let [keys, values, offsets, sums] =
+            ["keys", "values", "offsets", "sums"].map(|part| self.scratch_name(part));
+        // The passes go to and fro between scratch and result. Their number is even, so that the last writes the result
+        // and the first may read it.
+        let passes = 2 * self.bits.clamp(1, 32).div_ceil(8);
+        let mut steps = Vec::new();
+        for pass in 0..passes {
+            let (from, to) = match pass {
+                0 => ((self.keys, self.values), (&*keys, &*values)),
+                odd if odd % 2 == 1 => ((&*keys, Some(&*values)), (self.sorted_keys, self.sorted_values)),
+                _ => ((self.sorted_keys, Some(self.sorted_values)), (&*keys, &*values)),
+            };
+            let shader = self.shader(from.1.is_none());
+            let sort = |entry| {
+                let step = per_block(&shader, entry, self.length)
+                    .value("sort_length", Value::U32(self.length))
+                    .value("sort_blocks", Value::U32(blocks(self.length)))
+                    .value("sort_shift", Value::U32(4 * pass))
+                    .bind("sort_offsets", &offsets)
+                    .bind("sort_keys", from.0);
+                match self.count {
+                    Some(count) => step.bind("sort_count", count),
+                    None => step,
+                }
+            };
+            let mut moved = sort("move_elements").bind("sorted_keys", to.0).bind("sorted_values", to.1);
+            if let Some(values) = from.1 {
+                moved = moved.bind("sort_values", values);
+            }
+            steps.push(sort("count_digits"));
+            steps.extend(scan::steps(&pass::request(OFFSETS, &[]), self.offsets(), &sums).into_iter().map(
+                |step| {
+                    step.value("sort_blocks", Value::U32(blocks(self.length))).bind("sort_offsets", &offsets)
+                },
+            ));
+            steps.push(moved);
+        }
+        steps
+    }
+
+    fn shader(&self, indices: bool) -> Request {
+        let counted = Define::Bool(self.count.is_some());
+        pass::request(SORT, &[("INDICES", Define::Bool(indices)), ("COUNTED", counted)])
+    }
+}

@@ -1,0 +1,26 @@
+// What the number of a triangle's points hangs on, from the triangles as they are in this frame.
+
+#import "scene.wgsl"
+#import "triangle.wgsl"
+
+struct Measured {
+    /// [m²]
+    area: f32,
+    /// [m]
+    edges: vec3<f32>,
+}
+
+fn measured(index: u32) -> Measured {
+    let triangle = triangle_of_scene(index);
+    let across = triangle.b - triangle.a;
+    let edges = vec3(length(triangle.a), length(triangle.b), length(across));
+    return Measured(normal_and_area(triangle.a, triangle.b).w, edges);
+}
+
+/// The least and the greatest there are, of triangles that have an area. Least above greatest: none has.
+struct Bounds {
+    /// [m²]
+    areas: vec2<f32>,
+    /// [m]
+    edges: vec2<f32>,
+}
