@@ -9,6 +9,7 @@ mod direct;
 mod flux;
 mod frames;
 mod host;
+mod linking;
 mod pairs;
 mod pictures;
 mod points;

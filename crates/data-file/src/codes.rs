@@ -1,4 +1,8 @@
 //! The stable codes of all errors, with what each means.
+//!
+//! The letter says whose error it is: `E` of the text of any file and of pipelines, which are in this module; `C` of
+//! [`scene`]s, `S` of [`shader`]s, `L` of [`link`]ing shaders to a pipeline, `T` of [`study`] files. No code means two
+//! things; [`table`] documents all of them.
 
 /// One kind of error.
 #[derive(Debug, PartialEq, Eq)]
@@ -12,7 +16,7 @@ pub struct Code {
 macro_rules! codes {
     ($($name:ident = $code:literal: $meaning:literal;)*) => {
         $(#[doc = $meaning] pub static $name: Code = Code { code: $code, meaning: $meaning };)*
-        /// Every code, in order.
+        /// Every code of this module, in order.
         pub static CODES: &[&Code] = &[$(&$name),*];
     };
 }
@@ -68,14 +72,116 @@ codes! {
     PART = "E062": "A part, which has `inputs`, was used as a whole pipeline.";
 }
 
-/// The table of codes in Markdown, as kept in `ERRORS.md`.
+/// Errors of scene files, beside those of their text.
+pub mod scene {
+    use super::Code;
+
+    codes! {
+        RANGE = "C001": "A number of a scene is not finite, or out of its range.";
+        NAME = "C002": "A scene names a built-in geometry, a file, a light or an object that is not there.";
+        CONFLICT = "C003": "Values of a scene do not go together: an inner cone wider than the outer one, a camera that looks at its own position, keys whose times do not rise.";
+    }
+}
+
+/// Errors of WGSL files and of the dialect that they are written in.
+pub mod shader {
+    use super::Code;
+
+    codes! {
+        MISSING_FILE = "S001": "A shader file, or the file of an import, is not there.";
+        DIRECTIVE = "S002": "A `#` line cannot be read.";
+        CONDITION = "S003": "A condition names an option that no file declares, or compares it with a value of another type.";
+        UNBALANCED = "S004": "There is an `#if` without `#endif`, or the reverse.";
+        INTERFACE = "S005": "Nothing is named for an `#import interface`.";
+        COMMENT = "S006": "A block comment has no end.";
+        OPTION = "S007": "An option is declared twice, or given a value that it does not take.";
+        UNKNOWN_OPTION = "S008": "An option is given that no file declares.";
+        VARIANTS = "S009": "A shader has more variants than can be checked.";
+        WGSL = "S010": "The WGSL does not parse, or its types are wrong.";
+        INVALID = "S011": "The WGSL parses, but is not valid.";
+        COMPILER = "S012": "naga itself failed: a defect of naga.";
+        SETTING = "S020": "The declaration of a setting cannot be read.";
+        ATTRIBUTE = "S021": "An attribute of a function or a global cannot be read.";
+        LAYOUT = "S030": "The CPU declares a struct otherwise than the shader does.";
+    }
+}
+
+/// Errors of linking the shaders of a pass to the resources of a pipeline.
+pub mod link {
+    use super::Code;
+
+    codes! {
+        REFUSED = "L001": "A pass cannot record its steps as it is used.";
+        ENTRY = "L002": "A shader has no entry point of that name and stage.";
+        UNDECLARED = "L003": "A shader reads data of the host program that its pass does not declare among its externals.";
+        MISMATCH = "L004": "A shader declares a global otherwise than the resource is: its type, access or format.";
+        SETTINGS = "L005": "The global `settings` is no uniform of a struct.";
+        VALUE = "L006": "Nothing gives a member of `settings` a value, or one that it can hold.";
+        UNKNOWN = "L007": "A shader names a resource that is no port, scratch or external of its pass.";
+        INDIRECT = "L008": "A dispatch or draw cannot take its size from the buffer that it names.";
+    }
+}
+
+/// Errors of studies, beside those of their text.
+pub mod study {
+    use super::Code;
+
+    codes! {
+        SCENE = "T001": "A scene is not there, or cannot be loaded.";
+        PIPELINE = "T002": "A pipeline is not there, or is broken.";
+        PATH = "T003": "An axis or a value names a parameter or setting that a pipeline does not have.";
+        VALUE = "T004": "A value is of the wrong type, out of range, or not one of the choices.";
+        EMPTY = "T005": "There is nothing to run: no scenes, no pipelines, an axis without values, no frames, no seeds.";
+        TWICE = "T006": "A scene, a variant's name, an axis, a value, a seed, a measure or a pass is given twice.";
+        PAIRED = "T007": "Axes that are paired have different numbers of values.";
+        MEASURE = "T008": "There is no measure of that name.";
+        NEEDS = "T009": "A measure lacks what it needs: a reference, several frames, several seeds, a jump.";
+        OUTPUT = "T010": "A pipeline has no output of that name.";
+        BUDGET = "T011": "A budget cannot be met: what it sets is varied as well, or is no whole number.";
+        RANGE = "T012": "A number is out of range.";
+        REFERENCE = "T013": "What a reference names is not there.";
+        PHASE = "T014": "A phase names a pass that no pipeline of the study has.";
+        CLAIM = "T015": "A claim names what is not measured, run or varied, or says nothing that could fail.";
+    }
+}
+
+/// Codes that belong together: a heading, what to know of them, and the codes.
+type Section = (&'static str, &'static str, &'static [&'static Code]);
+
+const SECTIONS: &[Section] = &[
+    (
+        "Text of any file, and pipelines",
+        "Examples are in `crates/frame-graph/tests/broken`; the whole text of each, as it is shown, is in \
+         `crates/frame-graph/tests/snapshots`.",
+        CODES,
+    ),
+    (
+        "Scenes",
+        "Examples are in `crates/scene/tests/broken` and `crates/scene/tests/snapshots`.",
+        scene::CODES,
+    ),
+    ("Shaders", "Examples are in `crates/shader-library/tests`.", shader::CODES),
+    ("Linking shaders to a pipeline", "Examples are in `tests/linking.rs`.", link::CODES),
+    (
+        "Studies",
+        "Examples are in `crates/study/tests/broken` and `crates/study/tests/snapshots`.",
+        study::CODES,
+    ),
+];
+
+/// Returns every code there is.
+pub fn all() -> impl Iterator<Item = &'static Code> {
+    SECTIONS.iter().flat_map(|(_, _, codes)| codes.iter().copied())
+}
+
+/// Returns the table of all codes in Markdown, as kept in `ERRORS.md`.
 pub fn table() -> String {
-    let mut text = String::from(
-        "# Errors\n\nEvery error of a description has one of these codes. An example of each, with the whole \
-         text as it is shown, is in `tests/broken` and `tests/snapshots`.\n\n| code | meaning |\n|---|---|\n",
-    );
-    for code in CODES {
-        text.push_str(&format!("| {} | {} |\n", code.code, code.meaning));
+    let mut text = String::from("# Errors\n\nEvery error that tells of a file has one of these codes.\n");
+    for (title, about, codes) in SECTIONS {
+        text.push_str(&format!("\n## {title}\n\n{about}\n\n| code | meaning |\n|---|---|\n"));
+        for code in *codes {
+            text.push_str(&format!("| {} | {} |\n", code.code, code.meaning));
+        }
     }
     text
 }

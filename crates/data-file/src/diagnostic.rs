@@ -129,8 +129,11 @@ impl Diagnostic {
 
 /// The known name nearest to one that is wrong, where any is near enough to be meant.
 pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // One edit in three characters; a name that is a part of the other one is near as well.
-    let limit = (wrong.chars().count() / 3).max(1);
+    // One edit in three characters, none in a single one; a name that is a part of the other one is near as well.
+    let limit = match wrong.chars().count() {
+        0 | 1 => 0,
+        count => (count / 3).max(1),
+    };
     let lower = wrong.to_lowercase();
     let distance = |name: &str| {
         let edits = strsim::damerau_levenshtein(&lower, &name.to_lowercase());

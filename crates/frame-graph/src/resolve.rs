@@ -132,6 +132,12 @@ impl Resolved {
         self.paper.as_deref()
     }
 
+    /// Returns the place of a pass, by its name in the flattened pipeline, in the file that says it.
+    pub fn pass_span(&self, name: &str) -> Option<Span> {
+        let node = &self.nodes[*self.index.get(name)? as usize];
+        Some(self.sources.span(node.place))
+    }
+
     /// The parameters, in the order of the file.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters

@@ -4,8 +4,11 @@
 use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step};
 use crate::{Pass, UseContext, externals};
 use fit::{describe, describe_global, mismatch};
+use frame_graph::codes::{Code, link as codes};
 use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId};
-use frame_graph::{Diagnostic, Diagnostics, Externals, ResourceDesc, Setting, Traits, Use, Value, nearest};
+use frame_graph::{
+    Diagnostic, Diagnostics, Externals, Label, ResourceDesc, Setting, Span, Traits, Use, Value, nearest,
+};
 use names::{Named, Names};
 use shader_library::{GlobalKind, Library, Request, Shader, Stage, StructLayout};
 use std::collections::BTreeMap;
@@ -182,7 +185,7 @@ pub fn link_steps(
     let recording: Recording = kind.record(&context).map_err(|error| {
         let mut notes: Vec<String> = error.help.into_iter().collect();
         notes.push(format!("in pass `{}` of kind `{}`", planned.name, planned.kind));
-        one("E060", error.message, notes)
+        Diagnostics::from(Diagnostic { notes, ..Diagnostic::new(&codes::REFUSED, error.message) })
     })?;
     let cx = UseContext { use_, shaders: library };
     let declared = kind.ports(&cx, &planned.settings).map_or(Externals::NONE, |ports| ports.externals);
@@ -273,12 +276,13 @@ impl StepLinker<'_> {
                 && !written.contains(&id)
             {
                 return Err(self.error(
-                    "E067",
+                    &codes::INDIRECT,
                     format!(
                         "{} cannot take its size from `{}`: no earlier step of the pass writes it",
                         step.request().path,
                         self.plan.resources[id.0 as usize].name
                     ),
+                    None,
                     Vec::new(),
                 ));
             }
@@ -300,8 +304,9 @@ impl StepLinker<'_> {
                 entries.iter().map(|e| format!("`{}` ({:?})", e.name, e.stage)).collect();
             let has = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
             self.error(
-                "E061",
+                &codes::ENTRY,
                 format!("{} has no {stage:?} entry point `{name}`", request.path),
+                Some(shader.start()),
                 vec![format!("it has {has}")],
             )
         })
@@ -314,6 +319,7 @@ impl StepLinker<'_> {
         global: usize,
         bind: &[(String, String)],
     ) -> Result<Source, Diagnostics> {
+        let place = shader.global_place(global);
         let global = &shader.interface.globals[global];
         let renamed =
             bind.iter().find(|(name, _)| *name == global.name).map(|(_, resource)| resource.as_str());
@@ -325,11 +331,12 @@ impl StepLinker<'_> {
             {
                 if !self.declared.contains(*externals) {
                     return Err(self.error(
-                        "E062",
+                        &codes::UNDECLARED,
                         format!(
                             "{} reads `{name}`, which the kind `{}` does not declare among its externals",
                             request.path, self.planned.kind
                         ),
+                        place,
                         Vec::new(),
                     ));
                 }
@@ -337,20 +344,21 @@ impl StepLinker<'_> {
             }
         }
         let wanted = renamed.unwrap_or(&global.name);
-        let named = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted))?;
+        let named = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted, place.clone()))?;
         if let Some(output) = self.continued_as(named) {
             return Err(self.error(
-                "E063",
+                &codes::MISMATCH,
                 format!(
                     "{}: `{}` is continued as `{output}`, which holds it when the pass begins",
                     request.path, named.name
                 ),
+                place,
                 vec![format!("read `{output}` in its place, or link another input to the same `Prev`")],
             ));
         }
         if let Some(why) = mismatch(&global.kind, &named.desc, named.writable) {
             return Err(self.error(
-                "E063",
+                &codes::MISMATCH,
                 format!(
                     "{}: `{}` is declared as {}, but `{}` is {}",
                     request.path,
@@ -359,6 +367,7 @@ impl StepLinker<'_> {
                     named.name,
                     describe(&named.desc)
                 ),
+                place,
                 vec![why.to_owned()],
             ));
         }
@@ -372,15 +381,17 @@ impl StepLinker<'_> {
         global: usize,
         values: &[(String, Value)],
     ) -> Result<SettingsFill, Diagnostics> {
-        let GlobalKind::Uniform { layout } = &shader.interface.globals[global].kind else {
-            return Err(self.error(
-                "E064",
-                format!("{}: `settings` must be a `var<uniform>` of a struct", request.path),
-                Vec::new(),
-            ));
+        let of_struct = match &shader.interface.globals[global].kind {
+            GlobalKind::Uniform { layout } => shader.interface.layout(&layout.ty),
+            _ => None,
         };
-        let layout = shader.interface.structs.iter().find(|s| s.name == layout.ty).ok_or_else(|| {
-            self.error("E064", format!("{}: `settings` must be of a struct type", request.path), Vec::new())
+        let layout = of_struct.ok_or_else(|| {
+            self.error(
+                &codes::SETTINGS,
+                format!("{}: `settings` must be a `var<uniform>` of a struct", request.path),
+                shader.global_place(global),
+                Vec::new(),
+            )
         })?;
         let mut known: BTreeMap<String, Value> = BTreeMap::new();
         for port in self.inputs.iter().chain(self.outputs) {
@@ -427,8 +438,9 @@ impl StepLinker<'_> {
                     self.planned.kind
                 ));
                 return Err(self.error(
-                    "E065",
+                    &codes::VALUE,
                     format!("{}: nothing gives `settings.{}` a value", request.path, member.name),
+                    shader.member_place(&layout.name, &member.name),
                     notes,
                 ));
             }
@@ -440,7 +452,12 @@ impl StepLinker<'_> {
         let fill = SettingsFill { layout: layout.clone(), values: known, past, seeded };
         match shader_library::write_struct(&fill.layout, &|name| fill.value(name, 0, |_, _| 0)) {
             Ok(_) => Ok(fill),
-            Err(refused) => Err(self.error("E065", format!("{}: {refused}", request.path), Vec::new())),
+            Err(refused) => Err(self.error(
+                &codes::VALUE,
+                format!("{}: {refused}", request.path),
+                shader.global_place(global),
+                Vec::new(),
+            )),
         }
     }
 
@@ -466,10 +483,10 @@ impl StepLinker<'_> {
         bytes: u64,
     ) -> Result<Source, Diagnostics> {
         let request = step.request();
-        let named = self.names.find(buffer).ok_or_else(|| self.unknown(request, buffer))?;
+        let named = self.names.find(buffer).ok_or_else(|| self.unknown(request, buffer, None))?;
         let refused = |why: String| {
             let message = format!("{} cannot take its size from `{buffer}`: {why}", request.path);
-            Err(self.error("E067", message, Vec::new()))
+            Err(self.error(&codes::INDIRECT, message, None, Vec::new()))
         };
         let ResourceDesc::Buffer(desc) = &named.desc else {
             return refused(format!("it is {}, not a buffer", describe(&named.desc)));
@@ -509,15 +526,16 @@ impl StepLinker<'_> {
         match self.names.find(name) {
             Some(Named { writable: true, source: Source::Resource(id), .. }) => Ok(*id),
             Some(_) => Err(self.error(
-                "E063",
+                &codes::MISMATCH,
                 format!("{}: `{name}` is an input and cannot be drawn to", request.path),
+                None,
                 Vec::new(),
             )),
-            None => Err(self.unknown(request, name)),
+            None => Err(self.unknown(request, name, None)),
         }
     }
 
-    fn unknown(&self, request: &Request, name: &str) -> Diagnostics {
+    fn unknown(&self, request: &Request, name: &str, place: Option<Span>) -> Diagnostics {
         let names: Vec<String> = self.names.all().collect();
         let mut notes: Vec<String> = nearest(name, names.iter().map(String::as_str))
             .map(|name| format!("did you mean `{name}`?"))
@@ -525,18 +543,23 @@ impl StepLinker<'_> {
             .collect();
         notes.push(format!("there is: {}", self.names.own().collect::<Vec<_>>().join(", ")));
         self.error(
-            "E066",
+            &codes::UNKNOWN,
             format!("{} uses `{name}`, which is no port, scratch or external of the pass", request.path),
+            place,
             notes,
         )
     }
 
-    fn error(&self, code: &'static str, message: String, mut notes: Vec<String>) -> Diagnostics {
-        notes.push(format!("in pass `{}` of the plan {}", self.planned.name, self.plan.id));
-        one(code, message, notes)
+    /// Returns an error at the place in the shader where the name at fault is declared, where it is declared there.
+    fn error(
+        &self,
+        code: &'static Code,
+        message: String,
+        place: Option<Span>,
+        mut notes: Vec<String>,
+    ) -> Diagnostics {
+        notes.push(format!("in pass `{}` of kind `{}`", self.planned.name, self.planned.kind));
+        let labels = place.into_iter().map(|span| Label { span, message: String::new() }).collect();
+        Diagnostic { labels, notes, ..Diagnostic::new(code, message) }.into()
     }
-}
-
-fn one(code: &'static str, message: String, notes: Vec<String>) -> Diagnostics {
-    Diagnostics(vec![Diagnostic { code, message, labels: Vec::new(), notes }])
 }

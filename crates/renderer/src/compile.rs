@@ -2,6 +2,7 @@
 
 use crate::tally::Tally;
 use catalog::Catalog;
+use frame_graph::codes::link as codes;
 use frame_graph::plan::PassId;
 use frame_graph::{
     CompileOptions, Diagnostic, Diagnostics, LinkContext, Overrides, Plan, Resolved, compile, link, resolve,
@@ -40,7 +41,7 @@ impl Compiled {
         let resolved = resolve(pipeline, catalog.pipelines(), overrides)?;
         let graph = link(&resolved, catalog, context)?;
         let plan = compile(&graph, options)?;
-        let steps = steps(catalog, &plan, context)?;
+        let steps = steps(catalog, &resolved, &plan, context)?;
         Ok(Compiled { resolved: Arc::new(resolved), plan: Arc::new(plan), steps })
     }
 
@@ -54,7 +55,12 @@ impl Compiled {
     }
 }
 
-fn steps(catalog: &Catalog, plan: &Plan, context: &LinkContext) -> Result<Vec<Vec<LinkedStep>>, Diagnostics> {
+fn steps(
+    catalog: &Catalog,
+    resolved: &Resolved,
+    plan: &Plan,
+    context: &LinkContext,
+) -> Result<Vec<Vec<LinkedStep>>, Diagnostics> {
     let layouts = scene_upload::layouts();
     let mut errors: Vec<Diagnostic> = Vec::new();
     let mut steps = Vec::with_capacity(plan.passes.len());
@@ -69,7 +75,9 @@ fn steps(catalog: &Catalog, plan: &Plan, context: &LinkContext) -> Result<Vec<Ve
                 }
                 steps.push(linked);
             }
-            Err(Diagnostics(found)) => errors.extend(found),
+            Err(Diagnostics(found)) => {
+                errors.extend(found.into_iter().map(|error| at_pass(error, resolved, &pass.name)))
+            }
         }
     }
     // A broken module is found once for each pass that imports it; it is told once.
@@ -80,4 +88,14 @@ fn steps(catalog: &Catalog, plan: &Plan, context: &LinkContext) -> Result<Vec<Ve
         }
     }
     if told.is_empty() { Ok(steps) } else { Err(Diagnostics(told)) }
+}
+
+/// Adds the place of the pass in its pipeline to an error that is the pass's own; errors in the text of a shader concern
+/// every pass that uses it, and have a place of their own.
+fn at_pass(error: Diagnostic, resolved: &Resolved, pass: &str) -> Diagnostic {
+    let own = error.labels.is_empty() || codes::CODES.iter().any(|code| code.code == error.code);
+    match resolved.pass_span(pass) {
+        Some(span) if own => error.label(span, "in this pass"),
+        _ => error,
+    }
 }

@@ -25,9 +25,9 @@ pub(crate) enum Between<T> {
 /// Keys at rising times \[s\]; never empty.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Track<T> {
-    keys: Vec<(f32, T)>,
-    between: Between<T>,
-    outside: Outside,
+    pub(crate) keys: Vec<(f32, T)>,
+    pub(crate) between: Between<T>,
+    pub(crate) outside: Outside,
 }
 
 /// What a track may hold.

@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use bytemuck::cast_slice;
 use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
-use xxhash_rust::xxh3::Xxh3;
 
 use crate::animation::Track;
 use crate::camera::Camera;
 use crate::error::SceneError;
+use crate::hash;
 use crate::light::Light;
 use crate::material::{Material, Texture};
 use crate::model::{Mesh, Model, Morph, Node, NodeAnimation, Skin};
@@ -181,7 +180,7 @@ impl Assembly {
         // What has tracks is at 0 s where its tracks say.
         let start = scene.at(0.0);
         (scene.camera, scene.lights) = (start.camera, start.lights);
-        scene.hash = hash(&scene);
+        scene.hash = hash::scene(&scene);
         Ok(scene)
     }
 }
@@ -297,20 +296,4 @@ fn bounds(scene: &Scene) -> (Vec3, Vec3) {
 /// The box around two.
 fn join(a: (Vec3, Vec3), b: (Vec3, Vec3)) -> (Vec3, Vec3) {
     (a.0.min(b.0), a.1.max(b.1))
-}
-
-fn hash(scene: &Scene) -> u128 {
-    let mut hash = Xxh3::new();
-    hash.update(cast_slice(&scene.vertices));
-    hash.update(cast_slice(&scene.indices));
-    for texture in &scene.textures {
-        hash.update(&texture.pixels);
-    }
-    // Rust writes floats so that they read back the same, hence the same text is the same value.
-    hash.update(format!("{:?}{:?}{:?}", scene.materials, scene.textures, scene.lights).as_bytes());
-    let Motion { nodes, camera, lights, skins, meshes } = &scene.motion;
-    hash.update(format!("{:?}{:?}", scene.camera, scene.frames_per_second).as_bytes());
-    hash.update(format!("{nodes:?}{camera:?}{lights:?}{skins:?}").as_bytes());
-    meshes.iter().for_each(|mesh| mesh.shape.hash(&mut hash));
-    hash.digest128()
 }

@@ -3,18 +3,20 @@
 use std::io;
 use std::path::PathBuf;
 
-use frame_graph::Diagnostics;
+use data_file::Diagnostics;
 
 /// Why a scene could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// There is no such scene or file.
-    #[error("there is no scene `{spec}`{}", did_you_mean(.nearest))]
+    #[error("there is no scene `{spec}`{}", did_you_mean(.nearest.as_deref(), .known))]
     NotFound {
         /// What was asked for.
         spec: String,
-        /// The names of scenes, nearest first; empty where a path was given.
-        nearest: Vec<String>,
+        /// The nearest of the names of scenes, where one is near.
+        nearest: Option<String>,
+        /// The names of scenes; empty where a glTF file was asked for.
+        known: Vec<String>,
     },
     /// The file is there, but cannot be read.
     #[error("{}: cannot be read: {error}", .path.display())]
@@ -55,15 +57,9 @@ pub enum SceneError {
     },
 }
 
-fn did_you_mean(names: &[String]) -> String {
-    match names {
-        [] => String::new(),
-        [first, ..] => format!("; did you mean `{first}`? (there are: {})", {
-            let mut all = names.to_vec();
-            all.sort();
-            all.join(", ")
-        }),
-    }
+fn did_you_mean(nearest: Option<&str>, known: &[String]) -> String {
+    let nearest = nearest.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+    if known.is_empty() { nearest } else { format!("{nearest} (there are: {})", known.join(", ")) }
 }
 
 fn stated(repairs: &[String]) -> String {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use frame_graph::Source;
+use data_file::Source;
 
 /// The scene descriptions there are: embedded in a program, on disk, or both.
 pub trait SceneFiles {

@@ -45,7 +45,7 @@ pub(crate) struct Imported {
 pub(crate) fn import(path: &Path) -> Result<Imported, SceneError> {
     let bytes = fs::read(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => {
-            SceneError::NotFound { spec: path.display().to_string(), nearest: Vec::new() }
+            SceneError::NotFound { spec: path.display().to_string(), nearest: None, known: Vec::new() }
         }
         _ => SceneError::Unreadable { path: path.into(), error },
     })?;

@@ -3,7 +3,7 @@
 //! ```text
 //! scenes/*.ron ─describe─▶ Description ┐
 //! *.glb, *.gltf ─import─▶ Model        ├─assemble─▶ Scene ─at(time)─▶ Pose
-//! made by code ─────────▶ Model        ┘              └─traits─▶ frame_graph::Traits
+//! made by code ─────────▶ Model        ┘              └─traits─▶ data_file::Traits
 //! ```
 //!
 //! A [`Scene`] is flat: one array of vertices in world space and one of indices, ready for upload. Lengths
@@ -21,6 +21,7 @@ mod camera;
 mod description;
 mod error;
 mod files;
+mod hash;
 mod import;
 mod light;
 mod load;

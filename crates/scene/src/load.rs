@@ -6,18 +6,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use frame_graph::{Diagnostic, Diagnostics, Label, Source};
-use glam::{Quat, Vec3};
+use data_file::codes::scene as codes;
+use data_file::{Diagnostic, Diagnostics, Place, Source, Span, nearest};
 
 use crate::animation::{Animated, Between, Outside, Track};
 use crate::assemble::Assembly;
 use crate::built_in;
-use crate::camera::Camera;
-use crate::description::{self, Description, Geometry, Keyframes, nearest, offer, parse, span};
+use crate::description::{Description, Geometry, Keyframes, Keys, parse};
 use crate::error::SceneError;
 use crate::files::SceneFiles;
 use crate::import::import;
-use crate::light::{Light, LightKind};
 use crate::model::{Model, Node, NodeAnimation, Transform};
 use crate::scene::{Driver, Scene};
 
@@ -40,8 +38,9 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
         }
         _ => {
             let (source, folder, on_disk) = find(spec, files)?;
-            let description = parse(&source)?;
-            Loader { source: &source, folder, models: BTreeMap::new() }.assemble(name, description, on_disk)
+            let description = parse(&source, Some(&folder))?;
+            let loader = Loader { source: &source, folder, models: BTreeMap::new(), errors: Vec::new() };
+            loader.assemble(name, description, on_disk)
         }
     }
 }
@@ -51,7 +50,7 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
 /// # Errors
 /// As [`load`], of what concerns the description.
 pub fn about(spec: &str, files: &dyn SceneFiles) -> Result<String, SceneError> {
-    Ok(parse(&find(spec, files)?.0)?.about)
+    Ok(parse(&find(spec, files)?.0, None)?.about)
 }
 
 /// The description, the folder its files are looked for in, and its path where it is a file on disk.
@@ -74,12 +73,12 @@ fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Opt
     }
     let list = files.list();
     let names: Vec<&str> = list.iter().map(|file| file.strip_suffix(".ron").unwrap_or(file)).collect();
-    let mut sorted: Vec<String> = nearest(spec, &names).into_iter().map(String::from).collect();
-    let rest: Vec<String> = names.iter().map(|n| n.to_string()).filter(|n| !sorted.contains(n)).collect();
-    if !sorted.is_empty() {
-        sorted.extend(rest);
-    }
-    Err(SceneError::NotFound { spec: spec.into(), nearest: sorted })
+    let near = nearest(spec, names.iter().copied()).map(str::to_owned);
+    Err(SceneError::NotFound {
+        spec: spec.into(),
+        nearest: near,
+        known: names.into_iter().map(str::to_owned).collect(),
+    })
 }
 
 /// Named objects: their nodes, and their places where nothing moves them.
@@ -91,6 +90,8 @@ struct Loader<'a> {
     folder: PathBuf,
     /// Geometry read before, by what names it.
     models: BTreeMap<String, Model>,
+    /// What is wrong, as far as it needs the geometry to be told.
+    errors: Vec<Diagnostic>,
 }
 
 impl Loader<'_> {
@@ -101,21 +102,17 @@ impl Loader<'_> {
         on_disk: Option<PathBuf>,
     ) -> Result<Scene, SceneError> {
         let mut assembly = Assembly::new(name);
-        assembly.about.clone_from(&description.about);
+        assembly.about = description.about;
         assembly.files.extend(on_disk);
-        let mut lights = Vec::new();
-        for light in &description.lights {
-            lights.push((self.light(light, lights.len())?, Driver::default()));
-        }
-        assembly.lights = lights;
+        assembly.lights = description.lights.into_iter().map(|light| (light, Driver::default())).collect();
         let mut objects = BTreeMap::new();
-        let geometry = &description.geometry;
-        self.place(&mut assembly, geometry, None, description.lights_from_file, &mut objects)?;
-        if let Some(camera) = description.camera {
-            assembly.camera = Some(self.camera(&camera)?);
+        self.place(&mut assembly, &description.geometry, None, description.lights_from_file, &mut objects)?;
+        assembly.camera = description.camera;
+        if let Some(keyframes) = description.keyframes {
+            self.animate(&mut assembly, keyframes, &objects);
         }
-        if let Some(keyframes) = &description.keyframes {
-            self.animate(&mut assembly, keyframes, &objects)?;
+        if !self.errors.is_empty() {
+            return Err(Diagnostics::sorted(self.errors).into());
         }
         assembly.finish()
     }
@@ -130,47 +127,27 @@ impl Loader<'_> {
         objects: &mut Objects,
     ) -> Result<(), SceneError> {
         match geometry {
+            // The grammar has told of names that are not built in.
             Geometry::BuiltIn(name) => {
-                let model = built_in::make(name).ok_or_else(|| {
-                    self.wrong(
-                        "C004",
-                        format!("there is no built-in geometry `{name}`"),
-                        name,
-                        "not built in",
-                    )
-                    .with_notes(offer(name, &built_in::names()))
-                    .error()
-                })?;
+                let model = built_in::make(&name.value).unwrap_or_default();
                 assembly.place(model, parent, with_lights);
             }
             Geometry::File(file) => {
-                if !self.models.contains_key(file) {
-                    let path = self.folder.join(file);
-                    if !path.exists() {
-                        let message = format!("there is no file {}", path.display());
-                        let note = "file names start from the folder of the scene file".to_string();
-                        return Err(self
-                            .wrong("C004", message, file, "not found")
-                            .with_notes(vec![note])
-                            .error());
-                    }
+                if !self.models.contains_key(&file.value) {
+                    let path = self.folder.join(&file.value);
                     let imported = import(&path)?;
                     assembly.files.push(path);
                     assembly.files.extend(imported.files);
-                    self.models.insert(file.clone(), imported.model);
+                    self.models.insert(file.value.clone(), imported.model);
                 }
-                assembly.place(self.models[file].clone(), parent, with_lights);
+                assembly.place(self.models[&file.value].clone(), parent, with_lights);
             }
             Geometry::Objects(list) => {
                 for object in list {
-                    let node = assembly.nodes.len();
-                    let transform = object.transform.model();
-                    if objects.insert(object.name.clone(), (node, transform)).is_some() {
-                        let message = format!("two objects are named `{}`", object.name);
-                        return Err(self.wrong("C005", message, &object.name, "the first of them").error());
-                    }
-                    let rest = transform.affine();
-                    assembly.nodes.push(Node { name: object.name.clone(), parent, rest, ..Node::default() });
+                    let (node, name) = (assembly.nodes.len(), object.name.value.clone());
+                    objects.insert(name.clone(), (node, object.transform));
+                    let rest = object.transform.affine();
+                    assembly.nodes.push(Node { name, parent, rest, ..Node::default() });
                     self.place(assembly, &object.geometry, Some(node), with_lights, objects)?;
                 }
             }
@@ -178,168 +155,67 @@ impl Loader<'_> {
         Ok(())
     }
 
-    fn camera(&self, camera: &description::Camera) -> Result<Camera, SceneError> {
-        if camera.position == camera.target {
-            let message = "the camera's position and target are the same point".to_string();
-            return Err(self.wrong_at("C005", message, "camera", "it looks nowhere").error());
-        }
-        Ok(Camera {
-            position: camera.position,
-            target: camera.target,
-            up: camera.up,
-            vertical_fov: camera.vertical_fov_deg.to_radians(),
-            // 0 stands for a part of the extent, which is not known yet.
-            near: camera.near.unwrap_or(0.0),
-        })
-    }
-
-    fn light(&self, light: &description::Light, index: usize) -> Result<Light, SceneError> {
-        let named = |name: &str| if name.is_empty() { format!("light {index}") } else { name.to_string() };
-        Ok(match light {
-            description::Light::Spot { name, position, direction, intensity, outer_deg, inner_deg } => {
-                let inner_deg = inner_deg.unwrap_or(*outer_deg);
-                if inner_deg > *outer_deg {
-                    let message =
-                        format!("the inner cone, {inner_deg}°, is wider than the outer, {outer_deg}°");
-                    return Err(self.wrong_at("C005", message, "inner_deg", "at most `outer_deg`").error());
-                }
-                let kind = LightKind::Spot { inner: inner_deg.to_radians(), outer: outer_deg.to_radians() };
-                let direction = direction.normalize();
-                Light { name: named(name), kind, position: *position, direction, intensity: *intensity }
-            }
-            description::Light::Point { name, position, intensity } => Light {
-                name: named(name),
-                kind: LightKind::Point,
-                position: *position,
-                direction: Vec3::NEG_Y,
-                intensity: *intensity,
-            },
-            description::Light::Directional { name, direction, irradiance } => Light {
-                name: named(name),
-                kind: LightKind::Directional,
-                position: Vec3::ZERO,
-                direction: direction.normalize(),
-                intensity: *irradiance,
-            },
-        })
-    }
-
-    fn animate(
-        &self,
-        assembly: &mut Assembly,
-        keyframes: &Keyframes,
-        objects: &Objects,
-    ) -> Result<(), SceneError> {
+    fn animate(&mut self, assembly: &mut Assembly, keyframes: Keyframes, objects: &Objects) {
         assembly.frames_per_second = Some(keyframes.frames_per_second);
-        let times = keyframes.camera.iter().map(|key| key.time);
-        let times = times.chain(keyframes.lights.values().flatten().map(|key| key.time));
-        let end = times.chain(keyframes.objects.values().flatten().map(|key| key.time)).fold(0.0, f32::max);
-        assembly.duration = assembly.duration.max(end);
-        let outside = if keyframes.repeat { Outside::Repeat(end) } else { Outside::Hold };
-
-        let smooth =
-            |what: &str, keys: Vec<(f32, Vec3)>| self.track(what, keys, |k| Track::smooth(k, outside));
-        let camera = &keyframes.camera;
-        assembly.camera_tracks = Driver {
-            position: smooth("camera", pick(camera, |k| (k.time, k.position)))?,
-            aim: smooth("camera", pick(camera, |k| (k.time, k.target)))?,
-            ..Driver::default()
-        };
-        for (name, keys) in &keyframes.lights {
-            let names: Vec<String> = assembly.lights.iter().map(|(light, _)| light.name.clone()).collect();
-            let Some((_, driver)) = assembly.lights.iter_mut().find(|(light, _)| light.name == *name) else {
-                let message = format!("keyframes for `{name}`, but no light has this name");
-                let notes = offer(name, &names);
-                return Err(self
-                    .wrong_last("C004", message, name, "no such light")
-                    .with_notes(notes)
-                    .error());
+        assembly.duration = assembly.duration.max(keyframes.end);
+        let outside = if keyframes.repeat { Outside::Repeat(keyframes.end) } else { Outside::Hold };
+        if let Some(keys) = keyframes.camera {
+            let mut smooth = |values| self.track(keys.place, values, |values| Track::smooth(values, outside));
+            assembly.camera_tracks = Driver {
+                position: smooth(keys.value.position),
+                aim: smooth(keys.value.target),
+                ..Driver::default()
             };
-            driver.position = smooth(name, pick(keys, |k| (k.time, k.position)))?;
-            driver.aim = smooth(name, pick(keys, |k| (k.time, k.direction)))?;
-            driver.intensity = smooth(name, pick(keys, |k| (k.time, k.intensity)))?;
         }
-        for (name, keys) in &keyframes.objects {
-            let Some((node, base)) = objects.get(name) else {
-                let names: Vec<&String> = objects.keys().collect();
-                let message = format!("keyframes for `{name}`, but no object has this name");
-                let notes = offer(name, &names);
-                return Err(self
-                    .wrong_last("C004", message, name, "no such object")
-                    .with_notes(notes)
-                    .error());
+        for (name, keys) in keyframes.lights {
+            let names: Vec<String> = assembly.lights.iter().map(|(light, _)| light.name.clone()).collect();
+            let found = assembly.lights.iter_mut().find(|(light, _)| light.name == name.value);
+            let Some((_, driver)) = found else {
+                let message = format!("keyframes for `{}`, but no light has this name", name.value);
+                let error = Diagnostic::new(&codes::NAME, message)
+                    .label(self.span(name.place), "no such light")
+                    .suggest("lights", &name.value, names.iter().map(String::as_str));
+                self.errors.push(error);
+                continue;
             };
-            let turns: Vec<(f32, Quat)> = pick(keys, |k| (k.time, k.rotate_deg.map(description::rotation)));
+            let mut smooth = |values| self.track(name.place, values, |values| Track::smooth(values, outside));
+            driver.position = smooth(keys.position);
+            driver.aim = smooth(keys.direction);
+            driver.intensity = smooth(keys.intensity);
+        }
+        for (name, keys) in keyframes.objects {
+            // The grammar has told of names that no object has.
+            let Some((node, base)) = objects.get(&name.value) else { continue };
             let linear = |keys| Track::new(keys, Between::Linear, outside);
             assembly.nodes[*node].animation = Some(NodeAnimation {
                 base: *base,
-                translation: smooth(name, pick(keys, |k| (k.time, k.translate)))?,
-                rotation: self.track(name, turns, |keys| Track::new(keys, Between::Linear, outside))?,
-                scale: self.track(name, pick(keys, |k| (k.time, k.scale)), linear)?,
+                translation: self.track(name.place, keys.translate, |keys| Track::smooth(keys, outside)),
+                rotation: self
+                    .track(name.place, keys.rotate, |keys| Track::new(keys, Between::Linear, outside)),
+                scale: self.track(name.place, keys.scale, linear),
             });
         }
-        Ok(())
     }
 
     /// A track, where there are keys.
     fn track<T: Animated>(
-        &self,
-        what: &str,
-        keys: Vec<(f32, T)>,
-        make: impl Fn(Vec<(f32, T)>) -> Result<Track<T>, String>,
-    ) -> Result<Option<Track<T>>, SceneError> {
+        &mut self,
+        place: Place,
+        keys: Keys<T>,
+        make: impl Fn(Keys<T>) -> Result<Track<T>, String>,
+    ) -> Option<Track<T>> {
         if keys.is_empty() {
-            return Ok(None);
+            return None;
         }
-        make(keys).map(Some).map_err(|why| {
-            let message = format!("the keys of `{what}` make no movement: {why}");
-            self.wrong_last("C005", message, what, "its keys").error()
-        })
+        let message = |why| format!("these keys make no movement: {why}");
+        let track = make(keys).map_err(|why| {
+            let error = Diagnostic::new(&codes::CONFLICT, message(why)).label(self.span(place), "its keys");
+            self.errors.push(error);
+        });
+        track.ok()
     }
 
-    /// An error at the first place where `text` stands in quotes.
-    fn wrong(&self, code: &'static str, message: String, text: &str, here: &str) -> Wrong {
-        let quoted = format!("{text:?}");
-        self.at(code, message, self.source.text.find(&quoted), quoted.len(), here)
+    fn span(&self, place: Place) -> Span {
+        Span { source: Arc::clone(self.source), start: place.start, end: place.end }
     }
-
-    /// An error at the last place where `text` stands, in quotes or as a field.
-    fn wrong_last(&self, code: &'static str, message: String, text: &str, here: &str) -> Wrong {
-        let quoted = format!("{text:?}");
-        match self.source.text.rfind(&quoted) {
-            Some(start) => self.at(code, message, Some(start), quoted.len(), here),
-            None => self.at(code, message, self.source.text.rfind(text), text.len(), here),
-        }
-    }
-
-    /// An error at the first place where the field `text` stands.
-    fn wrong_at(&self, code: &'static str, message: String, text: &str, here: &str) -> Wrong {
-        self.at(code, message, self.source.text.find(&format!("{text}:")), text.len(), here)
-    }
-
-    fn at(&self, code: &'static str, message: String, start: Option<usize>, len: usize, here: &str) -> Wrong {
-        // Text that is written otherwise than it reads (escapes) is not found: then the whole file is meant.
-        let (start, end) = start.map_or((0, 0), |start| (start, start + len));
-        let label = Label { span: span(self.source, start, end), message: here.into() };
-        Wrong(Diagnostic { code, message, labels: vec![label], notes: Vec::new() })
-    }
-}
-
-/// An error in the making.
-struct Wrong(Diagnostic);
-
-impl Wrong {
-    fn with_notes(mut self, notes: Vec<String>) -> Wrong {
-        self.0.notes = notes;
-        self
-    }
-
-    fn error(self) -> SceneError {
-        SceneError::Description(Diagnostics(vec![self.0]))
-    }
-}
-
-/// The keys that set a value, with their times.
-fn pick<K, T>(keys: &[K], read: impl Fn(&K) -> (f32, Option<T>)) -> Vec<(f32, T)> {
-    keys.iter().map(read).filter_map(|(time, value)| Some((time, value?))).collect()
 }

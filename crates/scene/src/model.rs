@@ -1,9 +1,10 @@
 //! What an importer or a generator hands over: geometry in its own space, and the nodes that place it.
 
-use bytemuck::{Pod, Zeroable, cast_slice};
+use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use crate::animation::Track;
+use crate::hash::Hash;
 use crate::light::LightKind;
 use crate::material::{Material, Texture};
 
@@ -203,9 +204,10 @@ impl Influences {
         &self.all[start as usize..self.ends[vertex] as usize]
     }
 
-    /// All of them, for a hash.
-    pub(crate) fn bytes(&self) -> [&[u8]; 2] {
-        [cast_slice(&self.ends), cast_slice(&self.all)]
+    /// Adds all of them.
+    pub(crate) fn hash(&self, hash: &mut Hash) {
+        hash.slice(&self.ends);
+        hash.slice(&self.all);
     }
 
     /// Every influence, with its vertex.

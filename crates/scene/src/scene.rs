@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use bytemuck::{Pod, Zeroable};
-use frame_graph::{Traits, Value};
+use data_file::{Traits, Value};
 use glam::{Affine3A, Vec3};
 
 use crate::animation::Track;

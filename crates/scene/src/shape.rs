@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use bytemuck::{Pod, Zeroable, cast_slice};
+use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use rayon::prelude::*;
-use xxhash_rust::xxh3::Xxh3;
 
+use crate::hash::Hash;
 use crate::model::{Influences, Mesh, Primitive};
 
 /// Fewer vertices than this are not worth a thread of their own.
@@ -153,15 +153,16 @@ impl Shape {
     }
 
     /// Adds all that it holds.
-    pub(crate) fn hash(&self, hash: &mut Xxh3) {
-        hash.update(cast_slice(&self.positions));
-        hash.update(cast_slice(&self.normals));
-        hash.update(format!("{:?}", self.faceted).as_bytes());
-        self.influences.bytes().iter().for_each(|bytes| hash.update(bytes));
-        for target in &self.targets {
-            hash.update(&(target.len() as u64).to_le_bytes());
-            hash.update(cast_slice(target));
-        }
+    pub(crate) fn hash(&self, hash: &mut Hash) {
+        let Shape { positions, normals, faceted, targets, influences } = self;
+        hash.slice(positions);
+        hash.slice(normals);
+        hash.list(faceted, |hash, range| {
+            hash.length(range.start);
+            hash.length(range.end);
+        });
+        hash.list(targets, |hash, target| hash.slice(target));
+        influences.hash(hash);
     }
 }
 

@@ -8,13 +8,12 @@
 //! @compute @workgroup_size(64) fn add_up() { … }
 //! ```
 
-use crate::codes;
 use crate::composed::Composed;
 use crate::doc_reader::{Literal, Problem, Reader};
-use crate::files::nearest;
 use crate::interface::ShaderInterface;
 use crate::scan::{FoundDeclaration, find_documented};
-use frame_graph::{Diagnostic, Diagnostics};
+use frame_graph::codes::shader as codes;
+use frame_graph::{Diagnostic, Diagnostics, nearest};
 use std::ops::Range;
 
 /// What the doc comments of a shader say in brackets of its entry points and globals.
@@ -124,7 +123,7 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
                 let whole = 0..found.doc.text.len();
                 let place = found.doc.place(if problem.range.is_empty() { whole } else { problem.range });
                 errors.push(composed.diagnostic(
-                    codes::ATTRIBUTE,
+                    &codes::ATTRIBUTE,
                     format!("the attributes of `{}`: {}", found.name, problem.message),
                     [(place, String::new())],
                     problem.note,

@@ -1,9 +1,9 @@
 //! naga: parsing, binding by name, validation, and its errors in words of WGSL.
 
-use crate::codes;
 use crate::composed::Composed;
 use crate::reflect::resources;
 use crate::scan::unclosed_brace;
+use frame_graph::codes::shader as codes;
 use frame_graph::{Diagnostic, Diagnostics};
 use naga::common::wgsl::TypeContext;
 use naga::front::wgsl::ParseError;
@@ -37,7 +37,7 @@ pub(crate) fn compile(
     let result = result.unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given");
-        Err(composed.diagnostic(codes::COMPILER, format!("naga failed on this shader: {text}"), [], []))
+        Err(composed.diagnostic(&codes::COMPILER, format!("naga failed on this shader: {text}"), [], []))
     });
     result.map_err(Diagnostics::from)
 }
@@ -57,7 +57,7 @@ fn refused(composed: &Composed, error: &ParseError) -> Diagnostic {
         message = format!("this `{{` is not closed ({message})");
         labels.insert(0, (brace as u32..brace as u32 + 1, "opened here".to_owned()));
     }
-    composed.diagnostic(codes::WGSL, message, labels, error.notes().map(str::to_owned))
+    composed.diagnostic(&codes::WGSL, message, labels, error.notes().map(str::to_owned))
 }
 
 /// An error of the validator.
@@ -81,7 +81,7 @@ fn invalid(composed: &Composed, module: &Module, error: &WithSpan<ValidationErro
     causes.retain(|cause| !cause.ends_with(" is invalid"));
     causes.reverse();
     let plain = |text: String| in_wgsl(module, text);
-    composed.diagnostic(codes::INVALID, plain(message), labels, causes.into_iter().map(plain))
+    composed.diagnostic(&codes::INVALID, plain(message), labels, causes.into_iter().map(plain))
 }
 
 /// Common errors that naga words by the handles in its arenas.

@@ -1,13 +1,13 @@
 //! From a file, its imports and the options' values to one text, with the origin of each byte.
 
-use crate::codes;
 use crate::composed::{Composed, Import, Outline, ShaderOption, import_chain};
 use crate::directive::{self, Condition, Define, Directive, Fault, Placed};
-use crate::files::{self, ShaderFiles, nearest};
+use crate::files::{self, ShaderFiles};
 use crate::library::Request;
 use crate::line_map::{LineMap, span};
 use crate::scan::Comments;
-use frame_graph::{Diagnostic, Diagnostics, Label, Source};
+use frame_graph::codes::shader as codes;
+use frame_graph::{Diagnostic, Diagnostics, Label, Source, nearest};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
@@ -99,7 +99,7 @@ impl Composer<'_> {
             let mut notes = Vec::new();
             self.suggest_file(&request.path, false, &mut notes);
             let message = format!("there is no shader `{}`", request.path);
-            self.errors.push(Diagnostic { code: codes::MISSING_FILE, message, labels: Vec::new(), notes });
+            self.errors.push(Diagnostic { notes, ..Diagnostic::new(&codes::MISSING_FILE, message) });
             return None;
         };
         self.include(&main, None);
@@ -128,7 +128,11 @@ impl Composer<'_> {
             });
             let message = format!("`{}` has no option `{name}`", self.request.path);
             let labels = vec![Label { span: span(main, 0..0), message: String::new() }];
-            self.errors.push(Diagnostic { code: codes::UNKNOWN_OPTION, message, labels, notes });
+            self.errors.push(Diagnostic {
+                labels,
+                notes,
+                ..Diagnostic::new(&codes::UNKNOWN_OPTION, message)
+            });
         }
     }
 
@@ -164,7 +168,7 @@ impl Composer<'_> {
         let labels = vec![Label { span: span(source, fault.range), message: fault.label }];
         let mut notes = fault.notes;
         notes.extend(import_chain(&self.origins, &source.name));
-        self.errors.push(Diagnostic { code: fault.code, message: fault.message, labels, notes });
+        self.errors.push(Diagnostic { labels, notes, ..Diagnostic::new(fault.code, fault.message) });
     }
 
     /// Appends a file, once.
@@ -176,11 +180,11 @@ impl Composer<'_> {
         self.outline.files.push(source.name.clone());
         if source.text.len() > MAX_BYTES.saturating_sub(self.text.len()) {
             let message = format!("the shader is longer than {} MiB", MAX_BYTES >> 20);
-            return self.fail(source, Fault::new(codes::WGSL, 0..0, message));
+            return self.fail(source, Fault::new(&codes::WGSL, 0..0, message));
         }
         if self.depth == MAX_DEPTH {
             let message = format!("imports are nested more than {MAX_DEPTH} deep");
-            return self.fail(source, Fault::new(codes::DIRECTIVE, 0..0, message));
+            return self.fail(source, Fault::new(&codes::DIRECTIVE, 0..0, message));
         }
         self.depth += 1;
         let mut branches: Vec<Branch> = Vec::new();
@@ -232,12 +236,12 @@ impl Composer<'_> {
             self.copy(source, copied..at);
         }
         for branch in branches {
-            self.fail(source, Fault::new(codes::UNBALANCED, branch.opened, "this `#if` has no `#endif`"));
+            self.fail(source, Fault::new(&codes::UNBALANCED, branch.opened, "this `#if` has no `#endif`"));
         }
         if let Some(&open) = comments.open.first() {
             self.fail(
                 source,
-                Fault::new(codes::COMMENT, open..open + 2, "this comment has no end")
+                Fault::new(&codes::COMMENT, open..open + 2, "this comment has no end")
                     .note("block comments nest: each `/*` wants its own `*/`"),
             );
         }
@@ -264,7 +268,7 @@ impl Composer<'_> {
     ) -> Result<(), Fault> {
         let active = branches.last().is_none_or(|branch| branch.active);
         let unbalanced =
-            |name: &str| Fault::new(codes::UNBALANCED, line.clone(), format!("`#{name}` without `#if`"));
+            |name: &str| Fault::new(&codes::UNBALANCED, line.clone(), format!("`#{name}` without `#if`"));
         match directive {
             Directive::If(condition) => {
                 // Pushed even if the condition is wrong: the `#endif` is there all the same.
@@ -283,7 +287,7 @@ impl Composer<'_> {
             Directive::Elif(condition) => {
                 let branch = branches.last().ok_or_else(|| unbalanced("elif"))?;
                 if branch.has_else {
-                    return Err(Fault::new(codes::UNBALANCED, line, "`#elif` after `#else`"));
+                    return Err(Fault::new(&codes::UNBALANCED, line, "`#elif` after `#else`"));
                 }
                 let (outer, taken) = (branch.outer, branch.taken);
                 let holds = if outer { self.condition(&condition) } else { Ok(false) };
@@ -296,7 +300,7 @@ impl Composer<'_> {
             Directive::Else => {
                 let branch = branches.last_mut().ok_or_else(|| unbalanced("else"))?;
                 if branch.has_else {
-                    return Err(Fault::new(codes::UNBALANCED, line, "a second `#else`"));
+                    return Err(Fault::new(&codes::UNBALANCED, line, "a second `#else`"));
                 }
                 branch.active = branch.outer && !branch.taken;
                 branch.has_else = true;
@@ -307,7 +311,7 @@ impl Composer<'_> {
             Directive::Import(path) => {
                 let found = self.find(files::folder(&source.name), &path.value).ok_or_else(|| {
                     let mut fault = Fault::new(
-                        codes::MISSING_FILE,
+                        &codes::MISSING_FILE,
                         path.range.clone(),
                         format!("there is no file `{}`", path.value),
                     );
@@ -336,7 +340,7 @@ impl Composer<'_> {
                 return Ok(());
             }
             let message = format!("no module is given for the interface \"{}\"", name.value);
-            let fault = Fault::new(codes::INTERFACE, name.range, message);
+            let fault = Fault::new(&codes::INTERFACE, name.range, message);
             let given: Vec<&str> = self.request.modules.keys().map(String::as_str).collect();
             return Err(match nearest(&name.value, given.iter().copied()) {
                 Some(near) => fault.note(format!("did you mean \"{near}\"?")),
@@ -348,7 +352,7 @@ impl Composer<'_> {
         };
         let found = self.find("", path).ok_or_else(|| {
             let message = format!("there is no file `{path}`");
-            let mut fault = Fault::new(codes::MISSING_FILE, name.range.clone(), message)
+            let mut fault = Fault::new(&codes::MISSING_FILE, name.range.clone(), message)
                 .label(format!("the module of the interface \"{}\"", name.value));
             self.suggest_file(path, false, &mut fault.notes);
             fault
@@ -373,21 +377,21 @@ impl Composer<'_> {
                 odd.value.type_name(),
                 default.value.type_name()
             );
-            return Err(Fault::new(codes::OPTION, odd.range.clone(), message));
+            return Err(Fault::new(&codes::OPTION, odd.range.clone(), message));
         }
         let one_of: Vec<Define> = one_of.into_iter().map(|value| value.value).collect();
         let listed = |value: &Define| one_of.is_empty() || one_of.contains(value);
         let list = || one_of.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         if !listed(&default.value) {
             let message = format!("the default `{}` is not one of {}", default.value, list());
-            return Err(Fault::new(codes::OPTION, default.range, message));
+            return Err(Fault::new(&codes::OPTION, default.range, message));
         }
         if let Some(other) = self.outline.options.iter().find(|other| other.name == name.value) {
             if other.default == default.value && other.one_of == one_of {
                 return Ok(());
             }
             return Err(Fault::new(
-                codes::OPTION,
+                &codes::OPTION,
                 line,
                 format!("the option `{}` is declared twice, and differently", name.value),
             )
@@ -415,7 +419,7 @@ impl Composer<'_> {
             place,
             compared,
         });
-        wrong.map_or(Ok(()), |message| Err(Fault::new(codes::OPTION, line, message)))
+        wrong.map_or(Ok(()), |message| Err(Fault::new(&codes::OPTION, line, message)))
     }
 
     fn condition(&mut self, condition: &Condition) -> Result<bool, Fault> {
@@ -424,7 +428,7 @@ impl Composer<'_> {
         condition.holds(&mut |name, compared| {
             let Some(index) = options.iter().position(|option| option.name == name.value) else {
                 let fault = Fault::new(
-                    codes::CONDITION,
+                    &codes::CONDITION,
                     name.range.clone(),
                     format!("no option `{}` is declared", name.value),
                 );
@@ -445,12 +449,12 @@ impl Composer<'_> {
                         value.value,
                         value.value.type_name()
                     );
-                    return Err(Fault::new(codes::CONDITION, value.range.clone(), message));
+                    return Err(Fault::new(&codes::CONDITION, value.range.clone(), message));
                 }
                 if !option.one_of.is_empty() && !option.one_of.contains(&value.value) {
                     let message = format!("`{}` is never `{}`", name.value, value.value);
                     let list: Vec<String> = option.one_of.iter().map(ToString::to_string).collect();
-                    return Err(Fault::new(codes::CONDITION, value.range.clone(), message)
+                    return Err(Fault::new(&codes::CONDITION, value.range.clone(), message)
                         .note(format!("it is one of {}", list.join(", "))));
                 }
                 option.compared.insert(value.value.clone());

@@ -2,6 +2,7 @@
 
 use crate::directive::Define;
 use crate::line_map::{LineMap, span};
+use frame_graph::codes::Code;
 use frame_graph::{Diagnostic, Label, Setting, Source, Span, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -101,7 +102,7 @@ impl Composed {
     /// An error at ranges of the composed text, told at the user's own lines, with how the file came in.
     pub(crate) fn diagnostic(
         &self,
-        code: &'static str,
+        code: &'static Code,
         message: impl Into<String>,
         labels: impl IntoIterator<Item = (Range<u32>, String)>,
         notes: impl IntoIterator<Item = String>,
@@ -120,7 +121,7 @@ impl Composed {
                 self.values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
             notes.push(format!("in the variant {}", values.join(", ")));
         }
-        Diagnostic { code, message: message.into(), labels, notes }
+        Diagnostic { labels, notes, ..Diagnostic::new(code, message) }
     }
 }
 

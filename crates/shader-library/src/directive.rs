@@ -1,7 +1,7 @@
 //! The `#` lines of the dialect: their grammar, and the values of options.
 
-use crate::codes;
 use frame_graph::Value;
+use frame_graph::codes::{Code, shader as codes};
 use std::fmt;
 use std::ops::Range;
 
@@ -77,7 +77,7 @@ impl TryFrom<&Value> for Define {
 /// An error at a range of the file being read.
 #[derive(Debug)]
 pub(crate) struct Fault {
-    pub(crate) code: &'static str,
+    pub(crate) code: &'static Code,
     pub(crate) range: Range<usize>,
     pub(crate) message: String,
     /// What is said at the place itself.
@@ -86,7 +86,7 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
-    pub(crate) fn new(code: &'static str, range: Range<usize>, message: impl Into<String>) -> Self {
+    pub(crate) fn new(code: &'static Code, range: Range<usize>, message: impl Into<String>) -> Self {
         Fault { code, range, message: message.into(), label: String::new(), notes: Vec::new() }
     }
 
@@ -149,7 +149,7 @@ impl Condition {
                 Define::Bool(b) => b,
                 other => {
                     let message = format!("`{}` is {}, not true or false", name.value, other.type_name());
-                    return Err(Fault::new(codes::CONDITION, name.range.clone(), message)
+                    return Err(Fault::new(&codes::CONDITION, name.range.clone(), message)
                         .note(format!("compare it: `{} == {other}`", name.value)));
                 }
             },
@@ -196,8 +196,8 @@ pub(crate) fn parse(line: &str, at: usize) -> Result<Directive, Fault> {
         Token::Word("endif") => Directive::Endif,
         Token::Word(other) => {
             let known = ["import", "option", "if", "elif", "else", "endif"];
-            let fault = Fault::new(codes::DIRECTIVE, name.range, format!("there is no `#{other}`"));
-            return Err(match crate::files::nearest(other, known) {
+            let fault = Fault::new(&codes::DIRECTIVE, name.range, format!("there is no `#{other}`"));
+            return Err(match frame_graph::nearest(other, known) {
                 Some(near) => fault.note(format!("did you mean `#{near}`?")),
                 None => fault.note("there are #import, #option, #if, #elif, #else, #endif"),
             });
@@ -229,7 +229,7 @@ impl Placed<Token<'_>> {
             Token::Symbol(symbol) => format!("`{symbol}`"),
             Token::End => "the end of the line".to_owned(),
         };
-        Fault::new(codes::DIRECTIVE, self.range, format!("expected {what}")).label(format!("found {found}"))
+        Fault::new(&codes::DIRECTIVE, self.range, format!("expected {what}")).label(format!("found {found}"))
     }
 }
 
@@ -249,7 +249,7 @@ impl<'a> Tokens<'a> {
         let rest = self.line[self.pos..].trim_start();
         let start = self.line.len() - rest.len();
         let (token, len) = Self::token(rest).map_err(|(len, message)| {
-            Fault::new(codes::DIRECTIVE, self.at + start..self.at + start + len, message)
+            Fault::new(&codes::DIRECTIVE, self.at + start..self.at + start + len, message)
         })?;
         if token == Token::End {
             // The end of the line is where its last character ends, not past the newline.
@@ -377,7 +377,7 @@ impl<'a> Tokens<'a> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
             let range = self.peek()?.range;
-            return Err(Fault::new(codes::DIRECTIVE, range, "this condition is nested too deeply"));
+            return Err(Fault::new(&codes::DIRECTIVE, range, "this condition is nested too deeply"));
         }
         let condition = if self.accept("!")? {
             Condition::Not(Box::new(self.one()?))

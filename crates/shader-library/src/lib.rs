@@ -9,7 +9,6 @@
 //! [`Library::invalidate`] which requests they touched.
 
 mod attributes;
-mod codes;
 mod compile;
 mod compose;
 mod composed;

@@ -1,12 +1,12 @@
 //! Requests for shaders, and what was made of them.
 
-use crate::codes;
 use crate::compose::compose;
 use crate::composed::Outline;
 use crate::directive::Define;
 use crate::files::ShaderFiles;
 use crate::settings;
 use crate::shader::Shader;
+use frame_graph::codes::shader as codes;
 use frame_graph::{Diagnostic, Diagnostics, Setting};
 use naga::valid::Capabilities;
 use std::collections::{BTreeMap, BTreeSet};
@@ -168,7 +168,7 @@ impl Library {
             if variants.len() + open.len() + values.len() > MAX_VARIANTS {
                 let names: Vec<&str> = outline.options.iter().map(|option| option.name.as_str()).collect();
                 return Err(Diagnostics(vec![Diagnostic {
-                    code: codes::VARIANTS,
+                    code: codes::VARIANTS.code,
                     message: format!("`{}` has more than {MAX_VARIANTS} variants", request.path),
                     labels: vec![frame_graph::Label { span: option.place.clone(), message: String::new() }],
                     notes: vec![

@@ -237,6 +237,11 @@ pub(crate) fn find_documented(text: &str) -> Vec<FoundDeclaration> {
     found
 }
 
+/// Returns where `word` first stands alone.
+pub(crate) fn find_word(text: &str, word: &str) -> Option<usize> {
+    lexemes(text).find(|(lexeme, _)| *lexeme == Lexeme::Word(word)).map(|(_, at)| at)
+}
+
 /// The first `{` that is not closed before another file begins, or the text ends; `same_file` says whether
 /// two bytes are of one file.
 pub(crate) fn unclosed_brace(text: &str, same_file: impl Fn(usize, usize) -> bool) -> Option<usize> {

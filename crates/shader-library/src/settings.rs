@@ -7,13 +7,12 @@
 //! }
 //! ```
 
-use crate::codes;
 use crate::composed::Composed;
 use crate::doc_reader::{Literal, Problem, Reader};
-use crate::files::nearest;
 use crate::layout::StructLayout;
 use crate::scan::{FoundMember, find_struct};
-use frame_graph::{Diagnostic, Diagnostics, Setting, Value, ValueType};
+use frame_graph::codes::shader as codes;
+use frame_graph::{Diagnostic, Diagnostics, Setting, Value, ValueType, nearest};
 use std::ops::Range;
 
 const KEYS: [&str; 6] = ["default", "min", "max", "unit", "one_of", "bool"];
@@ -42,7 +41,7 @@ pub(crate) fn read(composed: &Composed, layout: Option<&StructLayout>) -> Result
                 };
                 let message = format!("the setting `{}`: {}", member.name, problem.message);
                 errors.push(composed.diagnostic(
-                    codes::SETTING,
+                    &codes::SETTING,
                     message,
                     [(place, String::new())],
                     problem.note,
@@ -59,7 +58,8 @@ fn declares(inside: &str) -> bool {
     let inside = inside.trim_start();
     let len = inside.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(inside.len());
     let (word, rest) = inside.split_at(len);
-    let known = KEYS.contains(&word) || nearest(word, ["default", "one_of"]).is_some();
+    // Short words of prose are parts of the keys, such as `one`.
+    let known = KEYS.contains(&word) || (word.len() > 4 && nearest(word, ["default", "one_of"]).is_some());
     !word.is_empty() && (known || rest.trim_start().starts_with(':'))
 }
 

@@ -1,14 +1,15 @@
 //! One variant of one shader: composed, validated, bound by name, reflected.
 
 use crate::attributes::{self, Attributes};
-use crate::codes;
 use crate::compile::compile;
 use crate::composed::{Composed, Outline};
 use crate::interface::ShaderInterface;
 use crate::layout::{StructLayout, WriteError, side_by_side, write_struct};
-use crate::reflect::reflect;
+use crate::line_map::span;
+use crate::reflect::{reflect, resources};
 use crate::thread_order::permuted;
 use crate::{scan, settings};
+use frame_graph::codes::shader as codes;
 use frame_graph::{Diagnostics, Setting, Span, Value};
 use naga::Module;
 use naga::valid::{Capabilities, ModuleInfo};
@@ -45,7 +46,7 @@ impl Shader {
         }
         let interface = reflect(&module, &info).map_err(|(span, message)| {
             let label = span.to_range().map(|range| (range.start as u32..range.end as u32, String::new()));
-            Diagnostics::from(composed.diagnostic(codes::INVALID, message, label, []))
+            Diagnostics::from(composed.diagnostic(&codes::INVALID, message, label, []))
         })?;
         for global in &interface.globals {
             hashed.push_str(&format!("\n{} {}", global.binding, global.name));
@@ -72,6 +73,28 @@ impl Shader {
     /// The place in the user's file of a range of bytes of [`Shader::text`].
     pub fn place(&self, range: Range<u32>) -> Option<Span> {
         self.composed.map.span(range)
+    }
+
+    /// Returns the place where the global with this index in [`ShaderInterface::globals`] is declared.
+    pub fn global_place(&self, index: usize) -> Option<Span> {
+        let handle = *resources(&self.module).get(index)?;
+        let declared = self.module.global_variables.get_span(handle).to_range()?;
+        let name = self.module.global_variables[handle].name.as_deref().unwrap_or_default();
+        let at = scan::find_word(&self.composed.text[declared.clone()], name).map(|at| declared.start + at);
+        let range = at.map_or(declared, |at| at..at + name.len());
+        self.place(range.start as u32..range.end as u32)
+    }
+
+    /// Returns the place where a member of a struct is declared.
+    pub fn member_place(&self, structure: &str, member: &str) -> Option<Span> {
+        let found = scan::find_struct(&self.composed.text, structure)?;
+        let range = found.members.into_iter().find(|found| found.name == member)?.range;
+        self.place(range.start as u32..range.end as u32)
+    }
+
+    /// Returns the place where the file that was asked for begins.
+    pub fn start(&self) -> Span {
+        span(&self.composed.main, 0..0)
     }
 
     /// The settings declared by the doc comments of `struct Settings`, in the order of its members; members
@@ -132,7 +155,12 @@ impl Shader {
             let label = scan::find_struct(&self.composed.text, &cpu.name)
                 .map(|found| (found.name.start as u32..found.name.end as u32, "declared here".to_owned()));
             let message = format!("the struct `{}` differs from the CPU's in {place}", cpu.name);
-            errors.push(self.composed.diagnostic(codes::LAYOUT, message, label, [side_by_side(shader, cpu)]));
+            errors.push(self.composed.diagnostic(
+                &codes::LAYOUT,
+                message,
+                label,
+                [side_by_side(shader, cpu)],
+            ));
         }
         if errors.is_empty() { Ok(()) } else { Err(Diagnostics(errors)) }
     }

@@ -80,7 +80,6 @@
 mod budget;
 mod claim;
 mod clock;
-pub mod codes;
 pub mod description;
 mod edit;
 mod error;

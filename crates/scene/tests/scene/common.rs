@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use frame_graph::Source;
+use data_file::Source;
 use glam::Vec3;
 use scene::{Scene, SceneError, SceneFiles, load};
 use serde_json::{Value, json};
@@ -64,7 +64,28 @@ pub(crate) fn shipped(name: &str) -> Scene {
 }
 
 pub(crate) fn load_text(text: &str) -> Result<Scene, SceneError> {
-    load("test", &InMemory(BTreeMap::from([("test.ron", text.to_string())])))
+    load_text_in(Path::new(""), text)
+}
+
+/// Loads a scene file of this text, which names geometry files of `folder`.
+pub(crate) fn load_text_in(folder: &Path, text: &str) -> Result<Scene, SceneError> {
+    load("test", &InFolder(folder, text))
+}
+
+struct InFolder<'a>(&'a Path, &'a str);
+
+impl SceneFiles for InFolder<'_> {
+    fn read(&self, path: &str) -> Option<Arc<Source>> {
+        (path == "test.ron").then(|| Source::new(path, self.1))
+    }
+
+    fn list(&self) -> Vec<String> {
+        vec!["test.ron".to_owned()]
+    }
+
+    fn folder(&self) -> PathBuf {
+        self.0.to_owned()
+    }
 }
 
 /// Unsigned integers, with their componentType.

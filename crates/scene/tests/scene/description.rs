@@ -1,11 +1,13 @@
 //! Scene files: what they say, and what is wrong with them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 
+use data_file::codes::scene::CODES;
 use glam::Vec3;
 use scene::{LightKind, SceneError, load};
 
-use crate::common::{Glb, InMemory, Shipped, load_text, shipped, states};
+use crate::common::{Glb, InMemory, Shipped, load_text, load_text_in, shipped, states};
 
 #[test]
 fn a_description_sets_camera_and_lights() {
@@ -96,86 +98,30 @@ fn an_unknown_name_offers_the_nearest() {
     assert!(error.to_string().contains("nowhere.glb"), "{error}");
 }
 
-/// Line, column, and the whole text of the only error of a description.
-fn error_of(text: &str) -> ((usize, usize), String) {
-    match load_text(text) {
-        Err(SceneError::Description(diagnostics)) => {
-            let text = diagnostics.to_string();
-            (diagnostics.0[0].labels[0].span.line_column(), text)
-        }
-        other => panic!("expected an error of the description for {text}, found {other:?}"),
-    }
-}
-
 #[test]
-fn errors_name_the_place_what_was_expected_and_the_nearest_name() {
-    let cases = [
-        ("Scene(geometri: BuiltIn(\"cube\"))", (1, 7), "did you mean `geometry`?"),
-        ("Scene(\n  geometry: Builtin(\"cube\"))", (2, 13), "did you mean `BuiltIn`?"),
-        ("Scene(\n  geometry: BuiltIn(\"cubes\"))", (2, 21), "did you mean `cube`?"),
-        ("Scene(about: \"x\")", (1, 17), "field `geometry` is missing"),
-        ("Scene(geometry: BuiltIn(\"cube\"),\n  lights: 3)", (2, 11), "[`"),
-        ("Scene(geometry: BuiltIn(\"cube\")", (1, 31), "omma"),
-        ("Scene(geometry: File(\"none.glb\"))", (1, 22), "there is no file none.glb"),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"), camera: Camera(\n position: (0, 0, 0), target: (0, 0, 1), vertical_fov_deg: 180))",
-            (2, 60),
-            "between 0 and 180, found 180",
-        ),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"), camera: Camera(position: (1, 2, 3), target: (1, 2, 3), vertical_fov_deg: 9))",
-            (1, 34),
-            "the same point",
-        ),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"), lights: [\n Point(position: (0, NaN, 0), intensity: (1, 1, 1))])",
-            (2, 18),
-            "three finite numbers, found (0, NaN, 0)",
-        ),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"), lights: [\n Directional(direction: (0, 0, 0), irradiance: (1, 1, 1))])",
-            (2, 25),
-            "not all 0",
-        ),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"), lights: [\n Point(position: (0, 0, 0), intensity: (1, -1, 1))])",
-            (2, 40),
-            "not negative",
-        ),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"), lights: [\n Spot(position: (0, 0, 0), direction: (0, 1, 0), intensity: (1, 1, 1), outer_deg: 10, inner_deg: 20)])",
-            (2, 87),
-            "wider than the outer",
-        ),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"), lights: [Point(name: \"bulb\", position: (0, 0, 0), intensity: (1, 1, 1))],\n keyframes: Keyframes(lights: { \"blub\": [Key(time: 0)] }))",
-            (2, 33),
-            "did you mean `bulb`?",
-        ),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"),\n keyframes: Keyframes(objects: { \"cube\": [Key(time: 0)] }))",
-            (2, 34),
-            "there are none",
-        ),
-        (
-            "Scene(geometry: BuiltIn(\"cube\"),\n keyframes: Keyframes(camera: [Key(time: 1, position: (0, 0, 0)), Key(time: 1, position: (0, 1, 0))]))",
-            (2, 23),
-            "key 1 is not later",
-        ),
-        (
-            "Scene(geometry: Objects([\n Object(name: \"a\", geometry: BuiltIn(\"cube\")),\n Object(name: \"a\", geometry: BuiltIn(\"cube\"))]))",
-            (2, 15),
-            "two objects are named `a`",
-        ),
-    ];
-    for (text, place, words) in cases {
-        let (found, message) = error_of(text);
-        assert_eq!(found, place, "the place of: {message}");
-        assert!(message.contains(words), "expected `{words}` in: {message}");
-        assert!(
-            message.contains(&format!("test.ron:{}:{}", place.0, place.1)),
-            "file and line in: {message}"
-        );
+fn every_broken_file_gives_its_errors() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/broken");
+    let entries =
+        std::fs::read_dir(&folder).expect("the folder").map(|entry| entry.expect("an entry").path());
+    let mut paths: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|e| e == "ron")).collect();
+    paths.sort();
+    let mut shown = BTreeSet::new();
+    for path in paths {
+        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(&path).expect("text");
+        let error = match load_text_in(&folder, &text) {
+            Err(SceneError::Description(errors)) => errors,
+            other => panic!("{name} is not broken so: {other:?}"),
+        };
+        shown.extend(error.0.iter().map(|error| error.code));
+        let text = error.to_string().replace(&folder.display().to_string(), "scenes");
+        insta::with_settings!({ prepend_module_to_snapshot => false, snapshot_path => "../snapshots", omit_expression => true }, {
+            insta::assert_snapshot!(name, text);
+        });
+    }
+    for code in CODES {
+        assert!(shown.contains(code.code), "no file shows {}", code.code);
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::read::twice;
 use super::{At, Claim, Group, Phase, Pipelines, Reference, SEED, Study, Vary};
-use crate::codes;
 use crate::measure::Measure;
 use crate::record::AxisValue;
+use frame_graph::codes::study as codes;
 use frame_graph::{Diagnostic, Diagnostics, Span};
 
 impl Study {

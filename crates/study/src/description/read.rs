@@ -5,10 +5,9 @@ mod claims;
 use super::{
     At, Budget, Group, Phase, Pipelines, Reference, SEED, SIZE, Set, Study, Variant, Vary, size_value,
 };
-use crate::codes;
 use crate::measure::Measure;
 use crate::record::AxisValue;
-use frame_graph::codes::Code;
+use frame_graph::codes::{Code, study as codes};
 use frame_graph::reader::{Fields, Form, Node, Number, Reader, parse};
 use frame_graph::{Diagnostic, Diagnostics, Source, Span};
 use std::sync::Arc;

@@ -1,12 +1,11 @@
 //! What can be wrong with the names and values of a study.
 
 use super::{Resolved, combinations_of, product};
-use crate::codes;
 use crate::description::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant};
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
 use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
-use frame_graph::codes::Code;
+use frame_graph::codes::{Code, study as codes};
 use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, ValueType};
 
 pub(super) struct Checker<'a> {

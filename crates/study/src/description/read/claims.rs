@@ -1,9 +1,9 @@
 //! The grammar of claims.
 
 use super::Grammar;
-use crate::codes;
 use crate::description::{At, Claim, Pick, Pins, Relation, SIZE, size_value};
 use frame_graph::Diagnostic;
+use frame_graph::codes::study as codes;
 use frame_graph::reader::{Fields, Form, Node};
 
 const CLAIM: &str = "`Order(measure: \"tid\", rising: [\"a\", \"b\"])` or `Ratio(measure: \"gpu-ms\", of: \"a\", to: \"b\", at_most: 0.5)`";
