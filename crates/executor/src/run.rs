@@ -305,7 +305,8 @@ impl Executor {
         }
         let mut open: Option<wgpu::ComputePass<'static>> = None;
         for (index, pass) in plan.passes.iter().enumerate().filter(|(index, _)| schedule.runs[*index]) {
-            let poisoned = poison.as_ref().filter(|_| options.poison);
+            // What has no steps is written by the host, before the frame.
+            let poisoned = poison.as_ref().filter(|_| options.poison && !steps[index].is_empty());
             if !pass.clears.is_empty() || !pass.continues.is_empty() || poisoned.is_some() {
                 open = None;
             }
@@ -398,25 +399,33 @@ impl Executor {
         Some(&loaded.objects[allocation.0 as usize].1)
     }
 
-    /// Writes a resource's bytes, as a test or a host program that feeds a pass does. The resource must not be
-    /// written by a pass that runs.
+    /// Writes a resource's bytes, as a test or a host program that feeds a pass does: of a resource whose past is read,
+    /// both copies. The resource must not be written by the steps of a pass.
     pub fn write(&self, resource: ResourceId, bytes: &[u8]) {
         let Some(loaded) = &self.loaded else { return };
         let planned = &loaded.plan.resources[resource.0 as usize];
-        match (&loaded.objects[planned.allocation.0 as usize].1, &planned.desc) {
-            (Object::Buffer(buffer), _) => self.gpu.queue.write_buffer(buffer, 0, bytes),
-            (Object::Texture { texture, .. }, ResourceDesc::Texture(desc)) => self.gpu.queue.write_texture(
-                texture.as_image_copy(),
-                bytes,
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(desc.size.0 * desc.format.bytes() as u32),
-                    rows_per_image: Some(desc.size.1),
-                },
-                texture.size(),
-            ),
-            _ => {}
+        let copies = planned.history.map(|history| loaded.plan.histories[history.0 as usize].copies);
+        let allocations = copies.as_ref().map_or(std::slice::from_ref(&planned.allocation), |copies| copies);
+        for allocation in allocations {
+            write(&self.gpu, &loaded.objects[allocation.0 as usize].1, &planned.desc, bytes);
         }
+    }
+}
+
+fn write(gpu: &Gpu, object: &Object, desc: &ResourceDesc, bytes: &[u8]) {
+    match (object, desc) {
+        (Object::Buffer(buffer), _) => gpu.queue.write_buffer(buffer, 0, bytes),
+        (Object::Texture { texture, .. }, ResourceDesc::Texture(desc)) => gpu.queue.write_texture(
+            texture.as_image_copy(),
+            bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(desc.size.0 * desc.format.bytes() as u32),
+                rows_per_image: Some(desc.size.1),
+            },
+            texture.size(),
+        ),
+        _ => {}
     }
 }
 

@@ -1,9 +1,9 @@
-//! Runs one pass alone on a GPU with given inputs, and gives its outputs: for tests of passes.
+//! The test harness of passes: runs one pass alone on a GPU with given inputs, through the real link and compile.
 //!
 //! ```no_run
 //! # let PASS: &dyn pass::Pass = todo!();
-//! use pass_test::Stand;
-//! let outputs = Stand::new(PASS)
+//! use pass_test::Harness;
+//! let outputs = Harness::new(PASS)
 //!     .set("interleave_x", 1u32)
 //!     .frame(8, 8)
 //!     .input("lights", "VirtualLights", &[("count", 1)], vec![("", pass_test::buffer(64), vec![0; 64])])
@@ -15,24 +15,33 @@
 
 use bytemuck::{Pod, Zeroable};
 use executor::{Executor, Gpu};
-use frame_graph::plan::{Plan, ResourceId};
+use frame_graph::plan::{Plan, PlannedPass, ResourceId};
 use frame_graph::{Facts, ResourceDesc, Source, Value};
 use pass::{Library, Pass};
 use scene::Scene;
 use shader_library::DiskFiles;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+mod given;
+mod harness;
 pub mod random;
-mod stand;
 pub mod statistics;
 
-pub use stand::Stand;
+/// What can happen to the past between two frames, for [`Harness::event`].
+pub use frame_graph::ResetCause;
+pub use harness::Harness;
+pub use harness::Harness as Stand;
 
-/// What a pass made.
+/// What a pass wrote.
 pub struct Outputs {
     executor: Executor,
     plan: Arc<Plan>,
+    /// Name of the pass, and of its kind.
+    pass: &'static str,
+    /// Whether it runs compute shaders.
+    dispatches: bool,
 }
 
 /// A buffer of `bytes`.
@@ -86,6 +95,18 @@ pub fn root() -> PathBuf {
 /// All WGSL of the tree.
 pub fn shaders() -> Library {
     Library::new(Arc::new(DiskFiles::new(root()))).with_roots(["shaders", ""])
+}
+
+/// Returns the WGSL of the tree that all tests of a process share, with threads in the order that a seed chooses.
+fn library(order: Option<u32>) -> &'static Library {
+    static LIBRARIES: Mutex<BTreeMap<Option<u32>, &'static Library>> = Mutex::new(BTreeMap::new());
+    let mut libraries = LIBRARIES.lock().unwrap_or_else(PoisonError::into_inner);
+    libraries.entry(order).or_insert_with(|| {
+        Box::leak(Box::new(match order {
+            Some(seed) => shaders().with_thread_order(seed),
+            None => shaders(),
+        }))
+    })
 }
 
 /// A scene by name or path.
@@ -154,12 +175,45 @@ impl scene::SceneFiles for Description<'_> {
 }
 
 impl Outputs {
+    /// Finds a resource of the pass, or one that it was given.
     fn find(&self, name: &str) -> ResourceId {
-        self.plan.resource(name).unwrap_or_else(|| {
+        let port = name.split('.').next().unwrap_or_default();
+        let own = self.plan.resource(&format!("{}.{name}", self.pass));
+        own.or_else(|| self.plan.resource(&format!("given-{port}.{name}"))).unwrap_or_else(|| {
             let names: Vec<&str> =
                 self.plan.resources.iter().map(|resource| resource.name.as_str()).collect();
             panic!("no resource `{name}` among {names:?}")
         })
+    }
+
+    fn planned(&self) -> &PlannedPass {
+        let pass = self.plan.passes.iter().find(|pass| pass.name.as_str() == self.pass);
+        pass.expect("the pass under test is in the plan")
+    }
+
+    /// Asserts that all output ports hold the bits of another run's. Scratch may differ.
+    fn assert_same_bits(&self, other: &Outputs) {
+        let ports = self.planned().outputs.iter().filter(|port| !port.interface.is_empty());
+        for (_, id) in ports.flat_map(|port| &port.members) {
+            let name = &self.plan.resources[id.0 as usize].name;
+            let [first, second] = [self, other].map(|outputs| {
+                let bytes = outputs.executor.read(*id).unwrap_or_else(|error| panic!("{error}"));
+                bytemuck::pod_collect_to_vec::<u8, u32>(&bytes)
+            });
+            let differ: Vec<usize> = (0..first.len()).filter(|i| first[*i] != second[*i]).collect();
+            if let Some(&word) = differ.first() {
+                panic!(
+                    "`{name}` depends on the order of threads: {} of {} words differ, the first at {word}: {:#010x} \
+                     and {:#010x} ({} and {})",
+                    differ.len(),
+                    first.len(),
+                    first[word],
+                    second[word],
+                    f32::from_bits(first[word]),
+                    f32::from_bits(second[word]),
+                );
+            }
+        }
     }
 
     /// The elements of an output, scratch or input, by `port` or `port.member`.
@@ -185,7 +239,7 @@ impl Outputs {
 
     /// The facts of an output port.
     pub fn facts(&self, port: &str) -> &Facts {
-        let found = self.plan.passes[0].outputs.iter().find(|output| output.port.as_str() == port);
+        let found = self.planned().outputs.iter().find(|output| output.port.as_str() == port);
         found.map(|output| &*output.facts).unwrap_or_else(|| panic!("no output `{port}`"))
     }
 }

@@ -178,7 +178,9 @@ fn ray_queries_are_refused_where_there_are_none() {
     if pass_test::gpu().is_none_or(|gpu| gpu.has_ray_queries()) {
         return eprintln!("skipped: the adapter has ray queries");
     }
-    let refused = std::panic::catch_unwind(|| follow(&pass_test::scene("plane"), 0.0, "query", &[])).err();
+    let scene = pass_test::scene("plane");
+    let rays = Random(1).rays(scene.bounds(), 1);
+    let refused = std::panic::catch_unwind(|| follow(&scene, 0.0, "query", &rays)).err();
     let words = refused.and_then(|words| words.downcast::<String>().ok()).unwrap();
     assert!(words.starts_with("pass compute uses ray queries, which "), "{words}");
 }
