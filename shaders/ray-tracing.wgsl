@@ -7,7 +7,7 @@
 //     fn trace(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> Hit
 //     fn occluded(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> bool
 
-#option RAYS bvh one_of [bvh, query] // by traversal in WGSL, or by the adapter's ray queries
+#option RAYS bvh one_of [bvh, query] // How rays are traced: by traversal in WGSL, or by the adapter's ray queries, where it has them.
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option TEXTURED false // whether any material of the scene has a texture, where MASKED
 

@@ -4,7 +4,7 @@ use gpu_algorithms::reduce;
 use pass::{
     Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
     RecordContext, Recording, ResourceDesc, Setting, Settings, Usage, UseContext, Value, optional, output,
-    setting::{self, SettingExt},
+    setting,
 };
 
 /// The kind `path-tracer`.
@@ -28,6 +28,37 @@ const RAYS: u32 = 128;
 /// Bytes of `Progress` in shaders/path-progress.wgsl.
 const PROGRESS_BYTES: u64 = 16;
 
+pass::choice! {
+    /// What a pixel is.
+    pub enum Filter {
+        /// The mean over its square.
+        Box = "box",
+        /// What its centre sees.
+        Centre = "centre",
+    }
+}
+
+pass::settings! {
+    /// The settings of the kind `path-tracer` that are not options of its shaders.
+    pub struct PathTracerSettings {
+        /// Most reflections between the surface that a light shines on and the one that is seen: 0 is direct light
+        /// alone. Time grows with it.
+        bounces: u32 = 3, min: 0, max: 63;
+        /// Samples a pixel after which it stops. Error falls as N^-½ or better.
+        samples: u32 = 1024, min: 1, max: 16_777_216;
+        /// Samples a pixel in one frame; fewer where these would be more than 128 rays. The picture is done in fewer
+        /// frames, each of which takes longer.
+        samples_per_frame: u32 = 4, min: 1, max: 64;
+        /// Estimated relMSE of the whole picture at which it stops before all samples are there; 0 takes all.
+        error: f32 = 0.0, min: 0.0, max: 1e6;
+        /// Length of a path's first indirect segment below which its geometry term grows no more, as a fraction of the
+        /// scene's extent; 0 is no bound. As in `gather`: what virtual lights converge to that are clamped so.
+        clamp: f32 = 0.0, min: 0.0, max: 1.0;
+        /// What a pixel is: the mean over its square, or what its centre sees, as in a G-buffer.
+        filter: Filter = Filter::Box;
+    }
+}
+
 impl Pass for PathTracer {
     fn info(&self) -> Info {
         Info {
@@ -38,45 +69,10 @@ impl Pass for PathTracer {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        Ok(vec![
-            setting::u32(
-                "bounces",
-                3,
-                "Most reflections between the surface that a light shines on and the one that is seen: 0 is direct \
-                 light alone. Time grows with it.",
-            )
-            .range(0.0, 63.0),
-            setting::u32("samples", 1024, "Samples a pixel after which it stops. Error falls as N^-½ or better.")
-                .range(1.0, 16_777_216.0),
-            setting::u32(
-                "samples_per_frame",
-                4,
-                "Samples a pixel in one frame; fewer where these would be more than 128 rays. The picture is done in \
-                 fewer frames, each of which takes longer.",
-            )
-            .range(1.0, 64.0),
-            setting::f32(
-                "error",
-                0.0,
-                "Estimated relMSE of the whole picture at which it stops before all samples are there; 0 takes all.",
-            )
-            .range(0.0, 1e6),
-            setting::f32(
-                "clamp",
-                0.0,
-                "Length of a path's first indirect segment below which its geometry term grows no more, as a fraction \
-                 of the scene's extent; 0 is no bound. As in `gather`: what virtual lights converge to that are \
-                 clamped so.",
-            )
-            .range(0.0, 1.0),
-            setting::choice(
-                "filter",
-                &["box", "centre"],
-                "What a pixel is: the mean over its square, or what its centre sees, as in a G-buffer.",
-            ),
-            setting::choice("rays", &["bvh", "query"], "How rays are traced: by shaders, or by the adapter's ray queries, where it has them."),
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        let mut all = PathTracerSettings::schema();
+        all.extend(setting::of_options(cx.shaders, PATHS, &["RAYS"])?);
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
@@ -118,15 +114,16 @@ impl Pass for PathTracer {
             of_scene("TEXTURED", "textured"),
             of_scene("GLOSSY", "glossy"),
             of_scene("MASKED", "masked"),
-            ("RAYS", Define::from(cx.settings.text("rays"))),
+            cx.option("RAYS"),
         ];
         let paths = cx.shader(PATHS, &defines);
         // A ray to each light and one onwards, at each surface.
-        let rays = (1 + cx.trait_u32("lights")) * (1 + cx.settings.u32("bounces"));
-        let at_once = Value::U32(cx.settings.u32("samples_per_frame").min((RAYS / rays).max(1)));
+        let settings = PathTracerSettings::read(cx.settings);
+        let rays = (1 + cx.trait_u32("lights")) * (1 + settings.bounces);
+        let at_once = Value::U32(settings.samples_per_frame.min((RAYS / rays).max(1)));
         let paths = Compute::per_texel(paths, "trace_paths", size)
             .value("samples_per_frame", at_once.clone())
-            .value("over_square", switch(cx.settings.text("filter") == "box"))
+            .value("over_square", switch(settings.filter == Filter::Box))
             // What nobody reads is not worth a ray.
             .value("direct", switch(cx.connected("image") || cx.connected("direct")))
             .value("emissive", switch(cx.trait_bool("emissive")));
