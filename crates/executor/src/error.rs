@@ -66,6 +66,17 @@ pub enum ExecutorError {
         /// The adapter's name.
         adapter: String,
     },
+    /// A frame was asked for, and no plan is loaded.
+    #[error("no plan is loaded")]
+    NotLoaded,
+    /// A plan could not be loaded, nor could the one before be restored: no plan is loaded any more.
+    #[error("{error}; the plan before could not be restored either: {again}; nothing is loaded now")]
+    NothingLeft {
+        /// Why the plan could not be loaded.
+        error: Box<ExecutorError>,
+        /// Why the one before could not be restored.
+        again: Box<ExecutorError>,
+    },
     /// The device is gone.
     #[error("the graphics device is gone: {message}")]
     Lost {

@@ -57,7 +57,8 @@ impl ObjectUsage {
         }
     }
 
-    fn covers(self, other: ObjectUsage) -> bool {
+    /// Whether an object for this can be used as the other says.
+    pub(crate) fn covers(self, other: ObjectUsage) -> bool {
         self.or(other) == self
     }
 }
@@ -68,24 +69,30 @@ pub(crate) struct Pool {
     free: Vec<(ResourceDesc, ObjectUsage, Object)>,
     /// Bytes of all objects made and not dropped.
     pub(crate) held: u64,
+    /// The most of it so far.
+    pub(crate) most_held: u64,
 }
 
 impl Pool {
-    /// Takes a free object that fits, or makes one. Its contents have no meaning.
-    pub(crate) fn take(
+    /// Takes a free object that fits. Its contents have no meaning.
+    pub(crate) fn find(&mut self, desc: &ResourceDesc, usage: ObjectUsage) -> Option<Object> {
+        let fits = |(free, free_usage, _): &(ResourceDesc, ObjectUsage, Object)| {
+            free == desc && free_usage.covers(usage)
+        };
+        self.free.iter().position(fits).map(|index| self.free.swap_remove(index).2)
+    }
+
+    /// Makes an object.
+    pub(crate) fn make(
         &mut self,
         gpu: &Gpu,
         name: &str,
         desc: &ResourceDesc,
         usage: ObjectUsage,
     ) -> Result<Object, ExecutorError> {
-        let found =
-            self.free.iter().position(|(free, free_usage, _)| free == desc && free_usage.covers(usage));
-        if let Some(index) = found {
-            return Ok(self.free.swap_remove(index).2);
-        }
         let object = create(gpu, name, desc, usage, self.held)?;
         self.held += desc.bytes();
+        self.most_held = self.most_held.max(self.held);
         Ok(object)
     }
 
@@ -94,10 +101,11 @@ impl Pool {
         self.free.push((desc, usage, object));
     }
 
-    /// Drops what no plan took again.
-    pub(crate) fn trim(&mut self) {
+    /// Drops what no plan took again; says whether there was anything.
+    pub(crate) fn trim(&mut self) -> bool {
         let dropped: u64 = self.free.drain(..).map(|(desc, ..)| desc.bytes()).sum();
-        self.held = self.held.saturating_sub(dropped);
+        self.held -= dropped;
+        dropped > 0
     }
 }
 
@@ -165,7 +173,7 @@ fn create(
     }
 }
 
-fn check_limits(gpu: &Gpu, name: &str, desc: &ResourceDesc) -> Result<(), ExecutorError> {
+pub(crate) fn check_limits(gpu: &Gpu, name: &str, desc: &ResourceDesc) -> Result<(), ExecutorError> {
     let limits = gpu.limits();
     let error = |wanted: String, allowed: String, limit| {
         Err(ExecutorError::Limit { resource: name.to_owned(), wanted, allowed, limit })

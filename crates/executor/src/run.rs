@@ -1,4 +1,6 @@
-//! The executor: loads plans and encodes frames.
+//! The executor: encodes frames of the plan that is loaded.
+
+mod load;
 
 use crate::error::ExecutorError;
 use crate::fill::{copy, fill, poison_buffer, poison_object};
@@ -11,8 +13,9 @@ use crate::timing::Timers;
 use frame_graph::frame::{FrameSchedule, FrameState};
 use frame_graph::plan::{AllocationId, Begins, HistoryId, PassId, Plan, ResourceId};
 use frame_graph::{Change, ResetCause, ResourceDesc};
+use load::Pending;
 use pass::{LinkedStep, PastFact, Source, pass_seed};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// How frames run.
@@ -31,8 +34,12 @@ pub struct LoadReport {
     pub changed: Vec<PassId>,
     /// Pipelines that had to be made.
     pub pipelines: usize,
-    /// Whether objects and histories of the plan before were kept.
+    /// Whether the plan has the structure of the one before, so that all objects and histories were kept.
     pub kept: bool,
+    /// Histories that go on.
+    pub histories: usize,
+    /// Steps whose bindings have to be made anew.
+    pub steps: usize,
 }
 
 /// What a frame did.
@@ -54,7 +61,7 @@ pub struct Executor {
     scene_indices: u32,
     seed: u32,
     loaded: Option<Loaded>,
-    pending: Vec<PassId>,
+    pending: Pending,
 }
 
 #[derive(Debug)]
@@ -82,7 +89,7 @@ impl Executor {
             scene_indices: 0,
             seed: 0,
             loaded: None,
-            pending: Vec::new(),
+            pending: Pending::default(),
         }
     }
 
@@ -99,6 +106,11 @@ impl Executor {
     /// Bytes of all objects that the executor holds.
     pub fn held_bytes(&self) -> u64 {
         self.pool.held
+    }
+
+    /// The most bytes of objects that the executor has held at once.
+    pub fn most_held_bytes(&self) -> u64 {
+        self.pool.most_held
     }
 
     /// Binds data of the host program. The name is one of [`pass::externals::GLOBALS`].
@@ -118,69 +130,8 @@ impl Executor {
     pub fn set_seed(&mut self, seed: u32) {
         if self.seed != seed {
             self.seed = seed;
-            self.pending = self.all_passes();
+            self.pending.all = true;
         }
-    }
-
-    fn all_passes(&self) -> Vec<PassId> {
-        let passes = self.loaded.as_ref().map_or(0, |loaded| loaded.plan.passes.len());
-        (0..passes as u32).map(PassId).collect()
-    }
-
-    /// Takes a plan with the linked steps of its passes, in place of the one before. If anything fails, the
-    /// one before stays.
-    ///
-    /// # Errors
-    /// A feature that the adapter lacks, a pipeline that the driver refuses, a limit, or memory used up: with
-    /// the pass and the bytes.
-    pub fn load(
-        &mut self,
-        plan: Arc<Plan>,
-        steps: Vec<Vec<LinkedStep>>,
-    ) -> Result<LoadReport, ExecutorError> {
-        self.check_features(&plan, &steps)?;
-        let mut pipelines = 0;
-        let mut built = Vec::with_capacity(steps.len());
-        for (pass, pass_steps) in plan.passes.iter().zip(steps) {
-            let mut row = Vec::with_capacity(pass_steps.len());
-            for step in pass_steps {
-                let (step, made) = LoadedStep::new(&self.gpu, &mut self.pipelines, &plan, pass, step)?;
-                pipelines += usize::from(made);
-                row.push(step);
-            }
-            built.push(row);
-        }
-        let changed = self.changed_passes(&plan, &built);
-        let usages = allocation_usages(&plan, &built);
-        let keep = self.loaded.as_ref().is_some_and(|old| {
-            old.plan.id == plan.id
-                && old.objects.iter().zip(&usages).all(|((old, _), new)| old.or(*new) == *old)
-        });
-        let old = self.loaded.as_ref();
-        let (objects, state, schedule, kept) = match old.filter(|_| keep) {
-            Some(old) => (old.objects.clone(), old.state.clone(), old.schedule.clone(), true),
-            None => (self.allocate(&plan, &usages)?, FrameState::new(&plan), FrameSchedule::default(), false),
-        };
-        let uniforms = lay_out_uniforms(&self.gpu, &mut built);
-        let timers = Timers::new(&self.gpu, plan.passes.len() as u32);
-        let loaded = Loaded { plan, objects, steps: built, uniforms, state, schedule, timers, poison: None };
-        if let Some(old) = self.loaded.replace(loaded)
-            && !kept
-        {
-            for (allocation, (usage, object)) in old.plan.allocations.iter().zip(old.objects) {
-                self.pool.give(allocation.desc.clone(), usage, object);
-            }
-            self.pool.trim();
-        }
-        let used: HashSet<u128> = self
-            .loaded
-            .iter()
-            .flat_map(|loaded| loaded.steps.iter().flatten())
-            .map(LoadedStep::shader_hash)
-            .collect();
-        self.pipelines.trim(&used);
-        self.pending.extend(changed.iter().copied());
-        Ok(LoadReport { changed, pipelines, kept })
     }
 
     fn check_features(&self, plan: &Plan, steps: &[Vec<LinkedStep>]) -> Result<(), ExecutorError> {
@@ -198,68 +149,18 @@ impl Executor {
         Ok(())
     }
 
-    fn changed_passes(&self, plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<PassId> {
-        let old: HashMap<&str, &Vec<LoadedStep>> = self.loaded.as_ref().map_or_else(HashMap::new, |loaded| {
-            loaded.plan.passes.iter().map(|pass| pass.name.as_str()).zip(&loaded.steps).collect()
-        });
-        plan.passes
-            .iter()
-            .zip(steps)
-            .enumerate()
-            .filter(|(_, (pass, steps))| {
-                !old.get(pass.name.as_str()).is_some_and(|old| {
-                    old.len() == steps.len() && old.iter().zip(*steps).all(|(a, b)| a.same_work(b))
-                })
-            })
-            .map(|(index, _)| PassId(index as u32))
-            .collect()
-    }
-
-    fn allocate(
-        &mut self,
-        plan: &Plan,
-        usages: &[ObjectUsage],
-    ) -> Result<Vec<(ObjectUsage, Object)>, ExecutorError> {
-        let mut objects: Vec<(ObjectUsage, Object)> = Vec::with_capacity(usages.len());
-        for (allocation, usage) in plan.allocations.iter().zip(usages) {
-            let first = allocation.resources.first();
-            let name = first.map_or("unused", |id| plan.resources[id.0 as usize].name.as_str());
-            // Textures may be asked to be poisoned later on; buffers always can be.
-            match self.pool.take(&self.gpu, name, &allocation.desc, *usage) {
-                Ok(object) => objects.push((*usage, object)),
-                Err(error) => {
-                    for (allocation, (usage, object)) in plan.allocations.iter().zip(objects) {
-                        self.pool.give(allocation.desc.clone(), usage, object);
-                    }
-                    self.pool.trim();
-                    return Err(error);
-                }
-            }
-        }
-        // Constants are written once: nothing else has a place in their objects.
-        let mut encoder = self
-            .gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("constants") });
-        for resource in &plan.resources {
-            if let Some(clear) = resource.constant {
-                fill(&mut encoder, &objects[resource.allocation.0 as usize].1, &resource.desc, clear);
-            }
-        }
-        self.gpu.queue.submit([encoder.finish()]);
-        Ok(objects)
-    }
-
     /// Runs a frame: what `change` and what followed from earlier ones ask for, and submits it.
     ///
     /// # Errors
-    /// What the driver said of the frame's commands; the device gone.
+    /// What the driver said of the frame's commands; the device gone; no plan loaded.
     ///
     /// # Panics
-    /// Where no plan is loaded, or an external that a shader reads is not set: defects of the host program.
+    /// Where an external that a shader reads is not set: defects of the host program.
     pub fn frame(&mut self, mut change: Change, options: FrameOptions) -> Result<FrameReport, ExecutorError> {
-        let loaded = self.loaded.as_mut().expect("a plan is loaded before frames run");
-        change.passes.append(&mut self.pending);
+        let Some(loaded) = &mut self.loaded else { return Err(ExecutorError::NotLoaded) };
+        change.passes.append(&mut self.pending.changed);
+        change.again.append(&mut self.pending.again);
+        change.all |= std::mem::take(&mut self.pending.all);
         let plan = Arc::clone(&loaded.plan);
         let schedule = loaded.state.begin(&plan, &change);
         loaded.write_uniforms(&self.gpu, &schedule, self.seed);
@@ -392,10 +293,9 @@ impl Executor {
     pub fn object(&self, resource: ResourceId) -> Option<&Object> {
         let loaded = self.loaded.as_ref()?;
         let planned = loaded.plan.resources.get(resource.0 as usize)?;
-        let allocation = match (planned.history, loaded.schedule.histories.is_empty()) {
-            (Some(_), false) => current_allocation(&loaded.plan, &loaded.schedule, resource),
-            _ => planned.allocation,
-        };
+        let allocation = planned.history.map_or(planned.allocation, |history| {
+            loaded.plan.histories[history.0 as usize].copies[loaded.state.current(history)]
+        });
         Some(&loaded.objects[allocation.0 as usize].1)
     }
 

@@ -73,8 +73,32 @@ impl LoadedStep {
                 == other.linked.settings.as_ref().map(|fill| &fill.values)
     }
 
+    /// Takes the values of another step, and keeps pipeline and bind groups. Gives the other back where it does not
+    /// bind the same in the same way.
+    pub(crate) fn take_values(&mut self, new: LoadedStep) -> Result<(), Box<LoadedStep>> {
+        let binds = |step: &LinkedStep| {
+            step.bindings.iter().map(|bound| (bound.global, bound.source.clone())).collect::<Vec<_>>()
+        };
+        let same = Arc::ptr_eq(&self.pipeline, &new.pipeline)
+            && binds(&self.linked) == binds(&new.linked)
+            && self.linked.targets == new.linked.targets
+            && self.linked.depth == new.linked.depth
+            && self.linked.indirect == new.linked.indirect;
+        if !same {
+            return Err(Box::new(new));
+        }
+        self.linked = new.linked;
+        Ok(())
+    }
+
     pub(crate) fn forget_bindings(&mut self) {
         self.groups.clear();
+    }
+
+    /// Forgets all that holds objects of the plan.
+    pub(crate) fn forget_objects(&mut self) {
+        self.groups.clear();
+        self.views.clear();
     }
 
     /// Reserves the uniform's place at `offset`; gives its size.

@@ -250,6 +250,7 @@ impl<'a> Work<'a> {
         }
         let mut plan = Plan {
             id: PlanId(0),
+            structure: PlanId(0),
             frame: graph.frame,
             passes: Vec::with_capacity(order.len()),
             resources: Vec::with_capacity(self.resources.len()),
@@ -276,7 +277,7 @@ impl<'a> Work<'a> {
         }
         memory::share(&mut plan, options.sharing);
         plan.fates = self.fates(&position);
-        plan.id = identity::of(&plan);
+        (plan.structure, plan.id) = identity::of(&plan);
         plan
     }
 

@@ -2,6 +2,7 @@
 
 use crate::plan::{HistoryId, PassId, Plan, ResourceId};
 use crate::port::Externals;
+use crate::succession::Succession;
 use std::fmt;
 
 /// Why the past of a history ended.
@@ -15,7 +16,8 @@ pub enum ResetCause {
     Cut,
     /// Another scene, or one that changed by more than movement.
     Scene,
-    /// A shader, a setting or the pipeline changed.
+    /// A shader, a setting or the links changed of the pass that makes the past, or of what feeds it; or the
+    /// pipeline before had no such past.
     Reload,
     /// What the pass that made the past reads of the host program changed, the frame's own number and time apart: the
     /// camera moved, or a light, or geometry.
@@ -43,8 +45,11 @@ impl fmt::Display for ResetCause {
 pub struct Change {
     /// The data of the host program that changed. [`Externals::FRAME`] is always taken as changed.
     pub externals: Externals,
-    /// Passes whose settings or shaders changed.
+    /// Passes whose settings, shaders or links changed. They run; and for the histories that they or what follows
+    /// from them write, it is a [`ResetCause::Reload`].
     pub passes: Vec<PassId>,
+    /// Passes that are to run again for another reason.
+    pub again: Vec<PassId>,
     /// Events that may end the past of a history.
     pub events: Vec<ResetCause>,
     /// Run everything, whatever has changed: for measurements.
@@ -92,8 +97,10 @@ pub struct FrameState {
     histories: Vec<Held>,
     /// The last version given.
     clock: u64,
-    /// Why there is no frame before.
-    begun: Option<ResetCause>,
+    /// Set until the first frame of the plan: nothing is held but the pasts of histories.
+    fresh: bool,
+    /// Why each history has no past in the next frame, whatever that brings; `None` where it has one.
+    lacking: Vec<Option<ResetCause>>,
 }
 
 /// What is held of a history.
@@ -112,13 +119,8 @@ const INIT: u64 = 0;
 const CONSTANT: u64 = 1;
 
 impl FrameState {
-    /// Nothing has run.
+    /// Creates the state in which nothing has run.
     pub fn new(plan: &Plan) -> FrameState {
-        FrameState::after(plan, ResetCause::FirstFrame)
-    }
-
-    /// Nothing has run with this plan, because of `cause`: what passes are told of why there is no past.
-    pub fn after(plan: &Plan, cause: ResetCause) -> FrameState {
         let mut first_seen = Vec::with_capacity(plan.passes.len());
         let mut seen = 0;
         for pass in &plan.passes {
@@ -132,8 +134,40 @@ impl FrameState {
             holds: vec![None; plan.allocations.len()],
             histories: vec![Held { current: 0, version: INIT, age: 0 }; plan.histories.len()],
             clock: CONSTANT,
-            begun: Some(cause),
+            fresh: true,
+            lacking: vec![Some(ResetCause::FirstFrame); plan.histories.len()],
         }
+    }
+
+    /// Creates the state of `plan` where it takes the place of the plan that this state is of. The histories that
+    /// go on keep their versions and ages; all passes run in the next frame.
+    pub fn succeed(&self, plan: &Plan, succession: &Succession) -> FrameState {
+        let mut next = FrameState::new(plan);
+        next.clock = self.clock;
+        // Before the first frame of all, that is the cause whatever else happened.
+        let begun = self.clock > CONSTANT;
+        for (h, before) in succession.histories.iter().enumerate() {
+            match before {
+                Ok(before) => {
+                    next.histories[h] = self.histories[before.0 as usize];
+                    next.lacking[h] = self.lacking[before.0 as usize];
+                }
+                Err(cause) if begun => next.lacking[h] = Some(*cause),
+                Err(_) => {}
+            }
+        }
+        next
+    }
+
+    /// Takes note that no object holds anything any more but those of histories: all passes run in the next frame.
+    pub fn forget_objects(&mut self) {
+        self.holds.fill(None);
+        self.fresh = true;
+    }
+
+    /// Which of the two objects of a history holds its newest version.
+    pub fn current(&self, history: HistoryId) -> usize {
+        self.histories[history.0 as usize].current
     }
 
     /// Decides what the next frame runs, and takes it as run.
@@ -142,23 +176,34 @@ impl FrameState {
     /// needs a version of its outputs that no object holds any more. What the outputs of the pipeline need is
     /// all that counts.
     pub fn begin(&mut self, plan: &Plan, change: &Change) -> FrameSchedule {
-        let begun = self.begun.take();
+        let fresh = std::mem::take(&mut self.fresh);
+        let reloaded = reached(plan, &change.passes);
         let resets: Vec<Option<ResetCause>> = plan
             .histories
             .iter()
-            .map(|history| {
+            .zip(&mut self.lacking)
+            .map(|(history, lacking)| {
+                let lacking = lacking.take().map(|cause| match cause {
+                    // Another scene brought another plan.
+                    ResetCause::Reload if change.events.contains(&ResetCause::Scene) => ResetCause::Scene,
+                    cause => cause,
+                });
+                let producer = plan.resources[history.resource.0 as usize].producer;
+                let reload = || {
+                    let reached = producer.is_some_and(|pass| reloaded.get(pass.0 as usize) == Some(&true));
+                    (reached && history.reset.contains(&ResetCause::Reload)).then_some(ResetCause::Reload)
+                };
                 let event = || change.events.iter().find(|e| history.reset.contains(e)).copied();
                 let moved = || {
-                    let producer = plan.resources[history.resource.0 as usize].producer;
                     let reads =
                         producer.map_or(Externals::NONE, |pass| plan.passes[pass.0 as usize].externals);
                     let changed = reads.0 & change.externals.0 & !Externals::FRAME.0 != 0;
                     (changed && history.reset.contains(&ResetCause::Moved)).then_some(ResetCause::Moved)
                 };
-                begun.or_else(event).or_else(moved)
+                lacking.or_else(event).or_else(reload).or_else(moved)
             })
             .collect();
-        let mut runs = self.renew(plan, change, &resets, begun.is_some());
+        let mut runs = self.renew(plan, change, &resets, fresh);
         self.restore(plan, &mut runs);
         for (i, pass) in plan.passes.iter().enumerate().filter(|(i, _)| runs[*i]) {
             for (_, id) in pass.outputs.iter().flat_map(|port| &port.members) {
@@ -215,7 +260,7 @@ impl FrameState {
     ) -> Vec<bool> {
         let changed = change.externals.and(Externals::FRAME);
         let mut runs = vec![first || change.all; plan.passes.len()];
-        for pass in &change.passes {
+        for pass in change.passes.iter().chain(&change.again) {
             if let Some(run) = runs.get_mut(pass.0 as usize) {
                 *run = true;
             }
@@ -308,5 +353,33 @@ impl FrameState {
             slots.push(HistorySlot { current: held.current, previous, age: held.age, reset: resets[i] });
         }
         slots
+    }
+}
+
+/// For each pass, whether it is one of these or reads, now or of the past, what follows from one. Empty where none
+/// is.
+fn reached(plan: &Plan, changed: &[PassId]) -> Vec<bool> {
+    if changed.is_empty() || plan.histories.is_empty() {
+        return Vec::new();
+    }
+    let mut reached = vec![false; plan.passes.len()];
+    for pass in changed {
+        if let Some(reached) = reached.get_mut(pass.0 as usize) {
+            *reached = true;
+        }
+    }
+    loop {
+        let mut more = false;
+        for (i, pass) in plan.passes.iter().enumerate() {
+            let mut producers = pass.inputs.iter().filter_map(|input| input.producer);
+            if !reached[i] && producers.any(|producer| reached[producer.0 as usize]) {
+                reached[i] = true;
+                more = true;
+            }
+        }
+        // The order follows the data of one frame; what comes out of the past may need another round.
+        if !more {
+            return reached;
+        }
     }
 }

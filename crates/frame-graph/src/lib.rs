@@ -43,8 +43,9 @@
 //! output. After the dot stands a port, or a member of the only port that has one of that name: `"view.depth"`.
 //! An input of the interface `Texture` or `Buffer` takes any single resource of that sort. `Prev` reads what the
 //! port held in the frame before, and may name any pass, also a later one or its own; `init` is what it holds where
-//! there is no past, and `reset` names the events that end it (the first four, where it is left out; `Moved` is any change of what
-//! the pass that writes the past reads of camera, lights and scene).
+//! there is no past, and `reset` names the events that end it (the first four, where it is left out). `Reload` is a change of a
+//! setting, a shader or a link of the pass that writes the past, or of what feeds it; `Moved` is any change of what that pass
+//! reads of camera, lights and scene.
 //!
 //! **Repeated parts.** With `repeat: "$n"` a part stands in the pipeline as copies whose passes are named
 //! `part/0/pass`, `part/1/pass`, and so on. The first copy takes what `in:` says; each further one takes, for an input
@@ -97,6 +98,7 @@ pub mod plan;
 pub mod port;
 pub mod resolve;
 pub mod resource;
+pub mod succession;
 
 pub use data_file::{codes, diagnostic, reader, value};
 
@@ -115,4 +117,5 @@ pub use resolve::{
     Difference, Files, Overrides, Parameter, Resolved, Settable, diff, resolve, resolve_description,
 };
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc};
+pub use succession::Succession;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

@@ -38,6 +38,10 @@ pub struct HistoryId(pub u32);
 pub struct Plan {
     /// The stable name of all that follows.
     pub id: PlanId,
+    /// The stable name of what objects depend on: passes and their kinds, links, resources, objects, histories.
+    /// Plans that differ in settings, facts, `reset:` lists or in which resources are called outputs have it in
+    /// common.
+    pub structure: PlanId,
     /// Size of the frame in pixels.
     pub frame: (u32, u32),
     /// The passes, in the order in which they run.

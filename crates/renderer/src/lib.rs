@@ -133,8 +133,9 @@ impl Renderer {
         if before == self.size {
             return Ok(());
         }
+        self.relink().inspect_err(|_| self.size = before)?;
         self.events.push(ResetCause::Resize);
-        self.relink().inspect_err(|_| self.size = before)
+        Ok(())
     }
 
     /// Sets how plans are compiled: sharing, wanted outputs, resources kept for reading back.
@@ -215,6 +216,7 @@ impl Renderer {
         let change = Change {
             externals,
             passes: Vec::new(),
+            again: Vec::new(),
             events: std::mem::take(&mut self.events),
             all: std::mem::take(&mut self.everything),
         };

@@ -2,7 +2,6 @@
 //! last good plan in place.
 
 use crate::{LoadReport, RenderError, Renderer};
-use frame_graph::ResetCause;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -31,12 +30,7 @@ impl Renderer {
         }
         let (name, overrides) = (loaded.name.clone(), loaded.overrides.clone());
         match self.set_pipeline(&name, &overrides) {
-            Ok(report) => {
-                if !report.changed.is_empty() {
-                    self.events.push(ResetCause::Reload);
-                }
-                Reload::Done(report)
-            }
+            Ok(report) => Reload::Done(report),
             Err(error) => Reload::Failed(error),
         }
     }

@@ -23,13 +23,20 @@ type Record = Box<dyn Fn(&RecordContext<'_>) -> Vec<Step> + Send + Sync>;
 pub(crate) struct Kind {
     name: &'static str,
     ports: Ports,
+    settings: Vec<Setting>,
     outputs: Vec<OutputDesc>,
     record: Record,
 }
 
 impl Kind {
     pub(crate) fn new(name: &'static str) -> Kind {
-        Kind { name, ports: Ports::default(), outputs: Vec::new(), record: Box::new(|_| Vec::new()) }
+        Kind {
+            name,
+            ports: Ports::default(),
+            settings: Vec::new(),
+            outputs: Vec::new(),
+            record: Box::new(|_| Vec::new()),
+        }
     }
 
     /// Adds an input of any resource, which need not be linked.
@@ -56,6 +63,19 @@ impl Kind {
         self
     }
 
+    pub(crate) fn setting(mut self, setting: Setting) -> Kind {
+        self.settings.push(setting);
+        self
+    }
+
+    /// Adds an output of one resource that hands on an input.
+    pub(crate) fn handing(mut self, port: &str, interface: &str, input: &str) -> Kind {
+        let (name, interface) = (port.to_owned(), interface.to_owned());
+        self.ports.outputs.push(OutputPort { name, interface, doc: String::new() });
+        self.outputs.push(OutputDesc::hand_on(port, input));
+        self
+    }
+
     pub(crate) fn steps(
         mut self,
         record: impl Fn(&RecordContext<'_>) -> Vec<Step> + Send + Sync + 'static,
@@ -71,7 +91,7 @@ impl Pass for Kind {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
-        Ok(Vec::new())
+        Ok(self.settings.clone())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {

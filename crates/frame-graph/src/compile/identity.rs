@@ -106,87 +106,106 @@ impl Encoder {
     }
 }
 
-/// The name of all that a plan says, but what became of passes that it does not hold.
-pub(super) fn of(plan: &Plan) -> PlanId {
+/// The names of a plan: of its structure, and of all that it says but what became of passes that it does not hold.
+pub(super) fn of(plan: &Plan) -> (PlanId, PlanId) {
     let mut e = Encoder(Vec::with_capacity(plan.passes.len() * 192 + plan.resources.len() * 64));
     e.u32(VERSION);
-    e.u32(plan.frame.0);
-    e.u32(plan.frame.1);
-    e.len(plan.passes.len());
-    for pass in &plan.passes {
-        e.text(&pass.name);
-        e.text(&pass.kind);
-        e.text(pass.shader.as_deref().unwrap_or(""));
-        e.len(pass.settings.0.len());
-        for (name, value) in &pass.settings.0 {
-            e.text(name);
-            e.value(value);
+    e.structure(plan);
+    let structure = PlanId(xxh3_128(&e.0));
+    e.values(plan);
+    (structure, PlanId(xxh3_128(&e.0)))
+}
+
+impl Encoder {
+    /// What objects, links and histories depend on.
+    fn structure(&mut self, plan: &Plan) {
+        let e = self;
+        e.len(plan.passes.len());
+        for pass in &plan.passes {
+            e.text(&pass.name);
+            e.text(&pass.kind);
+            e.text(pass.shader.as_deref().unwrap_or(""));
+            e.len(pass.inputs.len());
+            for input in &pass.inputs {
+                e.text(&input.port);
+                e.text(&input.interface);
+                e.members(&input.members);
+                e.len(input.history.as_ref().map_or(0, Vec::len));
+                input.history.iter().flatten().for_each(|h| e.u32(h.0));
+            }
+            e.len(pass.outputs.len());
+            for port in &pass.outputs {
+                e.text(&port.port);
+                e.text(&port.interface);
+                e.members(&port.members);
+                e.members(&port.handed);
+                e.u8(u8::from(port.connected));
+            }
+            e.len(pass.clears.len());
+            for (id, clear) in &pass.clears {
+                e.u32(id.0);
+                e.clear(clear);
+            }
+            e.len(pass.continues.len());
+            for continued in &pass.continues {
+                e.u32(continued.resource.0);
+                let (form, id) = match continued.from {
+                    Begins::InPlace(history) => (0, history.0),
+                    Begins::CopyOfPast(history) => (1, history.0),
+                    Begins::Copy(resource) => (2, resource.0),
+                };
+                e.u8(form);
+                e.u32(id);
+            }
         }
-        e.len(pass.overrides.len());
-        for (port, said) in pass.overrides.iter() {
-            // Format and size are in the resources; a shader may ask for the rest.
-            e.text(port);
-            e.text(said.interface.as_deref().unwrap_or(""));
-            e.u32(said.count.unwrap_or(0));
+        e.len(plan.resources.len());
+        for resource in &plan.resources {
+            e.desc(&resource.desc);
+            e.u32(resource.allocation.0);
+            e.u8(u8::from(resource.persistent));
+            if let Some(clear) = &resource.constant {
+                e.clear(clear);
+            }
         }
-        e.u8(pass.externals.0);
-        e.len(pass.inputs.len());
-        for input in &pass.inputs {
-            e.text(&input.port);
-            e.text(&input.interface);
-            e.members(&input.members);
-            e.len(input.history.as_ref().map_or(0, Vec::len));
-            input.history.iter().flatten().for_each(|h| e.u32(h.0));
-        }
-        e.len(pass.outputs.len());
-        for port in &pass.outputs {
-            e.text(&port.port);
-            e.text(&port.interface);
-            e.members(&port.members);
-            e.members(&port.handed);
-            e.u8(u8::from(port.connected));
-            e.facts(&port.facts);
-        }
-        e.len(pass.clears.len());
-        for (id, clear) in &pass.clears {
-            e.u32(id.0);
-            e.clear(clear);
-        }
-        e.len(pass.continues.len());
-        for continued in &pass.continues {
-            e.u32(continued.resource.0);
-            let (form, id) = match continued.from {
-                Begins::InPlace(history) => (0, history.0),
-                Begins::CopyOfPast(history) => (1, history.0),
-                Begins::Copy(resource) => (2, resource.0),
-            };
-            e.u8(form);
-            e.u32(id);
+        e.len(plan.allocations.len());
+        plan.allocations.iter().for_each(|allocation| e.desc(&allocation.desc));
+        e.len(plan.histories.len());
+        for history in &plan.histories {
+            e.u32(history.resource.0);
+            e.clear(&history.init);
         }
     }
-    e.len(plan.resources.len());
-    for resource in &plan.resources {
-        e.desc(&resource.desc);
-        e.u32(resource.allocation.0);
-        e.u8(u8::from(resource.persistent));
-        if let Some(clear) = &resource.constant {
-            e.clear(clear);
+
+    /// The rest: what may be another in a plan of the same structure.
+    fn values(&mut self, plan: &Plan) {
+        let e = self;
+        e.u32(plan.frame.0);
+        e.u32(plan.frame.1);
+        for pass in &plan.passes {
+            e.len(pass.settings.0.len());
+            for (name, value) in &pass.settings.0 {
+                e.text(name);
+                e.value(value);
+            }
+            e.len(pass.overrides.len());
+            for (port, said) in pass.overrides.iter() {
+                // Format and size are in the resources; a shader may ask for the rest.
+                e.text(port);
+                e.text(said.interface.as_deref().unwrap_or(""));
+                e.u32(said.count.unwrap_or(0));
+            }
+            e.u8(pass.externals.0);
+            pass.outputs.iter().for_each(|port| e.facts(&port.facts));
+        }
+        for history in &plan.histories {
+            e.len(history.reset.len());
+            history.reset.iter().for_each(|cause| e.u8(*cause as u8));
+        }
+        e.len(plan.outputs.len());
+        for output in &plan.outputs {
+            e.text(&output.name);
+            e.text(&output.interface);
+            e.members(&output.members);
         }
     }
-    e.len(plan.allocations.len());
-    plan.allocations.iter().for_each(|allocation| e.desc(&allocation.desc));
-    e.len(plan.histories.len());
-    for history in &plan.histories {
-        e.u32(history.resource.0);
-        e.clear(&history.init);
-        e.len(history.reset.len());
-        history.reset.iter().for_each(|cause| e.u8(*cause as u8));
-    }
-    e.len(plan.outputs.len());
-    for output in &plan.outputs {
-        e.text(&output.name);
-        e.text(&output.interface);
-        e.members(&output.members);
-    }
-    PlanId(xxh3_128(&e.0))
 }

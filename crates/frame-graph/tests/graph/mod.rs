@@ -7,5 +7,6 @@ mod off;
 mod random;
 mod reader;
 mod repeat;
+mod succession;
 mod variants;
 mod whole;

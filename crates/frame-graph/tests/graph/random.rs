@@ -441,6 +441,7 @@ proptest! {
             let change = Change {
                 externals: Externals(step.externals),
                 passes: told.iter().map(|p| frame_graph::plan::PassId(*p)).collect(),
+                again: Vec::new(),
                 events: events.clone(),
                 all: false,
             };

@@ -360,16 +360,6 @@ fn the_name_of_a_plan_changes_with_all_that_matters() {
 }
 
 #[test]
-fn a_plan_that_follows_another_tells_why() {
-    let plan = plan("");
-    let mut state = frame_graph::FrameState::after(&plan, frame_graph::ResetCause::Resize);
-    let schedule = state.begin(&plan, &frame_graph::Change::default());
-    assert_eq!(schedule.histories[0].reset, Some(frame_graph::ResetCause::Resize));
-    assert!(schedule.runs.iter().all(|run| *run));
-    assert_eq!(state.age(frame_graph::plan::HistoryId(0)), 0);
-}
-
-#[test]
 fn movement_ends_the_past_of_what_reads_it() {
     use frame_graph::{Change, Externals, FrameState, ResetCause};
     let with = |reset: &str| {

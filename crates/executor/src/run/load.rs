@@ -1,0 +1,370 @@
+//! Loading a plan in place of another: what goes on, what is made anew, and what is left where that fails.
+
+use super::{Executor, LoadReport, Loaded, allocation_usages, lay_out_uniforms};
+use crate::error::ExecutorError;
+use crate::fill::{copy, fill};
+use crate::object::{Object, ObjectUsage, check_limits};
+use crate::step::LoadedStep;
+use crate::timing::Timers;
+use frame_graph::frame::{FrameSchedule, FrameState};
+use frame_graph::plan::{AllocationId, PassId, Plan};
+use frame_graph::{Name, Succession};
+use pass::LinkedStep;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// What the next frame is to be told of plans that were loaded.
+#[derive(Debug, Default)]
+pub(super) struct Pending {
+    /// Passes whose settings, shaders or links changed.
+    pub(super) changed: Vec<PassId>,
+    /// Passes that are to run again for another reason.
+    pub(super) again: Vec<PassId>,
+    /// Whether all passes are to run.
+    pub(super) all: bool,
+}
+
+/// An object that goes on in another plan, with what is in it.
+struct Carried {
+    from: AllocationId,
+    to: AllocationId,
+    /// Whether its contents are copied, because the object cannot be used as the new plan uses it.
+    copied: bool,
+}
+
+/// Objects by allocation; `None` for one that was given back.
+type Objects = Vec<Option<(ObjectUsage, Object)>>;
+
+impl Executor {
+    /// Takes a plan with the linked steps of its passes, in place of the one before. If anything fails, the
+    /// one before stays.
+    ///
+    /// Where both have the same [structure](Plan::structure), only values change: objects, histories, and the
+    /// pipelines and bind groups of all steps that bind the same are kept, and the passes whose values differ run
+    /// in the next frame. Otherwise histories of the same name, description and initial value go on (see
+    /// [`Succession`]), and all passes run in the next frame. Objects are given back before others are made, so
+    /// that no more than the larger of both plans is held at once.
+    ///
+    /// # Errors
+    /// A feature that the adapter lacks, a pipeline that the driver refuses, a limit, or memory used up: with
+    /// the pass and the bytes. Where memory is used up, the objects of the plan before are made again; if that
+    /// fails as well, nothing is loaded any more ([`ExecutorError::NothingLeft`]).
+    pub fn load(
+        &mut self,
+        plan: Arc<Plan>,
+        steps: Vec<Vec<LinkedStep>>,
+    ) -> Result<LoadReport, ExecutorError> {
+        self.check_features(&plan, &steps)?;
+        let (steps, pipelines) = self.build(&plan, steps)?;
+        let usages = allocation_usages(&plan, &steps);
+        let succession = self.loaded.as_ref().map(|old| Succession::between(&old.plan, &plan));
+        let differs = self.compare(&plan, &steps, succession.as_ref());
+        let kept = self.loaded.as_ref().is_some_and(|old| {
+            old.plan.structure == plan.structure
+                && old.objects.iter().zip(&usages).all(|((old, _), new)| old.covers(*new))
+        });
+        let mut report = LoadReport { pipelines, kept, ..LoadReport::default() };
+        match succession {
+            Some(_) if kept => {
+                report.histories = plan.histories.len();
+                report.steps = self.exchange_values(plan, steps);
+            }
+            succession => {
+                report.histories = succession.iter().flat_map(|s| &s.histories).filter(|h| h.is_ok()).count();
+                report.steps = steps.iter().map(Vec::len).sum();
+                self.exchange(plan, steps, &usages, succession.as_ref())?;
+            }
+        }
+        self.pending.changed.extend(differs.reloaded);
+        self.pending.again.extend(&differs.changed);
+        report.changed = differs.changed;
+        let loaded = self.loaded.iter().flat_map(|loaded| loaded.steps.iter().flatten());
+        let used: HashSet<u128> = loaded.map(LoadedStep::shader_hash).collect();
+        self.pipelines.trim(&used);
+        Ok(report)
+    }
+
+    fn build(
+        &mut self,
+        plan: &Plan,
+        steps: Vec<Vec<LinkedStep>>,
+    ) -> Result<(Vec<Vec<LoadedStep>>, usize), ExecutorError> {
+        let mut pipelines = 0;
+        let mut built = Vec::with_capacity(steps.len());
+        for (pass, pass_steps) in plan.passes.iter().zip(steps) {
+            let mut row = Vec::with_capacity(pass_steps.len());
+            for step in pass_steps {
+                let (step, made) = LoadedStep::new(&self.gpu, &mut self.pipelines, plan, pass, step)?;
+                pipelines += usize::from(made);
+                row.push(step);
+            }
+            built.push(row);
+        }
+        Ok((built, pipelines))
+    }
+
+    /// Compares the passes with those that are loaded, by name.
+    fn compare(
+        &self,
+        plan: &Plan,
+        steps: &[Vec<LoadedStep>],
+        succession: Option<&Succession>,
+    ) -> Differences {
+        let mut found = Differences::default();
+        let old: HashMap<&Name, &Vec<LoadedStep>> =
+            self.loaded.as_ref().map_or_else(HashMap::new, |loaded| {
+                loaded.plan.passes.iter().map(|pass| &pass.name).zip(&loaded.steps).collect()
+            });
+        let shaders =
+            |steps: &[LoadedStep]| -> HashSet<u128> { steps.iter().map(LoadedStep::shader_hash).collect() };
+        for (i, (pass, steps)) in plan.passes.iter().zip(steps).enumerate() {
+            let id = PassId(i as u32);
+            let before = old.get(&pass.name);
+            let relinked = succession.is_some_and(|succession| succession.changed.contains(&id));
+            let reloaded = relinked || before.is_some_and(|before| shaders(before) != shaders(steps));
+            let same_work = before.is_some_and(|before| {
+                before.len() == steps.len() && before.iter().zip(steps).all(|(a, b)| a.same_work(b))
+            });
+            if reloaded {
+                found.reloaded.push(id);
+            }
+            if reloaded || !same_work {
+                found.changed.push(id);
+            }
+        }
+        found
+    }
+
+    /// Takes the values of a plan of the same structure; gives the number of steps whose bindings had to be made anew.
+    fn exchange_values(&mut self, plan: Arc<Plan>, steps: Vec<Vec<LoadedStep>>) -> usize {
+        let Some(loaded) = &mut self.loaded else { return 0 };
+        let mut renewed = 0;
+        for (old, new) in loaded.steps.iter_mut().zip(steps) {
+            if old.len() != new.len() {
+                renewed += new.len();
+                *old = new;
+                continue;
+            }
+            for (old, new) in old.iter_mut().zip(new) {
+                if let Err(new) = old.take_values(new) {
+                    renewed += 1;
+                    *old = *new;
+                }
+            }
+        }
+        if renewed > 0 {
+            loaded.uniforms = lay_out_uniforms(&self.gpu, &mut loaded.steps);
+        }
+        loaded.plan = plan;
+        renewed
+    }
+
+    /// Takes a plan of another structure.
+    fn exchange(
+        &mut self,
+        plan: Arc<Plan>,
+        mut steps: Vec<Vec<LoadedStep>>,
+        usages: &[ObjectUsage],
+        succession: Option<&Succession>,
+    ) -> Result<(), ExecutorError> {
+        for allocation in &plan.allocations {
+            check_limits(&self.gpu, name_of(&plan, allocation), &allocation.desc)?;
+        }
+        let mut old = self.loaded.take();
+        let carried = match (&old, succession) {
+            (Some(old), Some(succession)) => carry(old, &plan, usages, succession),
+            _ => Vec::new(),
+        };
+        let mut before: Objects = Vec::new();
+        let mut before_usages = Vec::new();
+        if let Some(old) = &mut old {
+            // Bind groups hold objects too.
+            old.steps.iter_mut().flatten().for_each(LoadedStep::forget_objects);
+            before_usages.extend(old.objects.iter().map(|(usage, _)| *usage));
+            before.extend(old.objects.drain(..).map(Some));
+            for (i, (object, allocation)) in before.iter_mut().zip(&old.plan.allocations).enumerate() {
+                if carried.iter().all(|carried| carried.from.0 as usize != i)
+                    && let Some((usage, object)) = object.take()
+                {
+                    self.pool.give(allocation.desc.clone(), usage, object);
+                }
+            }
+        }
+        let mut usages = usages.to_vec();
+        let mut objects: Objects = vec![None; usages.len()];
+        for carried in &carried {
+            let to = carried.to.0 as usize;
+            match carried.copied {
+                true => usages[to].filled = true,
+                false => objects[to].clone_from(&before[carried.from.0 as usize]),
+            }
+        }
+        let objects = match self.complete(&plan, &usages, objects) {
+            Ok(objects) => objects,
+            Err(error) => return Err(self.restore(old, before, &before_usages, error)),
+        };
+        self.write_contents(&plan, &objects, &before, &carried);
+        let uniforms = lay_out_uniforms(&self.gpu, &mut steps);
+        let timers = Timers::new(&self.gpu, plan.passes.len() as u32);
+        let state = match (&old, succession) {
+            (Some(old), Some(succession)) => old.state.succeed(&plan, succession),
+            _ => FrameState::new(&plan),
+        };
+        if let Some(old) = old {
+            for carried in carried.iter().filter(|carried| carried.copied) {
+                if let Some((usage, object)) = before[carried.from.0 as usize].take() {
+                    let desc = old.plan.allocations[carried.from.0 as usize].desc.clone();
+                    self.pool.give(desc, usage, object);
+                }
+            }
+            self.pool.trim();
+            self.pending.follow(&old.plan, &plan);
+        }
+        let schedule = FrameSchedule::default();
+        self.loaded = Some(Loaded { plan, objects, steps, uniforms, state, schedule, timers, poison: None });
+        Ok(())
+    }
+
+    /// Fills the gaps among the objects of a plan: first with those that were given back, then, once all others of
+    /// these are gone, with new ones.
+    fn complete(
+        &mut self,
+        plan: &Plan,
+        usages: &[ObjectUsage],
+        mut objects: Objects,
+    ) -> Result<Vec<(ObjectUsage, Object)>, ExecutorError> {
+        let mut lent = Vec::new();
+        for (i, allocation) in plan.allocations.iter().enumerate() {
+            if objects[i].is_none()
+                && let Some(object) = self.pool.find(&allocation.desc, usages[i])
+            {
+                objects[i] = Some((usages[i], object));
+                lent.push(i);
+            }
+        }
+        if self.pool.trim() {
+            // Objects live on until the frames are done that use them.
+            self.gpu.wait()?;
+        }
+        for (i, allocation) in plan.allocations.iter().enumerate() {
+            if objects[i].is_some() {
+                continue;
+            }
+            // Textures may be asked to be poisoned later on; buffers always can be.
+            match self.pool.make(&self.gpu, name_of(plan, allocation), &allocation.desc, usages[i]) {
+                Ok(object) => {
+                    objects[i] = Some((usages[i], object));
+                    lent.push(i);
+                }
+                Err(error) => {
+                    for i in lent {
+                        if let Some((usage, object)) = objects[i].take() {
+                            self.pool.give(plan.allocations[i].desc.clone(), usage, object);
+                        }
+                    }
+                    return Err(error);
+                }
+            }
+        }
+        Ok(objects.into_iter().flatten().collect())
+    }
+
+    /// Makes again what the plan before gave back, because of `error`; gives the error to tell.
+    fn restore(
+        &mut self,
+        old: Option<Loaded>,
+        before: Objects,
+        usages: &[ObjectUsage],
+        error: ExecutorError,
+    ) -> ExecutorError {
+        let Some(mut old) = old else {
+            self.pool.trim();
+            return error;
+        };
+        let held: u64 = old
+            .plan
+            .allocations
+            .iter()
+            .zip(&before)
+            .filter(|(_, object)| object.is_some())
+            .map(|(allocation, _)| allocation.desc.bytes())
+            .sum();
+        match self.complete(&old.plan, usages, before) {
+            Ok(objects) => {
+                self.write_contents(&old.plan, &objects, &Vec::new(), &[]);
+                old.objects = objects;
+                old.state.forget_objects();
+                self.loaded = Some(old);
+                error
+            }
+            Err(again) => {
+                self.pool.trim();
+                self.pool.held = self.pool.held.saturating_sub(held);
+                ExecutorError::NothingLeft { error: Box::new(error), again: Box::new(again) }
+            }
+        }
+    }
+
+    /// Writes what objects hold from the beginning: constants, and what is carried over by a copy. Nothing else has
+    /// a place in the objects of constants.
+    fn write_contents(
+        &self,
+        plan: &Plan,
+        objects: &[(ObjectUsage, Object)],
+        before: &Objects,
+        carried: &[Carried],
+    ) {
+        let descriptor = wgpu::CommandEncoderDescriptor { label: Some("contents") };
+        let mut encoder = self.gpu.device.create_command_encoder(&descriptor);
+        for resource in &plan.resources {
+            if let Some(clear) = resource.constant {
+                fill(&mut encoder, &objects[resource.allocation.0 as usize].1, &resource.desc, clear);
+            }
+        }
+        for carried in carried.iter().filter(|carried| carried.copied) {
+            if let Some((_, from)) = &before[carried.from.0 as usize] {
+                let to = carried.to.0 as usize;
+                copy(&mut encoder, from, &objects[to].1, &plan.allocations[to].desc);
+            }
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+}
+
+/// How passes differ from those loaded before.
+#[derive(Default)]
+struct Differences {
+    /// Passes whose settings, shaders or links are others.
+    reloaded: Vec<PassId>,
+    /// Passes that do something else for whatever reason, these included.
+    changed: Vec<PassId>,
+}
+
+impl Pending {
+    /// Finds the passes again, by name, in a plan that takes the place of another.
+    fn follow(&mut self, old: &Plan, new: &Plan) {
+        // All passes run anyway.
+        self.again.clear();
+        let found = self.changed.iter().filter_map(|id| new.pass(&old.passes[id.0 as usize].name));
+        self.changed = found.collect();
+    }
+}
+
+/// The objects of histories that go on. Only the newest version of each has a meaning.
+fn carry(old: &Loaded, plan: &Plan, usages: &[ObjectUsage], succession: &Succession) -> Vec<Carried> {
+    let histories = succession.histories.iter().zip(&plan.histories);
+    histories
+        .filter_map(|(before, history)| {
+            let before = *before.as_ref().ok()?;
+            let current = old.state.current(before);
+            let from = old.plan.histories[before.0 as usize].copies[current];
+            let to = history.copies[current];
+            let copied = !old.objects[from.0 as usize].0.covers(usages[to.0 as usize]);
+            Some(Carried { from, to, copied })
+        })
+        .collect()
+}
+
+fn name_of<'p>(plan: &'p Plan, allocation: &frame_graph::plan::Allocation) -> &'p str {
+    allocation.resources.first().map_or("unused", |id| plan.resources[id.0 as usize].name.as_str())
+}

@@ -1,0 +1,229 @@
+//! Loading a plan in place of another: what goes on, what runs again, and how much is held.
+
+use crate::harness::{Kind, Running, Workshop, every_frame, shader, texture, words};
+use executor::{ExecutorError, FrameOptions};
+use frame_graph::ResetCause;
+use pass::{Compute, Extent, Format, OutputDesc, ResourceDesc, Setting, Step, Threads, Value};
+
+const POISON: FrameOptions = FrameOptions { timed: false, poison: true };
+
+fn one(path: &str) -> Vec<Step> {
+    vec![Step::Compute(Compute::new(shader(path), "main", Threads::Grid([1; 3])))]
+}
+
+fn number(name: &str) -> Setting {
+    Setting {
+        name: name.to_owned(),
+        ty: Value::U32(1).ty(),
+        default: Value::U32(1),
+        min: None,
+        max: None,
+        one_of: Vec::new(),
+        unit: String::new(),
+        doc: String::new(),
+    }
+}
+
+const SHADERS: &[(&str, &str)] = &[
+    (
+        "count.wgsl",
+        "struct Settings { step: u32, past_age: u32, past_reset: u32 }
+         var<uniform> settings: Settings;
+         var<storage, read> past: array<u32>;
+         var<storage, read_write> sum: array<u32>;
+         @compute @workgroup_size(1) fn main() {
+             sum[0] = past[0] + settings.step;
+             sum[1] = settings.past_age;
+             sum[2] = settings.past_reset;
+             sum[3] = 0u;
+         }",
+    ),
+    (
+        "scale.wgsl",
+        "struct Settings { factor: u32 }
+         var<uniform> settings: Settings;
+         var<storage, read> shown: array<u32>;
+         var<storage, read_write> out: array<u32>;
+         @compute @workgroup_size(1) fn main() { out[0] = shown[0] * settings.factor; }",
+    ),
+    (
+        "write-on.wgsl",
+        "var<storage, read_write> state: array<u32>;
+         @compute @workgroup_size(1) fn main() {
+             state[0] += 1u;
+             state[state[0]] = 7u;
+         }",
+    ),
+];
+
+/// A counter that remembers, and what shows it.
+fn counter() -> Workshop {
+    let count = Kind::new("count").input("past", "Buffer").setting(number("step"));
+    let count = every_frame(count.output(OutputDesc::one("sum", words(4)))).steps(|_| one("count.wgsl"));
+    let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
+    let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
+    let sized = Kind::new("sized").output(OutputDesc::one("image", texture(Format::Rgba32Float)));
+    Workshop::new(vec![count, scale, sized], SHADERS)
+}
+
+fn passes(step: u32, factor: u32) -> String {
+    format!(
+        r#""count": Pass(kind: "count", in: {{ "past": Prev(port: "count", reset: [Reload]) }}, set: {{ "step": {step} }}),
+        "scale": Pass(kind: "scale", in: {{ "shown": "count" }}, set: {{ "factor": {factor} }})"#
+    )
+}
+
+const OUTPUTS: &str = r#""out": "scale", "sum": "count""#;
+
+fn load(workshop: &Workshop, running: &mut Running, passes: &str, outputs: &str) -> executor::LoadReport {
+    let linked = workshop.link(passes, outputs).unwrap_or_else(|error| panic!("{error}"));
+    running.load(linked).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A value that the past does not follow from ends nothing and makes nothing anew; one that it follows from ends it,
+/// and the shader is told why.
+#[test]
+fn a_value_keeps_what_does_not_follow_from_it() {
+    let workshop = counter();
+    let Some(mut running) = workshop.start(&passes(1, 1), OUTPUTS) else { return };
+    for _ in 0..3 {
+        running.frame();
+    }
+    assert_eq!((running.read("scale.out")[0], running.read("count.sum")), (3, vec![3, 2, 0, 0]));
+    let report = load(&workshop, &mut running, &passes(1, 10), OUTPUTS);
+    assert!(report.kept, "{report:?}");
+    assert_eq!((report.pipelines, report.steps, report.histories, report.changed.len()), (0, 0, 1, 1));
+    running.frame();
+    assert_eq!((running.read("scale.out")[0], running.read("count.sum")), (40, vec![4, 3, 0, 0]));
+    let report = load(&workshop, &mut running, &passes(2, 10), OUTPUTS);
+    assert_eq!((report.kept, report.steps), (true, 0));
+    running.frame();
+    assert_eq!((running.read("scale.out")[0], running.read("count.sum")), (20, vec![2, 0, 5, 0]));
+}
+
+/// Further passes, other outputs, other sizes: what is sized by none of it goes on, and no more is held than the
+/// larger plan takes.
+#[test]
+fn another_structure_keeps_pasts_and_holds_one_generation() {
+    let mut workshop = counter();
+    let Some(mut running) = workshop.start(&passes(1, 1), OUTPUTS) else { return };
+    running.frame_of_all(POISON);
+    running.frame();
+    let more = format!(r#"{}, "more": Pass(kind: "sized")"#, passes(1, 1));
+    let outputs = format!(r#"{OUTPUTS}, "more": "more""#);
+    workshop.frame = (64, 64);
+    let report = load(&workshop, &mut running, &more, &outputs);
+    assert_eq!((report.kept, report.histories), (false, 1));
+    assert_eq!(running.read("count.sum"), [2, 1, 0, 0], "the newest version is what is read before a frame");
+    running.frame_of_all(POISON);
+    assert_eq!(running.read("count.sum"), [3, 2, 0, 0]);
+    // Two objects of the counter, one that it is shown by, one picture.
+    let held = |pixels: u64| 3 * 16 + pixels * 16;
+    assert_eq!(running.0.held_bytes(), held(64 * 64));
+    for frame in [(96, 64), (16, 16), (97, 64)] {
+        workshop.frame = frame;
+        load(&workshop, &mut running, &more, &outputs);
+        running.frame();
+        assert_eq!(running.0.held_bytes(), held(u64::from(frame.0) * u64::from(frame.1)));
+    }
+    assert_eq!(running.0.most_held_bytes(), held(97 * 64), "no two generations are held at once");
+    assert_eq!(running.read("count.sum"), [6, 5, 0, 0]);
+    // An event that its link does not name ends nothing.
+    running.frame_after(ResetCause::Resize);
+    assert_eq!(running.read("count.sum"), [7, 6, 0, 0]);
+}
+
+/// What does not fit leaves the plan before as it was.
+#[test]
+fn a_plan_beyond_the_limits_changes_nothing() {
+    let workshop = counter();
+    let Some(mut running) = workshop.start(&passes(1, 1), OUTPUTS) else { return };
+    running.frame();
+    let before = running.0.held_bytes();
+    let huge = Kind::new("huge").output(OutputDesc::one(
+        "out",
+        ResourceDesc::texture_2d(Format::Rgba8Unorm, Extent::Fixed(32_768, 1)),
+    ));
+    let linked = Workshop::new(vec![huge], &[]).link(r#""huge": Pass(kind: "huge")"#, r#""out": "huge""#);
+    let Err(error) = running.load(linked.unwrap_or_else(|error| panic!("{error}"))) else {
+        return; // An adapter that takes it.
+    };
+    assert!(matches!(error, ExecutorError::Limit { .. }), "{error}");
+    assert_eq!(running.0.held_bytes(), before);
+    running.frame();
+    assert_eq!(running.read("count.sum"), [2, 1, 0, 0]);
+}
+
+/// State that is written on in: in one object where nobody else reads its past, by a copy where somebody does; the
+/// same either way, poisoned or not, and it begins as `init`.
+#[test]
+fn state_is_continued_in_place_and_by_a_copy() {
+    let state = OutputDesc::one("state", words(8)).continuing("past");
+    let write_on = every_frame(Kind::new("state").input("past", "Buffer").output(state));
+    let write_on = write_on.steps(|_| one("write-on.wgsl"));
+    let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
+    let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
+    let workshop = Workshop::new(vec![write_on, scale], SHADERS);
+    let own = r#""state": Pass(kind: "state", in: { "past": Prev(port: "state", reset: [Cut]) })"#;
+    let other = r#", "other": Pass(kind: "scale", in: { "shown": Prev(port: "state", reset: [Cut]) })"#;
+    for (other, output, objects) in [("", "", 1), (other, r#", "other": "other""#, 2)] {
+        let (passes, outputs) = (format!("{own}{other}"), format!(r#""state": "state"{output}"#));
+        let Some(mut running) = workshop.start(&passes, &outputs) else { return };
+        let plan = running.0.plan().unwrap();
+        let copies = plan.histories[0].copies;
+        assert_eq!(if copies[0] == copies[1] { 1 } else { 2 }, objects);
+        running.frame();
+        running.frame_with_poison();
+        running.frame();
+        assert_eq!(running.read("state.state"), [3, 7, 7, 7, 0, 0, 0, 0]);
+        running.frame_after(ResetCause::Cut);
+        assert_eq!(running.read("state.state"), [1, 7, 0, 0, 0, 0, 0, 0]);
+        running.frame();
+        assert_eq!(running.read("state.state"), [2, 7, 7, 0, 0, 0, 0, 0]);
+    }
+}
+
+/// From one object to two and back, the content goes on.
+#[test]
+fn state_goes_on_where_it_gets_another_reader() {
+    let state = OutputDesc::one("state", words(8)).continuing("past");
+    let write_on = every_frame(Kind::new("state").input("past", "Buffer").output(state));
+    let write_on = write_on.steps(|_| one("write-on.wgsl"));
+    let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
+    let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
+    let workshop = Workshop::new(vec![write_on, scale], SHADERS);
+    let own = r#""state": Pass(kind: "state", in: { "past": Prev(port: "state") })"#;
+    let both = format!(r#"{own}, "other": Pass(kind: "scale", in: {{ "shown": Prev(port: "state") }})"#);
+    let Some(mut running) = workshop.start(own, r#""state": "state""#) else { return };
+    running.frame();
+    load(&workshop, &mut running, &both, r#""state": "state", "other": "other""#);
+    running.frame();
+    running.frame();
+    assert_eq!((running.read("state.state")[0], running.read("other.out")[0]), (3, 2));
+    load(&workshop, &mut running, own, r#""state": "state""#);
+    running.frame();
+    assert_eq!(running.read("state.state"), [4, 7, 7, 7, 7, 0, 0, 0]);
+}
+
+/// A pass that only hands on has no steps and does not run; its readers read what was handed on.
+#[test]
+fn what_is_handed_on_is_the_resource_itself() {
+    let count = Kind::new("count").input("past", "Buffer").setting(number("step"));
+    let count = every_frame(count.output(OutputDesc::one("sum", words(4)))).steps(|_| one("count.wgsl"));
+    let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
+    let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
+    let relay = Kind::new("relay").input("shown", "Buffer").handing("seen", "Buffer", "shown");
+    let workshop = Workshop::new(vec![count, scale, relay], SHADERS);
+    let passes = r#"
+        "count": Pass(kind: "count", in: { "past": Prev(port: "second") }),
+        "first": Pass(kind: "relay", in: { "shown": "count" }),
+        "second": Pass(kind: "relay", in: { "shown": "first" }),
+        "scale": Pass(kind: "scale", in: { "shown": "second" }, set: { "factor": 5 }),
+    "#;
+    let Some(mut running) = workshop.start(passes, r#""out": "scale", "seen": "second""#) else { return };
+    running.frame();
+    let report = running.frame_with_poison();
+    assert_eq!(report.ran, [true, false, false, true]);
+    assert_eq!((running.read("scale.out")[0], running.read("second.seen")[0]), (10, 2));
+    assert_eq!(running.id("first.seen"), running.id("count.sum"));
+}
