@@ -218,6 +218,18 @@ impl fmt::Display for ValueType {
 }
 
 impl ValueType {
+    /// Returns the value of this type that is false, zero or empty.
+    pub fn zero(self) -> Value {
+        match self {
+            ValueType::Bool => Value::Bool(false),
+            ValueType::U32 => Value::U32(0),
+            ValueType::I32 => Value::I32(0),
+            ValueType::F32 => Value::F32(0.0),
+            ValueType::Text => Value::Text(String::new()),
+            ValueType::Vector(n) => Value::Vector(vec![0.0; usize::from(n)]),
+        }
+    }
+
     /// The form that declares a parameter of this type.
     pub fn form(self) -> &'static str {
         match self {

@@ -28,7 +28,7 @@
 //!
 //! | form | is |
 //! |---|---|
-//! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `I32`, `F32`, `Bool`, `Text`. A variant gives only what differs |
+//! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `I32`, `F32`, `Bool`, `Text`; all fields may be left out: see below. A variant gives only what differs |
 //! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)` |
 //! | PART | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, repeat: COUNT?, carry: { "input": "output" * }?, index: "parameter"?, when: …?, off: …?)`: the passes of another file, named `part/pass` |
 //! | COUNT | a whole number or an expression that gives one: how many copies of the part there are, one after the other |
@@ -63,6 +63,12 @@
 //! from outside ([`Overrides`]) have the same paths and come last. Of what is inside a part, patches set values and
 //! no more: to change its passes, a file extends that of the part, and `Replace` puts it in its place; `repeat` and
 //! `carry` are given anew then.
+//!
+//! **Parameters.** A parameter that is the whole value of a setting (`set: { "count": "$lights" }`), also through
+//! parts, inherits what it does not say: `"lights": U32()` is the number that the setting is, with its default, range,
+//! choices, unit and documentation. Its range ends where that of any such setting does, whatever it says itself. A
+//! parameter needs a `default` where its value must be known before passes are asked (in expressions, sizes and
+//! switches, and for `repeat`), and where its settings have several defaults.
 //!
 //! **Expressions.** Values, sizes and switches are written in one small language: parameters (`$lights` or `lights`),
 //! truth values, numbers and `'text'`, with `+`, `-`, `*`, `/`, `%`, `min(a, b)`, `max(a, b)`, `!`, `&&`, `||`, `==`,
@@ -113,9 +119,7 @@ pub use port::{
     Externals, Facts, HandedOn, InputPort, Interface, KindError, Kinds, Member, OutputContext, OutputDesc,
     OutputPort, Ports, Usage, Use,
 };
-pub use resolve::{
-    Difference, Files, Overrides, Parameter, Resolved, Settable, diff, resolve, resolve_description,
-};
+pub use resolve::{Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description};
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc};
 pub use succession::Succession;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

@@ -125,6 +125,9 @@ pub fn link(resolved: &Resolved, kinds: &dyn Kinds, context: &LinkContext) -> Re
     let mut linker = Linker::new(resolved, kinds, context);
     linker.check_root();
     linker.find_uses();
+    if linker.errors.is_empty() {
+        linker.errors = resolved.check_defaults(kinds);
+    }
     linker.check_switches();
     linker.find_wires();
     linker.find_switches();

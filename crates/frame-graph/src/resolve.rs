@@ -5,13 +5,14 @@ mod diff;
 mod document;
 mod flatten;
 mod print;
+mod settable;
 
 pub use diff::{Difference, diff};
+pub use settable::Settable;
 
 use crate::codes;
 use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, parse_file};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span};
-use crate::port::{Kinds, Use};
 use crate::value::{Setting, Value};
 pub(crate) use copies::told_once;
 use data_file::Name;
@@ -52,25 +53,16 @@ pub struct Resolved {
     pub(crate) index: FxHashMap<Name, u32>,
 }
 
-/// A parameter of a flattened pipeline.
+/// A parameter of a flattened pipeline, as far as the file describes it.
 #[derive(Clone, Debug)]
-pub struct Parameter {
-    /// What it may be.
-    pub setting: Setting,
-    /// What it is.
-    pub value: Value,
+pub(crate) struct Parameter {
+    /// What it may be; where the file gives no default, the default here means nothing.
+    pub(crate) setting: Setting,
+    /// What it is; `None` where it is what the settings are that it is handed to.
+    pub(crate) value: Option<Value>,
     pub(crate) place: Place,
-}
-
-/// Something that a value can be given to from outside.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Settable {
-    /// The path, as [`Overrides`] take it.
-    pub path: String,
-    /// What it may be.
-    pub setting: Setting,
-    /// What it is.
-    pub value: Value,
+    /// The parameter of the file around the part that is handed to it as it is.
+    pub(crate) outer: Option<Name>,
 }
 
 /// A pass, or the border of a part.
@@ -136,45 +128,6 @@ impl Resolved {
     pub fn pass_span(&self, name: &str) -> Option<Span> {
         let node = &self.nodes[*self.index.get(name)? as usize];
         Some(self.sources.span(node.place))
-    }
-
-    /// The parameters, in the order of the file.
-    pub fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-
-    /// All that a value can be given to from outside: parameters, `part.parameter`, `pass.setting`. Passes whose
-    /// kinds cannot say their settings are left out: linking tells why.
-    pub fn settable(&self, kinds: &dyn Kinds) -> Vec<Settable> {
-        let of = |prefix: &str, parameter: &Parameter| Settable {
-            path: format!("{prefix}{}", parameter.setting.name),
-            setting: parameter.setting.clone(),
-            value: parameter.value.clone(),
-        };
-        let own = self.parameters.iter().map(|parameter| of("", parameter));
-        let parts = self.part_parameters.iter().flat_map(|(part, parameters)| {
-            parameters.iter().map(move |parameter| of(&format!("{part}."), parameter))
-        });
-        let mut found: Vec<Settable> = own.chain(parts).collect();
-        for node in &self.nodes {
-            let Body::Pass { kind, shader } = &node.decl.body else { continue };
-            let settings = kinds.settings(Use {
-                kind: &kind.value,
-                shader: shader.as_ref().map(|shader| &*shader.value),
-                inputs: &node.decl.link_names,
-                outputs: &node.decl.overrides,
-            });
-            for setting in settings.iter().flat_map(|settings| settings.iter()) {
-                let given = node.decl.set.iter().find(|set| set.name.value == *setting.name);
-                let value = given.and_then(|set| set.value.get()).unwrap_or(&setting.default);
-                found.push(Settable {
-                    path: format!("{}.{}", node.name, setting.name),
-                    setting: setting.clone(),
-                    value: value.clone(),
-                });
-            }
-        }
-        found
     }
 
     /// Names and kinds of all passes, in the order of the file.

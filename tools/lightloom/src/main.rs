@@ -46,8 +46,8 @@ enum Command {
     Bench(command::bench::Args),
     /// List the kinds of passes, or show one with its ports and settings
     Passes(command::passes::Args),
-    /// List the pipelines
-    Pipelines(command::lists::Args),
+    /// List the pipelines, or show one with its outputs and parameters
+    Pipelines(command::lists::PipelinesArgs),
     /// List the scenes
     Scenes(command::lists::Args),
     /// List the graphics adapters; fails where there is none
@@ -86,7 +86,7 @@ fn main() -> ExitCode {
         Command::Study(args) => command::study::run(&context, args),
         Command::Bench(args) => command::bench::run(&context, args),
         Command::Passes(args) => command::passes::run(&context, args),
-        Command::Pipelines(_) => command::lists::pipelines(&context),
+        Command::Pipelines(args) => command::lists::pipelines(&context, args),
         Command::Scenes(_) => command::lists::scenes(&context),
         Command::Adapters(_) => command::lists::adapters(&context),
     };

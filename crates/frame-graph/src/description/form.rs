@@ -144,6 +144,10 @@ pub(crate) struct Set {
     pub(crate) place: Place,
     /// Whether a patch or an override gave it.
     pub(crate) patched: bool,
+    /// Whether a file around the part gave it: the parameter that it names is of that file.
+    pub(crate) foreign: bool,
+    /// The parameter that the file gives the setting, where something else was given from outside.
+    pub(crate) instead_of: Option<Name>,
 }
 
 #[derive(Clone, Debug)]

@@ -109,7 +109,14 @@ impl Grammar<'_, '_> {
         let mut set = Vec::new();
         for (name, node) in fields.get("set").map(|n| self.map(n, "a setting", false)).unwrap_or_default() {
             if let Some(value) = self.value(node) {
-                set.push(Set { name, value, place: self.place(node), patched: false });
+                set.push(Set {
+                    name,
+                    value,
+                    place: self.place(node),
+                    patched: false,
+                    foreign: false,
+                    instead_of: None,
+                });
             }
         }
         let mut outs = Vec::new();

@@ -84,6 +84,7 @@ impl Resolver<'_> {
                 path_place: index.place,
                 value: SetValue::Value(Value::U32(i)),
                 place: index.place,
+                depth: 1,
             });
             let given = index.chain(given.iter().filter_map(of_copy)).collect();
             let (name, node) = (whole.copy(i), self.nodes.len());

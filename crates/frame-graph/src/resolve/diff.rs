@@ -1,7 +1,8 @@
 //! What two pipelines differ in.
 
-use super::{Node, Resolved, print};
+use super::{Node, Parameter, Resolved, print};
 use crate::description::{Body, Link};
+use crate::value::Value;
 use std::fmt;
 
 /// One difference between two flattened pipelines.
@@ -65,8 +66,10 @@ impl Differences {
 /// All that `b` does otherwise than `a`: parameters, passes, links, settings, switches, outputs.
 pub fn diff(a: &Resolved, b: &Resolved) -> Vec<Difference> {
     let mut all = Differences::default();
-    let parameters =
-        |r: &Resolved| r.parameters.iter().map(|p| (p.setting.name.clone(), p.value.to_string())).collect();
+    let parameters = |r: &Resolved| {
+        let value = |p: &Parameter| p.value.as_ref().map_or("inherited".to_owned(), Value::to_string);
+        r.parameters.iter().map(|p| (p.setting.name.clone(), value(p))).collect()
+    };
     all.lists("parameter", "", parameters(a), parameters(b));
     let inputs = |r: &Resolved| {
         r.inputs.iter().map(|i| (i.name.value.to_string(), i.interface.value.to_string())).collect()

@@ -190,6 +190,7 @@ impl Resolver<'_> {
                     path_place: path.place,
                     value: value.clone(),
                     place: *place,
+                    depth: 0,
                 });
             }
             Patch::Insert { name, decl, from, to } => self.insert(document, name, decl, from, to),

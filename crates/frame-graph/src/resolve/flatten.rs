@@ -29,6 +29,8 @@ pub(super) struct Assignment {
     pub(super) path_place: Place,
     pub(super) value: SetValue,
     pub(super) place: Place,
+    /// How many borders of parts lie between the file that says it and the one that it is for.
+    pub(super) depth: u32,
 }
 
 impl Assignment {
@@ -41,6 +43,7 @@ impl Assignment {
             path_place: Place { file, start: 0, end: len },
             value: SetValue::Value(value),
             place: Place { file, start: len + 1, end: len + 1 + written },
+            depth: 0,
         }
     }
 }
@@ -167,28 +170,29 @@ impl<'a> Resolver<'a> {
         assignments.extend(given);
         let mut scope: Scope = Vec::with_capacity(decls.len());
         for decl in decls {
-            let Some(default) = decl.default else {
-                let message = format!("the parameter `{}` needs a `default`", decl.name.value);
-                self.errors.push(
-                    Diagnostic::new(&codes::MISSING_FIELD, message).label(self.sources.span(decl.place), ""),
-                );
-                continue;
-            };
+            let place = decl.default.as_ref().map_or(decl.place, |default| default.place);
+            let default = decl.default.map(|default| default.value);
             let setting = Setting {
                 name: decl.name.value.to_string(),
                 ty: decl.ty,
-                default: default.value.clone(),
+                default: default.clone().unwrap_or_else(|| decl.ty.zero()),
                 min: decl.min,
                 max: decl.max,
                 one_of: decl.one_of.unwrap_or_default(),
                 unit: decl.unit.unwrap_or_default(),
                 doc: decl.doc.unwrap_or_default(),
             };
-            let value = self.checked(&setting, default.value, default.place, None);
-            scope.push(Parameter { setting, value, place: default.place });
+            let value = default.map(|default| self.checked(&setting, default, place, None));
+            scope.push(Parameter { setting, value, place, outer: None });
         }
         let mut routed: FxHashMap<usize, Vec<Assignment>> = FxHashMap::default();
         for assignment in assignments {
+            if assignment.depth == 1
+                && let SetValue::Parameter(outer, _) = &assignment.value
+                && let Some(parameter) = scope.iter_mut().find(|p| p.setting.name == assignment.path)
+            {
+                parameter.outer = Some(outer.clone());
+            }
             self.route(assignment, &mut scope, &passes, &mut routed);
         }
         let scope = scope;
@@ -206,16 +210,24 @@ impl<'a> Resolver<'a> {
                 continue;
             }
             let mut decl = decl;
-            for Assignment { path, path_place, value, place } in assigned {
+            for Assignment { path, path_place, value, place, depth } in assigned {
                 let decl = Arc::make_mut(&mut decl);
-                let set = Set {
+                let mut set = Set {
                     name: At { value: Name::from(path), place: path_place },
                     value,
                     place,
                     patched: true,
+                    foreign: depth > 0,
+                    instead_of: None,
                 };
                 match decl.set.iter_mut().find(|s| s.name.value == set.name.value) {
-                    Some(old) => *old = set,
+                    Some(old) => {
+                        set.instead_of = match &old.value {
+                            SetValue::Parameter(name, _) if !old.foreign => Some(name.clone()),
+                            _ => old.instead_of.take(),
+                        };
+                        *old = set;
+                    }
                     None => decl.set.push(set),
                 }
             }
@@ -278,10 +290,11 @@ impl<'a> Resolver<'a> {
                 path_place: set.name.place,
                 value: set.value,
                 place: set.place,
+                depth: 0,
             })
             .collect();
         given.extend(assigned);
-        given.retain(|assignment| assignment.value.get().is_some());
+        given.iter_mut().for_each(|given| given.depth += 1);
         let group = self.nodes.len() as u32;
         let inputs = document.inputs.clone();
         decl.body = Body::Removed;
@@ -353,6 +366,11 @@ impl<'a> Resolver<'a> {
             let decl = Arc::make_mut(&mut decl);
             if let Body::Sub { repeat: Some(Repeat { count, .. }), .. } = &mut decl.body {
                 self.put(&mut count.value, count.place, scope);
+                if let SetValue::Parameter(name, None) = &count.value
+                    && let Some(parameter) = scope.iter().find(|p| p.setting.name == **name)
+                {
+                    self.no_default(parameter, count.place);
+                }
             }
             for set in &mut decl.set {
                 self.put(&mut set.value, set.place, scope);
@@ -391,7 +409,7 @@ impl<'a> Resolver<'a> {
     fn put(&mut self, value: &mut SetValue, place: Place, scope: &Scope) {
         match value {
             SetValue::Parameter(name, known @ None) => {
-                *known = self.lookup(name, place, scope).map(|p| (p.value.clone(), p.place));
+                *known = self.lookup(name, place, scope).and_then(|p| Some((p.value.clone()?, p.place)));
             }
             SetValue::Formula(formula, known @ None) => *known = self.evaluate(formula, scope),
             SetValue::Value(_) | SetValue::Parameter(..) | SetValue::Formula(..) => {}
@@ -404,12 +422,27 @@ impl<'a> Resolver<'a> {
         let mut whole = true;
         formula.expr.parameters(&mut |(start, end), name, value| {
             if value.is_none() {
-                let found = self.lookup(name, text.within(start, end), scope);
-                *value = found.map(|p| (p.value.clone(), p.place));
+                let place = text.within(start, end);
+                let found = self.lookup(name, place, scope);
+                *value = found.and_then(|p| Some((p.value.clone()?, p.place)));
+                if let (Some(parameter), None) = (found, &value) {
+                    self.no_default(parameter, place);
+                }
                 whole &= value.is_some();
             }
         });
         whole
+    }
+
+    /// Tells that a parameter has no value where one must be known.
+    pub(super) fn no_default(&mut self, parameter: &Parameter, place: Place) {
+        let name = &parameter.setting.name;
+        let error =
+            Diagnostic::new(&codes::MISSING_FIELD, format!("the parameter `{name}` needs a `default`"))
+                .label(self.sources.span(place), "its value must be known here")
+                .label(self.sources.span(parameter.place), "declared without one")
+                .note("without a `default` it takes that of the setting whose whole value it is");
+        self.errors.push(error);
     }
 
     /// The value of an expression; `None`, told, where it has none.
@@ -487,14 +520,20 @@ impl<'a> Resolver<'a> {
         passes: &[Entry],
         routed: &mut FxHashMap<usize, Vec<Assignment>>,
     ) {
-        self.put(&mut assignment.value, assignment.place, scope);
-        let Some(value) = assignment.value.get().cloned() else { return };
+        // What a file around the part says was worked out there.
+        if assignment.depth == 0 {
+            self.put(&mut assignment.value, assignment.place, scope);
+        }
+        let value = assignment.value.get().cloned();
         let Some((pass, setting)) = assignment.path.rsplit_once('.') else {
             match scope.iter().position(|p| p.setting.name == assignment.path) {
                 Some(i) => {
-                    let setting = scope[i].setting.clone();
-                    scope[i].value = self.checked(&setting, value, assignment.place, assignment.value.told());
-                    scope[i].place = assignment.place;
+                    // Without a value, it is that of a parameter that has no default itself.
+                    if let Some(value) = value {
+                        let (setting, told) = (scope[i].setting.clone(), assignment.value.told());
+                        scope[i].value = Some(self.checked(&setting, value, assignment.place, told));
+                        scope[i].place = assignment.place;
+                    }
                 }
                 None => {
                     let path = &assignment.path;

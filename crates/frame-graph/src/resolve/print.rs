@@ -2,7 +2,7 @@
 
 use super::{Node, Resolved};
 use crate::description::{
-    At, Body, Dim, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, SetValue, Size,
+    At, Body, Dim, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, Set, SetValue, Size,
 };
 use crate::diagnostic::Place;
 use crate::resource::Clear;
@@ -152,7 +152,8 @@ impl Printer<'_> {
         }
         self.map(1, "parameters", &resolved.parameters, |p, parameter| {
             let setting = &parameter.setting;
-            let mut fields = vec![format!("default: {}", value(&parameter.value))];
+            let default = parameter.value.as_ref().map(|v| format!("default: {}", value(v)));
+            let mut fields: Vec<String> = default.into_iter().collect();
             // The bounds of whole numbers are written as whole numbers.
             let whole = matches!(setting.ty, ValueType::U32 | ValueType::I32);
             let bound =
@@ -174,7 +175,8 @@ impl Printer<'_> {
         self.map(1, "inputs", &resolved.inputs, |p, i| {
             p.value(2, &format!("{}: {},", quoted(&i.name.value), input(i)), i.name.place, false);
         });
-        self.map(1, "passes", &resolved.nodes, Self::node);
+        let nodes: Vec<usize> = (0..resolved.nodes.len()).collect();
+        self.map(1, "passes", &nodes, |p, i| p.node(*i));
         self.outputs(1, &resolved.outputs);
     }
 
@@ -192,7 +194,9 @@ impl Printer<'_> {
         });
     }
 
-    fn node(&mut self, node: &Node) {
+    fn node(&mut self, index: usize) {
+        let resolved = self.resolved;
+        let node = &resolved.nodes[index];
         let decl = &node.decl;
         let name = quoted(&node.name);
         match &decl.body {
@@ -222,7 +226,18 @@ impl Printer<'_> {
         if let Body::Group(group) = &decl.body {
             self.outputs(3, &group.outputs);
         }
-        self.map(3, "set", &decl.set, |p, s| {
+        // What no value is known of is the default of the setting, unless the pipeline's own parameter gives it one.
+        let root = |s: &Set| match &s.value {
+            SetValue::Parameter(name, None) => resolved.root(index, name),
+            _ => None,
+        };
+        let set_: Vec<&Set> =
+            decl.set.iter().filter(|s| s.value.get().is_some() || root(s).is_some()).collect();
+        self.map(3, "set", &set_, |p, s| {
+            if let Some(root) = root(s) {
+                let line = format!("{}: {},", quoted(&s.name.value), quoted(&format!("${root}")));
+                return p.value(4, &line, s.place, s.patched);
+            }
             let line = format!("{}: {},", quoted(&s.name.value), set(&s.value));
             match &s.value {
                 SetValue::Parameter(_, Some((_, place))) => p.value(4, &line, *place, true),

@@ -84,7 +84,8 @@ fn dollars_in_plain_text_are_doubled() {
         let text = text("").replace(r#"Text(default: "gauss")"#, &format!("Text(default: {written:?})"));
         let files = MemoryFiles::new(&[("main.ron", &text), ("part.ron", PART)]);
         let resolved = resolve("main.ron", &files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"));
-        let value = resolved.parameters().iter().find(|p| p.setting.name == "mode").unwrap().value.clone();
+        let settable = resolved.settable(&TestKinds::new());
+        let value = settable.iter().find(|s| s.path == "mode").unwrap().value.clone();
         let flat = MemoryFiles::new(&[("main.ron", &resolved.to_ron())]);
         let again = resolve("main.ron", &flat, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(resolved, again);

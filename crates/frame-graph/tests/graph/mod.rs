@@ -2,6 +2,7 @@ mod broken;
 mod continued;
 mod formulas;
 mod handed;
+mod inherit;
 mod kinds;
 mod off;
 mod random;

@@ -1,5 +1,6 @@
 //! `lightloom pipelines`, `scenes`, `adapters`: what there is.
 
+use super::passes::{setting_json, setting_text};
 use crate::context::Context;
 use crate::output::{self, say};
 use anyhow::{Result, bail};
@@ -12,6 +13,14 @@ use serde_json::{Value, json};
 #[derive(clap::Args)]
 pub(crate) struct Args {}
 
+/// List the pipelines, or show one.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  lightloom pipelines tcas")]
+pub(crate) struct PipelinesArgs {
+    /// A pipeline
+    pipeline: Option<String>,
+}
+
 /// Names with a line about each.
 fn print(context: &Context, rows: &[(String, String)]) {
     if context.json {
@@ -23,7 +32,10 @@ fn print(context: &Context, rows: &[(String, String)]) {
     }
 }
 
-pub(crate) fn pipelines(context: &Context) -> Result<()> {
+pub(crate) fn pipelines(context: &Context, args: &PipelinesArgs) -> Result<()> {
+    if let Some(name) = &args.pipeline {
+        return pipeline(context, name);
+    }
     let files = context.catalog.pipelines();
     let rows: Vec<(String, String)> = files
         .list()
@@ -38,6 +50,31 @@ pub(crate) fn pipelines(context: &Context) -> Result<()> {
         })
         .collect();
     print(context, &rows);
+    Ok(())
+}
+
+/// What a pipeline renders, its outputs, and the parameters that `--set` takes.
+fn pipeline(context: &Context, name: &str) -> Result<()> {
+    let resolved = resolve(name, context.catalog.pipelines(), &Overrides::default())?;
+    let (about, paper) = (resolved.about().unwrap_or_default(), resolved.paper().unwrap_or_default());
+    let outputs: Vec<&str> = resolved.outputs().map(|name| name.as_str()).collect();
+    let settable = resolved.settable(&*context.catalog);
+    // Parameters of parts and settings of passes have paths with a dot.
+    let parameters = settable.iter().filter(|settable| !settable.path.contains('.'));
+    if context.json {
+        let parameters: Vec<Value> =
+            parameters.map(|p| setting_json(&p.path, &p.setting, &p.value)).collect();
+        output::json(&json!({
+            "name": name, "about": about, "paper": paper, "outputs": outputs, "parameters": parameters,
+        }));
+        return Ok(());
+    }
+    say!("{name}: {about}");
+    if !paper.is_empty() {
+        say!("paper: {paper}");
+    }
+    say!("outputs: {}\nparameters", outputs.join(", "));
+    parameters.for_each(|p| say!("{}", setting_text(&p.path, &p.setting, &p.value)));
     Ok(())
 }
 

@@ -86,18 +86,29 @@ fn as_text(info: pass::Info, settings: &[Setting], ports: &Ports) -> String {
         lines.push(format!("  {:<18} {:<20} {}", port.name, port.interface, port.doc));
     }
     lines.push("settings".to_owned());
-    for setting in settings {
-        let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
-        lines.push(format!(
-            "  {:<18} {} = {}{unit}  {}",
-            setting.name,
-            setting.ty,
-            setting.default,
-            range(setting)
-        ));
-        lines.push(format!("  {:<18} {}", "", setting.doc));
-    }
+    lines.extend(settings.iter().map(|setting| setting_text(&setting.name, setting, &setting.default)));
     lines.join("\n")
+}
+
+/// Returns two lines about a setting: its type, value and range, and what it does.
+pub(super) fn setting_text(name: &str, setting: &Setting, value: &frame_graph::Value) -> String {
+    let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
+    let (ty, range) = (setting.ty, range(setting));
+    format!("  {name:<18} {ty} = {value}{unit}  {range}\n  {:<18} {}", "", setting.doc)
+}
+
+/// Returns a setting for programs, with the value that it has.
+pub(super) fn setting_json(name: &str, setting: &Setting, value: &frame_graph::Value) -> Value {
+    json!({
+        "name": name,
+        "type": setting.ty.to_string(),
+        "default": value.to_string(),
+        "min": setting.min,
+        "max": setting.max,
+        "one_of": setting.one_of.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "unit": setting.unit,
+        "doc": setting.doc,
+    })
 }
 
 fn as_json(info: pass::Info, settings: &[Setting], ports: &Ports) -> Value {
@@ -108,15 +119,6 @@ fn as_json(info: pass::Info, settings: &[Setting], ports: &Ports) -> Value {
         "shaders": info.shaders,
         "inputs": ports.inputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "optional": port.optional, "doc": port.doc })).collect::<Vec<_>>(),
         "outputs": ports.outputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "doc": port.doc })).collect::<Vec<_>>(),
-        "settings": settings.iter().map(|setting| json!({
-            "name": setting.name,
-            "type": setting.ty.to_string(),
-            "default": setting.default.to_string(),
-            "min": setting.min,
-            "max": setting.max,
-            "one_of": setting.one_of.iter().map(ToString::to_string).collect::<Vec<_>>(),
-            "unit": setting.unit,
-            "doc": setting.doc,
-        })).collect::<Vec<_>>(),
+        "settings": settings.iter().map(|setting| setting_json(&setting.name, setting, &setting.default)).collect::<Vec<_>>(),
     })
 }

@@ -72,8 +72,10 @@ impl GpuLaboratory {
         let provenance =
             Provenance::new(&renderer, &request.scene, (&request.output, 0), request.first_frame).to_json();
         let parameters = renderer.compiled().map_or_else(Default::default, |compiled| {
-            let parameters = compiled.resolved.parameters().iter();
-            parameters.map(|p| (p.setting.name.clone(), AxisValue::from_value(&p.value))).collect()
+            // The parameters of the pipeline itself are named by no path.
+            let settable = compiled.resolved.settable(&*self.catalog).into_iter();
+            let parameters = settable.filter(|settable| !settable.path.contains('.'));
+            parameters.map(|p| (p.path, AxisValue::from_value(&p.value))).collect()
         });
         Ok(CellRun { memory, provenance, parameters, noise })
     }
