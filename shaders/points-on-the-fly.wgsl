@@ -1,5 +1,5 @@
 // Points made when they are wanted, from the triangles as they are now (TCAS §5.2): nothing is stored but each
-// triangle's share of them. What is made of `settings` is said in surface-sample.wgsl.
+// triangle's share of them.
 //
 // Sample k of all n lies at (k + ½) / n of the cumulated shares, so samples follow the triangles in their order, as
 // those of a tessellator do, and each triangle has as many as its share of n, rounded up or down. Of neighbouring
@@ -13,6 +13,12 @@
 #import "triangle-samples.wgsl"
 #import "triangle.wgsl"
 
+struct PointsFacts {
+    /// Of the pass that makes the samples.
+    seed: u32,
+}
+
+var<uniform> points_facts: PointsFacts;
 var<storage, read> points: Amplification;
 
 fn interval_start(triangle: u32) -> u32 {
@@ -33,20 +39,20 @@ fn samples_asked() -> u32 {
 }
 
 /// Sample `index` of all maps' together. Neighbours are near each other, and of different maps.
-fn surface_sample(index: u32) -> SurfaceSample {
+fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
     // Blocks of maps, one after the other; in a block the maps alternate.
-    let bits = settings.points_block_bits;
+    let bits = wanted.block_bits;
     let row = index >> bits;
-    let block = row / settings.points_per_map;
-    let stratum = row - block * settings.points_per_map;
+    let block = row / wanted.per_map;
+    let stratum = row - block * wanted.per_map;
     let map = (block << bits) + (index & ((1u << bits) - 1u));
-    if map >= settings.points_maps {
+    if map >= wanted.maps {
         return SurfaceSample();
     }
 
-    let place = stratum * settings.points_maps + map;
-    let all = settings.points_maps * settings.points_per_map;
-    var step = vec2(settings.points_step_whole, settings.points_step_fraction);
+    let place = stratum * wanted.maps + map;
+    let all = wanted.maps * wanted.per_map;
+    var step = vec2(wanted.step_whole, wanted.step_fraction);
     if points.asked < all {
         if place >= points.asked {
             return SurfaceSample();
@@ -59,7 +65,7 @@ fn surface_sample(index: u32) -> SurfaceSample {
     let triangle = triangle_at(number, points.starts[guide], points.starts[guide + 1u]);
     let start = points.starts[triangle];
     let width = points.starts[triangle + 1u] - start;
-    let second = scramble(reverseBits(stratum), hash2(settings.seed, map));
+    let second = scramble(reverseBits(stratum), hash2(points_facts.seed, map));
     let at = triangle_from_square(vec2(min((f32(number - start) + 0.5) / f32(width), 1.0), unit_float(second)));
 
     let edges = triangle_of_scene(triangle);
@@ -67,5 +73,5 @@ fn surface_sample(index: u32) -> SurfaceSample {
     let position = edges.corner + at.x * edges.a + at.y * edges.b;
     // The step in intervals is that between two samples of any map.
     let share = (f32(step.x) + f32(step.y) * exp2(-32.0)) / f32(width);
-    return SurfaceSample(position, map, shape.xyz, shape.w * share * f32(settings.points_maps));
+    return SurfaceSample(position, map, shape.xyz, shape.w * share * f32(wanted.maps));
 }

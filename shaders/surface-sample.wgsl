@@ -1,13 +1,22 @@
-// What the module of an interface Points answers with.
-//
-// The uniform `settings` of the consumer, whose port is `points`, has these members, which `pass::SurfaceSamples` fills:
-//   points_count: u32     fact of the port
-//   points_maps: u32      maps that samples are wanted for
-//   points_per_map: u32   samples wanted for each
-//   points_block_bits: u32      binary logarithm of how many maps take turns, at most the fact `block` of the port
-//   points_step_whole: u32      2³¹ over the product of both, rounded down
-//   points_step_fraction: u32   and the rest of it, in units of 2⁻³²
-//   seed: u32             of the pass
+// What the module of an interface Points answers with: `samples_asked() -> u32`, how many samples there are to be of all
+// maps together, or ANY_NUMBER; and `surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample`.
+
+/// The samples that a consumer wants. `pass::SurfaceSamples` works it out.
+struct SamplesWanted {
+    /// Maps that samples are wanted for.
+    maps: u32,
+    /// Samples wanted for each.
+    per_map: u32,
+    /// Binary logarithm of how many maps take turns, at most the fact `block` of the port.
+    block_bits: u32,
+    /// 2³¹ over the product of `maps` and `per_map`, rounded down.
+    step_whole: u32,
+    /// The rest of it, in units of 2⁻³².
+    step_fraction: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
 
 /// A sample of the scene's surfaces, for one map.
 struct SurfaceSample {

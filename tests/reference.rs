@@ -50,7 +50,7 @@ fn imperfect_maps_are_near_classic_ones() {
     assert!((0.85..1.05).contains(&energy), "energy {energy}");
     // The same lights without shadows are further off: the maps do something.
     let Some(mut open) =
-        renderer("ism", "cornell-box", (64, 64), &[&values[..], &["gather.visibility_bias=1e9"]].concat())
+        renderer("ism", "cornell-box", (64, 64), &[&values[..], &["shadows/splat.depth_bias=1e9"]].concat())
     else {
         return;
     };

@@ -7,7 +7,6 @@
 
 #option VISIBILITY false // whether something says which lights are seen
 #option PARTS false // whether the lights take several dispatches
-#option VISIBILITY_FILTER single one_of [single, pcf] // for visibility-atlas.wgsl, where that is the module
 
 #import "camera.wgsl"
 #import "color.wgsl"
@@ -29,10 +28,6 @@ struct Settings {
     end: u32,
     /// 1 for the dispatch that takes the last part.
     last: u32,
-    // For the module of the port `visibility`.
-    visibility_tile: u32,
-    visibility_columns: u32,
-    visibility_bias: f32,
 }
 
 var<uniform> settings: Settings;

@@ -9,6 +9,7 @@
 #import "dispatch.wgsl"
 #import "paraboloid.wgsl"
 #import "scene.wgsl"
+#import "surface-sample.wgsl"
 #import "tally.wgsl"
 #import "virtual-lights.wgsl"
 #import interface "points"
@@ -22,14 +23,7 @@ struct Settings {
     wanted: u32,
     /// Samples of all maps, where their number is filled up to whole blocks.
     threads: u32,
-    // For the module of the port `points`.
-    points_count: u32,
-    points_maps: u32,
-    points_per_map: u32,
-    points_block_bits: u32,
-    points_step_whole: u32,
-    points_step_fraction: u32,
-    seed: u32,
+    @align(16) samples: SamplesWanted,
 }
 
 var<uniform> settings: Settings;
@@ -52,7 +46,7 @@ fn clear(
     }
     if index == 0u {
         let asked = samples_asked();
-        let made = min(asked, settings.points_maps * settings.points_per_map);
+        let made = min(asked, settings.samples.maps * settings.samples.per_map);
         tally = Tally(select(asked, settings.wanted, asked == ANY_NUMBER), made);
     }
 }
@@ -68,7 +62,7 @@ fn splat(
     if index >= settings.threads {
         return;
     }
-    let point = surface_sample(index);
+    let point = surface_sample(settings.samples, index);
     let map = point.map;
     if point.area <= 0.0 || map >= lights.count {
         return;

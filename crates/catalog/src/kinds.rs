@@ -105,7 +105,9 @@ impl Kinds for Catalog {
     }
 
     fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        self.find(context.use_.kind)?
-            .outputs(&UseContext { use_: context.use_, shaders: &self.shaders }, context)
+        let cx = UseContext { use_: context.use_, shaders: &self.shaders };
+        let mut outputs = self.find(context.use_.kind)?.outputs(&cx, context)?;
+        pass::externals::find_of_modules(&mut outputs, &self.shaders);
+        Ok(outputs)
     }
 }

@@ -189,7 +189,7 @@ impl Executor {
             let allocation = match source {
                 Source::Resource(id) => current_allocation(&plan, &schedule, *id),
                 Source::Past(id) => past_allocation(&plan, &schedule, *id),
-                Source::External(_) | Source::Settings => return None,
+                Source::External(_) | Source::Uniform(_) => return None,
             };
             Some((allocation, &objects[allocation.0 as usize].1))
         };
@@ -337,7 +337,7 @@ impl Loaded {
         for ((pass, steps), _) in runs {
             let seed = pass_seed(seed, &pass.name);
             for step in steps {
-                step.write_uniform(gpu, buffer, seed, |history: HistoryId, fact| {
+                step.write_uniforms(gpu, buffer, seed, |history: HistoryId, fact| {
                     let slot = &schedule.histories[history.0 as usize];
                     match fact {
                         PastFact::Age => slot.age,
@@ -407,16 +407,16 @@ fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage>
     usages
 }
 
-/// Gives every step that has a uniform its place in one buffer.
+/// Gives every uniform of the steps its place in one buffer.
 fn lay_out_uniforms(gpu: &Gpu, steps: &mut [Vec<LoadedStep>]) -> Option<wgpu::Buffer> {
     let alignment = u64::from(gpu.limits().min_uniform_buffer_offset_alignment);
     let mut size = 0;
     for step in steps.iter_mut().flatten() {
-        size += step.place_uniform(size).next_multiple_of(alignment);
+        size = step.place_uniforms(size, alignment);
     }
     (size > 0).then(|| {
         gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("settings"),
+            label: Some("uniforms"),
             size,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,

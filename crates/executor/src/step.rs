@@ -17,8 +17,8 @@ pub(crate) struct LoadedStep {
     label: String,
     linked: LinkedStep,
     pipeline: Arc<Pipeline>,
-    /// Offset and bytes of the uniform, as last written.
-    uniform: Option<(u64, Vec<u8>)>,
+    /// Offset and bytes of each uniform, as last written.
+    uniforms: Vec<(u64, Vec<u8>)>,
     /// Bind groups by the objects that they hold: histories make two of them change places.
     groups: Vec<(Vec<AllocationId>, wgpu::BindGroup)>,
     views: HashMap<(AllocationId, u32), wgpu::TextureView>,
@@ -55,8 +55,14 @@ impl LoadedStep {
         let entry =
             linked.entries.first().map_or("", |&entry| linked.shader.interface.entries[entry].name.as_str());
         let label = format!("{}: {entry}", pass.name);
-        let step =
-            LoadedStep { label, linked, pipeline, uniform: None, groups: Vec::new(), views: HashMap::new() };
+        let step = LoadedStep {
+            label,
+            linked,
+            pipeline,
+            uniforms: Vec::new(),
+            groups: Vec::new(),
+            views: HashMap::new(),
+        };
         Ok((step, made))
     }
 
@@ -64,13 +70,16 @@ impl LoadedStep {
         self.linked.shader.hash
     }
 
-    /// Whether both do the same with the same resources' names; values of the uniform included.
+    /// Whether both do the same with the same resources' names; values of the uniforms included.
     pub(crate) fn same_work(&self, other: &LoadedStep) -> bool {
         self.linked.shader.hash == other.linked.shader.hash
             && self.linked.entries == other.linked.entries
             && self.linked.step == other.linked.step
-            && self.linked.settings.as_ref().map(|fill| &fill.values)
-                == other.linked.settings.as_ref().map(|fill| &fill.values)
+            && self.linked.uniforms.iter().map(|fill| &fill.values).eq(other
+                .linked
+                .uniforms
+                .iter()
+                .map(|fill| &fill.values))
     }
 
     /// Takes the values of another step, and keeps pipeline and bind groups. Gives the other back where it does not
@@ -101,26 +110,27 @@ impl LoadedStep {
         self.views.clear();
     }
 
-    /// Reserves the uniform's place at `offset`; gives its size.
-    pub(crate) fn place_uniform(&mut self, offset: u64) -> u64 {
-        let Some(settings) = &self.linked.settings else { return 0 };
-        // WebGPU wants the whole struct bound, rounded up as uniform layouts are.
-        let size = u64::from(settings.layout.size).next_multiple_of(16);
-        self.uniform = Some((offset, Vec::new()));
+    /// Reserves places for the uniforms from `offset` on, each aligned; gives the end of the last.
+    pub(crate) fn place_uniforms(&mut self, mut offset: u64, alignment: u64) -> u64 {
+        self.uniforms.clear();
+        for fill in &self.linked.uniforms {
+            self.uniforms.push((offset, Vec::new()));
+            offset += fill.size().next_multiple_of(alignment);
+        }
         self.groups.clear();
-        size
+        offset
     }
 
-    /// Writes the uniform where it is not what was written last.
-    pub(crate) fn write_uniform(
+    /// Writes the uniforms that are not what was written last.
+    pub(crate) fn write_uniforms(
         &mut self,
         gpu: &Gpu,
         buffer: &wgpu::Buffer,
         seed: u32,
         past: impl Fn(HistoryId, PastFact) -> u32,
     ) {
-        if let (Some(settings), Some((offset, written))) = (&self.linked.settings, &mut self.uniform) {
-            let mut bytes = settings.bytes(seed, past);
+        for (fill, (offset, written)) in self.linked.uniforms.iter().zip(&mut self.uniforms) {
+            let mut bytes = fill.bytes(seed, &past);
             bytes.resize(bytes.len().next_multiple_of(16), 0);
             if bytes != *written {
                 gpu.queue.write_buffer(buffer, *offset, &bytes);
@@ -358,17 +368,16 @@ impl LoadedStep {
                 Some(External::AccelerationStructure(tlas)) => tlas.as_binding(),
                 None => panic!("{}: the host program has not set the external `{name}`", self.label),
             },
-            _ => {
-                let (Some(buffer), Some((offset, _)), Some(settings)) =
-                    (context.uniforms, &self.uniform, &self.linked.settings)
-                else {
-                    unreachable!("linking gives every step that reads `settings` a uniform")
-                };
+            (Source::Uniform(index), _) => {
+                let buffer = context.uniforms.expect("a step that has uniforms has a place for them");
                 wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                     buffer,
-                    offset: *offset,
-                    size: std::num::NonZeroU64::new(u64::from(settings.layout.size).next_multiple_of(16)),
+                    offset: self.uniforms[*index].0,
+                    size: std::num::NonZeroU64::new(self.linked.uniforms[*index].size()),
                 })
+            }
+            (Source::Resource(_) | Source::Past(_), None) => {
+                unreachable!("loading gives every resource of the plan an object")
             }
         }
     }

@@ -116,8 +116,8 @@ pub use frame::{Change, FrameState, ResetCause};
 pub use link::{Graph, LinkContext, link};
 pub use plan::{Plan, PlanId};
 pub use port::{
-    Externals, Facts, HandedOn, InputPort, Interface, KindError, Kinds, Member, OutputContext, OutputDesc,
-    OutputPort, Ports, Usage, Use,
+    Externals, Facts, HandedOn, InputPort, Interface, KindError, Kinds, Member, Module, OutputContext,
+    OutputDesc, OutputPort, Ports, Usage, Use,
 };
 pub use resolve::{Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description};
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc};

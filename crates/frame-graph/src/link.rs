@@ -292,6 +292,11 @@ impl<'a> Linker<'a> {
             let is_on = self.on[i] != Some(false);
             // Of a pass that is off, what it would read.
             let wires = if is_on { self.wires_now(i) } else { &self.wires[i] };
+            let modules = wires
+                .iter()
+                .filter(|wire| wire.end.constant.is_none() && wire.end.member.is_none())
+                .filter_map(|wire| ports[wire.end.node as usize].get(wire.end.port as usize)?.facts.module());
+            let externals = modules.fold(used.ports.externals, |all, module| all.and(module.externals));
             let inputs = wires.iter().map(|wire| {
                 let (port, wanted) = &used.names.inputs[wire.input as usize];
                 GraphInput {
@@ -307,8 +312,8 @@ impl<'a> Linker<'a> {
                 shader: shader.as_ref().map(|s| s.value.clone()),
                 settings: Arc::clone(&used.settings),
                 overrides: Arc::clone(&self.nodes[i].decl.overrides),
-                externals: used.ports.externals,
-                depends_on: used.ports.externals,
+                externals,
+                depends_on: externals,
                 remembers: false,
                 inputs: inputs.collect(),
                 outputs: SmallVec::new(),

@@ -5,9 +5,87 @@ use crate::value::{Setting, Settings, Traits, Value};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Values that go with a port and are known before anything runs: the count of virtual lights, the side of a
-/// tile, which kind of visibility it is. A consumer may size its outputs by them and select shader variants.
-pub type Facts = BTreeMap<String, Value>;
+/// What goes with a port and is known before anything runs: values such as the count of virtual lights or the
+/// side of a tile, and perhaps a module. A consumer may size its outputs by them and select shader variants.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facts {
+    values: BTreeMap<String, Value>,
+    module: Option<Module>,
+}
+
+impl Facts {
+    /// Returns the value of that name.
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.values.get(name)
+    }
+
+    /// Adds a value, or replaces it.
+    pub fn insert(&mut self, name: impl Into<String>, value: Value) {
+        self.values.insert(name.into(), value);
+    }
+
+    /// Returns the values with their names, in the order of the names.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (&str, &Value)> {
+        self.values.iter().map(|(name, value)| (name.as_str(), value))
+    }
+
+    /// Returns the WGSL that answers for the port, where it brings some.
+    pub fn module(&self) -> Option<&Module> {
+        self.module.as_ref()
+    }
+
+    /// Returns the module to change.
+    pub fn module_mut(&mut self) -> Option<&mut Module> {
+        self.module.as_mut()
+    }
+
+    /// Gives the port a module, or replaces the one it has.
+    pub fn set_module(&mut self, module: Module) {
+        self.module = Some(module);
+    }
+
+    /// Returns whether there is neither a value nor a module.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty() && self.module.is_none()
+    }
+}
+
+impl<N: Into<String>> FromIterator<(N, Value)> for Facts {
+    fn from_iter<I: IntoIterator<Item = (N, Value)>>(values: I) -> Facts {
+        let values = values.into_iter().map(|(name, value)| (name.into(), value)).collect();
+        Facts { values, module: None }
+    }
+}
+
+/// A WGSL file that answers for an output in the shaders of whoever reads it.
+///
+/// An algorithm that several producers answer differently travels so: a consumer with a port `visibility` writes
+/// `#import interface "visibility"` and calls the functions that the interface promises. The file declares all that
+/// it needs: the resources of the port, data of the host program, and a uniform `<port>_facts` that is filled with
+/// the facts of the port.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Module {
+    /// The path of the file: `shaders/visibility-atlas.wgsl`.
+    pub path: String,
+    /// Values of the options that the file declares.
+    pub options: BTreeMap<String, Value>,
+    /// The data of the host program that its functions read. Whoever knows the shaders fills it in from the file
+    /// itself; a pass that reads the port then depends on them too.
+    pub externals: Externals,
+}
+
+impl Module {
+    /// Returns the module in that file, with its options at their defaults.
+    pub fn new(path: impl Into<String>) -> Module {
+        Module { path: path.into(), ..Module::default() }
+    }
+
+    /// Returns the same with the value of an option.
+    pub fn option(mut self, name: impl Into<String>, value: Value) -> Module {
+        self.options.insert(name.into(), value);
+        self
+    }
+}
 
 /// A set of resources that travel as one link: where algorithms are swapped.
 #[derive(Clone, Debug, PartialEq)]
@@ -234,7 +312,13 @@ impl OutputDesc {
 
     /// Creates a port with these members: name, description, and how the pass treats what was in the resource.
     pub fn of(port: &str, members: Vec<(String, ResourceDesc<Extent>, Usage)>) -> OutputDesc {
-        OutputDesc { port: port.to_owned(), scratch: false, members, handed: Vec::new(), facts: Facts::new() }
+        OutputDesc {
+            port: port.to_owned(),
+            scratch: false,
+            members,
+            handed: Vec::new(),
+            facts: Facts::default(),
+        }
     }
 
     /// Creates a port that hands on every member of an input that the interface of the port has: a reader of
@@ -268,7 +352,13 @@ impl OutputDesc {
 
     /// The same, with a fact.
     pub fn fact(mut self, name: &str, value: Value) -> OutputDesc {
-        self.facts.insert(name.to_owned(), value);
+        self.facts.insert(name, value);
+        self
+    }
+
+    /// The same, with the WGSL that answers for it in the shaders of its readers.
+    pub fn module(mut self, module: Module) -> OutputDesc {
+        self.facts.set_module(module);
         self
     }
 }

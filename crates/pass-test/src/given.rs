@@ -143,9 +143,12 @@ impl Kinds for TestKinds<'_> {
 
     fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let use_ = context.use_;
-        if self.is_tested(use_.kind) {
-            return self.pass.outputs(&UseContext { use_, shaders: self.shaders }, context);
-        }
-        Ok(vec![self.given(use_.kind)?.describe()])
+        let mut outputs = if self.is_tested(use_.kind) {
+            self.pass.outputs(&UseContext { use_, shaders: self.shaders }, context)?
+        } else {
+            vec![self.given(use_.kind)?.describe()]
+        };
+        pass::externals::find_of_modules(&mut outputs, self.shaders);
+        Ok(outputs)
     }
 }

@@ -7,8 +7,8 @@ use frame_graph::plan::{PassId, Plan};
 use frame_graph::port::{Kinds, OutputOverride};
 use frame_graph::resolve::{Files, Overrides};
 use frame_graph::{
-    Change, CompileOptions, Diagnostics, Facts, LinkContext, ResetCause, ResourceDesc, Settings, Source,
-    Traits, Use, Value,
+    Change, CompileOptions, Diagnostics, Facts, LinkContext, Module, ResetCause, ResourceDesc, Settings,
+    Source, Traits, Use, Value,
 };
 use pass::{Library, LinkedStep, Pass, Step};
 use scene::{Camera, Scene};
@@ -167,7 +167,7 @@ impl<'a> Harness<'a> {
         facts: &[(&str, u32)],
         members: Vec<(&str, ResourceDesc, Vec<u8>)>,
     ) -> Self {
-        let facts = facts.iter().map(|(name, value)| ((*name).to_owned(), Value::U32(*value))).collect();
+        let facts = facts.iter().map(|(name, value)| (*name, Value::U32(*value))).collect();
         self.give(port, interface, facts, members, None);
         self
     }
@@ -181,7 +181,7 @@ impl<'a> Harness<'a> {
         age: u32,
         members: Vec<(&str, ResourceDesc, Vec<u8>)>,
     ) -> Self {
-        self.give(port, interface, Facts::new(), members, Some(age));
+        self.give(port, interface, Facts::default(), members, Some(age));
         self
     }
 
@@ -209,10 +209,18 @@ impl<'a> Harness<'a> {
         self.given.push(given);
     }
 
-    /// Adds a fact that is a text to the input added last: `module`.
-    pub fn text_fact(mut self, name: &str, text: &str) -> Self {
+    /// Adds a fact to the input added last.
+    pub fn fact(mut self, name: &str, value: impl IntoValue) -> Self {
         if let Some(input) = self.given.last_mut() {
-            input.facts.insert(name.to_owned(), Value::Text(text.to_owned()));
+            input.facts.insert(name, value.into_value());
+        }
+        self
+    }
+
+    /// Gives the input added last the module in that file.
+    pub fn module(mut self, path: &str) -> Self {
+        if let Some(input) = self.given.last_mut() {
+            input.facts.set_module(Module::new(path));
         }
         self
     }

@@ -16,7 +16,7 @@
 use bytemuck::{Pod, Zeroable};
 use executor::{Executor, Gpu};
 use frame_graph::plan::{Plan, PlannedPass, ResourceId};
-use frame_graph::{Facts, ResourceDesc, Source, Value};
+use frame_graph::{ResourceDesc, Source, Value};
 use pass::{Library, Pass};
 use scene::Scene;
 use shader_library::DiskFiles;
@@ -237,10 +237,14 @@ impl Outputs {
         &self.plan.resources[self.find(name).0 as usize].desc
     }
 
-    /// The facts of an output port.
-    pub fn facts(&self, port: &str) -> &Facts {
+    /// Returns a fact of an output port.
+    ///
+    /// # Panics
+    /// Where there is none of that name.
+    pub fn fact(&self, port: &str, name: &str) -> &Value {
         let found = self.planned().outputs.iter().find(|output| output.port.as_str() == port);
-        found.map(|output| &*output.facts).unwrap_or_else(|| panic!("no output `{port}`"))
+        let fact = found.and_then(|output| output.facts.get(name));
+        fact.unwrap_or_else(|| panic!("no fact `{name}` of an output `{port}`"))
     }
 }
 

@@ -1,6 +1,8 @@
 //! The data of the host program by the names of its WGSL globals, and which part of it each belongs to.
 
-use frame_graph::Externals;
+use crate::record::request_of_module;
+use frame_graph::{Externals, Module, OutputDesc};
+use shader_library::Library;
 
 /// Every global that is bound without a link, and what a change of it counts as.
 pub static GLOBALS: &[(&str, Externals)] = &[
@@ -48,3 +50,21 @@ pub const TRAITS: [&str; 14] = [
     "light_layers",
     "triangles",
 ];
+
+/// Fills in the externals of the modules that outputs bring: what the functions of each module's file read.
+///
+/// A module that cannot be loaded keeps what it has: the error is told, with its place, where a reader's shader is
+/// loaded.
+pub fn find_of_modules(outputs: &mut [OutputDesc], library: &Library) {
+    for output in outputs {
+        if let Some(module) = output.facts.module_mut() {
+            module.externals = of_module(module, library).unwrap_or(module.externals);
+        }
+    }
+}
+
+/// Returns what the functions of a module's file read; `None` where the file cannot be loaded.
+pub fn of_module(module: &Module, library: &Library) -> Option<Externals> {
+    let shader = library.load(&request_of_module(module)).ok()?;
+    Some(shader.used_by_own_functions().filter_map(of_global).fold(Externals::NONE, Externals::and))
+}

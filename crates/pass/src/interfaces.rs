@@ -53,12 +53,12 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "Points",
-        doc: "Samples of the scene's surfaces, of which each map takes an even part. Facts: `module`, the WGSL that answers `fn surface_sample(index: u32) -> SurfaceSample` and `fn samples_asked() -> u32` (shaders/surface-sample.wgsl says what of); `count`, the most different ones there are; `block`, a power of two: how many maps take turns.",
+        doc: "Samples of the scene's surfaces, of which each map takes an even part. Module: answers `fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample` and `fn samples_asked() -> u32` (shaders/surface-sample.wgsl). Facts: `count`, the most different ones there are; `block`, a power of two: how many maps take turns.",
         members: &[required("", "buffer: what the module reads")],
     },
     Interface {
         name: "DepthAtlas",
-        doc: "Hemispherical depth maps as splatted, one a virtual light. Facts: `tile` [px], `count`, `slack`: how far the bias of a lookup must exceed that of exact maps.",
+        doc: "Hemispherical depth maps as splatted, one a virtual light. Facts: `tile` [px], `count`, `depth_bias`: bias of a lookup, in widths of a texel along the receiver's plane.",
         members: &[required(
             "",
             "buffer: [count × tile × tile] u32, map after map: the bits of the distance [m]; those of +∞ where nothing fell",
@@ -66,7 +66,7 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "Visibility",
-        doc: "Whether a virtual light is seen from a point. Facts: `module`, the WGSL that answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`; in capitals, options of the module; `rounds`, how often a look goes around loops; for an atlas `tile` [px], `columns`, `slack` (factor on the bias of a lookup).",
+        doc: "Whether a virtual light is seen from a point. Module: answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`. Facts: `loop_iterations` of a lookup, where they are many; for an atlas `tile` [px], `columns`, `depth_bias` (in widths of a texel along the receiver's plane).",
         members: &[optional(
             "atlas",
             "r32float: paraboloid maps of the distance [m], one tile a virtual light, row by row; a large number where nothing is",

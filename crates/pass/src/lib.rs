@@ -9,6 +9,7 @@
 //! | `view_depth` | member `depth` of the port `view` |
 //! | `irradiance` | the only resource of the port (or scratch) `irradiance` |
 //! | `settings` | a uniform filled by the names of its members: see [`Step`] |
+//! | `view_facts` | a uniform of the module that comes with the port `view`, filled with the facts of the port |
 //! | `camera`, `frame`, `scene_…` | the data of the host program: see [`externals`] |
 
 pub mod externals;
@@ -22,13 +23,13 @@ mod surface_samples;
 pub mod triangle_samples;
 
 pub use frame_graph::{
-    Clear, Extent, Externals, Facts, Format, InputPort, KindError, Name, OutputContext, OutputDesc,
+    Clear, Extent, Externals, Facts, Format, InputPort, KindError, Module, Name, OutputContext, OutputDesc,
     OutputPort, Ports, ResourceDesc, Setting, Settings, Traits, Usage, Use, Value, ValueType,
 };
-pub use link::{Bound, LinkedStep, PastFact, SettingsFill, Source, link_steps, pass_seed};
+pub use link::{Bound, LinkedStep, PastFact, Source, UniformFill, link_steps, pass_seed};
 pub use record::{
     Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target, Threads,
-    request,
+    request, request_of_module,
 };
 pub use shader_library::{Define, Library, Request};
 pub use surface_samples::SurfaceSamples;

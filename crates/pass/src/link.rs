@@ -6,16 +6,16 @@ use crate::{Pass, UseContext, externals};
 use fit::{describe, describe_global, mismatch};
 use frame_graph::codes::{Code, link as codes};
 use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId};
-use frame_graph::{
-    Diagnostic, Diagnostics, Externals, Label, ResourceDesc, Setting, Span, Traits, Use, Value, nearest,
-};
+use frame_graph::{Diagnostic, Diagnostics, Label, ResourceDesc, Setting, Span, Traits, Use, nearest};
 use names::{Named, Names};
-use shader_library::{GlobalKind, Library, Request, Shader, Stage, StructLayout};
-use std::collections::BTreeMap;
+use shader_library::{Global, GlobalKind, Library, Request, Shader, Stage};
 use std::sync::Arc;
 
 mod fit;
 mod names;
+mod uniform;
+
+pub use uniform::{PastFact, UniformFill};
 
 /// What a global is bound to.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +26,8 @@ pub enum Source {
     Past(HistoryId),
     /// Data of the host program, by the global's name.
     External(&'static str),
-    /// The uniform `settings`.
-    Settings,
+    /// A uniform of the step: index into [`LinkedStep::uniforms`].
+    Uniform(usize),
 }
 
 /// A global of a shader with what it is bound to.
@@ -50,8 +50,8 @@ pub struct LinkedStep {
     pub entries: Vec<usize>,
     /// The globals that the entry points use.
     pub bindings: Vec<Bound>,
-    /// The uniform, where the shader uses one.
-    pub settings: Option<SettingsFill>,
+    /// The uniforms that the entry points use: `settings`, and those of modules.
+    pub uniforms: Vec<UniformFill>,
     /// Colour targets of a draw.
     pub targets: Vec<ResourceId>,
     /// Depth target of a draw.
@@ -95,46 +95,6 @@ impl LinkedStep {
     pub fn queries_rays(&self) -> bool {
         let globals = &self.shader.interface.globals;
         self.bindings.iter().any(|bound| globals[bound.global].kind == GlobalKind::AccelerationStructure)
-    }
-}
-
-/// How the uniform of a step is filled.
-#[derive(Clone, Debug)]
-pub struct SettingsFill {
-    /// Layout of the struct.
-    pub layout: StructLayout,
-    /// Members whose values are known.
-    pub values: BTreeMap<String, Value>,
-    /// Members that ask about the past: name, history, and whether it is the age or the cause of the reset.
-    pub past: Vec<(String, HistoryId, PastFact)>,
-    /// Whether it asks for the seed.
-    pub seeded: bool,
-}
-
-/// What a shader can ask of a past version.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PastFact {
-    /// Frames that it has lasted; 0 where there is none.
-    Age,
-    /// 0 while it lasts, else 1 + the position of the cause in `ResetCause`.
-    Reset,
-}
-
-impl SettingsFill {
-    /// The bytes of the uniform. `past` answers for histories.
-    pub fn bytes(&self, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Vec<u8> {
-        // Linking has proved that every member has a value that it can hold.
-        shader_library::write_struct(&self.layout, &|name| self.value(name, seed, &past)).unwrap_or_default()
-    }
-
-    fn value(&self, name: &str, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Option<Value> {
-        if let Some((_, history, fact)) = self.past.iter().find(|(member, ..)| member == name) {
-            return Some(Value::U32(past(*history, *fact)));
-        }
-        if self.seeded && name == "seed" {
-            return Some(Value::U32(seed));
-        }
-        self.values.get(name).cloned()
     }
 }
 
@@ -188,17 +148,9 @@ pub fn link_steps(
         Diagnostics::from(Diagnostic { notes, ..Diagnostic::new(&codes::REFUSED, error.message) })
     })?;
     let cx = UseContext { use_, shaders: library };
-    let declared = kind.ports(&cx, &planned.settings).map_or(Externals::NONE, |ports| ports.externals);
     let schema = kind.settings(&cx).unwrap_or_default();
-    let linker = StepLinker {
-        planned,
-        plan,
-        names: &names,
-        inputs: &inputs,
-        outputs: &outputs,
-        declared,
-        schema: &schema,
-    };
+    let linker =
+        StepLinker { planned, plan, names: &names, inputs: &inputs, outputs: &outputs, schema: &schema };
     let steps = recording
         .steps
         .into_iter()
@@ -214,7 +166,6 @@ struct StepLinker<'a> {
     names: &'a Names,
     inputs: &'a [PortDesc],
     outputs: &'a [PortDesc],
-    declared: Externals,
     schema: &'a [Setting],
 }
 
@@ -240,12 +191,26 @@ impl StepLinker<'_> {
         used.sort_unstable();
         used.dedup();
         let mut bindings = Vec::with_capacity(used.len());
-        let mut settings = None;
+        let mut uniforms = Vec::new();
         for global in used {
-            let source = self.bind(&shader, request, global, bind)?;
-            if source == Source::Settings {
-                settings = Some(self.settings(&shader, request, global, values)?);
-            }
+            let Global { name, kind, .. } = &shader.interface.globals[global];
+            let renamed = bind.iter().find(|(from, _)| from == name).map(|(_, resource)| resource.as_str());
+            let fill = if renamed.is_some() {
+                None
+            } else if name == "settings" {
+                Some(self.settings(&shader, request, global, values)?)
+            } else if let Some(port) = self.port_of_facts(name, kind) {
+                Some(self.facts(&shader, request, global, port)?)
+            } else {
+                None
+            };
+            let source = match fill {
+                Some(fill) => {
+                    uniforms.push(fill);
+                    Source::Uniform(uniforms.len() - 1)
+                }
+                None => self.bind(&shader, request, global, renamed)?,
+            };
             bindings.push(Bound { global, source });
         }
         let (mut targets, mut depth) = (Vec::new(), None);
@@ -259,7 +224,7 @@ impl StepLinker<'_> {
         }
         let place = step.indirect().map(|(buffer, offset, bytes)| (buffer.to_owned(), offset, bytes));
         let mut linked =
-            LinkedStep { step, shader, entries, bindings, settings, targets, depth, indirect: None };
+            LinkedStep { step, shader, entries, bindings, uniforms, targets, depth, indirect: None };
         if let Some((buffer, offset, bytes)) = place {
             linked.indirect = Some(self.indirect(&linked, &buffer, offset, bytes)?);
         }
@@ -317,31 +282,24 @@ impl StepLinker<'_> {
         shader: &Shader,
         request: &Request,
         global: usize,
-        bind: &[(String, String)],
+        renamed: Option<&str>,
     ) -> Result<Source, Diagnostics> {
         let place = shader.global_place(global);
         let global = &shader.interface.globals[global];
-        let renamed =
-            bind.iter().find(|(name, _)| *name == global.name).map(|(_, resource)| resource.as_str());
-        if renamed.is_none() {
-            if global.name == "settings" {
-                return Ok(Source::Settings);
+        let external = externals::GLOBALS.iter().find(|(name, _)| renamed.is_none() && *name == global.name);
+        if let Some((name, externals)) = external {
+            if !self.planned.externals.contains(*externals) {
+                return Err(self.error(
+                    &codes::UNDECLARED,
+                    format!(
+                        "{} reads `{name}`, which the kind `{}` does not declare among its externals",
+                        request.path, self.planned.kind
+                    ),
+                    place,
+                    Vec::new(),
+                ));
             }
-            if let Some((name, externals)) = externals::GLOBALS.iter().find(|(name, _)| *name == global.name)
-            {
-                if !self.declared.contains(*externals) {
-                    return Err(self.error(
-                        &codes::UNDECLARED,
-                        format!(
-                            "{} reads `{name}`, which the kind `{}` does not declare among its externals",
-                            request.path, self.planned.kind
-                        ),
-                        place,
-                        Vec::new(),
-                    ));
-                }
-                return Ok(Source::External(name));
-            }
+            return Ok(Source::External(name));
         }
         let wanted = renamed.unwrap_or(&global.name);
         let named = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted, place.clone()))?;
@@ -372,106 +330,6 @@ impl StepLinker<'_> {
             ));
         }
         Ok(named.source.clone())
-    }
-
-    fn settings(
-        &self,
-        shader: &Shader,
-        request: &Request,
-        global: usize,
-        values: &[(String, Value)],
-    ) -> Result<SettingsFill, Diagnostics> {
-        let of_struct = match &shader.interface.globals[global].kind {
-            GlobalKind::Uniform { layout } => shader.interface.layout(&layout.ty),
-            _ => None,
-        };
-        let layout = of_struct.ok_or_else(|| {
-            self.error(
-                &codes::SETTINGS,
-                format!("{}: `settings` must be a `var<uniform>` of a struct", request.path),
-                shader.global_place(global),
-                Vec::new(),
-            )
-        })?;
-        let mut known: BTreeMap<String, Value> = BTreeMap::new();
-        for port in self.inputs.iter().chain(self.outputs) {
-            if let Some(texture) = port.members.iter().find_map(|(_, desc)| desc.texture()) {
-                known.insert(
-                    format!("{}_size", port.name),
-                    Value::Vector(vec![texture.size.0 as f32, texture.size.1 as f32]),
-                );
-                known.insert(format!("{}_layers", port.name), Value::U32(texture.layers));
-            }
-            for (fact, value) in port.facts.iter().filter(|(_, value)| value.as_text().is_none()) {
-                known.entry(format!("{}_{fact}", port.name)).or_insert_with(|| value.clone());
-            }
-        }
-        known.extend(
-            self.planned.settings.0.iter().map(|(name, value)| (name.clone(), self.in_shader(name, value))),
-        );
-        known.extend(values.iter().cloned());
-        let mut past = Vec::new();
-        for input in &self.planned.inputs {
-            if let Some(history) = input.history.as_ref().and_then(|histories| histories.first()) {
-                past.push((format!("{}_age", input.port), *history, PastFact::Age));
-                past.push((format!("{}_reset", input.port), *history, PastFact::Reset));
-            }
-        }
-        let seeded = !known.contains_key("seed");
-        for member in &layout.members {
-            let answered = known.contains_key(&member.name)
-                || past.iter().any(|(name, ..)| *name == member.name)
-                || (seeded && member.name == "seed");
-            // Padding has no meaning, and so no value.
-            if !answered && !member.name.starts_with("pad") {
-                let names = known
-                    .keys()
-                    .map(String::as_str)
-                    .chain(past.iter().map(|(name, ..)| name.as_str()))
-                    .chain(["seed"]);
-                let mut notes = nearest(&member.name, names)
-                    .map(|name| format!("did you mean `{name}`?"))
-                    .into_iter()
-                    .collect::<Vec<_>>();
-                notes.push(format!(
-                    "it is neither a setting of the kind `{}` nor a fact of a port",
-                    self.planned.kind
-                ));
-                return Err(self.error(
-                    &codes::VALUE,
-                    format!("{}: nothing gives `settings.{}` a value", request.path, member.name),
-                    shader.member_place(&layout.name, &member.name),
-                    notes,
-                ));
-            }
-        }
-        known.retain(|name, _| layout.members.iter().any(|member| member.name == *name));
-        for member in layout.members.iter().filter(|member| member.name.starts_with("pad")) {
-            known.entry(member.name.clone()).or_insert(Value::U32(0));
-        }
-        let fill = SettingsFill { layout: layout.clone(), values: known, past, seeded };
-        match shader_library::write_struct(&fill.layout, &|name| fill.value(name, 0, |_, _| 0)) {
-            Ok(_) => Ok(fill),
-            Err(refused) => Err(self.error(
-                &codes::VALUE,
-                format!("{}: {refused}", request.path),
-                shader.global_place(global),
-                Vec::new(),
-            )),
-        }
-    }
-
-    /// The value of a setting as a shader sees it: one of several words is its position among them.
-    fn in_shader(&self, name: &str, value: &Value) -> Value {
-        let words = self
-            .schema
-            .iter()
-            .find(|setting| setting.name == name)
-            .map_or(&[][..], |setting| &setting.one_of);
-        match (value, words.iter().position(|word| word == value)) {
-            (Value::Text(_), Some(index)) => Value::U32(index as u32),
-            _ => value.clone(),
-        }
     }
 
     /// The buffer that an indirect dispatch or draw takes its size from. The step itself cannot write it.

@@ -1,6 +1,6 @@
 //! The steps of a pass: dispatches and draws as plain data.
 
-use frame_graph::{Facts, Name, ResourceDesc, Settings, TextureDesc, Traits, Use, Value};
+use frame_graph::{Facts, Module, Name, ResourceDesc, Settings, TextureDesc, Traits, Use, Value};
 use shader_library::{Define, Library, Request};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -88,8 +88,8 @@ impl<'a> RecordContext<'a> {
         self.traits.0.get(name).and_then(Value::as_bool).unwrap_or(false)
     }
 
-    /// A shader with these defines, and with the modules that the connected inputs bring: an input whose facts
-    /// have a `module` answers `#import interface "PORT"`. Its facts in capitals are values for the module's options.
+    /// A shader with these defines, and with the modules that the connected inputs bring: an input that has one
+    /// answers `#import interface "PORT"`, and its options have the values that its producer gave them.
     pub fn shader(&self, path: &str, defines: &[(&str, Define)]) -> Request {
         self.with_modules(request(path, defines))
     }
@@ -104,25 +104,18 @@ impl<'a> RecordContext<'a> {
 
     /// The request with the modules that the connected inputs bring, and values for the modules' options.
     pub(crate) fn with_modules(&self, mut request: Request) -> Request {
+        let mut offered = Vec::new();
         for input in self.inputs {
-            if let Some(Value::Text(module)) = input.facts.get("module") {
-                request.modules.insert(input.name.to_string(), module.clone());
-            }
+            let Some(module) = input.facts.module() else { continue };
+            request.modules.insert(input.name.to_string(), module.path.clone());
+            offered.extend(options(module).filter(|(name, _)| !request.defines.contains_key(*name)));
         }
-        let offered: Vec<(&String, Define)> = self
-            .inputs
-            .iter()
-            .filter(|input| input.facts.contains_key("module"))
-            .flat_map(|input| input.facts.iter())
-            .filter_map(|(name, value)| Some((name, option_value(name, value)?)))
-            .filter(|(name, _)| !request.defines.contains_key(*name))
-            .collect();
         if !offered.is_empty() {
             // Not every shader of a pass imports the module. Errors come when the shader itself is loaded.
             let declared = self.shaders.outline(&request).map(|outline| outline.options).unwrap_or_default();
             for (name, value) in offered {
                 if declared.iter().any(|option| option.name == *name) {
-                    request.defines.insert(name.clone(), value);
+                    request.defines.insert(name.to_owned(), value);
                 }
             }
         }
@@ -130,17 +123,14 @@ impl<'a> RecordContext<'a> {
     }
 }
 
-/// The value of an option, where a fact names one.
-fn option_value(name: &str, value: &Value) -> Option<Define> {
-    if name.chars().any(|letter| letter.is_ascii_lowercase()) {
-        return None;
-    }
-    match value {
-        Value::Bool(value) => Some(Define::Bool(*value)),
-        Value::U32(value) => Some(Define::Int(i64::from(*value))),
-        Value::Text(value) => Some(Define::Text(value.clone())),
-        _ => None,
-    }
+/// The values of a module's options.
+fn options(module: &Module) -> impl Iterator<Item = (&str, Define)> {
+    module.options.iter().filter_map(|(name, value)| Some((name.as_str(), Define::try_from(value).ok()?)))
+}
+
+/// Returns the request for a module by itself, as no consumer imports it.
+pub fn request_of_module(module: &Module) -> Request {
+    request(&module.path, &options(module).collect::<Vec<_>>())
 }
 
 /// A request for a shader without modules.
@@ -165,6 +155,10 @@ pub struct Recording {
 /// name: `values` of the step; the settings of the pass; `seed` (u32, made from the run's seed and the pass's
 /// name); `PORT_size` (`vec2<u32>`, texels of the port's first texture), `PORT_layers`, `PORT_FACT` for each
 /// fact; and for an input that is a past version `PORT_age` (frames, 0 where there is none) and `PORT_reset`.
+/// A member that is a struct is filled member by member, with values named `MEMBER.NAME`.
+///
+/// A uniform `PORT_facts`, which a module declares, is filled from the input of that name alone: its facts, `size`
+/// and `layers` of its first texture, `age` and `reset` where it is a past version, and the pass's `seed`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     /// A dispatch.

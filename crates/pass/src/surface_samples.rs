@@ -1,11 +1,10 @@
-//! What a consumer of the interface `Points` owes its module: see shaders/surface-sample.wgsl.
+//! What a consumer of the interface `Points` asks of its module: SamplesWanted of shaders/surface-sample.wgsl.
 
 use crate::{Compute, RecordContext, Value};
 
 /// Samples of the port `points` for a number of maps.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceSamples {
-    count: u32,
     maps: u32,
     per_map: u32,
     block: u32,
@@ -17,7 +16,7 @@ impl SurfaceSamples {
         let count = cx.fact("points", "count");
         // Maps that take turns, a power of two: not many more than there are.
         let block = cx.fact("points", "block").clamp(1, maps.next_power_of_two());
-        SurfaceSamples { count, maps, per_map: per_map.min(count), block }
+        SurfaceSamples { maps, per_map: per_map.min(count), block }
     }
 
     /// Indices of samples that there are to ask for: of all maps, filled up to whole blocks.
@@ -25,18 +24,19 @@ impl SurfaceSamples {
         self.maps.next_multiple_of(self.block) * self.per_map
     }
 
-    /// A dispatch with the members of `settings` that the module reads.
-    pub fn fill(&self, dispatch: Compute) -> Compute {
+    /// Returns a dispatch with the values of a member of `settings` of the type SamplesWanted.
+    pub fn fill(&self, dispatch: Compute, member: &str) -> Compute {
         // Between two samples, in units of 2⁻³² of 2⁻³¹ of the surface.
         let step = (1_u64 << 63) / u64::from(self.maps * self.per_map).max(1);
         let values = [
-            ("points_count", self.count),
-            ("points_maps", self.maps),
-            ("points_per_map", self.per_map),
-            ("points_block_bits", self.block.ilog2()),
-            ("points_step_whole", (step >> 32) as u32),
-            ("points_step_fraction", step as u32),
+            ("maps", self.maps),
+            ("per_map", self.per_map),
+            ("block_bits", self.block.ilog2()),
+            ("step_whole", (step >> 32) as u32),
+            ("step_fraction", step as u32),
         ];
-        values.into_iter().fold(dispatch, |dispatch, (name, value)| dispatch.value(name, Value::U32(value)))
+        values.into_iter().fold(dispatch, |dispatch, (name, value)| {
+            dispatch.value(&format!("{member}.{name}"), Value::U32(value))
+        })
     }
 }

@@ -97,6 +97,23 @@ impl Shader {
         span(&self.composed.main, 0..0)
     }
 
+    /// Returns the names of the resources that the functions of the requested file use, with all that they call:
+    /// what a module of an interface brings to the shader that imports it. Functions of imports count where they
+    /// are called.
+    pub fn used_by_own_functions(&self) -> impl Iterator<Item = &str> {
+        let mut used = std::collections::BTreeSet::new();
+        for (function, _) in self.module.functions.iter() {
+            let Some(range) = self.module.functions.get_span(function).to_range() else { continue };
+            let place = self.composed.map.span(range.start as u32..range.end as u32);
+            if place.is_some_and(|place| place.source.name == self.composed.main.name) {
+                let found = self.module.global_variables.iter();
+                let found = found.filter(|(global, _)| !self.info[function][*global].is_empty());
+                used.extend(found.filter_map(|(_, variable)| variable.name.as_deref()));
+            }
+        }
+        used.into_iter()
+    }
+
     /// The settings declared by the doc comments of `struct Settings`, in the order of its members; members
     /// without a declaration are for the pass to fill. Empty where there is no such struct.
     ///

@@ -20,10 +20,10 @@ const SPAN: u32 = 2;
 
 const SHADER: &str = "passes/gather/gather.wgsl";
 
-/// Lights of a subset that one dispatch takes, where a look at visibility makes so many rounds of loops.
-fn lights_of_part(rounds_of_look: u32) -> u32 {
-    // A round for the light itself.
-    (LOOP_ITERATIONS / (1 + SPAN * SPAN * (1 + rounds_of_look))).max(1)
+/// Lights of a subset that one dispatch takes, where a lookup of visibility makes so many loop iterations.
+fn lights_of_part(lookup_iterations: u32) -> u32 {
+    // An iteration for the light itself.
+    (LOOP_ITERATIONS / (1 + SPAN * SPAN * (1 + lookup_iterations))).max(1)
 }
 
 impl Pass for Gather {
@@ -67,18 +67,6 @@ impl Pass for Gather {
                  how much. 0.01 is of the order of the distance between 1,024 lights on a lit tenth of the scene.",
             )
             .range(0.0, 1.0),
-            setting::choice(
-                "visibility_filter",
-                &["single", "pcf"],
-                "Lookup of depth maps: one texel, or four texels weighted bilinearly, which is smoother and slower.",
-            ),
-            setting::f32(
-                "visibility_bias",
-                1.0,
-                "Factor on the slack that the makers of depth maps ask for in the depth test. Surfaces shadow \
-                 themselves less and light leaks more with it.",
-            )
-            .at_least(0.0),
         ])
     }
 
@@ -109,7 +97,7 @@ impl Pass for Gather {
             .fact("interleave_y", interleave("interleave_y")),
         ];
         let fact = |input, name| cx.fact(input, name).and_then(Value::as_u32).unwrap_or(0);
-        if parts(cx.settings, fact("lights", "count"), fact("visibility", "rounds")).len() > 1 {
+        if parts(cx.settings, fact("lights", "count"), fact("visibility", "loop_iterations")).len() > 1 {
             let (width, height) = cx.input("view").and_then(|view| view.size()).unwrap_or(cx.frame);
             let bytes = u64::from(width) * u64::from(height) * 16;
             outputs.push(OutputDesc::scratch("sums", ResourceDesc::buffer(bytes)));
@@ -122,18 +110,15 @@ impl Pass for Gather {
         let [n, m] = ["interleave_x", "interleave_y"].map(|name| cx.settings.u32(name));
         let groups = |pixels: u32, sub_images: u32| pixels.div_ceil(sub_images).div_ceil(SPAN * 8);
         let grid = [groups(size.0, n) * 8, groups(size.1, m) * n * m * 8, 1];
-        let (count, rounds) = (cx.fact("lights", "count"), cx.fact("visibility", "rounds"));
-        let parts = parts(cx.settings, count, rounds);
+        let (count, iterations) = (cx.fact("lights", "count"), cx.fact("visibility", "loop_iterations"));
+        let parts = parts(cx.settings, count, iterations);
         let shader = cx.shader(
             SHADER,
             &[
                 ("PARTS", Define::Bool(parts.len() > 1)),
                 ("VISIBILITY", Define::Bool(cx.connected("visibility"))),
-                ("VISIBILITY_FILTER", Define::from(cx.settings.text("visibility_filter"))),
             ],
         );
-        let slack = cx.port("visibility").and_then(|port| port.facts.get("slack")).and_then(Value::as_f32);
-        let slack = slack.unwrap_or(1.0);
         let runs = u32::from(cx.settings.text("subsets") == "runs");
         let gather = |part: Part| {
             Compute::new(shader.clone(), "gather", Threads::Grid(grid))
@@ -141,10 +126,6 @@ impl Pass for Gather {
                 .value("begin", Value::U32(part.begin))
                 .value("end", Value::U32(part.end))
                 .value("last", Value::U32(u32::from(part.last)))
-                // Not every kind of visibility has maps.
-                .value("visibility_bias", Value::F32(cx.settings.f32("visibility_bias") * slack))
-                .value("visibility_tile", Value::U32(cx.fact("visibility", "tile")))
-                .value("visibility_columns", Value::U32(cx.fact("visibility", "columns")))
         };
         Ok(Recording::of(parts.map(gather)))
     }
@@ -154,8 +135,8 @@ impl Pass for Gather {
 fn parts(
     settings: &Settings,
     lights: u32,
-    rounds_of_look: u32,
+    lookup_iterations: u32,
 ) -> impl ExactSizeIterator<Item = Part> + use<> {
     let subsets = settings.u32("interleave_x") * settings.u32("interleave_y");
-    gpu_algorithms::parts(lights.div_ceil(subsets.max(1)), lights_of_part(rounds_of_look))
+    gpu_algorithms::parts(lights.div_ceil(subsets.max(1)), lights_of_part(lookup_iterations))
 }

@@ -255,7 +255,7 @@ fn pixels_that_see_nothing_are_black() {
 }
 
 /// Runs one light over the plane with an atlas of one map of 8², filled with one distance.
-fn with_map(stored: f32, filter: &str) -> Option<Vec<[f32; 4]>> {
+fn with_map(stored: f32) -> Option<Vec<[f32; 4]>> {
     let view = View { width: 9, height: 9, fov: 0.6 };
     let light = VirtualLight { position: [0.1, 1.0, 0.0], normal: DOWN, flux: 1.0, area: 0.0 };
     let atlas = pass::ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8));
@@ -263,32 +263,29 @@ fn with_map(stored: f32, filter: &str) -> Option<Vec<[f32; 4]>> {
         .stand(&[light])
         .set("interleave_x", 1)
         .set("interleave_y", 1)
-        .set("visibility_filter", filter)
-        .set("visibility_bias", 0.1)
         .input(
             "visibility",
             "Visibility",
             &[("tile", 8), ("columns", 1)],
             vec![("atlas", atlas, bytemuck::cast_slice(&[stored; 64]).to_vec())],
         )
-        .text_fact("module", "shaders/visibility-atlas.wgsl")
+        .fact("depth_bias", 0.1)
+        .module("shaders/visibility-atlas.wgsl")
         .run();
     outputs.map(|outputs| read(&outputs))
 }
 
 #[test]
 fn a_map_shadows_what_is_behind_its_distance() {
-    for filter in ["single", "pcf"] {
-        let (Some(open), Some(closed)) = (with_map(3.0e38, filter), with_map(0.5, filter)) else { return };
-        assert!(open.iter().all(|e| e[0] > 0.0), "nothing is in the way");
-        assert!(closed.iter().all(|e| e[0] == 0.0), "something is half way to the plane");
-        // At 1.02 m the map lets the places near the foot of the light through, whose distance is 1 m and a little.
-        let Some(edge) = with_map(1.02, filter) else { return };
-        let lit = edge.iter().filter(|e| e[0] > 0.0).count();
-        assert!(lit > 0 && lit < edge.len(), "{lit} pixels are lit");
-        for (edge, open) in edge.iter().zip(&open) {
-            assert!(edge[0] == 0.0 || edge[0] == open[0], "one distance everywhere makes no penumbra");
-        }
+    let (Some(open), Some(closed)) = (with_map(3.0e38), with_map(0.5)) else { return };
+    assert!(open.iter().all(|e| e[0] > 0.0), "nothing is in the way");
+    assert!(closed.iter().all(|e| e[0] == 0.0), "something is half way to the plane");
+    // At 1.02 m the map lets the places near the foot of the light through, whose distance is 1 m and a little.
+    let Some(edge) = with_map(1.02) else { return };
+    let lit = edge.iter().filter(|e| e[0] > 0.0).count();
+    assert!(lit > 0 && lit < edge.len(), "{lit} pixels are lit");
+    for (edge, open) in edge.iter().zip(&open) {
+        assert!(edge[0] == 0.0 || edge[0] == open[0], "one distance everywhere makes no penumbra");
     }
 }
 
@@ -300,7 +297,7 @@ fn the_module_of_no_visibility_is_the_same_as_none() {
     let module = view
         .stand(&lights)
         .input("visibility", "Visibility", &[], Vec::new())
-        .text_fact("module", "shaders/visibility-none.wgsl")
+        .module("shaders/visibility-none.wgsl")
         .run();
     let (Some(none), Some(module)) = (none, module) else { return };
     assert_eq!(read(&none), read(&module));

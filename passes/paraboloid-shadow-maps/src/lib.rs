@@ -4,8 +4,8 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    DepthTarget, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc, Pass,
-    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, UseContext,
+    DepthTarget, Draw, Extent, Externals, Format, Info, KindError, Load, Module, OutputContext, OutputDesc,
+    Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, UseContext,
     Value,
 };
 
@@ -20,9 +20,9 @@ const SHADER: &str = "passes/paraboloid-shadow-maps/paraboloid-shadow-maps.wgsl"
 /// The greatest side of a texture on every adapter: WebGPU's default.
 const MAX_SIDE: u32 = 8192;
 
-/// Slack that the depth test needs, in widths of a texel along the receiver's plane: half a diagonal, which is how
+/// Bias that the depth test needs, in widths of a texel along the receiver's plane: half a diagonal, which is how
 /// far a receiver may be from the ray of its texel.
-const SLACK: f32 = 0.7;
+const DEPTH_BIAS: f32 = 0.7;
 
 /// `NOTHING` of shaders/paraboloid.wgsl.
 const NOTHING: f64 = 3.0e38;
@@ -46,6 +46,13 @@ impl Pass for ParaboloidShadowMaps {
             )
             .range(1.0, 8192.0)
             .unit("px"),
+            setting::f32(
+                "depth_bias",
+                1.0,
+                "Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light \
+                 leaks more with it.",
+            )
+            .at_least(0.0),
         ])
     }
 
@@ -77,10 +84,10 @@ impl Pass for ParaboloidShadowMaps {
         let size = Extent::Fixed(columns * tile, count.div_ceil(columns) * tile);
         let mut visibility =
             OutputDesc::one("visibility", ResourceDesc::texture_2d(Format::R32Float, size.clone()))
-                .fact("module", Value::Text("shaders/visibility-atlas.wgsl".into()))
+                .module(Module::new("shaders/visibility-atlas.wgsl"))
                 .fact("tile", Value::U32(tile))
                 .fact("columns", Value::U32(columns))
-                .fact("slack", Value::F32(SLACK));
+                .fact("depth_bias", Value::F32(cx.settings.f32("depth_bias") * DEPTH_BIAS));
         visibility.members[0].0 = "atlas".into();
         let nearness = OutputDesc::scratch("nearness", ResourceDesc::texture_2d(Format::Depth32Float, size));
         Ok(vec![visibility, nearness])

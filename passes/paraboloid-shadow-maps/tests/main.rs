@@ -48,7 +48,7 @@ fn render(scene: Scene, lights: &[(Vec3, Vec3)], tile: u32) -> Option<Vec<Vec<f6
         .input("lights", "VirtualLights", &[("count", packed.len() as u32)], vec![("", desc, bytes)])
         .run()?;
     let atlas: Vec<f32> = outputs.read("visibility.atlas");
-    let columns = outputs.facts("visibility")["columns"].as_u32().expect("a number");
+    let columns = outputs.fact("visibility", "columns").as_u32().expect("a number");
     let texel = |light: u32, i: u32| {
         let (x, y) = (light % columns * tile + i % tile, light / columns * tile + i / tile);
         f64::from(atlas[(y * columns * tile + x) as usize])

@@ -5,8 +5,8 @@ pub mod twin;
 use gpu_algorithms::{reduce, scan};
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
-    Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, output,
+    Compute, Define, Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, output,
 };
 
 /// The pass, for the catalog.
@@ -74,7 +74,7 @@ impl Pass for PointsOnTheFly {
         let bytes = HEADER_BYTES + 4 * (u64::from(triangles) + 1 + guide);
         let mut outputs = vec![
             OutputDesc::one("points", ResourceDesc::buffer(bytes.next_multiple_of(16)))
-                .fact("module", Value::Text(MODULE.into()))
+                .module(Module::new(MODULE))
                 .fact("count", Value::U32(if triangles > 0 { u32::MAX } else { 0 }))
                 .fact("block", Value::U32(twin::BLOCK)),
             OutputDesc::scratch("total_weight", ResourceDesc::buffer(WEIGHT_BYTES)),

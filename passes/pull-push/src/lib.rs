@@ -4,9 +4,9 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Draw, Extent, Externals, Format, Info, KindError, Load, OutputContext, OutputDesc, Pass,
-    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, Threads,
-    UseContext, Value,
+    Compute, Define, Draw, Extent, Externals, Format, Info, KindError, Load, Module, OutputContext,
+    OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
+    Threads, UseContext, Value,
 };
 
 /// The kind `pull-push`.
@@ -116,10 +116,10 @@ impl Pass for PullPush {
         }
         let size = Extent::Fixed(columns * tile, count.div_ceil(columns) * tile);
         let mut visibility = OutputDesc::one("visibility", ResourceDesc::texture_2d(Format::R32Float, size))
-            .fact("module", Value::Text("shaders/visibility-atlas.wgsl".into()))
+            .module(Module::new("shaders/visibility-atlas.wgsl"))
             .fact("tile", Value::U32(tile))
             .fact("columns", Value::U32(columns))
-            .fact("slack", cx.fact("depth", "slack").cloned().unwrap_or(Value::F32(1.0)));
+            .fact("depth_bias", cx.fact("depth", "depth_bias").cloned().unwrap_or(Value::F32(1.0)));
         visibility.members[0].0 = "atlas".into();
         let texels = Pyramid { tile, count }.begin(cx.settings.u32("levels") + 1);
         let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));

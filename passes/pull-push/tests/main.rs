@@ -134,7 +134,7 @@ fn the_gpu_agrees_with_the_twin() {
             .run();
         let Some(outputs) = outputs else { return };
         let atlas: Vec<f32> = outputs.read("visibility.atlas");
-        let columns = outputs.facts("visibility")["columns"].as_u32().expect("a number") as usize;
+        let columns = outputs.fact("visibility", "columns").as_u32().expect("a number") as usize;
         for (m, map) in maps.iter().enumerate() {
             let wanted = pull_push(map, levels, 0.05 * extent, 0.05 * extent);
             for (i, wanted) in wanted.depth.iter().enumerate() {

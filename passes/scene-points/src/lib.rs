@@ -4,8 +4,8 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Threads, UseContext, Value, output,
+    Compute, Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports, RecordContext,
+    Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, output,
 };
 
 /// The pass, for the catalog.
@@ -50,7 +50,7 @@ impl Pass for ScenePoints {
         let desc = ResourceDesc::buffer(POINT_BYTES * u64::from(count));
         Ok(vec![
             OutputDesc::one("points", desc)
-                .fact("module", Value::Text("shaders/points-stored.wgsl".into()))
+                .module(Module::new("shaders/points-stored.wgsl"))
                 .fact("count", Value::U32(count)),
         ])
     }

@@ -69,6 +69,13 @@ impl Pass for Splat {
                 "What a splat stores: one distance (ISM §3.2), or in each texel the distance of the point's tangent \
                  plane, which shadows less of the surface itself and takes longer.",
             ),
+            setting::f32(
+                "depth_bias",
+                1.0,
+                "Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light \
+                 leaks more with it.",
+            )
+            .at_least(0.0),
         ])
     }
 
@@ -108,13 +115,13 @@ impl Pass for Splat {
         }
         // How far a receiver may be from where its distance was taken, in texels along the receiver's plane: within a
         // texel, or within a splat of the usual two to four.
-        let slack = if cx.settings.text("kernel") == "surfel" { 1.0 } else { 2.0 };
+        let needed = if cx.settings.text("kernel") == "surfel" { 1.0 } else { 2.0 };
         Ok(vec![
             OutputDesc::one("tally", ResourceDesc::<Extent>::buffer(TALLY_BYTES)),
             OutputDesc::one("depth", ResourceDesc::<Extent>::buffer(texels * 4))
                 .fact("tile", Value::U32(tile))
                 .fact("count", Value::U32(count))
-                .fact("slack", Value::F32(slack)),
+                .fact("depth_bias", Value::F32(cx.settings.f32("depth_bias") * needed)),
         ])
     }
 
@@ -129,7 +136,7 @@ impl Pass for Splat {
         let shader = cx.shader(SHADER, &[("KERNEL", Define::from(cx.settings.text("kernel")))]);
         let dispatch = |entry: &str, threads: u32| {
             samples
-                .fill(Compute::new(shader.clone(), entry, Threads::Row(threads)))
+                .fill(Compute::new(shader.clone(), entry, Threads::Row(threads)), "samples")
                 .value("wanted", Value::U32(wanted.saturating_mul(maps)))
                 .value("threads", Value::U32(samples.threads()))
         };

@@ -176,7 +176,7 @@ fn the_gpu_agrees_with_the_twin() {
                 &[("count", 900)],
                 vec![("", pass_test::buffer(900 * 32), bytemuck::cast_slice(&points).to_vec())],
             )
-            .text_fact("module", STORED)
+            .module(STORED)
             .input("lights", "VirtualLights", &[("count", 3)], vec![("", desc, bytes)])
             .run();
         let Some(outputs) = outputs else { return };
@@ -221,7 +221,7 @@ fn surfels_store_the_distance_of_their_plane() {
             &[("count", 1)],
             vec![("", pass_test::buffer(32), bytemuck::cast_slice(&points).to_vec())],
         )
-        .text_fact("module", STORED)
+        .module(STORED)
         .input("lights", "VirtualLights", &[("count", 1)], vec![("", desc, bytes)])
         .run();
     let Some(outputs) = outputs else { return };
@@ -261,7 +261,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
                 &[("count", u32::MAX)],
                 vec![("", pass_test::buffer(36), ten_points())],
             )
-            .text_fact("module", "shaders/points-on-the-fly.wgsl")
+            .module("shaders/points-on-the-fly.wgsl")
             .input("lights", "VirtualLights", &[("count", 2)], vec![("", desc, bytes)])
             .run();
         let Some(outputs) = outputs else { return };
@@ -276,7 +276,7 @@ fn without_triangles_the_maps_are_empty() {
     let outputs = Stand::new(splat::PASS)
         .set("map", 8)
         .input("points", "Points", &[("count", 0)], vec![("", pass_test::buffer(32), Vec::new())])
-        .text_fact("module", "shaders/points-on-the-fly.wgsl")
+        .module("shaders/points-on-the-fly.wgsl")
         .input("lights", "VirtualLights", &[("count", 1)], vec![("", desc, bytes)])
         .run();
     let Some(outputs) = outputs else { return };

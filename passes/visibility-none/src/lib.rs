@@ -1,8 +1,8 @@
 //! Says that every virtual light is seen from everywhere.
 
 use pass::{
-    Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting,
-    Settings, UseContext, Value,
+    Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
+    Setting, Settings, UseContext,
 };
 
 /// The kind `visibility-none`.
@@ -38,8 +38,7 @@ impl Pass for VisibilityNone {
     }
 
     fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
-        let module = Value::Text("shaders/visibility-none.wgsl".into());
-        Ok(vec![OutputDesc::of("visibility", Vec::new()).fact("module", module)])
+        Ok(vec![OutputDesc::of("visibility", Vec::new()).module(Module::new("shaders/visibility-none.wgsl"))])
     }
 
     fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {

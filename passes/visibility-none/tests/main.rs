@@ -1,6 +1,6 @@
 //! The module that it names answers what a consumer asks.
 
-use pass::{OutputContext, Settings, Use, UseContext, Value};
+use pass::{OutputContext, Settings, Use, UseContext};
 use pass_test::shaders;
 use std::collections::BTreeMap;
 
@@ -22,11 +22,9 @@ fn it_names_a_module_and_makes_nothing() {
         .expect("it never refuses");
     let [visibility] = &outputs[..] else { panic!("one output: {outputs:?}") };
     assert!(visibility.members.is_empty(), "there is no atlas");
-    let Some(Value::Text(module)) = visibility.facts.get("module") else {
-        panic!("no module: {visibility:?}")
-    };
+    let Some(module) = visibility.facts.module() else { panic!("no module: {visibility:?}") };
     let request = pass::request("passes/gather/gather.wgsl", &[("VISIBILITY", pass::Define::Bool(true))]);
-    let request = request.module("visibility", module);
+    let request = request.module("visibility", &module.path);
     let shader = library.load(&request).unwrap_or_else(|error| panic!("{error}"));
     let atlas = shader.interface.globals.iter().any(|global| global.name == "visibility_atlas");
     assert!(!atlas, "the module binds nothing");

@@ -1,7 +1,7 @@
 //! Says which virtual lights are seen by a ray to each.
 
 use pass::{
-    Externals, Facts, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
+    Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
     Setting, Settings, UseContext, Value, setting,
 };
 
@@ -14,9 +14,9 @@ pub struct VisibilityRayTraced;
 
 const MODULE: &str = "shaders/visibility-ray-traced.wgsl";
 
-/// Rounds of loops of a ray, for who must not make too many at once. Threads that go together make those of any of
-/// them: of eight rays through 10⁵ triangles that were seen to be up to this many.
-const ROUNDS: u32 = 400;
+/// Loop iterations of a ray, for consumers that must not make too many at once. Threads that go together make those of
+/// any of them: of eight rays through 10⁵ triangles that were seen to be up to this many.
+const LOOP_ITERATIONS: u32 = 400;
 
 impl Pass for VisibilityRayTraced {
     fn info(&self) -> Info {
@@ -54,16 +54,14 @@ impl Pass for VisibilityRayTraced {
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let masked = cx.traits.0.get("masked").and_then(Value::as_bool).unwrap_or(false);
-        let facts = [
-            ("module", Value::Text(MODULE.into())),
-            ("RAYS", Value::Text(cx.settings.text("rays").into())),
-            ("MASKED", Value::Bool(masked)),
-            ("rounds", Value::U32(ROUNDS)),
-        ];
-        Ok(vec![OutputDesc {
-            facts: Facts::from(facts.map(|(name, value)| (name.to_owned(), value))),
-            ..OutputDesc::of("visibility", Vec::new())
-        }])
+        let module = Module::new(MODULE)
+            .option("RAYS", Value::Text(cx.settings.text("rays").into()))
+            .option("MASKED", Value::Bool(masked));
+        Ok(vec![
+            OutputDesc::of("visibility", Vec::new())
+                .module(module)
+                .fact("loop_iterations", Value::U32(LOOP_ITERATIONS)),
+        ])
     }
 
     fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {

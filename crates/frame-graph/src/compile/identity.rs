@@ -90,8 +90,15 @@ impl Encoder {
     }
 
     fn facts(&mut self, facts: &Facts) {
-        self.len(facts.len());
-        for (name, value) in facts {
+        self.len(facts.iter().len());
+        for (name, value) in facts.iter() {
+            self.text(name);
+            self.value(value);
+        }
+        let Some(module) = facts.module() else { return self.text("") };
+        self.text(&module.path);
+        self.len(module.options.len());
+        for (name, value) in &module.options {
             self.text(name);
             self.value(value);
         }

@@ -49,7 +49,7 @@ impl Pass for Probe {
         let [maps, per_map] = ["maps", "per_map"].map(|name| cx.settings.u32(name));
         let samples = SurfaceSamples::new(cx, maps, per_map);
         let probe = Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(samples.threads()));
-        Ok(Recording::one(samples.fill(probe)))
+        Ok(Recording::one(samples.fill(probe, "samples")))
     }
 }
 
@@ -99,7 +99,7 @@ impl Amplification {
                 &[("count", u32::MAX), ("block", BLOCK)],
                 vec![("", desc, self.bytes.clone())],
             )
-            .text_fact("module", "shaders/points-on-the-fly.wgsl");
+            .module("shaders/points-on-the-fly.wgsl");
         Some(stand.run()?.read("samples"))
     }
 

@@ -1,16 +1,11 @@
 // Writes the samples of a port Points, a thread a sample.
 
 #import "dispatch.wgsl"
+#import "surface-sample.wgsl"
 #import interface "points"
 
 struct Settings {
-    points_count: u32,
-    points_maps: u32,
-    points_per_map: u32,
-    points_block_bits: u32,
-    points_step_whole: u32,
-    points_step_fraction: u32,
-    seed: u32,
+    samples: SamplesWanted,
 }
 
 var<uniform> settings: Settings;
@@ -24,6 +19,6 @@ fn probe(
 ) {
     let index = row_index(group, groups, local, 64u);
     if index < arrayLength(&samples) {
-        samples[index] = surface_sample(index);
+        samples[index] = surface_sample(settings.samples, index);
     }
 }

@@ -1,0 +1,231 @@
+//! What fills the uniforms of a step: `settings`, and `PORT_facts` of the modules that its shader imports.
+
+use super::StepLinker;
+use crate::record::PortDesc;
+use frame_graph::codes::link as codes;
+use frame_graph::plan::HistoryId;
+use frame_graph::{Diagnostics, Value, nearest};
+use shader_library::{GlobalKind, MemberLayout, Request, Shader, StructLayout};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// How a uniform of a step is filled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UniformFill {
+    /// Layout of the struct. Members that are structs are replaced by theirs, named `MEMBER.NAME`.
+    pub layout: StructLayout,
+    /// Members whose values are known.
+    pub values: BTreeMap<String, Value>,
+    /// Members that ask about the past: name, history, and whether it is the age or the cause of the reset.
+    pub past: Vec<(String, HistoryId, PastFact)>,
+    /// Whether it asks for the seed.
+    pub seeded: bool,
+}
+
+/// What a shader can ask of a past version.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PastFact {
+    /// Frames that it has lasted; 0 where there is none.
+    Age,
+    /// 0 while it lasts, else 1 + the position of the cause in `ResetCause`.
+    Reset,
+}
+
+impl UniformFill {
+    /// Returns the bytes of the uniform. `past` answers for histories.
+    pub fn bytes(&self, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Vec<u8> {
+        // Linking has proved that every member has a value that it can hold.
+        shader_library::write_struct(&self.layout, &|name| self.value(name, seed, &past)).unwrap_or_default()
+    }
+
+    /// Returns the size of the uniform \[bytes\]: that of the struct, rounded up as uniform layouts are.
+    pub fn size(&self) -> u64 {
+        u64::from(self.layout.size).next_multiple_of(16)
+    }
+
+    fn value(&self, name: &str, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Option<Value> {
+        if let Some((_, history, fact)) = self.past.iter().find(|(member, ..)| member == name) {
+            return Some(Value::U32(past(*history, *fact)));
+        }
+        if self.seeded && name == "seed" {
+            return Some(Value::U32(seed));
+        }
+        self.values.get(name).cloned()
+    }
+}
+
+/// What the names of members can mean.
+#[derive(Default)]
+struct Known {
+    values: BTreeMap<String, Value>,
+    past: Vec<(String, HistoryId, PastFact)>,
+}
+
+impl Known {
+    /// Adds what is known of a port under these names: size and layers of its first texture, and its facts.
+    fn add_port(&mut self, prefix: &str, port: &PortDesc) {
+        if let Some(texture) = port.members.iter().find_map(|(_, desc)| desc.texture()) {
+            let size = Value::Vector(vec![texture.size.0 as f32, texture.size.1 as f32]);
+            self.values.insert(format!("{prefix}size"), size);
+            self.values.insert(format!("{prefix}layers"), Value::U32(texture.layers));
+        }
+        for (fact, value) in port.facts.iter().filter(|(_, value)| value.as_text().is_none()) {
+            self.values.entry(format!("{prefix}{fact}")).or_insert_with(|| value.clone());
+        }
+    }
+
+    /// Adds the questions about the past of an input.
+    fn add_past(&mut self, prefix: &str, histories: Option<&Vec<HistoryId>>) {
+        if let Some(history) = histories.and_then(|histories| histories.first()) {
+            self.past.push((format!("{prefix}age"), *history, PastFact::Age));
+            self.past.push((format!("{prefix}reset"), *history, PastFact::Reset));
+        }
+    }
+
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.values.keys().map(String::as_str).chain(self.past.iter().map(|(name, ..)| name.as_str()))
+    }
+
+    fn gives(&self, member: &str) -> bool {
+        self.names().any(|name| name == member)
+    }
+}
+
+impl StepLinker<'_> {
+    /// Fills `settings`.
+    pub(super) fn settings(
+        &self,
+        shader: &Shader,
+        request: &Request,
+        global: usize,
+        values: &[(String, Value)],
+    ) -> Result<UniformFill, Diagnostics> {
+        let mut known = Known::default();
+        for port in self.inputs.iter().chain(self.outputs) {
+            known.add_port(&format!("{}_", port.name), port);
+        }
+        let settings = self.planned.settings.0.iter();
+        known.values.extend(settings.map(|(name, value)| (name.clone(), self.in_shader(name, value))));
+        known.values.extend(values.iter().cloned());
+        for input in &self.planned.inputs {
+            known.add_past(&format!("{}_", input.port), input.history.as_ref());
+        }
+        let note =
+            format!("it is neither a setting of the kind `{}` nor a fact of a port", self.planned.kind);
+        self.fill(shader, &request.path, global, known, note)
+    }
+
+    /// Fills the uniform that the module of an input declares.
+    pub(super) fn facts(
+        &self,
+        shader: &Shader,
+        request: &Request,
+        global: usize,
+        port: &PortDesc,
+    ) -> Result<UniformFill, Diagnostics> {
+        let mut known = Known::default();
+        known.add_port("", port);
+        let input = self.planned.inputs.iter().find(|input| input.port == port.name);
+        known.add_past("", input.and_then(|input| input.history.as_ref()));
+        let module = port.facts.module().map_or(&request.path, |module| &module.path);
+        let producer = self
+            .plan
+            .passes
+            .iter()
+            .find(|pass| pass.outputs.iter().any(|output| Arc::ptr_eq(&output.facts, &port.facts)));
+        let producer = producer.map_or_else(
+            || "what is linked".to_owned(),
+            |pass| format!("`{}` of the kind `{}`, which is linked", pass.name, pass.kind),
+        );
+        let given: Vec<&str> = known.names().collect();
+        let given = if given.is_empty() { "no facts".to_owned() } else { given.join(", ") };
+        let note = format!("{producer} to `{}`, gives {given}", port.name);
+        self.fill(shader, module, global, known, note)
+    }
+
+    /// Returns the input whose module declares a uniform of that name.
+    pub(super) fn port_of_facts(&self, global: &str, kind: &GlobalKind) -> Option<&PortDesc> {
+        let port = global.strip_suffix("_facts")?;
+        let uniform = matches!(kind, GlobalKind::Uniform { .. });
+        self.inputs.iter().find(|input| uniform && input.name == port)
+    }
+
+    fn fill(
+        &self,
+        shader: &Shader,
+        path: &str,
+        global: usize,
+        mut known: Known,
+        note: String,
+    ) -> Result<UniformFill, Diagnostics> {
+        let place = shader.global_place(global);
+        let global = &shader.interface.globals[global];
+        let layout = match &global.kind {
+            GlobalKind::Uniform { layout } => shader.interface.layout(&layout.ty),
+            _ => None,
+        };
+        let Some(layout) = layout else {
+            let message = format!("{path}: `{}` must be a `var<uniform>` of a struct", global.name);
+            return Err(self.error(&codes::SETTINGS, message, place, Vec::new()));
+        };
+        let flat = flattened(layout, &shader.interface.structs);
+        let seeded = !known.values.contains_key("seed");
+        for member in flat.members.iter().filter(|member| !is_padding(&member.name)) {
+            if known.gives(&member.name) || (seeded && member.name == "seed") {
+                continue;
+            }
+            let near = nearest(&member.name, known.names().chain(["seed"]));
+            let mut notes: Vec<String> =
+                near.map(|name| format!("did you mean `{name}`?")).into_iter().collect();
+            notes.push(note);
+            let message = format!("{path}: nothing gives `{}.{}` a value", global.name, member.name);
+            let outer = member.name.split('.').next().unwrap_or_default();
+            return Err(self.error(&codes::VALUE, message, shader.member_place(&layout.name, outer), notes));
+        }
+        known.values.retain(|name, _| flat.members.iter().any(|member| member.name == *name));
+        // Padding has no meaning, and so no value.
+        for member in flat.members.iter().filter(|member| is_padding(&member.name)) {
+            known.values.entry(member.name.clone()).or_insert(Value::U32(0));
+        }
+        let fill = UniformFill { layout: flat, values: known.values, past: known.past, seeded };
+        match shader_library::write_struct(&fill.layout, &|name| fill.value(name, 0, |_, _| 0)) {
+            Ok(_) => Ok(fill),
+            Err(refused) => Err(self.error(&codes::VALUE, format!("{path}: {refused}"), place, Vec::new())),
+        }
+    }
+
+    /// The value of a setting as a shader sees it: one of several words is its position among them.
+    fn in_shader(&self, name: &str, value: &Value) -> Value {
+        let words = self
+            .schema
+            .iter()
+            .find(|setting| setting.name == name)
+            .map_or(&[][..], |setting| &setting.one_of);
+        match (value, words.iter().position(|word| word == value)) {
+            (Value::Text(_), Some(index)) => Value::U32(index as u32),
+            _ => value.clone(),
+        }
+    }
+}
+
+fn is_padding(member: &str) -> bool {
+    member.rsplit('.').next().is_some_and(|name| name.starts_with("pad"))
+}
+
+/// A layout without structs inside: their members stand in their place, named `MEMBER.NAME`.
+fn flattened(layout: &StructLayout, structs: &[StructLayout]) -> StructLayout {
+    let mut members = Vec::with_capacity(layout.members.len());
+    for member in &layout.members {
+        match structs.iter().find(|inner| inner.name == member.ty) {
+            None => members.push(member.clone()),
+            Some(inner) => {
+                members.extend(flattened(inner, structs).members.into_iter().map(|inner| MemberLayout {
+                    name: format!("{}.{}", member.name, inner.name),
+                    offset: member.offset + inner.offset,
+                    ..inner
+                }))
+            }
+        }
+    }
+    StructLayout { members, ..layout.clone() }
+}

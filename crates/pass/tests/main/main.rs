@@ -1,0 +1,4 @@
+//! The interfaces, and linking of what passes record.
+
+mod interfaces;
+mod modules;

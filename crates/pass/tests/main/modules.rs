@@ -1,0 +1,255 @@
+//! Modules bring all that they need: a uniform of their own, options, and the host's data.
+
+use frame_graph::plan::{PassId, Plan};
+use frame_graph::port::{Kinds, Use};
+use frame_graph::{CompileOptions, Interface, LinkContext, Member, Overrides};
+use pass::{
+    Compute, Extent, Externals, Format, Info, KindError, Library, LinkedStep, Module, OutputContext,
+    OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc, Setting, Settings, Source, Threads,
+    Traits, UseContext, Value,
+};
+use shader_library::{GlobalKind, MemoryFiles};
+use std::sync::Arc;
+
+/// Brings the module, and the facts that it has by default.
+struct Maps {
+    facts: &'static [(&'static str, u32)],
+}
+
+impl Pass for Maps {
+    fn info(&self) -> Info {
+        Info { kind: "maps", about: "", paper: "", shaders: &[] }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(Vec::new())
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports { outputs: vec![pass::output("answer", "Answer", "")], ..Ports::default() })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let module = Module::new("answer.wgsl").option("DOUBLED", Value::Bool(true));
+        let buffer = OutputDesc::one("answer", ResourceDesc::<Extent>::buffer(16)).module(module);
+        let facts = self.facts.iter();
+        Ok(vec![facts.fold(buffer, |output, (name, value)| output.fact(name, Value::U32(*value)))])
+    }
+
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+        Ok(Recording::default())
+    }
+}
+
+/// Imports whatever module is linked, and knows nothing of it.
+struct Reader;
+
+impl Pass for Reader {
+    fn info(&self) -> Info {
+        Info { kind: "reader", about: "", paper: "", shaders: &[] }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(Vec::new())
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![pass::input("answer", "Answer", "")],
+            outputs: vec![pass::output("image", "Texture", "")],
+            externals: Externals::NONE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let size = Extent::Fixed(8, 8);
+        Ok(vec![OutputDesc::one("image", ResourceDesc::texture_2d(Format::R32Float, size))])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+        let step = Compute::new(cx.shader("reader.wgsl", &[]), "answer_all", Threads::Grid([8, 8, 1]));
+        Ok(Recording::one(step.value("first.count", Value::U32(7))))
+    }
+}
+
+/// The two kinds, as a catalog offers them.
+struct Both {
+    maps: Maps,
+    library: Library,
+}
+
+impl Both {
+    fn find(&self, kind: &str) -> &dyn Pass {
+        if kind == "maps" { &self.maps } else { &Reader }
+    }
+}
+
+static INTERFACES: &[Interface] =
+    &[Interface { name: "Answer", doc: "", members: &[Member { name: "", optional: false, doc: "" }] }];
+
+impl Kinds for Both {
+    fn names(&self) -> Vec<String> {
+        vec!["maps".into(), "reader".into()]
+    }
+
+    fn interfaces(&self) -> &[Interface] {
+        INTERFACES
+    }
+
+    fn takes_shader(&self, _: &str) -> Option<bool> {
+        Some(false)
+    }
+
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+        Ok(self.find(use_.kind).settings(&UseContext { use_, shaders: &self.library })?.into())
+    }
+
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, KindError> {
+        self.find(use_.kind).ports(&UseContext { use_, shaders: &self.library }, settings).map(Arc::new)
+    }
+
+    fn outputs(&self, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        let context = UseContext { use_: cx.use_, shaders: &self.library };
+        let mut outputs = self.find(cx.use_.kind).outputs(&context, cx)?;
+        pass::externals::find_of_modules(&mut outputs, &self.library);
+        Ok(outputs)
+    }
+}
+
+const PIPELINE: &str = r#"Pipeline(
+    passes: {
+        "maps": Pass(kind: "maps"),
+        "reader": Pass(kind: "reader", in: { "answer": "maps" }),
+    },
+    outputs: { "image": "reader" },
+)"#;
+
+const READER: &str = r#"
+#import interface "answer"
+
+struct Range {
+    count: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
+}
+
+struct Settings {
+    image_size: vec2<u32>,
+    @align(16) first: Range,
+}
+
+var<uniform> settings: Settings;
+var image: texture_storage_2d<r32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn answer_all(@builtin(global_invocation_id) id: vec3<u32>) {
+    if all(id.xy < settings.image_size) {
+        textureStore(image, id.xy, vec4(f32(answer_at(id.x + settings.first.count))));
+    }
+}
+"#;
+
+/// Reads the camera, and by a function of an import the lights; another import's function is not called.
+const ANSWER: &str = r#"
+#option DOUBLED false
+
+#import "host.wgsl"
+
+struct AnswerFacts {
+    seed: u32,
+    tile: u32,
+    pad: u32,
+}
+
+var<uniform> answer_facts: AnswerFacts;
+var<storage, read> answer: array<u32>;
+
+fn answer_at(index: u32) -> u32 {
+    let tile = answer_facts.tile + u32(camera.width) + light();
+#if DOUBLED
+    return answer[index % 4u] * tile * 2u + answer_facts.seed;
+#else
+    return answer[index % 4u] * tile + answer_facts.seed;
+#endif
+}
+"#;
+
+const HOST: &str = r#"
+struct Camera { width: f32 }
+struct Frame { index: u32 }
+
+var<uniform> camera: Camera;
+var<uniform> frame: Frame;
+var<storage, read> scene_lights: array<u32>;
+
+fn light() -> u32 {
+    return scene_lights[0];
+}
+
+fn number() -> u32 {
+    return frame.index;
+}
+"#;
+
+fn linked(facts: &'static [(&'static str, u32)]) -> (Plan, Result<Vec<LinkedStep>, String>) {
+    let files = [("answer.wgsl", ANSWER), ("reader.wgsl", READER), ("host.wgsl", HOST)];
+    let library = Library::new(Arc::new(MemoryFiles::new(files)));
+    let kinds = Both { maps: Maps { facts }, library };
+    let pipelines = MemoryFiles::new([("p.ron", PIPELINE)]);
+    let resolved = frame_graph::resolve("p.ron", &pipelines, &Overrides::default()).expect("it is read");
+    let context = LinkContext { frame: (8, 8), traits: Traits::default() };
+    let graph = frame_graph::link(&resolved, &kinds, &context).unwrap_or_else(|error| panic!("{error}"));
+    let plan = frame_graph::compile(&graph, &CompileOptions::default()).expect("it is compiled");
+    let reader = plan.passes.iter().position(|pass| pass.kind == "reader").expect("it is needed");
+    let steps = pass::link_steps(&plan, PassId(reader as u32), &Reader, &Traits::default(), &kinds.library);
+    (plan, steps.map_err(|error| error.to_string()))
+}
+
+#[test]
+fn a_module_has_a_uniform_filled_from_the_facts_of_its_port() {
+    let (_, steps) = linked(&[("tile", 5), ("unread", 6)]);
+    let [step] = &steps.unwrap_or_else(|error| panic!("{error}"))[..] else { panic!("one step") };
+    let fill = |name: &str| {
+        let (index, global) = step.shader.interface.global(name).expect("it is declared");
+        assert!(matches!(global.kind, GlobalKind::Uniform { .. }));
+        let bound = step.bindings.iter().find(|bound| bound.global == index).expect("it is used");
+        let Source::Uniform(index) = bound.source else { panic!("{:?}", bound.source) };
+        step.uniforms[index].bytes(9, |_, _| 0)
+    };
+    let words = |bytes: Vec<u8>| -> Vec<u32> {
+        bytes.chunks(4).map(|word| u32::from_le_bytes(word.try_into().expect("four bytes"))).collect()
+    };
+    assert_eq!(words(fill("answer_facts")), [9, 5, 0], "seed, tile and padding");
+    assert_eq!(
+        words(fill("settings")),
+        [8, 8, 0, 0, 7, 0, 0, 0],
+        "a struct inside is filled by `first.count`"
+    );
+}
+
+#[test]
+fn a_reader_depends_on_the_hosts_data_that_the_module_reads() {
+    let (plan, steps) = linked(&[("tile", 5)]);
+    steps.unwrap_or_else(|error| panic!("{error}"));
+    let of = |kind: &str| plan.passes.iter().find(|pass| pass.kind == kind).expect("it is there").externals;
+    // Not on the frame's number: what could ask for it is imported and not called.
+    assert_eq!(of("reader"), Externals::CAMERA.and(Externals::LIGHTS));
+    assert_eq!(of("maps"), Externals::NONE, "who makes the module does not run for it");
+}
+
+#[test]
+fn a_missing_fact_names_the_module_the_producer_and_the_nearest() {
+    let (_, steps) = linked(&[("tiles", 5)]);
+    let error = steps.expect_err("`tile` has no value");
+    for part in [
+        "E065",
+        "answer.wgsl:8:5",
+        "nothing gives `answer_facts.tile` a value",
+        "did you mean `tiles`?",
+        "`maps` of the kind `maps`",
+        "linked to `answer`",
+    ] {
+        assert!(error.contains(part), "no `{part}` in\n{error}");
+    }
+}
