@@ -1,8 +1,12 @@
 //! Every producer of an interface works with every consumer of it: samplers with kinds of visibility, for each kind
 //! of light.
 
-use crate::adapter::{SMALL, mean, renderer, renderer_in};
+use crate::adapter::{SMALL, bits, mean, renderer, renderer_in, set};
+use frame_graph::{CompileOptions, LinkContext};
+use pass::Step;
+use renderer::{Assets, Catalog, Compiled};
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 const SAMPLERS: [(&str, &str); 4] = [
     ("uniform", r#"Replace("lights", Pass(kind: "sample-uniform", set: { "count": "$lights" }))"#),
@@ -108,4 +112,63 @@ fn nothing_gives_nothing() {
         renderer.frame().unwrap();
         assert_eq!(mean(&renderer.output("image").unwrap()), [0.0; 3], "{pipeline}");
     }
+}
+
+/// A filter of lookups stands between maps and whoever reads them: the reader gets another module, and nothing else is
+/// another.
+#[test]
+fn a_filter_of_lookups_changes_only_the_module_of_the_reader() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["pipelines", "shaders"] {
+        std::fs::create_dir(folder.path().join(name)).unwrap();
+    }
+    let insert = r#"Insert(
+        name: "soft",
+        pass: Pass(kind: "percentage-closer-filtering", set: { "taps": 3 }),
+        between: ("shadows.visibility", "gather.visibility"),
+    )"#;
+    let text = format!("Pipeline(extends: \"ism.ron\", patch: [{insert}])");
+    std::fs::write(folder.path().join("pipelines/soft.ron"), text).unwrap();
+    let catalog = Arc::new(Catalog::new(Assets::new(Some(folder.path().to_owned()))));
+    let scene = renderer::load_scene(&catalog, "cornell-box").unwrap();
+    let context = LinkContext { frame: (24, 24), traits: scene.traits() };
+    let compiled = |name: &str| {
+        Compiled::new(&catalog, name, &set(SMALL), &context, &CompileOptions::default())
+            .unwrap_or_else(|error| panic!("{error}"))
+    };
+    let (plain, soft) = (compiled("ism"), compiled("soft"));
+    let resources = |compiled: &Compiled| -> Vec<String> {
+        let resources = compiled.plan.resources.iter();
+        resources.map(|resource| format!("{} {:?}", resource.name, resource.desc)).collect()
+    };
+    assert_eq!(resources(&plain), resources(&soft), "the maps are handed on");
+    let steps = |compiled: &Compiled| -> Vec<(String, Vec<Step>)> {
+        let steps = compiled.steps.iter().map(|steps| steps.iter().map(|step| step.step.clone()).collect());
+        compiled.plan.passes.iter().map(|pass| pass.name.to_string()).zip(steps).collect()
+    };
+    let mut filtered = steps(&soft);
+    filtered.retain(|(name, steps)| {
+        assert!(name != "soft" || steps.is_empty(), "the filter has no work of its own");
+        name != "soft"
+    });
+    for (name, steps) in &mut filtered {
+        for step in steps.iter_mut().filter(|_| name == "gather") {
+            let Step::Compute(compute) = step else { panic!("{step:?}") };
+            let module =
+                compute.shader.modules.insert("visibility".into(), "shaders/visibility-atlas.wgsl".into());
+            let wanted = "passes/percentage-closer-filtering/percentage-closer-filtering.wgsl";
+            assert_eq!(module.as_deref(), Some(wanted));
+        }
+    }
+    assert_eq!(steps(&plain), filtered);
+
+    let indirect = |name| {
+        let mut renderer = renderer_in(folder.path().to_owned(), name, "cornell-box", (24, 24), SMALL)?;
+        renderer.frame().unwrap();
+        Some(renderer.output("indirect").unwrap())
+    };
+    let (Some(plain), Some(soft)) = (indirect("ism"), indirect("soft")) else { return };
+    assert_ne!(bits(&plain), bits(&soft), "edges are softer");
+    let [plain, soft] = [plain, soft].map(|image| mean(&image).iter().sum::<f64>());
+    assert!((soft / plain - 1.0).abs() < 0.15, "{soft} against {plain}: as much light as before, or nearly");
 }

@@ -1,0 +1,60 @@
+// Visibility by an atlas of paraboloid maps of the distance, filtered after the depth test: the mean of taps × taps
+// lookups a texel apart, each of them bilinear. [Reeves, Salesin & Cook 1987]
+//
+// Neighbouring taps share texels, so (taps + 1)² are loaded. The window is cut at its edges: where the receiver moves,
+// what it sees of a light changes without steps.
+
+#import "paraboloid.wgsl"
+#import "paraboloid-lookup.wgsl"
+#import "virtual-lights.wgsl"
+
+struct VisibilityFacts {
+    /// Side of a map [px].
+    tile: u32,
+    /// Maps in a row of the atlas.
+    columns: u32,
+    /// Bias of the depth test, in widths of a texel along the receiver's plane.
+    depth_bias: f32,
+    /// Taps along each side of the window.
+    taps: u32,
+}
+
+var<uniform> visibility_facts: VisibilityFacts;
+var visibility_atlas: texture_2d<f32>;
+
+/// Part of a virtual light that is seen from a point: 0 behind the light's plane. `index` is the light's, `at` [m] and the
+/// unit `normal` are the receiver's.
+fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
+    let tile = visibility_facts.tile;
+    let taps = visibility_facts.taps;
+    let lookup = paraboloid_lookup(light, at, normal, tile, visibility_facts.depth_bias);
+    if lookup.behind {
+        return 0.0;
+    }
+    let origin = tile_origin(index, visibility_facts.columns, tile);
+    let start = lookup.position - 0.5 * f32(taps);
+    let corner = floor(start);
+    let weight = start - corner;
+    let last = vec2(f32(tile - 1u));
+    var sum = 0.0;
+    var above = 0.0;
+    for (var y = 0u; y <= taps; y++) {
+        var row = 0.0;
+        var left = 0.0;
+        for (var x = 0u; x <= taps; x++) {
+            // Texels beyond the map's edge are those at the edge: another map lies there.
+            let texel = vec2<u32>(clamp(corner + vec2(f32(x), f32(y)), vec2(0.0), last));
+            let stored = textureLoad(visibility_atlas, origin + texel, 0).x;
+            let seen = select(0.0, 1.0, lookup.nearest <= stored);
+            if x > 0u {
+                row += mix(left, seen, weight.x);
+            }
+            left = seen;
+        }
+        if y > 0u {
+            sum += mix(above, row, weight.y);
+        }
+        above = row;
+    }
+    return sum / f32(taps * taps);
+}

@@ -1,0 +1,80 @@
+//! Filters lookups of shadow maps after the depth test.
+
+pub mod twin;
+
+use pass::setting::{self, SettingExt};
+use pass::{
+    Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
+    Setting, Settings, UseContext, Value,
+};
+
+/// The kind `percentage-closer-filtering`.
+pub const PASS: &dyn Pass = &PercentageCloserFiltering;
+
+/// Shadows with soft edges from any maker of maps.
+pub struct PercentageCloserFiltering;
+
+const MODULE: &str = "passes/percentage-closer-filtering/percentage-closer-filtering.wgsl";
+
+impl Pass for PercentageCloserFiltering {
+    fn info(&self) -> Info {
+        Info {
+            kind: "percentage-closer-filtering",
+            about: "Filters lookups of shadow maps after the depth test.",
+            paper: "Reeves, Salesin & Cook 1987",
+            shaders: &[MODULE],
+        }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+        Ok(vec![
+            setting::u32(
+                "taps",
+                1,
+                "Bilinear taps along each side of the window, a texel apart. Edges of shadows soften with it, contact \
+                 shadows fade, since the bias of the depth test grows as the window does, and time grows with its \
+                 square. 1 is bilinear filtering of four texels.",
+            )
+            .range(1.0, 16.0),
+        ])
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+        Ok(Ports {
+            inputs: vec![pass::input("maps", "Visibility", "An atlas of depth maps.")],
+            outputs: vec![pass::output("visibility", "Visibility", "The same atlas, with filtered lookups.")],
+            externals: Externals::NONE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+        if cx.input("maps").is_some_and(|maps| maps.member("atlas").is_none()) {
+            return Err(KindError::input(
+                "maps",
+                "there are no maps to filter: the member `atlas` is missing",
+            )
+            .help("link what makes depth maps, or take this pass out"));
+        }
+        let fact = |name| {
+            cx.fact("maps", name)
+                .ok_or_else(|| KindError::input("maps", format!("the maps do not tell their fact `{name}`")))
+        };
+        let taps = cx.settings.u32("taps");
+        // The farthest texel is as much further from the receiver as the window is wider than that of one tap.
+        let reach = (taps + 1) as f32 / 2.0;
+        let bias = fact("depth_bias")?.as_f32().unwrap_or_default() * reach;
+        Ok(vec![
+            OutputDesc::hand_on("visibility", "maps")
+                .module(Module::new(MODULE))
+                .fact("tile", fact("tile")?.clone())
+                .fact("columns", fact("columns")?.clone())
+                .fact("depth_bias", Value::F32(bias))
+                .fact("taps", Value::U32(taps))
+                .fact("loop_iterations", Value::U32((taps + 1) * (taps + 1))),
+        ])
+    }
+
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+        Ok(Recording::default())
+    }
+}
