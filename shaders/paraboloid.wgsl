@@ -56,7 +56,10 @@ fn above_horizon(local: vec3<f32>, extent: f32) -> bool {
     return local.z > 1e-3 * length(local) + 1e-6 * extent;
 }
 
-/// First texel of the tile of a light in an atlas of so many columns.
-fn tile_origin(light: u32, columns: u32, tile: u32) -> vec2<u32> {
-    return vec2(light % columns, light / columns) * tile;
+/// Returns column, row and layer of the first texel of a light's tile, in an atlas whose layers have so many columns and
+/// rows of tiles.
+fn tile_origin(light: u32, columns: u32, rows: u32, tile: u32) -> vec3<u32> {
+    let row = light / columns;
+    let layer = row / rows;
+    return vec3((light - row * columns) * tile, (row - layer * rows) * tile, layer);
 }

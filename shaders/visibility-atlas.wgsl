@@ -7,14 +7,16 @@
 struct VisibilityFacts {
     /// Side of a map [px].
     tile: u32,
-    /// Maps in a row of the atlas.
+    /// Maps in a row of a layer.
     columns: u32,
+    /// Rows of maps in a layer.
+    rows: u32,
     /// Bias of the depth test, in widths of a texel along the receiver's plane.
     depth_bias: f32,
 }
 
 var<uniform> visibility_facts: VisibilityFacts;
-var visibility_atlas: texture_2d<f32>;
+var visibility_atlas: texture_2d_array<f32>;
 
 /// Part of a virtual light that is seen from a point: 0 behind the light's plane and in shadow, 1 in the light.
 /// `index` is the light's, `at` [m] and the unit `normal` are the receiver's.
@@ -24,7 +26,7 @@ fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>)
     if lookup.behind {
         return 0.0;
     }
-    let origin = tile_origin(index, visibility_facts.columns, tile);
+    let origin = tile_origin(index, visibility_facts.columns, visibility_facts.rows, tile);
     let texel = vec2<u32>(clamp(lookup.position, vec2(0.0), vec2(f32(tile - 1u))));
-    return select(0.0, 1.0, lookup.nearest <= textureLoad(visibility_atlas, origin + texel, 0).x);
+    return select(0.0, 1.0, lookup.nearest <= textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x);
 }

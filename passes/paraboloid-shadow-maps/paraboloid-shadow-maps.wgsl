@@ -15,6 +15,9 @@ struct Settings {
     visibility_size: vec2<u32>,
     visibility_tile: u32,
     visibility_columns: u32,
+    visibility_rows: u32,
+    /// The first map of the layer.
+    first_map: u32,
 }
 
 var<uniform> settings: Settings;
@@ -92,11 +95,12 @@ fn image_bounds(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Box {
     return box;
 }
 
-/// Three vertices a triangle, an instance a light.
+/// Three vertices a triangle, an instance a light of the layer.
 @vertex
-fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) light: u32) -> Cover {
+fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) -> Cover {
     // All zero: no fragment.
     var out: Cover;
+    let light = settings.first_map + map;
     if light >= lights.count {
         return out;
     }
@@ -118,7 +122,7 @@ fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) light: u32
         return out;
     }
     let corner = vec2<f32>(vec2(vertex % 3u) == vec2(1u, 2u));
-    let origin = tile_origin(light, settings.visibility_columns, tile);
+    let origin = tile_origin(light, settings.visibility_columns, settings.visibility_rows, tile).xy;
     let at = vec2<f32>(origin) + low + corner * 2.0 * (high - low);
     let ndc = vec2(2.0, -2.0) * at / vec2<f32>(settings.visibility_size) + vec2(-1.0, 1.0);
     return Cover(vec4(ndc, 0.0, 1.0), a, b, c, origin);

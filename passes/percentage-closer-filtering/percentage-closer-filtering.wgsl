@@ -11,8 +11,10 @@
 struct VisibilityFacts {
     /// Side of a map [px].
     tile: u32,
-    /// Maps in a row of the atlas.
+    /// Maps in a row of a layer.
     columns: u32,
+    /// Rows of maps in a layer.
+    rows: u32,
     /// Bias of the depth test, in widths of a texel along the receiver's plane.
     depth_bias: f32,
     /// Taps along each side of the window.
@@ -20,7 +22,7 @@ struct VisibilityFacts {
 }
 
 var<uniform> visibility_facts: VisibilityFacts;
-var visibility_atlas: texture_2d<f32>;
+var visibility_atlas: texture_2d_array<f32>;
 
 /// Part of a virtual light that is seen from a point: 0 behind the light's plane. `index` is the light's, `at` [m] and the
 /// unit `normal` are the receiver's.
@@ -31,7 +33,7 @@ fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>)
     if lookup.behind {
         return 0.0;
     }
-    let origin = tile_origin(index, visibility_facts.columns, tile);
+    let origin = tile_origin(index, visibility_facts.columns, visibility_facts.rows, tile);
     let start = lookup.position - 0.5 * f32(taps);
     let corner = floor(start);
     let weight = start - corner;
@@ -44,7 +46,7 @@ fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>)
         for (var x = 0u; x <= taps; x++) {
             // Texels beyond the map's edge are those at the edge: another map lies there.
             let texel = vec2<u32>(clamp(corner + vec2(f32(x), f32(y)), vec2(0.0), last));
-            let stored = textureLoad(visibility_atlas, origin + texel, 0).x;
+            let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
             let seen = select(0.0, 1.0, lookup.nearest <= stored);
             if x > 0u {
                 row += mix(left, seen, weight.x);

@@ -10,6 +10,9 @@ struct Settings {
     visibility_size: vec2<u32>,
     visibility_tile: u32,
     visibility_columns: u32,
+    visibility_rows: u32,
+    /// The first map of the layer.
+    first_map: u32,
     /// Side of a map at level 1 [px].
     coarse_side: u32,
     push_threshold: f32,
@@ -27,13 +30,14 @@ struct Tile {
     @location(1) @interpolate(flat) origin: vec2<u32>,
 }
 
-/// Two triangles a map.
+/// Two triangles a map of the layer.
 @vertex
-fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) -> Tile {
+fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Tile {
+    let map = settings.first_map + instance;
     // Bit v of each: the coordinate of vertex v, in two triangles that share a diagonal.
     let corner = (vec2(0x32u, 0x2cu) >> vec2(vertex)) & vec2(1u);
     let tile = settings.visibility_tile;
-    let origin = tile_origin(map, settings.visibility_columns, tile);
+    let origin = tile_origin(map, settings.visibility_columns, settings.visibility_rows, tile).xy;
     let at = vec2<f32>(origin + corner * tile) / vec2<f32>(settings.visibility_size);
     return Tile(vec4(at * vec2(2.0, -2.0) + vec2(-1.0, 1.0), 0.0, 1.0), map, origin);
 }

@@ -66,10 +66,10 @@ pub static INTERFACES: &[Interface] = &[
     },
     Interface {
         name: "Visibility",
-        doc: "Whether a virtual light is seen from a point. Module: answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`. Facts: `loop_iterations` of a lookup, where they are many; for an atlas `tile` [px], `columns`, `depth_bias` (in widths of a texel along the receiver's plane).",
+        doc: "Whether a virtual light is seen from a point. Module: answers `fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32`. Facts: `loop_iterations` of a lookup, where they are many; for an atlas `tile` [px], `columns` and `rows` of a layer, `depth_bias` (in widths of a texel along the receiver's plane).",
         members: &[optional(
             "atlas",
-            "r32float: paraboloid maps of the distance [m], one tile a virtual light, row by row; a large number where nothing is",
+            "r32float: paraboloid maps of the distance [m], one tile a virtual light, row by row and layer by layer; a large number where nothing is",
         )],
     },
     Interface {

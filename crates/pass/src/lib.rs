@@ -12,6 +12,7 @@
 //! | `view_facts` | a uniform of the module that comes with the port `view`, filled with the facts of the port |
 //! | `camera`, `frame`, `scene_…` | the data of the host program: see [`externals`] |
 
+mod atlas;
 pub mod externals;
 pub mod interfaces;
 mod link;
@@ -22,6 +23,7 @@ pub mod setting;
 mod surface_samples;
 pub mod triangle_samples;
 
+pub use atlas::AtlasLayout;
 pub use frame_graph::{
     Clear, Extent, Externals, Facts, Format, InputPort, KindError, Module, Name, OutputContext, OutputDesc,
     OutputPort, Ports, ResourceDesc, Setting, Settings, Traits, Usage, Use, Value, ValueType,

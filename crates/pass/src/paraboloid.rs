@@ -75,8 +75,3 @@ pub fn texel_in_hemisphere(texel: [u32; 2], tile: u32) -> bool {
 pub fn above_horizon(local: Vec3, extent: f64) -> bool {
     local[2] > 1e-3 * dot(local, local).sqrt() + 1e-6 * extent
 }
-
-/// First texel of the tile of a light.
-pub fn tile_origin(light: u32, columns: u32, tile: u32) -> [u32; 2] {
-    [light % columns * tile, light / columns * tile]
-}

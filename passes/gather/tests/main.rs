@@ -258,7 +258,7 @@ fn pixels_that_see_nothing_are_black() {
 fn with_map(stored: f32) -> Option<Vec<[f32; 4]>> {
     let view = View { width: 9, height: 9, fov: 0.6 };
     let light = VirtualLight { position: [0.1, 1.0, 0.0], normal: DOWN, flux: 1.0, area: 0.0 };
-    let atlas = pass::ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8));
+    let atlas = pass::ResourceDesc::texture_2d_array(pass::Format::R32Float, (8, 8), 1);
     let outputs = view
         .stand(&[light])
         .set("interleave_x", 1)
@@ -266,7 +266,7 @@ fn with_map(stored: f32) -> Option<Vec<[f32; 4]>> {
         .input(
             "visibility",
             "Visibility",
-            &[("tile", 8), ("columns", 1)],
+            &[("tile", 8), ("columns", 1), ("rows", 1)],
             vec![("atlas", atlas, bytemuck::cast_slice(&[stored; 64]).to_vec())],
         )
         .fact("depth_bias", 0.1)

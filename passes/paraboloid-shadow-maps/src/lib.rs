@@ -4,21 +4,21 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    DepthTarget, Draw, Extent, Externals, Format, Info, KindError, Load, Module, OutputContext, OutputDesc,
-    Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, UseContext,
-    Value,
+    AtlasLayout, DepthTarget, Draw, Externals, Format, Info, KindError, Load, Module, OutputContext,
+    OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
+    UseContext, Value,
 };
 
 /// The kind `paraboloid-shadow-maps`.
-pub const PASS: &dyn Pass = &ParaboloidShadowMaps;
+pub const PASS: &dyn Pass = &ParaboloidShadowMaps { side: AtlasLayout::SIDE };
 
 /// Classic shadow maps of all virtual lights.
-pub struct ParaboloidShadowMaps;
+pub struct ParaboloidShadowMaps {
+    /// The greatest side of a layer of the atlas \[px\].
+    pub side: u32,
+}
 
 const SHADER: &str = "passes/paraboloid-shadow-maps/paraboloid-shadow-maps.wgsl";
-
-/// The greatest side of a texture on every adapter: WebGPU's default.
-const MAX_SIDE: u32 = 8192;
 
 /// Bias that the depth test needs, in widths of a texel along the receiver's plane: half a diagonal, which is how
 /// far a receiver may be from the ray of its texel.
@@ -71,25 +71,27 @@ impl Pass for ParaboloidShadowMaps {
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let tile = cx.settings.u32("map");
         let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(1).max(1);
-        // The narrowest atlas: where texels lie row by row, those of a map are near each other.
-        let columns = count.div_ceil(MAX_SIDE / tile);
-        if columns.saturating_mul(tile) > MAX_SIDE {
-            let most = (MAX_SIDE / tile).pow(2);
+        let Some(layout) = AtlasLayout::new(count, tile, self.side) else {
+            let (side, layers) = (self.side, AtlasLayout::LAYERS);
             return Err(KindError::setting(
                 "map",
-                format!("{count} maps of {tile}² do not fit in {MAX_SIDE}² texels"),
+                format!("{count} maps of {tile}² do not fit in {layers} layers of {side}² texels"),
             )
-            .help(format!("take smaller maps, or at most {most} virtual lights")));
-        }
-        let size = Extent::Fixed(columns * tile, count.div_ceil(columns) * tile);
-        let mut visibility =
-            OutputDesc::one("visibility", ResourceDesc::texture_2d(Format::R32Float, size.clone()))
-                .module(Module::new("shaders/visibility-atlas.wgsl"))
-                .fact("tile", Value::U32(tile))
-                .fact("columns", Value::U32(columns))
-                .fact("depth_bias", Value::F32(cx.settings.f32("depth_bias") * DEPTH_BIAS));
+            .help(format!(
+                "take smaller maps, or at most {} virtual lights",
+                AtlasLayout::most(tile, side)
+            )));
+        };
+        let mut visibility = OutputDesc::one("visibility", layout.texture(Format::R32Float))
+            .module(Module::new("shaders/visibility-atlas.wgsl"))
+            .fact("depth_bias", Value::F32(cx.settings.f32("depth_bias") * DEPTH_BIAS));
         visibility.members[0].0 = "atlas".into();
-        let nearness = OutputDesc::scratch("nearness", ResourceDesc::texture_2d(Format::Depth32Float, size));
+        for (name, value) in layout.facts() {
+            visibility = visibility.fact(name, value);
+        }
+        // One layer after the other.
+        let nearness = ResourceDesc::texture_2d(Format::Depth32Float, layout.layer_size());
+        let nearness = OutputDesc::scratch("nearness", nearness);
         Ok(vec![visibility, nearness])
     }
 
@@ -97,20 +99,25 @@ impl Pass for ParaboloidShadowMaps {
         let Some(vertices) = cx.trait_u32("triangles").checked_mul(3) else {
             return Err(KindError::new("a draw has at most 2³² vertices, a third as many triangles"));
         };
-        let maps = Raster {
-            shader: cx.shader(SHADER, &[]),
-            vertex: "cover".into(),
-            fragment: Some("hit".into()),
-            targets: vec![Target {
-                resource: "visibility.atlas".into(),
-                layer: 0,
-                load: Load::Clear([NOTHING; 4]),
-            }],
-            depth: Some(DepthTarget { resource: "nearness".into(), layer: 0, clear: 0.0 }),
-            draw: Draw::Vertices { vertices, instances: cx.fact("lights", "count") },
-            values: Vec::new(),
-            bind: Vec::new(),
+        let count = cx.fact("lights", "count").max(1);
+        let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, count));
+        let layout = layout.ok_or_else(|| KindError::new("the atlas has no layout"))?;
+        let layer = |layer: u32| {
+            Step::Raster(Raster {
+                shader: cx.shader(SHADER, &[]),
+                vertex: "cover".into(),
+                fragment: Some("hit".into()),
+                targets: vec![Target {
+                    resource: "visibility.atlas".into(),
+                    layer,
+                    load: Load::Clear([NOTHING; 4]),
+                }],
+                depth: Some(DepthTarget { resource: "nearness".into(), layer: 0, clear: 0.0 }),
+                draw: Draw::Vertices { vertices, instances: layout.maps(layer).len() as u32 },
+                values: vec![("first_map".into(), Value::U32(layout.maps(layer).start))],
+                bind: Vec::new(),
+            })
         };
-        Ok(Recording { steps: vec![Step::Raster(maps)] })
+        Ok(Recording { steps: (0..layout.layers()).map(layer).collect() })
     }
 }

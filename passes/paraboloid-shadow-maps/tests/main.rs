@@ -1,6 +1,7 @@
 //! Exact maps against rays.
 
 use frame_graph::Source;
+use paraboloid_shadow_maps::ParaboloidShadowMaps;
 use paraboloid_shadow_maps::twin::paraboloid::{
     Vec3, direction_from_paraboloid, dot, frame_from_normal, into_frame, sub, texel_centre,
 };
@@ -37,23 +38,37 @@ fn scene_of(triangles: &[[Vec3; 3]]) -> Scene {
 
 /// The maps of these lights, row by row.
 fn render(scene: Scene, lights: &[(Vec3, Vec3)], tile: u32) -> Option<Vec<Vec<f64>>> {
+    Some(render_in_layers(scene, lights, tile, pass::AtlasLayout::SIDE)?.0)
+}
+
+/// The maps in an atlas whose layers have sides of at most `side`, and how many layers there are.
+fn render_in_layers(
+    scene: Scene,
+    lights: &[(Vec3, Vec3)],
+    tile: u32,
+    side: u32,
+) -> Option<(Vec<Vec<f64>>, u32)> {
     let packed: Vec<[f32; 12]> = lights
         .iter()
         .map(|(p, n)| [p[0], p[1], p[2], 0.0, n[0], n[1], n[2], 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32))
         .collect();
     let (desc, bytes) = pass_test::counted(&packed);
-    let outputs = Stand::new(paraboloid_shadow_maps::PASS)
+    let pass = ParaboloidShadowMaps { side };
+    let outputs = Stand::new(&pass)
         .with_scene(scene)
         .set("map", tile)
         .input("lights", "VirtualLights", &[("count", packed.len() as u32)], vec![("", desc, bytes)])
         .run()?;
     let atlas: Vec<f32> = outputs.read("visibility.atlas");
     let columns = outputs.fact("visibility", "columns").as_u32().expect("a number");
+    let layers = outputs.desc("visibility.atlas").texture().map_or(0, |texture| texture.layers);
+    // Rows go on from layer to layer.
     let texel = |light: u32, i: u32| {
         let (x, y) = (light % columns * tile + i % tile, light / columns * tile + i / tile);
         f64::from(atlas[(y * columns * tile + x) as usize])
     };
-    Some((0..lights.len() as u32).map(|light| (0..tile * tile).map(|i| texel(light, i)).collect()).collect())
+    let map = |light| (0..tile * tile).map(|i| texel(light, i)).collect();
+    Some(((0..lights.len() as u32).map(map).collect(), layers))
 }
 
 /// A hash in [-1, 1).
@@ -197,4 +212,19 @@ fn the_bounds_are_tight() {
 fn no_triangles_leave_nothing() {
     let Some(maps) = render(scene_of(&[]), &[([0.0; 3], [0.0, 1.0, 0.0])], 8) else { return };
     assert!(maps[0].iter().all(|depth| *depth >= 2.9e38), "nothing is there");
+}
+
+#[test]
+fn maps_are_the_same_in_one_layer_and_in_several() {
+    let seed = &mut 17;
+    let scene = scene_of(&triangles(40, seed));
+    let lights: Vec<(Vec3, Vec3)> = (0..7).map(|_| ([0; 3].map(|_| noise(seed)), unit(seed))).collect();
+    let Some((maps, layers)) = render_in_layers(scene.clone(), &lights, 16, 8192) else { return };
+    assert_eq!(layers, 1);
+    // Four maps a layer, of which the last has three; one map a layer; sides that are no multiple of the maps'.
+    for (side, wanted) in [(32, 2), (16, 7), (47, 2)] {
+        let Some((cut, layers)) = render_in_layers(scene.clone(), &lights, 16, side) else { return };
+        assert_eq!(layers, wanted, "layers of {side}²");
+        assert!(cut == maps, "layers of {side}² hold other maps than one layer");
+    }
 }

@@ -68,6 +68,7 @@ impl Pass for PercentageCloserFiltering {
                 .module(Module::new(MODULE))
                 .fact("tile", fact("tile")?.clone())
                 .fact("columns", fact("columns")?.clone())
+                .fact("rows", fact("rows")?.clone())
                 .fact("depth_bias", Value::F32(bias))
                 .fact("taps", Value::U32(taps))
                 .fact("loop_iterations", Value::U32((taps + 1) * (taps + 1))),

@@ -74,12 +74,12 @@ fn receivers() -> Vec<[f32; 8]> {
 fn answers(taps: u32) -> Option<Vec<[f32; 4]>> {
     let light = [0.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0];
     let (desc, bytes) = pass_test::counted(&[light; 2]);
-    let atlas = pass::ResourceDesc::texture_2d(pass::Format::R32Float, (TILE, 2 * TILE));
+    let atlas = pass::ResourceDesc::texture_2d_array(pass::Format::R32Float, (TILE, TILE), 2);
     let outputs = Stand::new(&Probe)
         .input(
             "visibility",
             "Visibility",
-            &[("tile", TILE), ("columns", 1), ("taps", taps)],
+            &[("tile", TILE), ("columns", 1), ("rows", 1), ("taps", taps)],
             vec![("atlas", atlas, bytemuck::cast_slice(&maps()).to_vec())],
         )
         .fact("depth_bias", 0.5)
@@ -158,7 +158,12 @@ fn it_filters_maps_and_nothing_else() {
         kind.outputs(&UseContext { use_, shaders: &library }, &context)
     };
     let atlas = || vec![("atlas".to_owned(), ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8)))];
-    let facts = [("tile", Value::U32(8)), ("columns", Value::U32(1)), ("depth_bias", Value::F32(0.5))];
+    let facts = [
+        ("tile", Value::U32(8)),
+        ("columns", Value::U32(1)),
+        ("rows", Value::U32(1)),
+        ("depth_bias", Value::F32(0.5)),
+    ];
     let made = outputs(atlas(), &facts).expect("an atlas with its facts");
     assert_eq!(made[0].facts.get("depth_bias"), Some(&Value::F32(1.0)), "the window is twice as wide");
     assert!(made[0].members.is_empty() && made[0].handed.len() == 1, "the atlas is handed on");

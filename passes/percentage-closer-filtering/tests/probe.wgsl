@@ -22,24 +22,24 @@ var<storage, read> receivers: array<Receiver>;
 var<storage, read> lights: VirtualLights;
 var<storage, read_write> answers: array<vec4<f32>>;
 
-/// The four nearest texels, weighted after the test, of an atlas with one map a row.
+/// The four nearest texels, weighted after the test, of an atlas with one map a layer.
 fn bilinear(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let tile = settings.visibility_tile;
     let lookup = paraboloid_lookup(light, at, normal, tile, settings.visibility_depth_bias);
     if lookup.behind {
         return 0.0;
     }
-    let origin = tile_origin(index, 1u, tile);
+    let origin = tile_origin(index, 1u, 1u, tile);
     let last = vec2(f32(tile - 1u));
     let corner = floor(lookup.position - 0.5);
     let weight = lookup.position - 0.5 - corner;
-    let low = origin + vec2<u32>(clamp(corner, vec2(0.0), last));
-    let high = origin + vec2<u32>(clamp(corner + 1.0, vec2(0.0), last));
+    let low = origin.xy + vec2<u32>(clamp(corner, vec2(0.0), last));
+    let high = origin.xy + vec2<u32>(clamp(corner + 1.0, vec2(0.0), last));
     let stored = vec4(
-        textureLoad(visibility_atlas, low, 0).x,
-        textureLoad(visibility_atlas, vec2(high.x, low.y), 0).x,
-        textureLoad(visibility_atlas, vec2(low.x, high.y), 0).x,
-        textureLoad(visibility_atlas, high, 0).x,
+        textureLoad(visibility_atlas, low, origin.z, 0).x,
+        textureLoad(visibility_atlas, vec2(high.x, low.y), origin.z, 0).x,
+        textureLoad(visibility_atlas, vec2(low.x, high.y), origin.z, 0).x,
+        textureLoad(visibility_atlas, high, origin.z, 0).x,
     );
     let seen = select(vec4(0.0), vec4(1.0), vec4(lookup.nearest) <= stored);
     let rows = mix(seen.xz, seen.yw, weight.x);

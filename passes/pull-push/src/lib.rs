@@ -4,23 +4,25 @@ pub mod twin;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Draw, Extent, Externals, Format, Info, KindError, Load, Module, OutputContext,
+    AtlasLayout, Compute, Define, Draw, Externals, Format, Info, KindError, Load, Module, OutputContext,
     OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
     Threads, UseContext, Value,
 };
 
 /// The kind `pull-push`.
-pub const PASS: &dyn Pass = &PullPush;
+pub const PASS: &dyn Pass = &PullPush { side: AtlasLayout::SIDE };
 
 /// Hole filling by pull and push with rejection of outliers.
-pub struct PullPush;
+pub struct PullPush {
+    /// The greatest side of a layer of the atlas \[px\].
+    pub side: u32,
+}
 
 const PULL: &str = "passes/pull-push/pull.wgsl";
 const PUSH: &str = "passes/pull-push/push.wgsl";
 const FILL: &str = "passes/pull-push/fill.wgsl";
 
-/// The greatest side of a texture, and the most workgroups along a dimension: WebGPU's defaults.
-const MAX_SIDE: u32 = 8192;
+/// The most workgroups along a dimension: WebGPU's default.
 const MAX_GROUPS: u32 = 65_535;
 
 /// `NOTHING` of shaders/paraboloid.wgsl.
@@ -105,22 +107,19 @@ impl Pass for PullPush {
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
         let [tile, count] =
             ["tile", "count"].map(|fact| cx.fact("depth", fact).and_then(Value::as_u32).unwrap_or(1).max(1));
-        // The narrowest atlas: where texels lie row by row, those of a map are near each other.
-        let columns = count.div_ceil((MAX_SIDE / tile).max(1));
-        if count > MAX_GROUPS || columns.saturating_mul(tile) > MAX_SIDE {
-            return Err(KindError::input(
-                "depth",
-                format!("{count} maps of {tile}² are more than an atlas of {MAX_SIDE}² holds, or than {MAX_GROUPS}"),
-            )
-            .help("take smaller maps, or fewer virtual lights"));
-        }
-        let size = Extent::Fixed(columns * tile, count.div_ceil(columns) * tile);
-        let mut visibility = OutputDesc::one("visibility", ResourceDesc::texture_2d(Format::R32Float, size))
+        let most = AtlasLayout::most(tile, self.side).min(u64::from(MAX_GROUPS));
+        let layout = AtlasLayout::new(count, tile, self.side).filter(|_| count <= MAX_GROUPS);
+        let layout = layout.ok_or_else(|| {
+            KindError::input("depth", format!("{count} maps of {tile}² are more than an atlas holds"))
+                .help(format!("take smaller maps, or at most {most} virtual lights"))
+        })?;
+        let mut visibility = OutputDesc::one("visibility", layout.texture(Format::R32Float))
             .module(Module::new("shaders/visibility-atlas.wgsl"))
-            .fact("tile", Value::U32(tile))
-            .fact("columns", Value::U32(columns))
             .fact("depth_bias", cx.fact("depth", "depth_bias").cloned().unwrap_or(Value::F32(1.0)));
         visibility.members[0].0 = "atlas".into();
+        for (name, value) in layout.facts() {
+            visibility = visibility.fact(name, value);
+        }
         let texels = Pyramid { tile, count }.begin(cx.settings.u32("levels") + 1);
         let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));
         Ok(vec![visibility, pyramid])
@@ -138,19 +137,26 @@ impl Pass for PullPush {
         for finer in (1..levels).rev() {
             recording = recording.then(pyramid.step(finer, finer, cx.shader(PUSH, &[]), "push"));
         }
-        recording.steps.push(Step::Raster(Raster {
-            shader: cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]),
-            vertex: "cover".into(),
-            fragment: Some("fill".into()),
-            targets: vec![Target {
-                resource: "visibility.atlas".into(),
-                layer: 0,
-                load: Load::Clear([NOTHING; 4]),
-            }],
-            depth: None,
-            draw: Draw::Vertices { vertices: 6, instances: pyramid.count },
-            values: vec![("coarse_side".into(), Value::U32(pyramid.side(1)))],
-            bind: vec![("level_1".into(), "pyramid".into())],
+        let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, pyramid.count));
+        let layout = layout.ok_or_else(|| KindError::new("the atlas has no layout"))?;
+        recording.steps.extend((0..layout.layers()).map(|layer| {
+            Step::Raster(Raster {
+                shader: cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]),
+                vertex: "cover".into(),
+                fragment: Some("fill".into()),
+                targets: vec![Target {
+                    resource: "visibility.atlas".into(),
+                    layer,
+                    load: Load::Clear([NOTHING; 4]),
+                }],
+                depth: None,
+                draw: Draw::Vertices { vertices: 6, instances: layout.maps(layer).len() as u32 },
+                values: vec![
+                    ("coarse_side".into(), Value::U32(pyramid.side(1))),
+                    ("first_map".into(), Value::U32(layout.maps(layer).start)),
+                ],
+                bind: vec![("level_1".into(), "pyramid".into())],
+            })
         }));
         Ok(recording)
     }

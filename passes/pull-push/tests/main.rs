@@ -117,12 +117,25 @@ fn rough(side: usize, salt: usize) -> Level {
 fn the_gpu_agrees_with_the_twin() {
     // The scene `plane` is a square of 2 m.
     let extent = 8f64.sqrt();
-    for (side, levels) in [(1, 2), (2, 1), (3, 2), (5, 0), (8, 4), (64, 2), (65, 3), (130, 2)] {
+    // The last atlases have a layer for each map.
+    for (side, levels, layer) in [
+        (1, 2, 8192),
+        (2, 1, 8192),
+        (3, 2, 8192),
+        (5, 0, 8192),
+        (8, 4, 8192),
+        (64, 2, 8192),
+        (65, 3, 8192),
+        (130, 2, 8192),
+        (8, 2, 15),
+        (5, 1, 9),
+    ] {
         let maps: Vec<Level> = (0..3).map(|salt| rough(side, salt)).collect();
         let bits: Vec<u32> =
             maps.iter().flat_map(|map| &map.depth).map(|depth| (*depth as f32).to_bits()).collect();
         let bytes = bytemuck::cast_slice(&bits).to_vec();
-        let outputs = Stand::new(pull_push::PASS)
+        let pass = pull_push::PullPush { side: layer };
+        let outputs = Stand::new(&pass)
             .scene("plane")
             .set("levels", levels)
             .input(
@@ -133,6 +146,8 @@ fn the_gpu_agrees_with_the_twin() {
             )
             .run();
         let Some(outputs) = outputs else { return };
+        let layers = outputs.desc("visibility.atlas").texture().map(|texture| texture.layers);
+        assert_eq!(layers, Some(if layer < 8192 { 3 } else { 1 }));
         let atlas: Vec<f32> = outputs.read("visibility.atlas");
         let columns = outputs.fact("visibility", "columns").as_u32().expect("a number") as usize;
         for (m, map) in maps.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! The interfaces, and linking of what passes record.
+//! Atlases, the interfaces, and linking of what passes record.
 
+mod atlas;
 mod interfaces;
 mod modules;
