@@ -1,0 +1,89 @@
+//! Outputs, what is kept beside them, progress, and provenance.
+
+use crate::{counted, gpu, renderer, step, without_pipeline};
+use frame_graph::{Overrides, Value};
+use renderer::{Provenance, RenderError};
+use std::ops::ControlFlow;
+
+#[test]
+fn an_output_that_is_not_there_is_told_with_those_that_are() {
+    let Some((mut renderer, _folder)) = renderer() else { return };
+    counted(&mut renderer);
+    let error = renderer.output("dept").unwrap_err().to_string();
+    assert!(error.contains("`dept`") && error.contains("`depth`") && error.contains("`count`"), "{error}");
+    assert!(matches!(renderer.output_texture("dept"), Err(RenderError::NoOutput { .. })));
+    assert_eq!(renderer.output_texture("depth").unwrap().texture().size().width, 8);
+}
+
+#[test]
+fn a_resource_is_kept_for_reading_back() {
+    let Some((mut renderer, _folder)) = renderer() else { return };
+    assert!(renderer.keep("view.norml").is_err());
+    renderer.keep("view.normal").unwrap();
+    renderer.frame().unwrap();
+    let normal = renderer.picture("view.normal", 0).unwrap();
+    let length = |pixel: &[f32; 4]| pixel[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
+    assert!(normal.pixels().iter().any(|pixel| (length(pixel) - 1.0).abs() < 1e-2), "a floor has normals");
+}
+
+#[test]
+fn frames_run_until_the_pipeline_says_that_it_is_done() {
+    let Some((mut plain, folder)) = renderer() else { return };
+    let mut told = Vec::new();
+    let mut note = |progress: Option<renderer::Progress>| told.push(progress.is_some());
+    plain
+        .frame_until_done(|_, progress| {
+            note(progress);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    assert_eq!(told, [false], "a pipeline that says nothing is done with every frame");
+
+    let Some(gpu) = gpu() else { return };
+    let mut progressive = without_pipeline(gpu, folder.path(), "plane");
+    let set = |name: &str, value| (name.to_owned(), Value::U32(value));
+    let values = Overrides(vec![set("samples", 3), set("samples_per_frame", 1)]);
+    progressive.set_pipeline("reference", &values).unwrap();
+    let mut frames = 0;
+    progressive
+        .frame_until_done(|_, _| {
+            frames += 1;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    assert_eq!(frames, 3);
+    progressive.set_seed(1);
+    progressive.run_everything();
+    frames = 0;
+    progressive
+        .frame_until_done(|_, _| {
+            frames += 1;
+            ControlFlow::Break(())
+        })
+        .unwrap();
+    assert_eq!(frames, 1, "the host broke off");
+}
+
+#[test]
+fn provenance_makes_the_same_renderer_again() {
+    let Some((mut renderer, folder)) = renderer() else { return };
+    renderer.set_pipeline("own", &step(2.5)).unwrap();
+    renderer.set_seed(7);
+    counted(&mut renderer);
+    let written = Provenance::new(&renderer, "plane", ("count", 0), 0);
+    let read = Provenance::from_json(&written.to_json()).unwrap();
+    assert_eq!(read.overrides(), step(2.5));
+    assert_eq!((read.size, read.frame, read.seed), ((8, 6), 0, 7));
+
+    let mut again = without_pipeline(renderer.gpu().clone(), folder.path(), &read.scene);
+    again.set_pipeline(&read.pipeline, &read.overrides()).unwrap();
+    again.set_seed(read.seed);
+    assert_eq!(counted(&mut again), [2.5, 0.0]);
+    let same = Provenance::new(&again, &read.scene, ("count", 0), read.first_frame);
+    assert_eq!(read.differences(&same), Vec::<String>::new());
+
+    again.set_pipeline("own", &step(1.0)).unwrap();
+    counted(&mut again);
+    let other = Provenance::new(&again, "plane", ("count", 0), 0);
+    assert!(read.differences(&other).iter().any(|line| line.starts_with("plan: ")), "the setting differs");
+}
