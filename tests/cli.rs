@@ -268,3 +268,53 @@ fn settings_of_passes_inside_parts_can_be_set() {
     let misspelt = set("shadows/splat.kernle=surfel");
     assert!(err(&misspelt).contains("did you mean `kernel`?"), "{}{}", out(&misspelt), err(&misspelt));
 }
+
+/// Waits until `ready`, while the process runs.
+fn wait_for(child: &mut std::process::Child, what: &str, ready: impl Fn() -> bool) {
+    let start = std::time::Instant::now();
+    while !ready() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before {what}");
+        assert!(start.elapsed().as_secs() < 60, "no {what} in a minute");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_watched_picture_follows_its_files() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let scene = "Scene(geometry: BuiltIn(\"cornell-box\"), camera: Camera(position: (0.278, 0.273, -0.8), \
+                 target: (0.278, 0.273, 0), vertical_fov_deg: 39), lights: [Point(position: (0.278, 0.4, 0.2), \
+                 intensity: (0.1, 0.1, 0.1))])";
+    std::fs::write(at("own.ron"), scene).unwrap();
+    let told = std::fs::File::create(at("told")).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_lightloom"))
+        .args(["--root", &root().to_string_lossy(), "render", "ism", "own.ron", "-o", "own.png", "--watch"])
+        .args(QUICK)
+        .current_dir(folder.path())
+        .stdout(std::process::Stdio::null())
+        .stderr(told)
+        .spawn()
+        .unwrap();
+    let said = || std::fs::read_to_string(at("told")).unwrap();
+    let picture = || std::fs::read(at("own.png")).unwrap_or_default();
+    wait_for(&mut child, "picture", || said().contains("watching"));
+    let first = picture();
+
+    std::fs::write(at("own.ron"), scene.replace("vertical_fov_deg: 39", "vertical_fov_deg: 390")).unwrap();
+    wait_for(&mut child, "message", || said().contains("own.ron:1:"));
+    assert!(said().contains("expected degrees between 0 and 180, found 390"), "{}", said());
+    assert!(picture() == first, "the last good picture stays");
+
+    std::fs::write(at("own.ron"), scene.replace("vertical_fov_deg: 39", "vertical_fov_deg: 60")).unwrap();
+    wait_for(&mut child, "other picture", || picture() != first);
+    assert!(metrics::Image::read(at("own.png")).is_ok(), "a picture is whole whenever it is read");
+
+    let ended = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(ended.success());
+    assert_eq!(child.wait().unwrap().code(), Some(0), "{}", said());
+}

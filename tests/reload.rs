@@ -142,3 +142,46 @@ fn histories_count_frames_and_end_when_they_must() {
     renderer.frame().unwrap();
     assert_eq!(renderer.output("count").unwrap().pixels()[0][0], 1.0, "a resize ends the past");
 }
+
+/// A scene file reloads as pipelines do, and one that is broken leaves the last good scene.
+#[test]
+fn scenes_reload_and_errors_keep_the_last_good_one() {
+    let folder = tree();
+    std::fs::create_dir(folder.path().join("scenes")).unwrap();
+    let scene = r#"Scene(
+    geometry: BuiltIn("cornell-box"),
+    camera: Camera(position: (0.278, 0.273, -0.8), target: (0.278, 0.273, 0.0), vertical_fov_deg: 39.3),
+)"#;
+    write(folder.path(), "scenes/own.ron", scene);
+    let Some(mut renderer) = renderer_in(folder.path().to_owned(), "own", "own", (16, 16), &[]) else {
+        return;
+    };
+    let mut watcher = Watcher::new(&renderer.watched_folders()).unwrap();
+    let picture = |renderer: &mut Renderer| {
+        renderer.frame().unwrap();
+        bits(&renderer.output("image").unwrap())
+    };
+    let first = picture(&mut renderer);
+
+    write(folder.path(), "scenes/own.ron", &scene.replace("-0.8)", "zero)"));
+    let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else {
+        panic!("the edit is broken")
+    };
+    assert!(error.to_string().contains("scenes/own.ron:3:47"), "{error}");
+    assert!(picture(&mut renderer) == first, "the last good scene goes on");
+
+    write(folder.path(), "scenes/own.ron", &scene.replace("-0.8)", "-0.6)"));
+    assert!(matches!(run_until_reload(&mut renderer, &mut watcher), Reload::Done(_)));
+    assert_eq!(renderer.scene().camera.position.z, -0.6);
+    assert!(picture(&mut renderer) != first, "the camera stands elsewhere");
+
+    // A scene that the pipeline cannot be linked with, as its own text is broken, waits until that is mended.
+    write(folder.path(), "pipelines/own.ron", &PIPELINE.replace("gbuffer", "gbufer"));
+    assert!(matches!(run_until_reload(&mut renderer, &mut watcher), Reload::Failed(_)));
+    write(folder.path(), "scenes/own.ron", scene);
+    assert!(matches!(run_until_reload(&mut renderer, &mut watcher), Reload::Failed(_)));
+    assert_eq!(renderer.scene().camera.position.z, -0.6, "not half of it");
+    write(folder.path(), "pipelines/own.ron", PIPELINE);
+    assert!(matches!(run_until_reload(&mut renderer, &mut watcher), Reload::Done(_)));
+    assert!(picture(&mut renderer) == first, "the scene as it was first");
+}

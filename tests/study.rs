@@ -332,3 +332,20 @@ fn every_measure_is_taken_of_a_walk() {
         assert_eq!(of(&still, key), 0.0, "{key}");
     }
 }
+
+/// A pipeline that says how far it is has converged before its first counted frame.
+#[test]
+fn a_cell_converges_before_its_first_counted_frame() {
+    let Some(folder) = folder() else { return };
+    let progressive = r#"Study(
+        scenes: ["cornell-box"], pipelines: ["reference"], size: (16, 12), warm_up: 0, budget: Frames(1),
+        set: { "samples": 8, "samples_per_frame": 2 }, measures: ["rel-mse"],
+        reference: Pipeline(pipeline: "reference", set: { "samples": 8, "samples_per_frame": 2 }),
+    )"#;
+    fs::write(folder.path().join("converged.ron"), progressive).unwrap();
+    let done = study(folder.path(), &["converged.ron", "-o", "out"]);
+    assert!(done.status.success(), "{}", text(&done));
+    let results = ::study::Results::read(&folder.path().join("out")).unwrap();
+    // The same eight samples as the reference has: after one frame alone there would be two.
+    assert_eq!(results.cells[0].measures["rel-mse"], Some(0.0), "{:?}", results.cells[0].measures);
+}

@@ -19,7 +19,7 @@ fn done(renderer: &mut Renderer) -> u32 {
 }
 
 fn samples(renderer: &Renderer) -> u32 {
-    renderer.progress().unwrap().expect("the reference tells its progress").samples
+    renderer.progress().unwrap().expect("the reference tells its progress").step
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn it_stops_at_the_error_it_estimates() {
     let Some(mut renderer) = renderer("reference", "cornell-box", (16, 16), &values) else { return };
     done(&mut renderer);
     let progress = renderer.progress().unwrap().unwrap();
-    assert!(progress.done && progress.error <= 0.1 && progress.samples < 4096, "{progress:?}");
+    assert!(progress.done && progress.error <= 0.1 && progress.step < 4096, "{progress:?}");
     assert!(progress.error > 0.01, "one frame fewer would not have done: {progress:?}");
 }
 

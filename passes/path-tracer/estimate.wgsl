@@ -8,7 +8,7 @@
 
 #import "algorithms/sum-f32.wgsl"
 #import "color.wgsl"
-#import "path-progress.wgsl"
+#import "progress.wgsl"
 
 struct Settings {
     samples_size: vec2<u32>,
@@ -35,7 +35,7 @@ fn progress_before() -> Progress {
 /// Samples a pixel by now.
 fn samples_so_far() -> u32 {
     let before = progress_before();
-    return before.samples + samples_of_frame(before, settings.samples_per_frame, settings.samples);
+    return before.step + steps_of_frame(before, settings.samples_per_frame, settings.samples);
 }
 
 /// Sums over the samples of a pixel.
@@ -81,6 +81,6 @@ fn reduce_store(result: f32) {
     // A few samples all in the dark would look like no error at all.
     let good = samples >= 16u && error <= settings.error && settings.error > 0.0;
     let finished = before.done != 0u || samples >= settings.samples || good;
-    samples_progress = Progress(samples, estimated, select(0u, 1u, finished), settings.samples);
+    samples_progress = Progress(samples, settings.samples, estimated, select(0u, 1u, finished));
 }
 #endif

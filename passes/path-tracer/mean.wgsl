@@ -1,6 +1,6 @@
 // The means of all samples so far.
 
-#import "path-progress.wgsl"
+#import "progress.wgsl"
 
 struct Settings {
     samples_size: vec2<u32>,
@@ -22,7 +22,7 @@ fn mean(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= settings.samples_size) {
         return;
     }
-    let part = 1.0 / f32(max(samples_progress.samples, 1u));
+    let part = 1.0 / f32(max(samples_progress.step, 1u));
     let reflected_once = textureLoad(samples_direct, id.xy, 0) * part;
     let seen = reflected_once.a;
     textureStore(image, id.xy, vec4(textureLoad(samples_image, id.xy, 0).rgb * part, seen));

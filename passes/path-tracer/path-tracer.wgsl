@@ -16,8 +16,8 @@
 #import "camera.wgsl"
 #import "color.wgsl"
 #import "incident-light.wgsl"
-#import "path-progress.wgsl"
 #import "path-vertex.wgsl"
+#import "progress.wgsl"
 #import "sobol.wgsl"
 #import "tangent-frame.wgsl"
 #if GLOSSY
@@ -86,10 +86,10 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     irradiance = textureLoad(past_irradiance, id.xy, 0);
     before = past_progress;
 #endif
-    let count = samples_of_frame(before, settings.samples_per_frame, settings.samples);
+    let count = steps_of_frame(before, settings.samples_per_frame, settings.samples);
     let pixel_seed = hash2(settings.seed, id.y * settings.samples_size.x + id.x);
     for (var s = 0u; s < count; s++) {
-        let sample = path(id.xy, before.samples + s, pixel_seed);
+        let sample = path(id.xy, before.step + s, pixel_seed);
         let whole = sample.direct + sample.indirect + sample.emitted;
         // Far below the root of the greatest float: the sum of squares stays finite at any intensity.
         let bounded = min(luminance(whole), 1e16);

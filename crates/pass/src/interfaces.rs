@@ -99,7 +99,7 @@ pub static INTERFACES: &[Interface] = &[
                 "irradiance",
                 "rgba32float: indirect irradiance [W/m²]; in alpha the luminance of what clamping removed",
             ),
-            required("progress", "buffer: struct Progress of shaders/path-progress.wgsl"),
+            required("progress", "buffer: struct Progress of shaders/progress.wgsl"),
         ],
     },
     Interface {

@@ -21,6 +21,7 @@ mod picture;
 mod progress;
 mod provenance;
 mod reload;
+mod shared;
 mod tally;
 
 pub use catalog::{Assets, Catalog};
@@ -30,14 +31,15 @@ pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, wg
 pub use progress::Progress;
 pub use provenance::{Provenance, parse_value};
 pub use reload::Reload;
+pub use shared::SharedScene;
 pub use tally::Tally;
 
 use executor::{Executor, Object};
 use frame_graph::plan::{PlannedOutput, ResourceId};
-use frame_graph::{Change, CompileOptions, LinkContext, Name, Overrides, Plan, ResetCause};
+use frame_graph::{Change, CompileOptions, LinkContext, Name, Overrides, Plan, ResetCause, Value};
 use metrics::Image;
 use pass::LinkedStep;
-use scene::{Camera, Scene};
+use scene::{Camera, Light, Scene};
 use scene_upload::{Frame, Host};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -55,7 +57,7 @@ pub fn load_scene(catalog: &Catalog, spec: &str) -> Result<Scene, scene::SceneEr
 pub struct Renderer {
     catalog: Arc<Catalog>,
     executor: Executor,
-    scene: Scene,
+    scene: SharedScene,
     host: Host,
     size: (u32, u32),
     pipeline: Option<Loaded>,
@@ -63,6 +65,10 @@ pub struct Renderer {
     frame_options: FrameOptions,
     /// The camera in place of the scene's own.
     camera: Option<Camera>,
+    /// The lights in place of the scene's own.
+    lights: Option<Vec<Light>>,
+    /// Whether a file of the scene has changed that could not be taken in yet.
+    scene_stale: bool,
     seed: u32,
     index: u32,
     /// Seconds between frames; the scene's own where not set.
@@ -90,24 +96,31 @@ impl Renderer {
         scene: Scene,
         size: (u32, u32),
     ) -> Result<Renderer, RenderError> {
-        let mut executor = Executor::new(gpu);
-        let host = upload(&mut executor, &scene, &[])?;
-        Ok(Renderer {
+        Ok(Renderer::with_scene(catalog, &SharedScene::new(&gpu, scene)?, size))
+    }
+
+    /// Renders a scene that is on its device already, and that other renderers may render too.
+    pub fn with_scene(catalog: Arc<Catalog>, scene: &SharedScene, size: (u32, u32)) -> Renderer {
+        let mut executor = Executor::new(scene.gpu.clone());
+        let host = Host::new(&mut executor, Arc::clone(&scene.on_gpu), &scene.scene);
+        Renderer {
             catalog,
             executor,
-            scene,
+            scene: scene.clone(),
             host,
             size: (size.0.max(1), size.1.max(1)),
             pipeline: None,
             options: compile_options(),
             frame_options: FrameOptions::default(),
             camera: None,
+            lights: None,
+            scene_stale: false,
             seed: 0,
             index: 0,
             step: None,
             events: Vec::new(),
             everything: false,
-        })
+        }
     }
 
     /// Sets the pipeline by name or path, with values for its parameters and settings. If anything is wrong,
@@ -118,7 +131,7 @@ impl Renderer {
     pub fn set_pipeline(&mut self, name: &str, overrides: &Overrides) -> Result<LoadReport, RenderError> {
         let compiled = Compiled::new(&self.catalog, name, overrides, &self.link_context(), &self.options)?;
         let externals = compiled.steps.iter().flatten().flat_map(LinkedStep::externals);
-        self.host.provide(&mut self.executor, &self.scene, externals)?;
+        self.host.provide(&mut self.executor, &self.scene.scene, externals)?;
         let report = self.executor.load(Arc::clone(&compiled.plan), compiled.steps.clone())?;
         self.pipeline = Some(Loaded { name: name.to_owned(), overrides: overrides.clone(), compiled });
         Ok(report)
@@ -147,18 +160,63 @@ impl Renderer {
         self.relink().inspect_err(|_| self.options = before)
     }
 
+    /// Sets the value of a parameter (`lights`) or of a pass's setting (`composite.exposure`), beside those that were
+    /// given with the pipeline.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_pipeline`]; the value before stays then.
+    pub fn set_value(&mut self, path: &str, value: Value) -> Result<LoadReport, RenderError> {
+        let loaded = self.pipeline.as_ref().ok_or(RenderError::NoPipeline)?;
+        let (name, mut overrides) = (loaded.name.clone(), loaded.overrides.clone());
+        overrides.0.retain(|(known, _)| known != path);
+        overrides.0.push((path.to_owned(), value));
+        self.set_pipeline(&name, &overrides)
+    }
+
+    /// Takes these lights in place of the scene's own; `None` gives those back. Nothing is linked again where there are as
+    /// many of each kind as before.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_pipeline`], where their numbers differ; the lights before stay then.
+    pub fn set_lights(&mut self, lights: Option<Vec<Light>>) -> Result<(), RenderError> {
+        let traits = self.link_context().traits;
+        let before = std::mem::replace(&mut self.lights, lights);
+        if self.link_context().traits == traits {
+            return Ok(());
+        }
+        self.relink().inspect_err(|_| self.lights = before)
+    }
+
     /// Replaces the scene.
     ///
     /// # Errors
-    /// As [`Renderer::set_pipeline`]: a pipeline may ask of a scene what another has not.
+    /// As [`Renderer::set_pipeline`]: a pipeline may ask of a scene what another has not. The scene before stays then.
     pub fn set_scene(&mut self, scene: Scene) -> Result<(), RenderError> {
-        // What runs now runs on, should the pipeline not take the scene.
-        let steps = self.compiled().map_or_else(Vec::new, |compiled| compiled.steps.concat());
-        let host = upload(&mut self.executor, &scene, &steps)?;
-        (self.scene, self.host) = (scene, host);
+        let scene = SharedScene::new(self.gpu(), scene)?;
+        self.set_shared_scene(&scene)
+    }
+
+    /// Replaces the scene by one that is on this renderer's device already.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_scene`].
+    pub fn set_shared_scene(&mut self, scene: &SharedScene) -> Result<(), RenderError> {
+        let host = Host::new(&mut self.executor, Arc::clone(&scene.on_gpu), &scene.scene);
+        let before = std::mem::replace(&mut self.scene, scene.clone());
+        let mut host_before = std::mem::replace(&mut self.host, host);
+        if let Err(error) = self.relink() {
+            host_before.take_over(&mut self.executor, &before.scene);
+            (self.scene, self.host) = (before, host_before);
+            return Err(error);
+        }
         self.events.push(ResetCause::Scene);
         self.everything = true;
-        self.relink()
+        Ok(())
+    }
+
+    /// Returns the scene as it is on the device, for another renderer.
+    pub fn shared_scene(&self) -> &SharedScene {
+        &self.scene
     }
 
     /// Sets how frames run.
@@ -205,14 +263,17 @@ impl Renderer {
             return Err(RenderError::NoPipeline);
         }
         let time =
-            self.step.map_or_else(|| self.scene.frame_time(self.index), |step| step * self.index as f32);
-        let mut pose = self.scene.at(time);
+            self.step.map_or_else(|| self.scene().frame_time(self.index), |step| step * self.index as f32);
+        let mut pose = self.scene().at(time);
         if let Some(camera) = self.camera {
             pose.camera = camera;
         }
-        let step = self.step.unwrap_or_else(|| self.scene.frame_time(1));
+        if let Some(lights) = &self.lights {
+            pose.lights.clone_from(lights);
+        }
+        let step = self.step.unwrap_or_else(|| self.scene().frame_time(1));
         let frame = Frame { index: self.index, time, step, pad: 0.0 };
-        let externals = self.host.update(&mut self.executor, &self.scene, &pose, self.size, frame)?;
+        let externals = self.host.update(&mut self.executor, &self.scene.scene, &pose, self.size, frame)?;
         let change = Change {
             externals,
             passes: Vec::new(),
@@ -317,11 +378,11 @@ impl Renderer {
         Ok(if encoded { picture::decoded(picture) } else { picture })
     }
 
-    /// How far a picture is that is made over several frames: what the pipeline's output `progress` says. `None` where
+    /// Returns how far a result is that is made in several frames: what the pipeline's output `progress` says. `None` where
     /// it has none, and so is done with every frame. Waits for the GPU.
     ///
     /// # Errors
-    /// Where the output is no buffer of a struct Progress (shaders/path-progress.wgsl), or the device is gone.
+    /// Where the output is no buffer of a struct Progress (shaders/progress.wgsl), or the device is gone.
     pub fn progress(&self) -> Result<Option<Progress>, RenderError> {
         let Some(output) = self.plan().and_then(|plan| plan.output("progress")) else { return Ok(None) };
         let Some((_, resource)) = output.members.first() else { return Ok(None) };
@@ -414,7 +475,7 @@ impl Renderer {
 
     /// The scene.
     pub fn scene(&self) -> &Scene {
-        &self.scene
+        &self.scene.scene
     }
 
     /// The device.
@@ -433,7 +494,9 @@ impl Renderer {
     }
 
     fn link_context(&self) -> LinkContext {
-        LinkContext { frame: self.size, traits: self.scene.traits() }
+        let scene = self.scene();
+        let lights = self.lights.as_deref().unwrap_or(&scene.lights);
+        LinkContext { frame: self.size, traits: scene.traits_with(lights) }
     }
 
     fn relink(&mut self) -> Result<(), RenderError> {
@@ -444,28 +507,5 @@ impl Renderer {
             }
             None => Ok(()),
         }
-    }
-}
-
-/// Uploads a scene with what the steps read of it.
-fn upload(executor: &mut Executor, scene: &Scene, steps: &[LinkedStep]) -> Result<Host, RenderError> {
-    let limits = executor.gpu().limits();
-    let bytes = size_of_val(scene.vertices.as_slice()).max(size_of_val(scene.indices.as_slice())) as u64;
-    if bytes > limits.max_storage_buffer_binding_size {
-        return Err(RenderError::Gpu(ExecutorError::Limit {
-            resource: format!("the geometry of `{}`", scene.name),
-            wanted: format!("{bytes} bytes"),
-            allowed: format!("{} bytes", limits.max_storage_buffer_binding_size),
-            limit: "max_storage_buffer_binding_size",
-        }));
-    }
-    let mut host = Host::upload(executor, scene);
-    host.provide(executor, scene, steps.iter().flat_map(LinkedStep::externals))?;
-    match executor.gpu().take_fault() {
-        Some(message) => Err(RenderError::Gpu(ExecutorError::Pass {
-            pass: format!("upload of `{}`", scene.name),
-            message,
-        })),
-        None => Ok(host),
     }
 }

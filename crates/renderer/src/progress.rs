@@ -1,26 +1,26 @@
-//! How far a progressive picture is.
+//! How far a result is that is made in several frames.
 
-/// The struct Progress of shaders/path-progress.wgsl.
+/// The struct Progress of shaders/progress.wgsl.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Samples a pixel so far.
-    pub samples: u32,
-    /// Estimate of the picture's own relMSE; 0 before two samples.
+    /// Steps so far: samples, iterations, whatever the pipeline counts.
+    pub step: u32,
+    /// The most steps there will be.
+    pub steps: u32,
+    /// Estimate of what is still wrong, by the pipeline's own measure; 0 until there is one.
     pub error: f32,
-    /// Whether no more samples are wanted.
+    /// Whether no more steps are wanted.
     pub done: bool,
-    /// The most samples there will be.
-    pub limit: u32,
 }
 
 impl Progress {
-    /// From the bytes of the buffer; `None` where they are too few.
+    /// Reads the bytes of the buffer; `None` where they are too few.
     pub fn from_bytes(bytes: &[u8]) -> Option<Progress> {
         Some(Progress {
-            samples: word(bytes, 0)?,
-            error: f32::from_bits(word(bytes, 1)?),
-            done: word(bytes, 2)? != 0,
-            limit: word(bytes, 3)?,
+            step: word(bytes, 0)?,
+            steps: word(bytes, 1)?,
+            error: f32::from_bits(word(bytes, 2)?),
+            done: word(bytes, 3)? != 0,
         })
     }
 }

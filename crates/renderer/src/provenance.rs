@@ -71,7 +71,7 @@ impl Provenance {
             plan: compiled.map_or_else(String::new, |compiled| compiled.plan.id.to_string()),
             shaders,
             scene: scene.to_owned(),
-            scene_hash: format!("{:032x}", renderer.scene.hash),
+            scene_hash: format!("{:032x}", renderer.scene().hash),
             size: renderer.size,
             frame: renderer.index.saturating_sub(1),
             first_frame,

@@ -1,7 +1,7 @@
 //! Reload at a frame's edge: files that changed are read again, and what cannot be made of them leaves the
 //! last good plan in place.
 
-use crate::{LoadReport, RenderError, Renderer};
+use crate::{Compiled, LoadReport, RenderError, Renderer, load_scene};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -20,25 +20,76 @@ impl Renderer {
     /// Takes in that files have changed, as [`shader_library::Watcher`] tells it; call it between frames.
     pub fn reload(&mut self, changed: &BTreeSet<PathBuf>) -> Reload {
         let paths: BTreeSet<String> = changed.iter().filter_map(|path| self.asset_path(path)).collect();
+        let places: BTreeSet<PathBuf> = changed.iter().map(|path| place(path)).collect();
+        let scene_touched = self.scene().files.iter().any(|file| places.contains(&place(file)));
+        self.scene_stale |= scene_touched;
         let Some(loaded) = &self.pipeline else { return Reload::Nothing };
         let stale = self.catalog.shaders().invalidate(&paths.iter().map(String::as_str).collect::<Vec<_>>());
         let pipeline_touched =
             loaded.compiled.resolved.sources().iter().any(|source| paths.contains(&source.name))
                 || paths.iter().any(|path| path.ends_with(".ron") && path.starts_with("pipelines/"));
-        if stale.is_empty() && !pipeline_touched {
+        if stale.is_empty() && !pipeline_touched && !scene_touched {
             return Reload::Nothing;
         }
         let (name, overrides) = (loaded.name.clone(), loaded.overrides.clone());
-        match self.set_pipeline(&name, &overrides) {
+        let reloaded =
+            if self.scene_stale { self.reload_scene() } else { self.set_pipeline(&name, &overrides) };
+        match reloaded {
             Ok(report) => Reload::Done(report),
             Err(error) => Reload::Failed(error),
         }
+    }
+
+    /// Loads the scene again by what it was loaded by.
+    fn reload_scene(&mut self) -> Result<LoadReport, RenderError> {
+        let scene = load_scene(&self.catalog, &self.scene().spec)?;
+        self.set_scene(scene)?;
+        self.scene_stale = false;
+        Ok(LoadReport::default())
+    }
+
+    /// Returns the folders to watch, with all that is in them, for [`Renderer::reload`]: those of the tree that files come
+    /// from, and those of further files that take part.
+    pub fn watched_folders(&self) -> Vec<PathBuf> {
+        let root = self.catalog.assets().root();
+        let mut folders: Vec<PathBuf> = root
+            .into_iter()
+            .flat_map(|root| ["pipelines", "scenes", "shaders", "passes"].map(|folder| root.join(folder)))
+            .filter(|folder| folder.is_dir())
+            .collect();
+        let compiled = self.compiled();
+        let pipelines = compiled.into_iter().flat_map(|compiled| compiled.resolved.sources().iter());
+        let shaders = compiled.into_iter().flat_map(Compiled::shader_files);
+        let files = pipelines.map(|source| source.name.clone()).chain(shaders).map(PathBuf::from);
+        for file in files.chain(self.scene().files.iter().cloned()) {
+            let file = root.map(|root| root.join(&file)).filter(|file| file.is_file()).unwrap_or(file);
+            let folder = match file.parent() {
+                Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
+                Some(folder) => folder,
+                None => continue,
+            };
+            if file.is_file() && !folders.iter().any(|known| folder.starts_with(known)) {
+                folders.push(folder.to_owned());
+            }
+        }
+        folders
     }
 
     /// The path by which a file on disk is known: from the root of the tree, with `/`.
     fn asset_path(&self, path: &Path) -> Option<String> {
         let root = self.catalog.assets().root();
         let relative = root.and_then(|root| path.strip_prefix(root).ok()).unwrap_or(path);
+        let relative = relative.strip_prefix(".").unwrap_or(relative);
         Some(relative.to_str()?.replace('\\', "/"))
+    }
+}
+
+/// A path by which a file is the same however it was named, also when it is gone.
+fn place(path: &Path) -> PathBuf {
+    let folder =
+        path.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    match (folder.and_then(|folder| folder.canonicalize().ok()), path.file_name()) {
+        (Some(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
     }
 }

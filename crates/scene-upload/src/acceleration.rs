@@ -1,7 +1,7 @@
 //! The adapter's own structure for ray queries, over the scene's triangles.
 
 use executor::wgpu;
-use executor::{Executor, External};
+use executor::{External, Gpu};
 use scene::{Scene, Vertex};
 
 const NAME: &str = "scene_acceleration";
@@ -12,8 +12,6 @@ pub(crate) struct Acceleration {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     made: Option<Made>,
-    /// Whether the steps that run ask for it.
-    wanted: bool,
     /// Whether vertices have moved since it was built.
     stale: bool,
 }
@@ -29,19 +27,25 @@ struct Made {
 impl Acceleration {
     pub(crate) fn new(vertices: &wgpu::Buffer, indices: &wgpu::Buffer) -> Acceleration {
         let (vertices, indices) = (vertices.clone(), indices.clone());
-        Acceleration { vertices, indices, made: None, wanted: false, stale: false }
+        Acceleration { vertices, indices, made: None, stale: false }
     }
 
-    pub(crate) fn provide(&mut self, executor: &mut Executor, scene: &Scene, externals: &[&str]) {
-        // The executor tells which pass asks an adapter for what it has not.
-        self.wanted = externals.contains(&NAME) && executor.gpu().has_ray_queries();
-        if self.wanted && self.made.is_none() {
-            let made = Made::new(&executor.gpu().device, scene);
-            executor.set_external(NAME, External::AccelerationStructure(made.scene.clone()));
-            self.made = Some(made);
-            self.stale = true;
-            self.follow(executor);
+    pub(crate) fn is_among(externals: &[&str]) -> bool {
+        externals.contains(&NAME)
+    }
+
+    /// Makes it where it is not there yet, over the vertices as they are now. The executor tells which pass asks an
+    /// adapter for what it has not.
+    pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Option<(&'static str, External)> {
+        if self.made.is_some() {
+            return None;
         }
+        let made = Made::new(&gpu.device, scene);
+        let external = External::AccelerationStructure(made.scene.clone());
+        self.made = Some(made);
+        self.stale = true;
+        self.follow(gpu);
+        Some((NAME, external))
     }
 
     pub(crate) fn moved(&mut self) {
@@ -49,8 +53,8 @@ impl Acceleration {
     }
 
     /// Builds it over the vertices as they are now.
-    pub(crate) fn follow(&mut self, executor: &Executor) {
-        let Some(made) = self.made.as_ref().filter(|_| self.wanted && self.stale) else { return };
+    pub(crate) fn follow(&mut self, gpu: &Gpu) {
+        let Some(made) = self.made.as_ref().filter(|_| self.stale) else { return };
         self.stale = false;
         let geometry = wgpu::BlasTriangleGeometry {
             size: &made.size,
@@ -66,7 +70,6 @@ impl Acceleration {
             blas,
             geometry: wgpu::BlasGeometries::TriangleGeometries(vec![geometry]),
         });
-        let gpu = executor.gpu();
         let label = Some("scene acceleration");
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
         encoder.build_acceleration_structures(&entry, [&made.scene]);

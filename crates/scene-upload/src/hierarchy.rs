@@ -2,7 +2,7 @@
 
 use crate::buffer;
 use executor::wgpu::{self, BufferUsages};
-use executor::{Executor, ExecutorError, External};
+use executor::{ExecutorError, External, Gpu};
 use ray_tracing::{Bvh, Refit};
 use scene::{MovedVertices, Scene};
 
@@ -13,11 +13,12 @@ const TRIANGLES: &str = "scene_bvh_triangles";
 #[derive(Debug, Default)]
 pub(crate) struct Hierarchy {
     made: Option<Made>,
-    /// Whether the steps that run ask for it.
-    wanted: bool,
     /// Whether vertices have moved since it was fitted.
     stale: bool,
 }
+
+/// Globals, and what was made for them.
+type NewExternals = Vec<(&'static str, External)>;
 
 #[derive(Debug)]
 struct Made {
@@ -27,20 +28,18 @@ struct Made {
 }
 
 impl Hierarchy {
-    pub(crate) fn provide(
-        &mut self,
-        executor: &mut Executor,
-        scene: &Scene,
-        externals: &[&str],
-    ) -> Result<(), ExecutorError> {
-        self.wanted = externals.contains(&NODES) || externals.contains(&TRIANGLES);
-        if self.wanted && self.made.is_none() {
-            let bytes = scene.triangles() as u64 * ray_tracing::TRIANGLE_BYTES;
-            check(executor, scene, bytes)?;
-            let bvh = Bvh::build(&positions(scene, &[]), &scene.indices);
-            self.made = Some(Made::new(executor, scene, bvh)?);
+    pub(crate) fn is_among(externals: &[&str]) -> bool {
+        externals.contains(&NODES) || externals.contains(&TRIANGLES)
+    }
+
+    /// Makes it where it is not there yet.
+    pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Result<NewExternals, ExecutorError> {
+        if self.made.is_some() {
+            return Ok(Vec::new());
         }
-        Ok(())
+        check(gpu, scene, scene.triangles() as u64 * ray_tracing::TRIANGLE_BYTES)?;
+        let made = Made::new(gpu, scene, Bvh::build(&positions(scene, &[]), &scene.indices))?;
+        Ok(self.made.insert(made).externals())
     }
 
     pub(crate) fn moved(&mut self) {
@@ -50,38 +49,45 @@ impl Hierarchy {
     /// Fits it to the vertices that have moved.
     pub(crate) fn follow(
         &mut self,
-        executor: &mut Executor,
+        gpu: &Gpu,
         scene: &Scene,
         moved: &[MovedVertices],
-    ) -> Result<(), ExecutorError> {
-        let Some(made) = self.made.as_mut().filter(|_| self.wanted && self.stale) else { return Ok(()) };
+    ) -> Result<NewExternals, ExecutorError> {
+        let Some(made) = self.made.as_mut().filter(|_| self.stale) else { return Ok(Vec::new()) };
         self.stale = false;
         match made.bvh.refit(&positions(scene, moved), &scene.indices) {
             Refit::Refitted => {
-                let queue = &executor.gpu().queue;
-                queue.write_buffer(&made.nodes, 0, made.bvh.nodes_bytes());
-                queue.write_buffer(&made.triangles, 0, made.bvh.triangles_bytes());
+                gpu.queue.write_buffer(&made.nodes, 0, made.bvh.nodes_bytes());
+                gpu.queue.write_buffer(&made.triangles, 0, made.bvh.triangles_bytes());
+                Ok(Vec::new())
             }
-            Refit::Rebuilt => *made = Made::new(executor, scene, made.bvh.clone())?,
+            Refit::Rebuilt => {
+                *made = Made::new(gpu, scene, made.bvh.clone())?;
+                Ok(made.externals())
+            }
         }
-        Ok(())
     }
 }
 
 impl Made {
-    fn new(executor: &mut Executor, scene: &Scene, bvh: Bvh) -> Result<Made, ExecutorError> {
-        check(executor, scene, bvh.nodes_bytes().len().max(bvh.triangles_bytes().len()) as u64)?;
-        let device = executor.gpu().device.clone();
-        let nodes = buffer(&device, "scene BVH", bvh.nodes_bytes(), BufferUsages::STORAGE);
-        let triangles = buffer(&device, "scene BVH triangles", bvh.triangles_bytes(), BufferUsages::STORAGE);
-        executor.set_external(NODES, External::Buffer(nodes.clone()));
-        executor.set_external(TRIANGLES, External::Buffer(triangles.clone()));
+    fn new(gpu: &Gpu, scene: &Scene, bvh: Bvh) -> Result<Made, ExecutorError> {
+        check(gpu, scene, bvh.nodes_bytes().len().max(bvh.triangles_bytes().len()) as u64)?;
+        let nodes = buffer(&gpu.device, "scene BVH", bvh.nodes_bytes(), BufferUsages::STORAGE);
+        let triangles =
+            buffer(&gpu.device, "scene BVH triangles", bvh.triangles_bytes(), BufferUsages::STORAGE);
         Ok(Made { bvh, nodes, triangles })
+    }
+
+    fn externals(&self) -> NewExternals {
+        vec![
+            (NODES, External::Buffer(self.nodes.clone())),
+            (TRIANGLES, External::Buffer(self.triangles.clone())),
+        ]
     }
 }
 
-fn check(executor: &Executor, scene: &Scene, bytes: u64) -> Result<(), ExecutorError> {
-    let allowed = executor.gpu().limits().max_storage_buffer_binding_size;
+fn check(gpu: &Gpu, scene: &Scene, bytes: u64) -> Result<(), ExecutorError> {
+    let allowed = gpu.limits().max_storage_buffer_binding_size;
     if bytes <= allowed {
         return Ok(());
     }

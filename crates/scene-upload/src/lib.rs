@@ -1,25 +1,30 @@
 //! The data of the host program on the GPU: scene, camera, lights, frame; in the layouts of `shaders/`.
+//!
+//! A [`SceneOnGpu`] holds what all views of a scene share: geometry, materials, textures, and what rays are traced
+//! through. A [`Host`] is one view of it: its camera, its frame, and its lights, bound to one executor. Several executors
+//! of one device can so render one scene, by other pipelines, sizes and cameras, after a single upload.
 
 mod acceleration;
 mod gpu_data;
 mod hierarchy;
+mod shared;
 mod textures;
 
 pub use gpu_data::{Frame, layouts};
+pub use shared::SceneOnGpu;
 
-use acceleration::Acceleration;
 use bytemuck::cast_slice;
 use executor::wgpu::{self, BufferUsages};
 use executor::{Executor, ExecutorError, External};
 use frame_graph::Externals;
-use gpu_data::GpuMaterial;
-use hierarchy::Hierarchy;
 use scene::{Pose, Scene};
+use shared::Wanted;
+use std::sync::Arc;
 
-/// Buffers that frames write into, and what they hold.
+/// One view of a scene: the buffers that its frames write into, and what they hold.
 #[derive(Debug)]
 pub struct Host {
-    vertices: wgpu::Buffer,
+    shared: Arc<SceneOnGpu>,
     camera: wgpu::Buffer,
     frame: wgpu::Buffer,
     lights: wgpu::Buffer,
@@ -27,10 +32,12 @@ pub struct Host {
     /// Bytes as last written, so that what is the same counts as unchanged.
     camera_bytes: Vec<u8>,
     lights_bytes: (Vec<u8>, Vec<u8>),
-    moved: Vec<scene::MovedVertices>,
     previous_camera: Option<scene::Camera>,
-    hierarchy: Hierarchy,
-    acceleration: Acceleration,
+    /// What the steps of this view's pipeline trace rays through.
+    wanted: Wanted,
+    /// How often the shared objects had been made, and vertices had moved, when this view last bound and drew them.
+    bound: u64,
+    seen: u64,
 }
 
 fn buffer(device: &wgpu::Device, label: &str, bytes: &[u8], usage: BufferUsages) -> wgpu::Buffer {
@@ -50,104 +57,54 @@ fn buffer(device: &wgpu::Device, label: &str, bytes: &[u8], usage: BufferUsages)
 }
 
 impl Host {
-    /// Uploads a scene and binds it.
+    /// Uploads a scene for one view alone and binds it.
     pub fn upload(executor: &mut Executor, scene: &Scene) -> Host {
+        let shared = Arc::new(SceneOnGpu::new(executor.gpu(), scene));
+        Host::new(executor, shared, scene)
+    }
+
+    /// Makes a view of a scene that is on the executor's device already, and binds it.
+    pub fn new(executor: &mut Executor, shared: Arc<SceneOnGpu>, scene: &Scene) -> Host {
         let device = executor.gpu().device.clone();
-        let storage = BufferUsages::STORAGE;
-        let info = gpu_data::SceneInfo::new(scene, scene.textures.len() as u32);
-        let materials: Vec<GpuMaterial> = scene.materials.iter().map(GpuMaterial::new).collect();
-        let built_from =
-            if executor.gpu().has_ray_queries() { BufferUsages::BLAS_INPUT } else { BufferUsages::empty() };
-        let vertices = buffer(
-            &device,
-            "scene vertices",
-            cast_slice(&scene.vertices),
-            storage | BufferUsages::VERTEX | built_from,
-        );
-        let indices = buffer(
-            &device,
-            "scene indices",
-            cast_slice(&scene.indices),
-            storage | BufferUsages::INDEX | built_from,
-        );
         let (light_bytes, layer_rows) = gpu_data::lights(&scene.lights, scene.bounds());
         let layer_bytes = cast_slice(&layer_rows).to_vec();
-        let array = textures::upload(&device, &executor.gpu().queue, &scene.textures);
-        let sampler = |label, filter, address| {
-            device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some(label),
-                address_mode_u: address,
-                address_mode_v: address,
-                mag_filter: filter,
-                min_filter: filter,
-                mipmap_filter: if filter == wgpu::FilterMode::Linear {
-                    wgpu::MipmapFilterMode::Linear
-                } else {
-                    wgpu::MipmapFilterMode::Nearest
-                },
-                ..Default::default()
-            })
-        };
-        let host = Host {
+        let storage = BufferUsages::STORAGE;
+        let mut host = Host {
+            shared,
             camera: buffer(&device, "camera", &[], BufferUsages::UNIFORM),
             frame: buffer(&device, "frame", &[], BufferUsages::UNIFORM),
             lights: buffer(&device, "scene lights", &light_bytes, storage),
             layers: buffer(&device, "scene light layers", &layer_bytes, storage),
-            vertices: vertices.clone(),
             camera_bytes: Vec::new(),
             lights_bytes: (light_bytes, layer_bytes),
-            moved: Vec::new(),
             previous_camera: None,
-            hierarchy: Hierarchy::default(),
-            acceleration: Acceleration::new(&vertices, &indices),
+            wanted: Wanted::default(),
+            bound: 0,
+            seen: 0,
         };
-        use wgpu::{AddressMode, FilterMode};
-        let externals = [
-            ("camera", External::Buffer(host.camera.clone())),
-            ("frame", External::Buffer(host.frame.clone())),
-            (
-                "scene_info",
-                External::Buffer(buffer(
-                    &device,
-                    "scene info",
-                    bytemuck::bytes_of(&info),
-                    BufferUsages::UNIFORM,
-                )),
-            ),
-            ("scene_vertices", External::Buffer(vertices)),
-            ("scene_indices", External::Buffer(indices)),
-            (
-                "scene_materials",
-                External::Buffer(buffer(&device, "scene materials", cast_slice(&materials), storage)),
-            ),
-            (
-                "scene_area_table",
-                External::Buffer(buffer(
-                    &device,
-                    "scene area table",
-                    cast_slice(&scene.area_table()),
-                    storage,
-                )),
-            ),
-            ("scene_textures", External::Texture(array.color)),
-            ("scene_textures_linear", External::Texture(array.linear)),
-            ("scene_sampler", External::Sampler(sampler("scene", FilterMode::Linear, AddressMode::Repeat))),
-            (
-                "linear_sampler",
-                External::Sampler(sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge)),
-            ),
-            (
-                "nearest_sampler",
-                External::Sampler(sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge)),
-            ),
-            ("scene_lights", External::Buffer(host.lights.clone())),
-            ("scene_light_layers", External::Buffer(host.layers.clone())),
-        ];
-        for (name, external) in externals {
-            executor.set_external(name, external);
-        }
-        executor.set_scene_indices(scene.indices.len() as u32);
+        host.take_over(executor, scene);
         host
+    }
+
+    /// Binds all of this view, in place of another one that the executor had.
+    pub fn take_over(&mut self, executor: &mut Executor, scene: &Scene) {
+        self.bound = 0;
+        self.bind(executor);
+        executor.set_scene_indices(scene.indices.len() as u32);
+        let own = [
+            ("camera", &self.camera),
+            ("frame", &self.frame),
+            ("scene_lights", &self.lights),
+            ("scene_light_layers", &self.layers),
+        ];
+        for (name, buffer) in own {
+            executor.set_external(name, External::Buffer(buffer.clone()));
+        }
+    }
+
+    /// Binds shared objects that were made since this view last did.
+    fn bind(&mut self, executor: &mut Executor) {
+        self.shared.bind(executor, &mut self.bound);
     }
 
     /// Makes what costs too much to have for every scene and is among `externals`, the names that steps read:
@@ -162,8 +119,9 @@ impl Host {
         externals: impl IntoIterator<Item = &'static str>,
     ) -> Result<(), ExecutorError> {
         let externals: Vec<&str> = externals.into_iter().collect();
-        self.acceleration.provide(executor, scene, &externals);
-        self.hierarchy.provide(executor, scene, &externals)
+        self.wanted = self.shared.provide(executor.gpu(), scene, &externals)?;
+        self.bind(executor);
+        Ok(())
     }
 
     /// Writes what a frame needs, and says what of it is new.
@@ -192,23 +150,31 @@ impl Host {
         let (lights, layers) = gpu_data::lights(&pose.lights, scene.bounds());
         let written = (lights, cast_slice(&layers).to_vec());
         if written != self.lights_bytes {
-            queue.write_buffer(&self.lights, 0, &written.0);
-            queue.write_buffer(&self.layers, 0, &written.1);
+            self.write_lights(executor, &written);
             self.lights_bytes = written;
             changed = changed.and(Externals::LIGHTS);
         }
-        if pose.moved != self.moved {
-            for moved in &pose.moved {
-                let offset = u64::from(moved.first_vertex) * size_of::<scene::Vertex>() as u64;
-                queue.write_buffer(&self.vertices, offset, cast_slice(&moved.vertices));
-            }
-            self.moved.clone_from(&pose.moved);
-            self.hierarchy.moved();
-            self.acceleration.moved();
+        let moves = self.shared.follow(executor.gpu(), scene, &pose.moved, self.wanted)?;
+        self.bind(executor);
+        if moves != self.seen {
+            self.seen = moves;
             changed = changed.and(Externals::SCENE);
         }
-        self.hierarchy.follow(executor, scene, &self.moved)?;
-        self.acceleration.follow(executor);
         Ok(changed)
+    }
+
+    /// Writes lights and their layers, into larger buffers where there are more of them than before.
+    fn write_lights(&mut self, executor: &mut Executor, (lights, layers): &(Vec<u8>, Vec<u8>)) {
+        let gpu = executor.gpu().clone();
+        let mut write = |name: &'static str, label, held: &mut wgpu::Buffer, bytes: &[u8]| {
+            if bytes.len() as u64 <= held.size() {
+                gpu.queue.write_buffer(held, 0, bytes);
+                return;
+            }
+            *held = buffer(&gpu.device, label, bytes, BufferUsages::STORAGE);
+            executor.set_external(name, External::Buffer(held.clone()));
+        };
+        write("scene_lights", "scene lights", &mut self.lights, lights);
+        write("scene_light_layers", "scene light layers", &mut self.layers, layers);
     }
 }

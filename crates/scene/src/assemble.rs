@@ -28,6 +28,8 @@ const TIMES_OF_BOUNDS: u32 = 64;
 #[derive(Default)]
 pub(crate) struct Assembly {
     pub(crate) name: String,
+    /// What the scene is loaded by.
+    pub(crate) spec: String,
     pub(crate) about: String,
     pub(crate) nodes: Vec<Node>,
     /// The camera of the description; `near` 0 stands for a ten-thousandth of the extent.
@@ -56,8 +58,8 @@ struct Placed {
 }
 
 impl Assembly {
-    pub(crate) fn new(name: String) -> Assembly {
-        Assembly { name, ..Assembly::default() }
+    pub(crate) fn new(name: String, spec: &str) -> Assembly {
+        Assembly { name, spec: spec.to_owned(), ..Assembly::default() }
     }
 
     /// Adds a model below `parent`, with its cameras, and its lights unless they are not wanted.
@@ -156,6 +158,7 @@ impl Assembly {
             frames_per_second: self.frames_per_second.unwrap_or(30.0),
             duration: self.duration,
             repairs: self.repairs,
+            spec: self.spec,
             files: self.files,
             hash: 0,
             motion,

@@ -29,7 +29,7 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let name = path.file_stem().map_or(spec.into(), |stem| stem.to_string_lossy().into_owned());
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("glb" | "gltf") => {
-            let mut assembly = Assembly::new(name);
+            let mut assembly = Assembly::new(name, spec);
             let model = import(path)?;
             assembly.files.push(path.into());
             assembly.files.extend(model.files);
@@ -40,7 +40,7 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
             let (source, folder, on_disk) = find(spec, files)?;
             let description = parse(&source, Some(&folder))?;
             let loader = Loader { source: &source, folder, models: BTreeMap::new(), errors: Vec::new() };
-            loader.assemble(name, description, on_disk)
+            loader.assemble(Assembly::new(name, spec), description, on_disk)
         }
     }
 }
@@ -97,11 +97,10 @@ struct Loader<'a> {
 impl Loader<'_> {
     fn assemble(
         mut self,
-        name: String,
+        mut assembly: Assembly,
         description: Description,
         on_disk: Option<PathBuf>,
     ) -> Result<Scene, SceneError> {
-        let mut assembly = Assembly::new(name);
         assembly.about = description.about;
         assembly.files.extend(on_disk);
         assembly.lights = description.lights.into_iter().map(|light| (light, Driver::default())).collect();

@@ -78,6 +78,8 @@ pub struct Scene {
     pub duration: f32,
     /// What was repaired, left out or assumed, a sentence each, for the user to read.
     pub repairs: Vec<String>,
+    /// What it was loaded by: the name or path that [`load`](crate::load) took.
+    pub spec: String,
     /// The files on disk that were read: those to watch.
     pub files: Vec<PathBuf>,
     /// A hash of all that can change a picture (xxh3), the same on every machine.
@@ -237,13 +239,18 @@ impl Scene {
     /// `moving_geometry`; whole numbers `lights`, `spot_lights`, `point_lights`, `directional_lights`,
     /// `light_layers` (the sum of [`Light::layers`]), `triangles`.
     pub fn traits(&self) -> Traits {
+        self.traits_with(&self.lights)
+    }
+
+    /// Returns the traits that the scene has with `lights` in place of its own.
+    pub fn traits_with(&self, lights: &[Light]) -> Traits {
         let mut used = vec![false; self.materials.len()];
         self.indices.iter().for_each(|i| used[self.vertices[*i as usize].material as usize] = true);
         let any = |is: fn(&Material) -> bool| {
             Value::Bool(self.materials.iter().zip(&used).any(|(material, used)| *used && is(material)))
         };
         let count = |is: fn(&LightKind) -> bool| {
-            Value::U32(self.lights.iter().filter(|light| is(&light.kind)).count() as u32)
+            Value::U32(lights.iter().filter(|light| is(&light.kind)).count() as u32)
         };
         Traits(BTreeMap::from(
             [
@@ -259,7 +266,7 @@ impl Scene {
                 ("spot_lights", count(|kind| matches!(kind, LightKind::Spot { .. }))),
                 ("point_lights", count(|kind| matches!(kind, LightKind::Point))),
                 ("directional_lights", count(|kind| matches!(kind, LightKind::Directional))),
-                ("light_layers", Value::U32(self.lights.iter().map(Light::layers).sum())),
+                ("light_layers", Value::U32(lights.iter().map(Light::layers).sum())),
                 ("triangles", Value::U32(self.triangles() as u32)),
             ]
             .map(|(name, value)| (name.to_string(), value)),

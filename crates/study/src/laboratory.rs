@@ -109,7 +109,8 @@ pub struct RunRequest {
     pub seed: u32,
     /// Number of the first frame that runs, which sets the time of animations.
     pub first_frame: u32,
-    /// Frames that run before the measured ones.
+    /// Frames that run before the measured ones, after the first frame was repeated, untimed, until the pipeline's
+    /// output `progress` says that it is done, where it has one.
     pub warm_up: u32,
     /// Measured frames. For a pipeline that accumulates until it says that it is done: the most there may be.
     pub frames: u32,

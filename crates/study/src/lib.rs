@@ -22,7 +22,8 @@
 //!     set: { "path": VALUE * }?,            // values for all pipelines
 //!     vary: GROUP or [GROUP *]?,            // the cells are the product of the groups
 //!     budget: Frames(5)?,                   // how much each cell may spend
-//!     warm_up: 1?,                          // frames before those that are measured
+//!     warm_up: 1?,                          // frames before those that are measured; a pipeline that says
+//!                                           // how far it is has converged before them
 //!     first_frame: 0?,                      // number of the first frame that runs, and so the time of animations
 //!     jump: 30?,                            // number of the first frame under a new light, for `lag`
 //!     seeds: 5 or [1, 2, 3]?,               // 5 is 1 to 5; left out it is [0], the papers' plain sequences

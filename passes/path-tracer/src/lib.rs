@@ -25,7 +25,7 @@ const SUMS: [&str; 4] = ["image", "direct", "indirect", "irradiance"];
 /// lavapipe ends all loops of a thread after 65,535 rounds, of which a ray takes up to some hundreds.
 const RAYS: u32 = 128;
 
-/// Bytes of `Progress` in shaders/path-progress.wgsl.
+/// Bytes of `Progress` in shaders/progress.wgsl.
 const PROGRESS_BYTES: u64 = 16;
 
 pass::choice! {

@@ -1,4 +1,6 @@
-//! `lightloom render`: headless pictures and sequences.
+//! `lightloom render`: headless pictures and sequences, also again at every save.
+
+mod watch;
 
 use crate::context::{Context, overrides, parse_size};
 use crate::output::{self, bytes, progress, say};
@@ -18,7 +20,8 @@ use std::time::Instant;
   lightloom render ism-invtm cornell-box -o box.png
   lightloom render ism-invtm sponza.glb -o sponza.exr --size 1280x720 --set lights=2048 --time
   lightloom render ism atrium -o walk/####.png --frames 60
-  lightloom render ism-invtm cornell-box -o lights.exr --output importance")]
+  lightloom render ism-invtm cornell-box -o lights.exr --output importance
+  lightloom render docs/examples/vignette.ron cornell-box -o v.png --output display --watch")]
 pub(crate) struct Args {
     /// A pipeline by name, or a .ron file
     pipeline: String,
@@ -66,11 +69,14 @@ pub(crate) struct Args {
     /// Run the threads of compute shaders in another order, which the seed chooses: pictures must not change
     #[arg(long, value_name = "SEED")]
     thread_order: Option<u32>,
+    /// Render again whenever a file that takes part is saved: pipeline, shaders, scene. An error is printed, and the
+    /// last good picture stays. Ctrl-C ends it
+    #[arg(long)]
+    watch: bool,
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
-    let frames = args.frames;
-    let out = Sequence::new(&args.out, frames)?;
+    let out = Sequence::new(&args.out, args.frames)?;
     let scene = renderer::load_scene(&context.catalog, &args.scene)?;
     for repair in &scene.repairs {
         eprintln!("note: {repair}");
@@ -81,12 +87,23 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     };
     let mut renderer = Renderer::new(Gpu::open()?, catalog, scene, args.size)?;
     renderer.set_seed(args.seed);
-    renderer.set_frame_index(args.first_frame);
     renderer
         .set_compile_options(CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() })?;
     renderer.set_pipeline(&args.pipeline, &overrides(&args.set)?)?;
     renderer.keep(&args.output)?;
     renderer.set_frame_options(FrameOptions { timed: args.time, poison: args.poison });
+    render(context, args, &mut renderer, &out)?;
+    if args.watch {
+        watch::watch(&mut renderer, |renderer| render(context, args, renderer, &out))
+    } else {
+        Ok(())
+    }
+}
+
+/// Renders the frames that are asked for, writes their pictures, and says what came of it.
+fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequence) -> Result<()> {
+    let frames = args.frames;
+    renderer.set_frame_index(args.first_frame);
     // A picture that takes many frames to be done is a long task, too.
     let progressive = frames == 1 && renderer.plan().is_some_and(|plan| plan.output("progress").is_some());
     let bar = progress(if progressive { u64::MAX } else { u64::from(frames) }, "rendering");
@@ -100,15 +117,15 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         renderer.frame_until_done(|report, progress| {
             times.push(report.times.clone());
             if let Some(progress) = progress.filter(|_| progressive) {
-                bar.set_length(u64::from(progress.limit));
-                bar.set_position(u64::from(progress.samples));
+                bar.set_length(u64::from(progress.steps));
+                bar.set_position(u64::from(progress.step));
             }
             ControlFlow::Continue(())
         })?;
         if out.wants(frame, frames) {
             let picture = renderer.picture(&args.output, args.layer)?;
             let provenance =
-                Provenance::new(&renderer, &args.scene, (&args.output, args.layer), args.first_frame);
+                Provenance::new(renderer, &args.scene, (&args.output, args.layer), args.first_frame);
             let path = out.path(args.first_frame + frame);
             write(&picture, &path, args, &provenance.to_json())?;
             written.push(path);
@@ -118,17 +135,24 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         }
     }
     bar.finish_and_clear();
-    report(context, args, &renderer, &written, &times, start.elapsed().as_secs_f64())
+    report(context, args, renderer, &written, &times, start.elapsed().as_secs_f64())
 }
 
-/// Writes a picture; what is encoded for a screen already goes into PNG as it is.
+/// Writes a picture beside its place and moves it there, so that whoever reads it finds a whole one. What is encoded for
+/// a screen already goes into PNG as it is.
 fn write(picture: &Image, path: &Path, args: &Args, provenance: &str) -> Result<()> {
     let encoded = args.output == "display";
     let display =
         if encoded { Display::AS_IS } else { Display { tonemap: args.tonemap, exposure: args.exposure } };
-    picture
-        .write(path, display, Some(provenance))
-        .with_context(|| format!("the picture {} was not written", path.display()))
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let beside = path.with_file_name(format!(".{}.{name}", std::process::id()));
+    let written = picture.write(&beside, display, Some(provenance)).map_err(anyhow::Error::from);
+    let moved = written.and_then(|()| Ok(std::fs::rename(&beside, path)?));
+    if moved.is_err() {
+        // What is left of it helps nobody; that it cannot be removed either is no further news.
+        let _ = std::fs::remove_file(&beside);
+    }
+    moved.with_context(|| format!("the picture {} was not written", path.display()))
 }
 
 /// Where pictures go.
@@ -193,8 +217,7 @@ fn report(
             "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
             "clamped_energy": clamped,
             "tallies": tallies.iter().map(|(name, tally)| json!({ "of": name.as_str(), "asked": tally.asked, "made": tally.made })).collect::<Vec<_>>(),
-            "samples": progress.map(|progress| progress.samples),
-            "estimated_rel_mse": progress.map(|progress| progress.error),
+            "progress": progress.map(|progress| json!({ "step": progress.step, "steps": progress.steps, "error": progress.error, "done": progress.done })),
         }));
         return Ok(());
     }
@@ -219,7 +242,13 @@ fn report(
         say!("{name}: {} made of {} that were asked for", tally.made, tally.asked);
     }
     if let Some(progress) = progress {
-        say!("{} samples a pixel; relMSE by their spread {:.2e}", progress.samples, progress.error);
+        let state = if progress.done { "done" } else { "not done" };
+        say!(
+            "{state} after {} of at most {} steps; estimated error {:.2e}",
+            progress.step,
+            progress.steps,
+            progress.error
+        );
     }
     if let Some(path) = written.last() {
         let shown = path.canonicalize().unwrap_or_else(|_| path.clone());

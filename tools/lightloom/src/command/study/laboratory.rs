@@ -61,6 +61,9 @@ impl GpuLaboratory {
         // What is kept for measures is no memory of the pipeline.
         let memory = memory(&renderer);
         let extras = keep_extras(&mut renderer, request)?;
+        if !request.until_done {
+            converge(&mut renderer, request)?;
+        }
         renderer.set_frame_options(FrameOptions { timed: request.timed, poison: false });
         renderer.set_frame_index(request.first_frame);
         let noise = if request.until_done {
@@ -156,7 +159,14 @@ fn keep_extras(renderer: &mut Renderer, request: &RunRequest) -> Result<Extras, 
     let extras = Extras {
         depth: of(request.views, "GBuffer", "depth"),
         normal: of(request.views, "GBuffer", "normal"),
-        lights: of(request.lights, "VirtualLights", ""),
+        // A plan may have several sets of lights; what the pipeline says is the one to judge comes first.
+        lights: request
+            .lights
+            .then(|| plan.output("lights"))
+            .flatten()
+            .and_then(|output| output.members.first())
+            .map(|(_, id)| plan.resources[id.0 as usize].name.to_string())
+            .or_else(|| of(request.lights, "VirtualLights", "")),
     };
     let keep: Vec<String> =
         [&extras.depth, &extras.normal, &extras.lights].into_iter().flatten().cloned().collect();
@@ -173,6 +183,17 @@ fn resource(plan: &Plan, interface: &str, member: &str) -> Option<String> {
         ports.filter(|port| port.interface.as_str() == interface).flat_map(|port| &port.members);
     let (_, id) = members.find(|(name, _)| name.as_str() == member)?;
     Some(plan.resources[id.0 as usize].name.to_string())
+}
+
+/// Repeats the first frame, untimed, until a pipeline that says how far it is says that it is done, so that what counts
+/// begins with converged state. Other pipelines run nothing here.
+fn converge(renderer: &mut Renderer, request: &RunRequest) -> Result<(), String> {
+    if renderer.plan().is_none_or(|plan| plan.output("progress").is_none()) {
+        return Ok(());
+    }
+    renderer.set_frame_index(request.first_frame);
+    renderer.frame_until_done(|_, _| ControlFlow::Continue(())).map_err(text)?;
+    Ok(())
 }
 
 /// Frames after frames, each handed on after the warm-up.

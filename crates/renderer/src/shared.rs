@@ -1,0 +1,48 @@
+//! A scene that several renderers of one device share.
+
+use crate::RenderError;
+use executor::{ExecutorError, Gpu};
+use scene::Scene;
+use scene_upload::SceneOnGpu;
+use std::sync::Arc;
+
+/// A scene with its geometry, materials and textures on a device. Clones share all of it, so that several renderers, by
+/// other pipelines, sizes and cameras, need one upload: see [`Renderer::with_scene`](crate::Renderer::with_scene).
+#[derive(Clone, Debug)]
+pub struct SharedScene {
+    pub(crate) gpu: Gpu,
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) on_gpu: Arc<SceneOnGpu>,
+}
+
+impl SharedScene {
+    /// Uploads a scene.
+    ///
+    /// # Errors
+    /// Where the scene is larger than the adapter can bind, and what the driver said of its buffers and textures.
+    pub fn new(gpu: &Gpu, scene: Scene) -> Result<SharedScene, RenderError> {
+        let bytes = size_of_val(scene.vertices.as_slice()).max(size_of_val(scene.indices.as_slice())) as u64;
+        let allowed = gpu.limits().max_storage_buffer_binding_size;
+        if bytes > allowed {
+            return Err(RenderError::Gpu(ExecutorError::Limit {
+                resource: format!("the geometry of `{}`", scene.name),
+                wanted: format!("{bytes} bytes"),
+                allowed: format!("{allowed} bytes"),
+                limit: "max_storage_buffer_binding_size",
+            }));
+        }
+        let on_gpu = Arc::new(SceneOnGpu::new(gpu, &scene));
+        match gpu.take_fault() {
+            Some(message) => Err(RenderError::Gpu(ExecutorError::Pass {
+                pass: format!("upload of `{}`", scene.name),
+                message,
+            })),
+            None => Ok(SharedScene { gpu: gpu.clone(), scene: Arc::new(scene), on_gpu }),
+        }
+    }
+
+    /// Returns the scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+}

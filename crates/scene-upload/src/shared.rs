@@ -1,0 +1,179 @@
+//! What all views of a scene share on a device.
+
+use crate::acceleration::Acceleration;
+use crate::gpu_data::{self, GpuMaterial};
+use crate::hierarchy::Hierarchy;
+use crate::{buffer, textures};
+use bytemuck::cast_slice;
+use executor::wgpu::{self, AddressMode, BufferUsages, FilterMode};
+use executor::{Executor, ExecutorError, External, Gpu};
+use scene::{MovedVertices, Scene, Vertex};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// A scene on a device: geometry, materials, textures, and what rays are traced through. Views share it (see
+/// [`Host`](crate::Host)).
+///
+/// Geometry that moves is that of the view whose frame ran last: a view of another time writes it again.
+#[derive(Debug)]
+pub struct SceneOnGpu {
+    vertices: wgpu::Buffer,
+    state: Mutex<State>,
+}
+
+#[derive(Debug)]
+struct State {
+    /// By the names of globals, each with the number of changes after which it was made.
+    externals: Vec<(&'static str, External, u64)>,
+    /// Grows whenever an external is made.
+    made: u64,
+    moved: Vec<MovedVertices>,
+    /// Grows whenever vertices move.
+    moves: u64,
+    hierarchy: Hierarchy,
+    acceleration: Acceleration,
+}
+
+/// What a pipeline traces rays through.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wanted {
+    pub(crate) hierarchy: bool,
+    pub(crate) acceleration: bool,
+}
+
+impl State {
+    fn set(&mut self, externals: impl IntoIterator<Item = (&'static str, External)>) {
+        for (name, external) in externals {
+            self.made += 1;
+            self.externals.retain(|(known, ..)| *known != name);
+            self.externals.push((name, external, self.made));
+        }
+    }
+}
+
+impl SceneOnGpu {
+    /// Uploads a scene.
+    pub fn new(gpu: &Gpu, scene: &Scene) -> SceneOnGpu {
+        let device = &gpu.device;
+        let storage = BufferUsages::STORAGE;
+        let built_from = if gpu.has_ray_queries() { BufferUsages::BLAS_INPUT } else { BufferUsages::empty() };
+        let info = gpu_data::SceneInfo::new(scene, scene.textures.len() as u32);
+        let materials: Vec<GpuMaterial> = scene.materials.iter().map(GpuMaterial::new).collect();
+        let stored = |label, bytes: &[u8], usage| buffer(device, label, bytes, usage);
+        let vertices = stored(
+            "scene vertices",
+            cast_slice(&scene.vertices),
+            storage | BufferUsages::VERTEX | built_from,
+        );
+        let indices =
+            stored("scene indices", cast_slice(&scene.indices), storage | BufferUsages::INDEX | built_from);
+        let array = textures::upload(device, &gpu.queue, &scene.textures);
+        let info = stored("scene info", bytemuck::bytes_of(&info), BufferUsages::UNIFORM);
+        let materials = stored("scene materials", cast_slice(&materials), storage);
+        let areas = stored("scene area table", cast_slice(&scene.area_table()), storage);
+        let sampler = |label, filter, address| {
+            External::Sampler(device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some(label),
+                address_mode_u: address,
+                address_mode_v: address,
+                mag_filter: filter,
+                min_filter: filter,
+                mipmap_filter: if filter == FilterMode::Linear {
+                    wgpu::MipmapFilterMode::Linear
+                } else {
+                    wgpu::MipmapFilterMode::Nearest
+                },
+                ..Default::default()
+            }))
+        };
+        let mut state = State {
+            externals: Vec::new(),
+            made: 0,
+            moved: Vec::new(),
+            moves: 0,
+            hierarchy: Hierarchy::default(),
+            acceleration: Acceleration::new(&vertices, &indices),
+        };
+        state.set([
+            ("scene_info", External::Buffer(info)),
+            ("scene_vertices", External::Buffer(vertices.clone())),
+            ("scene_indices", External::Buffer(indices)),
+            ("scene_materials", External::Buffer(materials)),
+            ("scene_area_table", External::Buffer(areas)),
+            ("scene_textures", External::Texture(array.color)),
+            ("scene_textures_linear", External::Texture(array.linear)),
+            ("scene_sampler", sampler("scene", FilterMode::Linear, AddressMode::Repeat)),
+            ("linear_sampler", sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge)),
+            ("nearest_sampler", sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge)),
+        ]);
+        SceneOnGpu { vertices, state: Mutex::new(state) }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        // A panic of another view leaves nothing half done that a later frame does not write again.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Binds what was made after the first `bound` changes, and counts on.
+    pub(crate) fn bind(&self, executor: &mut Executor, bound: &mut u64) {
+        let state = self.state();
+        for (name, external, made) in &state.externals {
+            if made > bound {
+                executor.set_external(name, external.clone());
+            }
+        }
+        *bound = state.made;
+    }
+
+    /// Makes what is asked for among `externals` and is not there yet, and says what that is.
+    pub(crate) fn provide(
+        &self,
+        gpu: &Gpu,
+        scene: &Scene,
+        externals: &[&str],
+    ) -> Result<Wanted, ExecutorError> {
+        let mut state = self.state();
+        let wanted = Wanted {
+            hierarchy: Hierarchy::is_among(externals),
+            acceleration: Acceleration::is_among(externals) && gpu.has_ray_queries(),
+        };
+        if wanted.acceleration {
+            let made = state.acceleration.provide(gpu, scene);
+            state.set(made);
+        }
+        if wanted.hierarchy {
+            let made = state.hierarchy.provide(gpu, scene)?;
+            state.set(made);
+        }
+        Ok(wanted)
+    }
+
+    /// Takes vertices to where they are, and with them what rays are traced through. Returns a number that grows whenever
+    /// vertices move.
+    pub(crate) fn follow(
+        &self,
+        gpu: &Gpu,
+        scene: &Scene,
+        moved: &[MovedVertices],
+        wanted: Wanted,
+    ) -> Result<u64, ExecutorError> {
+        let mut state = self.state();
+        if moved != state.moved {
+            for moved in moved {
+                let offset = u64::from(moved.first_vertex) * size_of::<Vertex>() as u64;
+                gpu.queue.write_buffer(&self.vertices, offset, cast_slice(&moved.vertices));
+            }
+            state.moved = moved.to_vec();
+            state.moves += 1;
+            state.hierarchy.moved();
+            state.acceleration.moved();
+        }
+        if wanted.hierarchy {
+            let made = state.hierarchy.follow(gpu, scene, moved)?;
+            state.set(made);
+        }
+        if wanted.acceleration {
+            state.acceleration.follow(gpu);
+        }
+        Ok(state.moves)
+    }
+}

@@ -1,0 +1,48 @@
+//! Rendering again at every save.
+
+use anyhow::{Context as _, Result};
+use renderer::{Reload, Renderer};
+use shader_library::Watcher;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// How often files are asked about: short enough not to be felt.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// Calls `render` whenever files that take part have changed and can be taken in, until Ctrl-C. What is wrong is printed,
+/// and the last good state stays.
+pub(super) fn watch(
+    renderer: &mut Renderer,
+    mut render: impl FnMut(&mut Renderer) -> Result<()>,
+) -> Result<()> {
+    let ended = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&ended);
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).context("Ctrl-C cannot be taken")?;
+    let mut folders = renderer.watched_folders();
+    let mut watcher = Watcher::new(&folders)?;
+    eprintln!("watching; Ctrl-C ends it");
+    while !ended.load(Ordering::Relaxed) {
+        std::thread::sleep(INTERVAL);
+        let changed = watcher.changed();
+        if changed.is_empty() {
+            continue;
+        }
+        match renderer.reload(&changed) {
+            Reload::Nothing => {}
+            Reload::Done(_) => {
+                if let Err(error) = render(renderer) {
+                    eprintln!("error: {error:#}");
+                }
+            }
+            Reload::Failed(error) => eprintln!("{error}"),
+        }
+        // Another text may take files of other folders.
+        let now = renderer.watched_folders();
+        if now != folders {
+            watcher = Watcher::new(&now)?;
+            folders = now;
+        }
+    }
+    Ok(())
+}
