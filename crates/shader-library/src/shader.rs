@@ -28,6 +28,8 @@ pub struct Shader {
     /// Hash of the composed text and the bindings: equal shaders have equal ones, on any machine.
     pub hash: u128,
     composed: Composed,
+    /// Where each of [`ShaderInterface::globals`] is declared in the composed text.
+    declarations: Vec<Range<usize>>,
 }
 
 impl Shader {
@@ -38,6 +40,9 @@ impl Shader {
         thread_order: Option<u32>,
     ) -> Result<Self, Diagnostics> {
         let (mut module, mut info) = compile(&composed, capabilities)?;
+        // Of the text in its own order, into which places point.
+        let span = |handle| module.global_variables.get_span(handle).to_range().unwrap_or_default();
+        let declarations = resources(&module).into_iter().map(span).collect();
         let mut hashed = composed.text.clone();
         if let Some(seed) = thread_order {
             let permuted = Composed { text: permuted(&composed.text, &module, seed), ..composed.clone() };
@@ -52,10 +57,10 @@ impl Shader {
             hashed.push_str(&format!("\n{} {}", global.binding, global.name));
         }
         let hash = xxh3_128(hashed.as_bytes());
-        Ok(Shader { module, info, interface, hash, composed })
+        Ok(Shader { module, info, interface, hash, composed, declarations })
     }
 
-    /// The composed WGSL, with threads in their own order.
+    /// Returns the composed WGSL, with threads in their own order.
     pub fn text(&self) -> &str {
         &self.composed.text
     }
@@ -65,21 +70,20 @@ impl Shader {
         &self.composed.outline.files
     }
 
-    /// The options and interfaces of its files.
+    /// Returns the options and interfaces of its files.
     pub fn outline(&self) -> &Outline {
         &self.composed.outline
     }
 
-    /// The place in the user's file of a range of bytes of [`Shader::text`].
+    /// Returns the place in the user's file of a range of bytes of [`Shader::text`].
     pub fn place(&self, range: Range<u32>) -> Option<Span> {
         self.composed.map.span(range)
     }
 
     /// Returns the place where the global with this index in [`ShaderInterface::globals`] is declared.
     pub fn global_place(&self, index: usize) -> Option<Span> {
-        let handle = *resources(&self.module).get(index)?;
-        let declared = self.module.global_variables.get_span(handle).to_range()?;
-        let name = self.module.global_variables[handle].name.as_deref().unwrap_or_default();
+        let declared = self.declarations.get(index)?.clone();
+        let name = &self.interface.globals.get(index)?.name;
         let at = scan::find_word(&self.composed.text[declared.clone()], name).map(|at| declared.start + at);
         let range = at.map_or(declared, |at| at..at + name.len());
         self.place(range.start as u32..range.end as u32)
@@ -114,7 +118,7 @@ impl Shader {
         used.into_iter()
     }
 
-    /// The settings declared by the doc comments of `struct Settings`, in the order of its members; members
+    /// Returns the settings declared by the doc comments of `struct Settings`, in the order of its members; members
     /// without a declaration are for the pass to fill. Empty where there is no such struct.
     ///
     /// # Errors
@@ -126,7 +130,7 @@ impl Shader {
         }
     }
 
-    /// What the doc comments of entry points and globals say in brackets: `[threads: texels(sums)]`,
+    /// Returns what the doc comments of entry points and globals say in brackets: `[threads: texels(sums)]`,
     /// `[scratch]` and so on. Only kinds of passes that are WGSL alone ask for it.
     ///
     /// # Errors
@@ -135,7 +139,7 @@ impl Shader {
         attributes::read(&self.composed, &self.interface)
     }
 
-    /// The bytes of `struct Settings` (see [`write_struct`]), where a setting that is one of several words is
+    /// Returns the bytes of `struct Settings` (see [`write_struct`]), where a setting that is one of several words is
     /// written as the index of its word. `get` is asked for settings and plain members alike.
     ///
     /// # Errors
