@@ -14,17 +14,17 @@ pub struct Assets {
 }
 
 impl Assets {
-    /// With a folder on disk whose files come before the embedded ones; `None` for those alone.
+    /// Creates assets with a folder on disk whose files come before the embedded ones; `None` for those alone.
     pub fn new(root: Option<PathBuf>) -> Assets {
         Assets { root, embedded: crate::EMBEDDED.iter().copied().collect() }
     }
 
-    /// The folder on disk.
+    /// Returns the folder on disk.
     pub fn root(&self) -> Option<&Path> {
         self.root.as_deref()
     }
 
-    /// The nearest folder, from `start` upwards, that looks like a tree of Lightloom: it holds `pipelines/` and
+    /// Returns the nearest folder, from `start` upwards, that looks like a tree of Lightloom: it holds `pipelines/` and
     /// `shaders/`, or `passes/`.
     pub fn find_root(start: &Path) -> Option<PathBuf> {
         let is_root = |folder: &Path| {
@@ -34,7 +34,7 @@ impl Assets {
         start.ancestors().find(|folder| is_root(folder)).map(Path::to_path_buf)
     }
 
-    /// The text of a file; `None` where there is none. Paths that leave the root are not followed, absolute
+    /// Returns the text of a file; `None` where there is none. Paths that leave the root are not followed, absolute
     /// ones and those from the working folder are read as they stand when `root` has no such file.
     pub fn text(&self, path: &str) -> Option<String> {
         let below_root =

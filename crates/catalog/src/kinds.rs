@@ -39,7 +39,7 @@ impl Catalog {
         }
     }
 
-    /// The files.
+    /// Returns the files.
     pub fn assets(&self) -> &Assets {
         &self.assets
     }
@@ -49,7 +49,7 @@ impl Catalog {
         &self.pipelines
     }
 
-    /// All WGSL.
+    /// Returns all WGSL.
     pub fn shaders(&self) -> &Arc<Library> {
         &self.shaders
     }

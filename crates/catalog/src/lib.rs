@@ -9,7 +9,7 @@ pub use kinds::Catalog;
 
 include!(concat!(env!("OUT_DIR"), "/catalog.rs"));
 
-/// The kind of that name.
+/// Returns the kind of that name.
 pub fn find(kind: &str) -> Option<&'static dyn pass::Pass> {
     PASSES.iter().copied().find(|pass| pass.info().kind == kind)
 }

@@ -54,14 +54,14 @@ pub struct Diagnostic {
 pub struct Diagnostics(pub Vec<Diagnostic>);
 
 impl Source {
-    /// A source of this name and text.
+    /// Creates a source of this name and text.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Arc<Source> {
         Arc::new(Source { name: name.into(), text: text.into() })
     }
 }
 
 impl Span {
-    /// Line and column of the first byte, both from 1; the column counts characters.
+    /// Returns the line and column of the first byte, both from 1; the column counts characters.
     pub fn line_column(&self) -> (usize, usize) {
         let mut start = (self.start as usize).min(self.source.text.len());
         while !self.source.text.is_char_boundary(start) {
@@ -82,7 +82,7 @@ impl fmt::Display for Span {
 }
 
 impl Diagnostic {
-    /// An error without a place yet.
+    /// Creates an error without a place yet.
     pub fn new(code: &'static Code, message: impl Into<String>) -> Diagnostic {
         Diagnostic { code: code.code, message: message.into(), labels: Vec::new(), notes: Vec::new() }
     }
@@ -127,7 +127,7 @@ impl Diagnostic {
     }
 }
 
-/// The known name nearest to one that is wrong, where any is near enough to be meant.
+/// Returns the known name nearest to one that is wrong, where any is near enough to be meant.
 pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // One edit in three characters, none in a single one; a name that is a part of the other one is near as well.
     let limit = match wrong.chars().count() {
@@ -144,7 +144,7 @@ pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
 }
 
 impl Diagnostics {
-    /// The text shown to the user: each error with its code, file, line, column, the text with a caret, the
+    /// Returns the text shown to the user: each error with its code, file, line, column, the text with a caret, the
     /// other end where there is one, and advice.
     pub fn render(&self, color: bool) -> String {
         let mut out =
@@ -215,7 +215,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// The part of this place from byte `from` on, `len` bytes long.
+    /// Returns the part of this place from byte `from` on, `len` bytes long.
     pub fn part(self, from: usize, len: usize) -> Place {
         let start = self.start + from as u32;
         Place { file: self.file, start, end: start + len as u32 }
@@ -227,7 +227,7 @@ impl Place {
 pub struct Sources(pub Vec<Arc<Source>>);
 
 impl Sources {
-    /// The span of a place.
+    /// Returns the span of a place.
     pub fn span(&self, place: Place) -> Span {
         Span { source: Arc::clone(&self.0[place.file as usize]), start: place.start, end: place.end }
     }

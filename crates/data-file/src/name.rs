@@ -23,12 +23,12 @@ impl Name {
     /// The empty name: the only member of an interface that has one.
     pub const EMPTY: Name = Name(Repr::Static(""));
 
-    /// A name known to the program.
+    /// Creates a name known to the program.
     pub const fn new(text: &'static str) -> Name {
         Name(Repr::Static(text))
     }
 
-    /// The text.
+    /// Returns the text.
     pub fn as_str(&self) -> &str {
         match &self.0 {
             Repr::Static(text) => text,

@@ -69,7 +69,7 @@ pub enum Misfit {
 }
 
 impl Setting {
-    /// The value as this setting's type, if it is of that type, in range, and one of the choices.
+    /// Returns the value as this setting's type, if it is of that type, in range, and one of the choices.
     ///
     /// # Errors
     /// What was expected instead.
@@ -123,7 +123,7 @@ pub struct Settings(pub BTreeMap<String, Value>);
 pub struct Traits(pub BTreeMap<String, Value>);
 
 impl Value {
-    /// The type of this value.
+    /// Returns the type of this value.
     pub fn ty(&self) -> ValueType {
         match self {
             Value::Bool(_) => ValueType::Bool,
@@ -135,7 +135,7 @@ impl Value {
         }
     }
 
-    /// The same value as this type, where it is one: whole numbers convert to real ones, and to each other
+    /// Returns the same value as this type, where it is one: whole numbers convert to real ones, and to each other
     /// where they fit. A real number that is not finite is of no type.
     pub fn convert(self, ty: ValueType) -> Option<Value> {
         match ty {
@@ -154,12 +154,12 @@ impl Value {
         }
     }
 
-    /// As a truth value; `None` for other types.
+    /// Returns it as a truth value; `None` for other types.
     pub fn as_bool(&self) -> Option<bool> {
         if let Value::Bool(b) = self { Some(*b) } else { None }
     }
 
-    /// As a whole number that is not negative.
+    /// Returns it as a whole number that is not negative.
     pub fn as_u32(&self) -> Option<u32> {
         match self {
             Value::U32(n) => Some(*n),
@@ -168,7 +168,7 @@ impl Value {
         }
     }
 
-    /// As a real number; whole numbers convert.
+    /// Returns it as a real number; whole numbers convert.
     pub fn as_f32(&self) -> Option<f32> {
         match self {
             Value::F32(x) => Some(*x),
@@ -178,7 +178,7 @@ impl Value {
         }
     }
 
-    /// As text.
+    /// Returns it as text.
     pub fn as_text(&self) -> Option<&str> {
         if let Value::Text(t) = self { Some(t) } else { None }
     }
@@ -230,7 +230,7 @@ impl ValueType {
         }
     }
 
-    /// The form that declares a parameter of this type.
+    /// Returns the form that declares a parameter of this type.
     pub fn form(self) -> &'static str {
         match self {
             ValueType::Bool => "Bool",
@@ -241,7 +241,7 @@ impl ValueType {
         }
     }
 
-    /// `a u32`, `an f32`, `text`.
+    /// Returns the type with its article: `a u32`, `an f32`, `text`.
     pub fn with_article(self) -> String {
         match self {
             ValueType::Text => "text".to_owned(),
@@ -252,12 +252,12 @@ impl ValueType {
 }
 
 impl Settings {
-    /// The value of `name`, if there is such a setting.
+    /// Returns the value of `name`, if there is such a setting.
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.0.get(name)
     }
 
-    /// The truth value of a setting that the kind declares.
+    /// Returns the truth value of a setting that the kind declares.
     ///
     /// # Panics
     /// If the kind declares no such setting or one of another type: a defect of the pass, not of its user.
@@ -265,17 +265,17 @@ impl Settings {
         self.typed(name, Value::as_bool)
     }
 
-    /// The whole number of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    /// Returns the whole number of a setting that the kind declares. Panics as [`Settings::bool`] does.
     pub fn u32(&self, name: &str) -> u32 {
         self.typed(name, Value::as_u32)
     }
 
-    /// The real number of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    /// Returns the real number of a setting that the kind declares. Panics as [`Settings::bool`] does.
     pub fn f32(&self, name: &str) -> f32 {
         self.typed(name, Value::as_f32)
     }
 
-    /// The text of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    /// Returns the text of a setting that the kind declares. Panics as [`Settings::bool`] does.
     pub fn text(&self, name: &str) -> &str {
         self.typed(name, Value::as_text)
     }

@@ -3,7 +3,7 @@
 use frame_graph::Format;
 use wgpu::{TextureFormat, TextureSampleType};
 
-/// wgpu's name of a format.
+/// Returns wgpu's name of a format.
 pub fn texture_format(format: Format) -> TextureFormat {
     match format {
         Format::R8Unorm => TextureFormat::R8Unorm,

@@ -32,7 +32,7 @@ impl Gpu {
         pollster::block_on(Self::open_async())
     }
 
-    /// What adapters there are, the one that [`Gpu::open`] takes first.
+    /// Returns what adapters there are, the one that [`Gpu::open`] takes first.
     pub fn adapters() -> Vec<AdapterInfo> {
         pollster::block_on(Self::sorted_adapters()).iter().map(Adapter::get_info).collect()
     }
@@ -65,8 +65,8 @@ impl Gpu {
         Ok(Gpu::from_device(device, queue, adapter.get_info()))
     }
 
-    /// How Lightloom asks for a device: all that the adapter's limits allow, and the wanted features that it has.
-    /// A host program that opens its own device does well to ask the same.
+    /// Describes how Lightloom asks for a device: all that the adapter's limits allow, and the wanted features that it
+    /// has. A host program that opens its own device does well to ask the same.
     pub fn device_descriptor(adapter: &Adapter) -> wgpu::DeviceDescriptor<'static> {
         wgpu::DeviceDescriptor {
             label: Some("lightloom"),
@@ -96,32 +96,32 @@ impl Gpu {
         Gpu { device, queue, info, faults }
     }
 
-    /// The first error since the last call, if there was one.
+    /// Returns the first error since the last call, if there was one.
     pub fn take_fault(&self) -> Option<String> {
         self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
     }
 
-    /// The limits that the device was opened with.
+    /// Returns the limits that the device was opened with.
     pub fn limits(&self) -> Limits {
         self.device.limits()
     }
 
-    /// Whether passes can be timed on the GPU.
+    /// Returns whether passes can be timed on the GPU.
     pub fn has_timestamps(&self) -> bool {
         self.device.features().contains(Features::TIMESTAMP_QUERY)
     }
 
-    /// Whether shaders can query an acceleration structure.
+    /// Returns whether shaders can query an acceleration structure.
     pub fn has_ray_queries(&self) -> bool {
         self.device.features().contains(Features::EXPERIMENTAL_RAY_QUERY)
     }
 
-    /// Whether an indirect draw can begin at another instance than the first.
+    /// Returns whether an indirect draw can begin at another instance than the first.
     pub fn has_first_instance(&self) -> bool {
         self.device.features().contains(Features::INDIRECT_FIRST_INSTANCE)
     }
 
-    /// Adapter and driver in one line, for provenance.
+    /// Returns the adapter and driver in one line, for provenance.
     pub fn describe(&self) -> String {
         let info = &self.info;
         format!("{} ({:?}, {} {})", info.name, info.backend, info.driver, info.driver_info)

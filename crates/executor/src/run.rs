@@ -79,7 +79,7 @@ struct Loaded {
 }
 
 impl Executor {
-    /// Of a device, with nothing loaded.
+    /// Creates an executor on a device, with nothing loaded.
     pub fn new(gpu: Gpu) -> Executor {
         Executor {
             gpu,
@@ -93,22 +93,22 @@ impl Executor {
         }
     }
 
-    /// The device.
+    /// Returns the device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
     }
 
-    /// The plan that is loaded.
+    /// Returns the plan that is loaded.
     pub fn plan(&self) -> Option<&Arc<Plan>> {
         self.loaded.as_ref().map(|loaded| &loaded.plan)
     }
 
-    /// Bytes of all objects that the executor holds.
+    /// Returns the bytes of all objects that the executor holds.
     pub fn held_bytes(&self) -> u64 {
         self.pool.held
     }
 
-    /// The most bytes of objects that the executor has held at once.
+    /// Returns the most bytes of objects that the executor has held at once.
     pub fn most_held_bytes(&self) -> u64 {
         self.pool.most_held
     }
@@ -121,12 +121,12 @@ impl Executor {
         }
     }
 
-    /// How many indices a draw of the scene has.
+    /// Sets how many indices a draw of the scene has.
     pub fn set_scene_indices(&mut self, count: u32) {
         self.scene_indices = count;
     }
 
-    /// The run's seed; passes run again where it is another.
+    /// Sets the run's seed; passes run again where it is another.
     pub fn set_seed(&mut self, seed: u32) {
         if self.seed != seed {
             self.seed = seed;
@@ -273,7 +273,7 @@ impl Executor {
         Ok(FrameReport { ran: loaded.schedule.runs.clone(), times })
     }
 
-    /// The bytes of a resource as the last frame left it: rows and layers without padding. Resources that share
+    /// Returns the bytes of a resource as the last frame left it: rows and layers without padding. Resources that share
     /// their object may have been overwritten; outputs of the pipeline never are.
     ///
     /// # Errors
@@ -289,7 +289,7 @@ impl Executor {
         readback::read(&self.gpu, &planned.name, &planned.desc, object)
     }
 
-    /// The object of a resource, for a host program that draws with it.
+    /// Returns the object of a resource, for a host program that draws with it.
     pub fn object(&self, resource: ResourceId) -> Option<&Object> {
         let loaded = self.loaded.as_ref()?;
         let planned = loaded.plan.resources.get(resource.0 as usize)?;

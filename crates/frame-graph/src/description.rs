@@ -39,34 +39,34 @@ pub fn parse(source: Arc<Source>) -> Result<Description, Diagnostics> {
 }
 
 impl Description {
-    /// What it renders, in one line.
+    /// Returns what it renders, in one line.
     pub fn about(&self) -> Option<&str> {
         self.about.as_ref().map(|about| about.value.as_str())
     }
 
-    /// The paper and section that it renders.
+    /// Returns the paper and section that it renders.
     pub fn paper(&self) -> Option<&str> {
         self.paper.as_ref().map(|paper| paper.value.as_str())
     }
 
-    /// The file of which this one is a variant.
+    /// Returns the file of which this one is a variant.
     pub fn extends(&self) -> Option<&str> {
         self.extends.as_ref().map(|file| file.value.as_str())
     }
 
-    /// What `set:` of a pass says, in order; parameters are left out.
+    /// Returns what `set:` of a pass says, in order; parameters are left out.
     pub fn settings(&self, pass: &str) -> Vec<(&str, &Value)> {
         let entry = self.passes.iter().find(|entry| entry.name.value == *pass);
         let set = entry.map_or(&[][..], |entry| &entry.decl.set);
         set.iter().filter_map(|set| Some((&*set.name.value, set.value.get()?))).collect()
     }
 
-    /// Whether it is a part, to be used with `Sub`: it has inputs.
+    /// Returns whether it is a part, to be used with `Sub`: it has inputs.
     pub fn is_part(&self) -> bool {
         !self.inputs.is_empty()
     }
 
-    /// The files that it names: what must be watched beside it.
+    /// Returns the files that it names: what must be watched beside it.
     pub fn files(&self) -> Vec<&str> {
         let patched = self.patch.iter().filter_map(|patch| match patch {
             Patch::Replace { decl, .. } | Patch::Insert { decl, .. } => Some(decl),

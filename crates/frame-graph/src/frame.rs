@@ -165,7 +165,7 @@ impl FrameState {
         self.fresh = true;
     }
 
-    /// Which of the two objects of a history holds its newest version.
+    /// Returns which of the two objects of a history holds its newest version.
     pub fn current(&self, history: HistoryId) -> usize {
         self.histories[history.0 as usize].current
     }
@@ -216,7 +216,7 @@ impl FrameState {
         FrameSchedule { runs, histories }
     }
 
-    /// How long the past of a history had lasted in the frame begun last, in frames.
+    /// Returns how long the past of a history had lasted in the frame begun last, in frames.
     pub fn age(&self, history: HistoryId) -> u32 {
         self.histories[history.0 as usize].age
     }

@@ -259,19 +259,19 @@ impl fmt::Display for PlanId {
 }
 
 impl Plan {
-    /// The pass of this name.
+    /// Returns the pass of this name.
     pub fn pass(&self, name: &str) -> Option<PassId> {
         self.passes.iter().position(|pass| pass.name == *name).map(|i| PassId(i as u32))
     }
 
-    /// The resource named `pass.port` or `pass.port.member`, which may be one that the pass hands on.
+    /// Returns the resource named `pass.port` or `pass.port.member`, which may be one that the pass hands on.
     pub fn resource(&self, name: &str) -> Option<ResourceId> {
         let made = self.resources.iter().position(|resource| resource.name == *name);
         made.map(|i| ResourceId(i as u32))
             .or_else(|| self.handed().find(|(handed, _)| handed == name).map(|(_, id)| id))
     }
 
-    /// Every resource that a pass hands on, as `pass.port` or `pass.port.member` of that pass.
+    /// Returns every resource that a pass hands on, as `pass.port` or `pass.port.member` of that pass.
     pub fn handed(&self) -> impl Iterator<Item = (String, ResourceId)> + '_ {
         self.passes.iter().flat_map(|pass| {
             pass.outputs.iter().flat_map(move |port| {
@@ -283,28 +283,28 @@ impl Plan {
         })
     }
 
-    /// The output of this name.
+    /// Returns the output of this name.
     pub fn output(&self, name: &str) -> Option<&PlannedOutput> {
         self.outputs.iter().find(|output| output.name == *name)
     }
 
-    /// The plan as text: every pass in order with what it reads and writes, what became of the others and why,
+    /// Returns the plan as text: every pass in order with what it reads and writes, what became of the others and why,
     /// and what memory it takes.
     pub fn to_text(&self) -> String {
         text::text(self)
     }
 
-    /// The plan as a graph for Graphviz.
+    /// Returns the plan as a graph for Graphviz.
     pub fn to_dot(&self) -> String {
         dot::dot(self)
     }
 
-    /// The plan as JSON.
+    /// Returns the plan as JSON.
     pub fn to_json(&self) -> serde_json::Value {
         json::json(self)
     }
 
-    /// The plan as a drawing: passes from left to right in the order of data, colours for what became of them.
+    /// Returns the plan as a drawing: passes from left to right in the order of data, colours for what became of them.
     pub fn to_svg(&self) -> String {
         svg::svg(self)
     }

@@ -151,12 +151,12 @@ impl Externals {
     /// The number of the frame and its time: a pass that reads it runs in every frame.
     pub const FRAME: Externals = Externals(8);
 
-    /// Both together.
+    /// Returns both together.
     pub const fn and(self, other: Externals) -> Externals {
         Externals(self.0 | other.0)
     }
 
-    /// Whether all of `other` is in it.
+    /// Returns whether all of `other` is in it.
     pub const fn contains(self, other: Externals) -> bool {
         self.0 & other.0 == other.0
     }
@@ -213,12 +213,12 @@ pub struct InputDesc {
 }
 
 impl InputDesc {
-    /// The resource of that member; `""` for the only one.
+    /// Returns the resource of that member; `""` for the only one.
     pub fn member(&self, name: &str) -> Option<&ResourceDesc> {
         self.members.iter().find(|(n, _)| n == name).map(|(_, desc)| desc)
     }
 
-    /// Size of the first texture, in texels.
+    /// Returns the size of the first texture, in texels.
     pub fn size(&self) -> Option<(u32, u32)> {
         self.members.iter().find_map(|(_, desc)| desc.texture().map(|t| t.size))
     }
@@ -240,12 +240,12 @@ pub struct OutputContext<'a> {
 }
 
 impl<'a> OutputContext<'a> {
-    /// The input of that name, where it is connected.
+    /// Returns the input of that name, where it is connected.
     pub fn input(&self, name: &str) -> Option<&'a InputDesc> {
         self.inputs.iter().find(|input| input.name == name)
     }
 
-    /// A fact of a connected input.
+    /// Returns a fact of a connected input.
     pub fn fact(&self, input: &str, fact: &str) -> Option<&'a Value> {
         self.input(input).and_then(|input| input.facts.get(fact))
     }
@@ -305,7 +305,7 @@ pub enum HandedOn {
 }
 
 impl OutputDesc {
-    /// A port with one resource, fully written by the pass.
+    /// Describes a port with one resource, fully written by the pass.
     pub fn one(port: &str, desc: ResourceDesc<Extent>) -> OutputDesc {
         OutputDesc::of(port, vec![(String::new(), desc, Usage::Overwrites)])
     }
@@ -337,12 +337,12 @@ impl OutputDesc {
         self
     }
 
-    /// A resource that the pass needs only while it runs.
+    /// Describes a scratch resource, which the pass needs only while it runs.
     pub fn scratch(name: &str, desc: ResourceDesc<Extent>) -> OutputDesc {
         OutputDesc { scratch: true, ..OutputDesc::one(name, desc) }
     }
 
-    /// The same, where every member begins as the member of the same name of an input: see [`Usage::Continue`].
+    /// Returns the same, where every member begins as the member of the same name of an input: see [`Usage::Continue`].
     pub fn continuing(mut self, input: &str) -> OutputDesc {
         for (member, _, usage) in &mut self.members {
             *usage = Usage::Continue { input: input.to_owned(), member: member.clone() };
@@ -350,13 +350,13 @@ impl OutputDesc {
         self
     }
 
-    /// The same, with a fact.
+    /// Adds a fact.
     pub fn fact(mut self, name: &str, value: Value) -> OutputDesc {
         self.facts.insert(name, value);
         self
     }
 
-    /// The same, with the WGSL that answers for it in the shaders of its readers.
+    /// Returns the same, with the WGSL that answers for it in the shaders of its readers.
     pub fn module(mut self, module: Module) -> OutputDesc {
         self.facts.set_module(module);
         self
@@ -377,22 +377,22 @@ pub struct KindError {
 }
 
 impl KindError {
-    /// An error of the use as a whole.
+    /// Creates an error of the use as a whole.
     pub fn new(message: impl Into<String>) -> KindError {
         KindError { message: message.into(), ..KindError::default() }
     }
 
-    /// An error of one setting.
+    /// Creates an error of one setting.
     pub fn setting(name: &str, message: impl Into<String>) -> KindError {
         KindError { message: message.into(), setting: Some(name.to_owned()), ..KindError::default() }
     }
 
-    /// An error of one input.
+    /// Creates an error of one input.
     pub fn input(name: &str, message: impl Into<String>) -> KindError {
         KindError { message: message.into(), input: Some(name.to_owned()), ..KindError::default() }
     }
 
-    /// The same, with advice.
+    /// Adds advice.
     pub fn help(mut self, help: impl Into<String>) -> KindError {
         self.help = Some(help.into());
         self

@@ -114,12 +114,12 @@ pub fn resolve_description(
 }
 
 impl Resolved {
-    /// What it renders, in one line.
+    /// Returns what it renders, in one line.
     pub fn about(&self) -> Option<&str> {
         self.about.as_deref()
     }
 
-    /// The paper and section that it renders.
+    /// Returns the paper and section that it renders.
     pub fn paper(&self) -> Option<&str> {
         self.paper.as_deref()
     }
@@ -130,7 +130,7 @@ impl Resolved {
         Some(self.sources.span(node.place))
     }
 
-    /// Names and kinds of all passes, in the order of the file.
+    /// Returns the names and kinds of all passes, in the order of the file.
     pub fn passes(&self) -> impl Iterator<Item = (&Name, &Name)> {
         self.nodes.iter().filter_map(|node| match &node.decl.body {
             Body::Pass { kind, .. } => Some((&node.name, &kind.value)),
@@ -138,7 +138,7 @@ impl Resolved {
         })
     }
 
-    /// Name and WGSL file of each pass that has one.
+    /// Returns the name and WGSL file of each pass that has one.
     pub fn shaders(&self) -> impl Iterator<Item = (&Name, &Name)> {
         self.nodes.iter().filter_map(|node| match &node.decl.body {
             Body::Pass { shader: Some(shader), .. } => Some((&node.name, &shader.value)),
@@ -146,22 +146,22 @@ impl Resolved {
         })
     }
 
-    /// Names of the outputs, in the order of the file.
+    /// Returns the names of the outputs, in the order of the file.
     pub fn outputs(&self) -> impl Iterator<Item = &Name> {
         self.outputs.iter().map(|output| &output.name.value)
     }
 
-    /// Whether it is a part, to be used with `Sub`: it has inputs.
+    /// Returns whether it is a part, to be used with `Sub`: it has inputs.
     pub fn is_part(&self) -> bool {
         !self.inputs.is_empty()
     }
 
-    /// The files that it was made from: what must be watched.
+    /// Returns the files that it was made from: what must be watched.
     pub fn sources(&self) -> &[Arc<Source>] {
         &self.sources.0
     }
 
-    /// The flattened file. Behind each value that was inherited, patched or given from outside stands a comment
+    /// Returns the flattened file. Behind each value that was inherited, patched or given from outside stands a comment
     /// with its origin. Read again, it gives an equal [`Resolved`].
     pub fn to_ron(&self) -> String {
         print::print(self, true)

@@ -50,7 +50,7 @@ impl Format {
         Format::Depth32Float,
     ];
 
-    /// Bytes of one texel.
+    /// Returns the bytes of one texel.
     pub fn bytes(self) -> u64 {
         match self {
             Format::R8Unorm => 1,
@@ -66,7 +66,7 @@ impl Format {
         }
     }
 
-    /// The name in RON and in WGSL: `rgba16float`.
+    /// Returns the name in RON and in WGSL: `rgba16float`.
     pub fn name(self) -> &'static str {
         match self {
             Format::R8Unorm => "r8unorm",
@@ -85,12 +85,12 @@ impl Format {
         }
     }
 
-    /// The format of this name.
+    /// Returns the format of this name.
     pub fn from_name(name: &str) -> Option<Format> {
         Format::ALL.into_iter().find(|format| format.name() == name)
     }
 
-    /// How a shader sees a texel of this format.
+    /// Returns how a shader sees a texel of this format.
     pub fn sample_kind(self) -> SampleKind {
         match self {
             Format::R32Uint | Format::Rg32Uint | Format::Rgba32Uint => SampleKind::Uint,
@@ -163,7 +163,7 @@ pub enum Clear {
 }
 
 impl ResourceDesc<(u32, u32)> {
-    /// Size in bytes, without any padding of the driver's.
+    /// Returns the size in bytes, without any padding of the driver's.
     pub fn bytes(&self) -> u64 {
         match self {
             ResourceDesc::Texture(t) => {
@@ -173,7 +173,7 @@ impl ResourceDesc<(u32, u32)> {
         }
     }
 
-    /// The texture, if it is one.
+    /// Returns the texture, if it is one.
     pub fn texture(&self) -> Option<&TextureDesc<(u32, u32)>> {
         if let ResourceDesc::Texture(t) = self { Some(t) } else { None }
     }
@@ -203,17 +203,17 @@ impl fmt::Display for Clear {
 }
 
 impl<S> ResourceDesc<S> {
-    /// A texture of one layer.
+    /// Describes a texture of one layer.
     pub fn texture_2d(format: Format, size: S) -> Self {
         ResourceDesc::Texture(TextureDesc { format, size, layers: 1, array: false })
     }
 
-    /// A texture array.
+    /// Describes a texture array.
     pub fn texture_2d_array(format: Format, size: S, layers: u32) -> Self {
         ResourceDesc::Texture(TextureDesc { format, size, layers, array: true })
     }
 
-    /// A buffer of `bytes`, rounded up to a multiple of 16.
+    /// Describes a buffer of `bytes`, rounded up to a multiple of 16.
     pub fn buffer(bytes: u64) -> Self {
         ResourceDesc::Buffer(BufferDesc { bytes: bytes.next_multiple_of(16).max(16) })
     }
@@ -223,7 +223,7 @@ impl Extent {
     /// The frame's own size.
     pub const FRAME: Extent = Extent::Frame { num: 1, den: 1 };
 
-    /// The size of an input.
+    /// Returns the size of an input.
     pub fn like(input: &str) -> Extent {
         Extent::Like { input: input.to_owned(), num: 1, den: 1 }
     }

@@ -6,19 +6,19 @@ use crate::image::luminance;
 use crate::{Image, Pair, linear_from_srgb};
 
 impl Pair<'_> {
-    /// I − R for each RGB channel (radiance), with sign: for an EXR or PFM file. NaN where the
-    /// difference is; alpha 1.
+    /// Computes I − R for each RGB channel (radiance), with sign: for an EXR or PFM file. NaN where the difference is;
+    /// alpha 1.
     pub fn difference(&self) -> Image {
         self.pixelwise(|i, r| std::array::from_fn(|c| i[c] - r[c]))
     }
 
-    /// |I − R| · `gain` for each RGB channel.
+    /// Computes |I − R| · `gain` for each RGB channel.
     pub fn absolute_difference(&self, gain: f32) -> Image {
         self.pixelwise(|i, r| std::array::from_fn(|c| (i[c] - r[c]).abs() * gain))
     }
 
-    /// The luminance of I − R, times `gain`, as colour: blue where the image is too dark (−1), white
-    /// where it agrees (0), red where it is too bright (+1). Linear display light, to be written with
+    /// Returns the luminance of I − R, times `gain`, as colour: blue where the image is too dark (−1), white where it
+    /// agrees (0), red where it is too bright (+1). Linear display light, to be written with
     /// [`Display::AS_IS`](crate::Display::AS_IS); NaN and infinite pixels stay NaN.
     pub fn signed_difference(&self, gain: f32) -> Image {
         self.pixelwise(|i, r| {

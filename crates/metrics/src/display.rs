@@ -45,8 +45,8 @@ impl Display {
     /// Shows display light as it is: for pictures that are tone-mapped already.
     pub const AS_IS: Self = Self { tonemap: Tonemap::Clamp, exposure: 0.0 };
 
-    /// Linear display light in 0..=1 of a linear radiance. A NaN or infinite channel gives NaN in
-    /// every channel, so that the caller decides how to show a broken pixel.
+    /// Returns the linear display light in 0..=1 of a linear radiance. A NaN or infinite channel gives NaN in every
+    /// channel, so that the caller decides how to show a broken pixel.
     pub fn map(&self, rgb: [f32; 3]) -> [f32; 3] {
         if !rgb.iter().all(|channel| channel.is_finite()) {
             return [f32::NAN; 3];
@@ -66,7 +66,7 @@ impl Display {
         mapped.map(|channel| channel.clamp(0.0, 1.0))
     }
 
-    /// [`Display::map`] of every pixel; alpha is kept.
+    /// Applies [`Display::map`] to every pixel; alpha is kept.
     pub fn apply(&self, image: &Image) -> Image {
         image.map_rgb(|rgb| self.map(rgb))
     }
@@ -103,12 +103,12 @@ impl FromStr for Tonemap {
     }
 }
 
-/// The sRGB transfer function (IEC 61966-2-1): linear light 0..=1 to the encoded value 0..=1.
+/// Returns the sRGB transfer function (IEC 61966-2-1): linear light 0..=1 to the encoded value 0..=1.
 pub fn srgb_from_linear(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The inverse of [`srgb_from_linear`].
+/// Returns the inverse of [`srgb_from_linear`].
 pub fn linear_from_srgb(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }

@@ -32,7 +32,7 @@ pub enum FileFormat {
 }
 
 impl FileFormat {
-    /// The format of a file name, or `None`. Case does not matter.
+    /// Returns the format of a file name, or `None`. Case does not matter.
     pub fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "exr" => Some(Self::Exr),
@@ -43,7 +43,7 @@ impl FileFormat {
         }
     }
 
-    /// True where the values are display light (tone-mapped), false where they are radiance.
+    /// Returns true where the values are display light (tone-mapped), false where they are radiance.
     pub fn is_display_referred(self) -> bool {
         self == Self::Png
     }
@@ -109,8 +109,8 @@ impl Image {
     }
 }
 
-/// The provenance that [`Image::write`] put into an EXR or PNG file; `None` where the file holds none,
-/// as PFM and HDR files never do.
+/// Returns the provenance that [`Image::write`] put into an EXR or PNG file; `None` where the file holds none, as PFM
+/// and HDR files never do.
 ///
 /// # Errors
 /// As [`Image::read`].

@@ -36,32 +36,32 @@ pub struct FlipMap {
 }
 
 impl FlipMap {
-    /// `[height * width]`, row by row from the top left, each 0..=1.
+    /// Returns the `[height * width]` errors, row by row from the top left, each 0..=1.
     pub fn errors(&self) -> &[f32] {
         &self.errors
     }
 
-    /// Mean error, the usual single figure.
+    /// Returns the mean error, the usual single figure.
     pub fn mean(&self) -> f64 {
         self.errors.iter().map(|&e| f64::from(e)).sum::<f64>() / self.errors.len() as f64
     }
 
-    /// The smallest error that at least a share `q` (0..=1) of the pixels does not exceed.
+    /// Returns the smallest error that at least a share `q` (0..=1) of the pixels does not exceed.
     pub fn quantile(&self, q: f64) -> f32 {
         let mut sorted = self.errors.clone();
         let rank = (q.clamp(0.0, 1.0) * sorted.len() as f64).ceil() as usize;
         *sorted.select_nth_unstable_by(rank.saturating_sub(1), f32::total_cmp).1
     }
 
-    /// The error through the magma colour map, as the original tool shows it: linear display light,
-    /// to be written with [`Display::AS_IS`].
+    /// Returns the error through the magma colour map, as the original tool shows it: linear display light, to be
+    /// written with [`Display::AS_IS`].
     pub fn to_image(&self) -> Image {
         crate::difference::magma(self.width, self.height, &self.errors)
     }
 }
 
-/// ꟻLIP between what `display` makes of the two pictures ([`Display::AS_IS`] for display light),
-/// seen at `pixels_per_degree`, above 0 ([`PIXELS_PER_DEGREE`]).
+/// Computes ꟻLIP between what `display` makes of the two pictures ([`Display::AS_IS`] for display light), seen at
+/// `pixels_per_degree`, above 0 ([`PIXELS_PER_DEGREE`]).
 ///
 /// A pixel that is NaN or infinite in either picture is black in both to its neighbours, and its own
 /// error is 1. O(pixels · pixels_per_degree).
@@ -70,8 +70,8 @@ pub fn flip(pair: &Pair<'_>, display: Display, pixels_per_degree: f32) -> FlipMa
     map(pair, |rgb| display.map(rgb), &filters)
 }
 
-/// HDR-ꟻLIP: the greatest ꟻLIP error of each pixel over the exposures at which the reference is
-/// neither too dark nor too bright on a display (2021, §4), through the ACES curve of that paper.
+/// Computes HDR-ꟻLIP: the greatest ꟻLIP error of each pixel over the exposures at which the reference is neither too
+/// dark nor too bright on a display (2021, §4), through the ACES curve of that paper.
 ///
 /// The exposures go in steps of at most 1 EV from where the reference's maximum, to where its median
 /// luminance, maps to 0.85; a median of 0 counts as `f32::EPSILON`. Broken pixels as in [`flip`].

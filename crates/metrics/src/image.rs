@@ -37,22 +37,22 @@ impl Image {
         Self::new(width, height, pixels.collect())
     }
 
-    /// Width in pixels, at least 1.
+    /// Returns the width in pixels, at least 1.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Height in pixels, at least 1.
+    /// Returns the height in pixels, at least 1.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// `[height * width]` RGBA.
+    /// Returns the `[height * width]` RGBA pixels.
     pub fn pixels(&self) -> &[[f32; 4]] {
         &self.pixels
     }
 
-    /// `[height * width]` RGBA, to change in place.
+    /// Returns the `[height * width]` RGBA pixels, to change in place.
     pub fn pixels_mut(&mut self) -> &mut [[f32; 4]] {
         &mut self.pixels
     }
@@ -83,7 +83,7 @@ impl Image {
     }
 }
 
-/// Relative luminance Y of a linear Rec. 709 colour (ITU-R BT.709: 0.2126, 0.7152, 0.0722).
+/// Returns the relative luminance Y of a linear Rec. 709 colour (ITU-R BT.709: 0.2126, 0.7152, 0.0722).
 pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }

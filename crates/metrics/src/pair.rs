@@ -72,39 +72,39 @@ impl<'a> Pair<'a> {
         Ok(Self { image, reference, non_finite })
     }
 
-    /// The image that is judged.
+    /// Returns the image that is judged.
     pub fn image(&self) -> &'a Image {
         self.image
     }
 
-    /// What it is judged by.
+    /// Returns the reference.
     pub fn reference(&self) -> &'a Image {
         self.reference
     }
 
-    /// How many pixels are NaN or infinite.
+    /// Returns how many pixels are NaN or infinite.
     pub fn non_finite(&self) -> NonFinite {
         self.non_finite
     }
 
-    /// Mean squared error (squared radiance): mean over pixels and RGB of (I − R)².
+    /// Returns the mean squared error (squared radiance): mean over pixels and RGB of (I − R)².
     pub fn mse(&self) -> f64 {
         self.mean_over_channels(|i, r| (i - r).powi(2))
     }
 
-    /// Root mean squared error (radiance): √[`mse`](Self::mse).
+    /// Returns the root mean squared error (radiance): √[`mse`](Self::mse).
     pub fn rmse(&self) -> f64 {
         self.mse().sqrt()
     }
 
-    /// RMSE over the mean of the reference, over pixels and RGB (1); `None` where that mean is 0.
+    /// Returns the RMSE over the mean of the reference, over pixels and RGB (1); `None` where that mean is 0.
     pub fn normalised_rmse(&self) -> Option<f64> {
         ratio(self.rmse(), self.mean_over_channels(|_, r| r))
     }
 
-    /// Relative mean squared error (1): mean over pixels and RGB of (I − R)² / (R² + ε), after
-    /// Rousselle et al. 2011, "Adaptive Sampling and Reconstruction using Greedy Error Minimization",
-    /// who take an absolute ε of 10⁻². `None` where ε is 0, as a relative one is by a black reference.
+    /// Returns the relative mean squared error (1): mean over pixels and RGB of (I − R)² / (R² + ε), after Rousselle et
+    /// al. 2011, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", who take an absolute ε of
+    /// 10⁻². `None` where ε is 0, as a relative one is by a black reference.
     ///
     /// The value depends much on ε where the picture has dark parts: state it beside the figure.
     pub fn rel_mse(&self, epsilon: Epsilon) -> Option<f64> {
@@ -132,29 +132,28 @@ impl<'a> Pair<'a> {
         (!kept.is_empty()).then(|| kept.iter().sum::<f64>() / kept.len() as f64)
     }
 
-    /// Mean absolute relative error (1; 100 times it is a percentage): mean over pixels and RGB of
-    /// |I − R| / (|R| + √ε). ε is the squared radiance of [`rel_mse`](Self::rel_mse), so both measures
-    /// stop being relative at the same radiance √ε; a relative ε of 10⁻² is 0.1 of the reference's mean
-    /// here. `None` where ε is 0.
+    /// Returns the mean absolute relative error (1; 100 times it is a percentage): mean over pixels and RGB of |I − R|
+    /// / (|R| + √ε). ε is the squared radiance of [`rel_mse`](Self::rel_mse), so both measures stop being relative at
+    /// the same radiance √ε; a relative ε of 10⁻² is 0.1 of the reference's mean here. `None` where ε is 0.
     pub fn mape(&self, epsilon: Epsilon) -> Option<f64> {
         let knee = self.squared_radiance(epsilon)?.sqrt();
         Some(self.mean_over_channels(|i, r| (i - r).abs() / (r.abs() + knee)))
     }
 
-    /// Largest |I − R| over pixels and RGB (radiance); 0 only for identical pictures.
+    /// Returns the largest |I − R| over pixels and RGB (radiance); 0 only for identical pictures.
     pub fn max_abs_difference(&self) -> f64 {
         self.finite().flat_map(|(i, r)| [0, 1, 2].map(|c| (i[c] - r[c]).abs())).fold(0.0, f64::max)
     }
 
-    /// Mean of each RGB channel of the image and of the reference (radiance), over the same pixels.
+    /// Returns the mean of each RGB channel of the image and of the reference (radiance), over the same pixels.
     pub fn means(&self) -> [[f64; 3]; 2] {
         let n = (self.image.pixels().len() - self.non_finite.excluded) as f64;
         let [a, b, c, d, e, f] = self.sum(|i, r| [i[0], i[1], i[2], r[0], r[1], r[2]]).map(|sum| sum / n);
         [[a, b, c], [d, e, f]]
     }
 
-    /// Mean energy of the image over that of the reference, over all RGB (1): 1 where no energy is
-    /// lost or gained; `None` where the reference's is 0.
+    /// Returns the mean energy of the image over that of the reference, over all RGB (1): 1 where no energy is lost or
+    /// gained; `None` where the reference's is 0.
     pub fn energy_ratio(&self) -> Option<f64> {
         ratio(self.mean_over_channels(|i, _| i), self.mean_over_channels(|_, r| r))
     }

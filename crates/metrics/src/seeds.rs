@@ -110,7 +110,7 @@ impl Decomposition {
     }
 }
 
-/// Mean of each channel of each pixel, alpha too; NaN or infinite where one of the images is.
+/// Returns the mean of each channel of each pixel, alpha too; NaN or infinite where one of the images is.
 ///
 /// # Errors
 /// [`ImageError::TooFew`] for no images; [`ImageError::SizesDiffer`].

@@ -14,9 +14,9 @@ const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
 impl Pair<'_> {
-    /// Mean structural similarity, −1..=1, where 1 is equality (Wang et al. 2004, Eq. 13 and 17), between
-    /// what `display` makes of the two pictures, as sRGB-encoded luma (Rec. 709 weights, 0..=1): windows
-    /// of 11×11 pixels under a Gaussian of σ 1.5, K₁ = 0.01, K₂ = 0.03.
+    /// Returns the mean structural similarity, −1..=1, where 1 is equality (Wang et al. 2004, Eq. 13 and 17), between
+    /// what `display` makes of the two pictures, as sRGB-encoded luma (Rec. 709 weights, 0..=1): windows of 11×11
+    /// pixels under a Gaussian of σ 1.5, K₁ = 0.01, K₂ = 0.03.
     ///
     /// Only windows that lie wholly inside count, as in the authors' program: the outer 5 pixels are the
     /// centre of none. A picture with fewer than 11 pixels across or down has windows just as wide or

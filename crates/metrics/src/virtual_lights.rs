@@ -52,9 +52,9 @@ pub fn read_virtual_lights(bytes: &[u8]) -> Option<Vec<VirtualLight>> {
     Some(lights.as_chunks::<STRIDE>().0.iter().map(light).collect())
 }
 
-/// How many lights moved by more than `tolerance_m` \[m\] between two frames. Lights are matched by their
-/// place in the buffer; where the counts differ, each light without a counterpart has come or gone, and
-/// counts as moved. So does one whose position is NaN.
+/// Counts the lights that moved by more than `tolerance_m` \[m\] between two frames. Lights are matched by their place
+/// in the buffer; where the counts differ, each light without a counterpart has come or gone, and counts as moved. So
+/// does one whose position is NaN.
 pub fn lights_moved(previous: &[VirtualLight], current: &[VirtualLight], tolerance_m: f32) -> usize {
     let stays = |(a, b): &(&VirtualLight, &VirtualLight)| {
         length(difference(a.position, b.position)) <= f64::from(tolerance_m)
@@ -62,7 +62,7 @@ pub fn lights_moved(previous: &[VirtualLight], current: &[VirtualLight], toleran
     previous.len().max(current.len()) - previous.iter().zip(current).filter(stays).count()
 }
 
-/// [`lights_moved`] over the greater of the two counts; `None` where neither frame has lights.
+/// Returns [`lights_moved`] over the greater of the two counts; `None` where neither frame has lights.
 pub fn share_of_lights_moved(
     previous: &[VirtualLight],
     current: &[VirtualLight],
@@ -72,10 +72,10 @@ pub fn share_of_lights_moved(
     (all > 0).then(|| lights_moved(previous, current, tolerance_m) as f64 / all as f64)
 }
 
-/// How many lights bring light to at least one of the `receivers`: they have flux in some channel, the
-/// two face each other, and nothing is between. `occluded(light, receiver)` says whether something is,
-/// for two positions \[m\]; it keeps off the surfaces themselves. Lights run on all threads, each until
-/// the first receiver that it reaches. O(lights · receivers) at worst.
+/// Counts the lights that bring light to at least one of the `receivers`: they have flux in some channel, the two face
+/// each other, and nothing is between. `occluded(light, receiver)` says whether something is, for two positions \[m\];
+/// it keeps off the surfaces themselves. Lights run on all threads, each until the first receiver that it reaches.
+/// O(lights · receivers) at worst.
 ///
 /// Receivers are a sample of the pixels, so the count is a lower bound that rises with their number.
 pub fn lights_that_reach(
@@ -95,9 +95,9 @@ pub fn lights_that_reach(
     lights.par_iter().filter(reaches).count()
 }
 
-/// The share of the irradiance that clamping removed: `irradiance` has in RGB what was kept and in alpha
-/// the luminance of what was not. Pixels with a NaN or infinite channel are left out; `None` where there
-/// is no light at all.
+/// Returns the share of the irradiance that clamping removed: `irradiance` has in RGB what was kept and in alpha the
+/// luminance of what was not. Pixels with a NaN or infinite channel are left out; `None` where there is no light at
+/// all.
 pub fn clamped_share(irradiance: &Image) -> Option<f64> {
     let (mut kept, mut removed) = (0.0, 0.0);
     let pixels = irradiance.pixels().iter();

@@ -78,7 +78,7 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Names the WGSL file of a kind that takes one.
+    /// Returns the names the WGSL file of a kind that takes one.
     pub fn shader(mut self, path: &'a str) -> Self {
         self.shader = Some(path);
         self

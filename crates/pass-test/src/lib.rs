@@ -44,7 +44,7 @@ pub struct Outputs {
     dispatches: bool,
 }
 
-/// A buffer of `bytes`.
+/// Describes a buffer of `bytes`.
 pub fn buffer(bytes: u64) -> ResourceDesc {
     ResourceDesc::buffer(bytes)
 }
@@ -67,14 +67,14 @@ pub struct VirtualLight {
     pub pad: f32,
 }
 
-/// A buffer with these elements after a header of four words whose first is their number: VirtualLights.
+/// Describes a buffer with these elements after a header of four words whose first is their number: VirtualLights.
 pub fn counted<T: Pod>(elements: &[T]) -> (ResourceDesc, Vec<u8>) {
     let mut bytes = bytemuck::cast_slice(&[elements.len() as u32, 0, 0, 0]).to_vec();
     bytes.extend_from_slice(bytemuck::cast_slice(elements));
     (ResourceDesc::buffer(bytes.len() as u64), bytes)
 }
 
-/// The one device of a test process; `None`, said on stderr, where there is no adapter.
+/// Returns the one device of a test process; `None`, said on stderr, where there is no adapter.
 pub fn gpu() -> Option<Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
     GPU.get_or_init(|| match Gpu::open() {
@@ -87,12 +87,12 @@ pub fn gpu() -> Option<Gpu> {
     .clone()
 }
 
-/// The root of Lightloom's tree.
+/// Returns the root of Lightloom's tree.
 pub fn root() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }
 
-/// All WGSL of the tree.
+/// Returns all WGSL of the tree.
 pub fn shaders() -> Library {
     Library::new(Arc::new(DiskFiles::new(root()))).with_roots(["shaders", ""])
 }
@@ -109,7 +109,7 @@ fn library(order: Option<u32>) -> &'static Library {
     })
 }
 
-/// A scene by name or path.
+/// Returns a scene by name or path.
 ///
 /// # Panics
 /// Where it cannot be loaded.
@@ -117,7 +117,7 @@ pub fn scene(spec: &str) -> Scene {
     scene::load(spec, &SceneFolder).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A scene described in RON.
+/// Loads a scene described in RON.
 ///
 /// # Panics
 /// Where the description is wrong.
@@ -125,7 +125,7 @@ pub fn scene_from(description: &str) -> Scene {
     scene::load("described", &Description(description)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Triangles with these corners \[m\], with the material of the scene `plane`.
+/// Creates triangles with these corners \[m\], with the material of the scene `plane`.
 pub fn soup(corners: &[[f32; 3]]) -> Scene {
     let mut soup = scene("plane");
     soup.vertices =
@@ -216,7 +216,7 @@ impl Outputs {
         }
     }
 
-    /// The elements of an output, scratch or input, by `port` or `port.member`.
+    /// Returns the elements of an output, scratch or input, by `port` or `port.member`.
     ///
     /// # Panics
     /// Where there is none of that name, or its size is no multiple of an element's.
@@ -225,14 +225,14 @@ impl Outputs {
         bytemuck::pod_collect_to_vec(&bytes)
     }
 
-    /// The elements after a header of four words, as many as its first says: VirtualLights.
+    /// Returns the elements after a header of four words, as many as its first says: VirtualLights.
     pub fn read_counted<T: Pod>(&self, name: &str) -> Vec<T> {
         let bytes: Vec<u8> = self.read(name);
         let count = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
         bytemuck::pod_collect_to_vec(&bytes[16..16 + count * size_of::<T>()])
     }
 
-    /// The description of a resource.
+    /// Returns the description of a resource.
     pub fn desc(&self, name: &str) -> &ResourceDesc {
         &self.plan.resources[self.find(name).0 as usize].desc
     }

@@ -1,23 +1,23 @@
 //! Twin of shaders/random.wgsl, in `f64`.
 
-/// A permutation of 32 bits (Jarzynski & Olano 2020).
+/// Returns a permutation of 32 bits (Jarzynski & Olano 2020).
 pub fn hash(value: u32) -> u32 {
     let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     (word >> 22) ^ word
 }
 
-/// A hash of two numbers.
+/// Returns a hash of two numbers.
 pub fn hash2(a: u32, b: u32) -> u32 {
     hash(a ^ hash(b.wrapping_add(0x9e37_79b9)))
 }
 
-/// In \[0, 1), from the upper 24 bits.
+/// Maps to \[0, 1), from the upper 24 bits.
 pub fn unit_float(bits: u32) -> f64 {
     f64::from(bits >> 8) / 16_777_216.0
 }
 
-/// Element `index` of van der Corput's sequence.
+/// Returns element `index` of van der Corput's sequence.
 pub fn radical_inverse(base: u32, index: u32) -> f64 {
     let (mut rest, mut reversed, mut scale) = (index, 0_u64, 1_u64);
     while rest > 0 {
@@ -28,7 +28,8 @@ pub fn radical_inverse(base: u32, index: u32) -> f64 {
     reversed as f64 / scale as f64
 }
 
-/// Element `index` of Halton's sequence in bases 2, 3, 5, shifted by the seed modulo 1; seed 0 is the plain one.
+/// Returns element `index` of Halton's sequence in bases 2, 3, 5, shifted by the seed modulo 1; seed 0 is the plain
+/// one.
 pub fn halton3(index: u32, seed: u32) -> [f64; 3] {
     [(2, 0), (3, 1), (5, 2)].map(|(base, dimension)| {
         let shift = if seed == 0 { 0.0 } else { unit_float(hash2(seed, dimension)) };

@@ -1,12 +1,12 @@
 //! Whether counts are those of a distribution.
 
-/// The value that chi squared of so many degrees of freedom exceeds once in a million (Wilson & Hilferty 1931).
+/// Returns the value that chi squared of so many degrees of freedom exceeds once in a million (Wilson & Hilferty 1931).
 pub fn chi_squared_limit(freedom: f64) -> f64 {
     let ninth = 2.0 / (9.0 * freedom);
     freedom * (1.0 - ninth + 4.753 * ninth.sqrt()).powi(3)
 }
 
-/// Chi squared of counts and its degrees of freedom. Cells of which fewer than five are expected are one cell.
+/// Computes chi squared of counts and its degrees of freedom. Cells of which fewer than five are expected are one cell.
 pub fn chi_squared(observed: &[u32], expected: &[f64]) -> (f64, f64) {
     let (mut statistic, mut freedom, mut rest) = (0.0, -1.0, (0.0, 0.0));
     for (n, expected) in std::iter::zip(observed, expected) {

@@ -27,7 +27,7 @@ pub static GLOBALS: &[(&str, Externals)] = &[
     ("nearest_sampler", Externals::NONE),
 ];
 
-/// What a global of that name belongs to; `None` where it is no data of the host program.
+/// Returns what a global of that name belongs to; `None` where it is no data of the host program.
 pub fn of_global(name: &str) -> Option<Externals> {
     GLOBALS.iter().find(|(global, _)| *global == name).map(|(_, externals)| *externals)
 }

@@ -139,14 +139,14 @@ pub static FORMATS: &[(&str, &str, Format)] = &[
     ("Display", "", Format::Rgba8Unorm),
 ];
 
-/// The format of a member by [`FORMATS`]; `None` where the member is a buffer or there is none of that name.
+/// Returns the format of a member by [`FORMATS`]; `None` where the member is a buffer or there is none of that name.
 pub fn format_of(interface: &str, member: &str) -> Option<Format> {
     let of = |entry: &&(&str, &str, Format)| entry.0 == interface && entry.1 == member;
     FORMATS.iter().find(of).map(|(_, _, format)| *format)
 }
 
-/// Size and layers of the importance map that a sampler reads beside the reflective shadow map it was made from: its
-/// inputs are `importance` and `rsm`.
+/// Returns the size and layers of the importance map that a sampler reads beside the reflective shadow map it was made
+/// from: its inputs are `importance` and `rsm`.
 ///
 /// # Errors
 /// Where the two have not the same texels.
@@ -171,7 +171,7 @@ pub fn importance_shape(cx: &OutputContext<'_>) -> Result<((u32, u32), u32), Kin
     Ok(((width, height), layers))
 }
 
-/// The buffer of so many virtual lights: struct VirtualLights of shaders/virtual-lights.wgsl.
+/// Returns the buffer of so many virtual lights: struct VirtualLights of shaders/virtual-lights.wgsl.
 pub fn virtual_lights(count: u32) -> ResourceDesc<Extent> {
     const HEADER_BYTES: u64 = 16;
     const LIGHT_BYTES: u64 = 48;

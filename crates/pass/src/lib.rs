@@ -85,17 +85,17 @@ pub struct UseContext<'a> {
     pub shaders: &'a Library,
 }
 
-/// An input port, required.
+/// Declares an input port that must be linked.
 pub fn input(name: &str, interface: &str, doc: &str) -> InputPort {
     InputPort { name: name.into(), interface: interface.into(), optional: false, doc: doc.into() }
 }
 
-/// An input port that may be left unconnected.
+/// Declares an input port that may be left unlinked.
 pub fn optional(name: &str, interface: &str, doc: &str) -> InputPort {
     InputPort { optional: true, ..input(name, interface, doc) }
 }
 
-/// An output port.
+/// Declares an output port.
 pub fn output(name: &str, interface: &str, doc: &str) -> OutputPort {
     OutputPort { name: name.into(), interface: interface.into(), doc: doc.into() }
 }

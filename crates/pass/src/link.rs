@@ -61,7 +61,7 @@ pub struct LinkedStep {
 }
 
 impl LinkedStep {
-    /// The data of the host program that it reads, by names of globals.
+    /// Returns the data of the host program that it reads, by names of globals.
     pub fn externals(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.bindings.iter().filter_map(|bound| match bound.source {
             Source::External(name) => Some(name),
@@ -69,7 +69,7 @@ impl LinkedStep {
         })
     }
 
-    /// Whether it is a draw whose size is on the GPU.
+    /// Returns whether it is a draw whose size is on the GPU.
     pub fn draws_indirectly(&self) -> bool {
         matches!(&self.step, Step::Raster(raster) if matches!(raster.draw, Draw::Indirect { .. }))
     }
@@ -91,15 +91,15 @@ impl LinkedStep {
         })
     }
 
-    /// Whether it needs an adapter with ray queries.
+    /// Returns whether it needs an adapter with ray queries.
     pub fn queries_rays(&self) -> bool {
         let globals = &self.shader.interface.globals;
         self.bindings.iter().any(|bound| globals[bound.global].kind == GlobalKind::AccelerationStructure)
     }
 }
 
-/// The seed of a pass: made from the run's seed and the pass's name, so that it depends on nothing else.
-/// A run's seed of 0 gives every pass the seed 0: plain sequences, as the papers use them.
+/// Returns the seed of a pass: made from the run's seed and the pass's name, so that it depends on nothing else. A
+/// run's seed of 0 gives every pass the seed 0: plain sequences, as the papers use them.
 pub fn pass_seed(run: u32, pass: &str) -> u32 {
     if run == 0 {
         return 0;

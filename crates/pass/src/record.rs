@@ -44,27 +44,27 @@ pub struct PortDesc {
 }
 
 impl<'a> RecordContext<'a> {
-    /// A port by name: inputs, outputs and scratch have distinct names.
+    /// Returns a port by name: inputs, outputs and scratch have distinct names.
     pub fn port(&self, name: &str) -> Option<&'a PortDesc> {
         self.inputs.iter().chain(self.outputs).find(|port| port.name == name)
     }
 
-    /// Whether an input is linked, or an output is read.
+    /// Returns whether an input is linked, or an output is read.
     pub fn connected(&self, name: &str) -> bool {
         self.port(name).is_some_and(|port| port.connected)
     }
 
-    /// Size of the first texture of a port, in texels; `(1, 1)` where it has none.
+    /// Returns the size of the first texture of a port, in texels; `(1, 1)` where it has none.
     pub fn size(&self, port: &str) -> (u32, u32) {
         self.texture(port).map_or((1, 1), |texture| texture.size)
     }
 
-    /// Layers of the first texture of a port; 1 where it has none.
+    /// Returns the layers of the first texture of a port; 1 where it has none.
     pub fn layers(&self, port: &str) -> u32 {
         self.texture(port).map_or(1, |texture| texture.layers)
     }
 
-    /// Whether a port has a member: optional ones are there where the producer made them.
+    /// Returns whether a port has a member: optional ones are there where the producer made them.
     pub fn has_member(&self, port: &str, member: &str) -> bool {
         self.port(port).is_some_and(|port| port.members.iter().any(|(name, _)| name == member))
     }
@@ -73,22 +73,22 @@ impl<'a> RecordContext<'a> {
         self.port(port)?.members.iter().find_map(|(_, desc)| desc.texture())
     }
 
-    /// A whole number that goes with a port: `count`, `tile`, `layers`. 0 where there is none.
+    /// Returns a whole number that goes with a port: `count`, `tile`, `layers`. 0 where there is none.
     pub fn fact(&self, port: &str, fact: &str) -> u32 {
         self.port(port).and_then(|port| port.facts.get(fact)).and_then(Value::as_u32).unwrap_or(0)
     }
 
-    /// A count of the scene: `light_layers`, `triangles`. 0 where there is none.
+    /// Returns a count of the scene: `light_layers`, `triangles`. 0 where there is none.
     pub fn trait_u32(&self, name: &str) -> u32 {
         self.traits.0.get(name).and_then(Value::as_u32).unwrap_or(0)
     }
 
-    /// Whether the scene has a property: `textured`, `glossy`. False where it is unknown.
+    /// Returns whether the scene has a property: `textured`, `glossy`. False where it is unknown.
     pub fn trait_bool(&self, name: &str) -> bool {
         self.traits.0.get(name).and_then(Value::as_bool).unwrap_or(false)
     }
 
-    /// A shader with these defines, and with the modules that the connected inputs bring: an input that has one
+    /// Returns a shader with these defines, and with the modules that the connected inputs bring: an input that has one
     /// answers `#import interface "PORT"`, and its options have the values that its producer gave them.
     pub fn shader(&self, path: &str, defines: &[(&str, Define)]) -> Request {
         self.with_modules(request(path, defines))
@@ -133,7 +133,7 @@ pub fn request_of_module(module: &Module) -> Request {
     request(&module.path, &options(module).collect::<Vec<_>>())
 }
 
-/// A request for a shader without modules.
+/// Returns a request for a shader without modules.
 pub fn request(path: &str, defines: &[(&str, Define)]) -> Request {
     Request {
         path: path.to_owned(),
@@ -297,30 +297,30 @@ impl Step {
 }
 
 impl Target {
-    /// The whole of a port's texture, cleared to zero first.
+    /// Returns the whole of a port's texture, cleared to zero first.
     pub fn clear(resource: &str) -> Target {
         Target { resource: resource.into(), layer: 0, load: Load::Clear([0.0; 4]) }
     }
 }
 
 impl Compute {
-    /// A dispatch whose globals are bound by name.
+    /// Creates a dispatch whose globals are bound by name.
     pub fn new(shader: Request, entry: &str, threads: Threads) -> Compute {
         Compute { shader, entry: entry.into(), threads, values: Vec::new(), bind: Vec::new() }
     }
 
-    /// One thread for each texel of a size.
+    /// Creates a dispatch of one thread for each texel of a size.
     pub fn per_texel(shader: Request, entry: &str, size: (u32, u32)) -> Compute {
         Compute::new(shader, entry, Threads::Grid([size.0, size.1, 1]))
     }
 
-    /// With a value for a member of `settings`.
+    /// Adds a value for a member of `settings`.
     pub fn value(mut self, name: &str, value: Value) -> Compute {
         self.values.push((name.into(), value));
         self
     }
 
-    /// With a global bound to another resource than its name says.
+    /// Binds a global to another resource than its name says.
     pub fn bind(mut self, global: &str, resource: &str) -> Compute {
         self.bind.push((global.into(), resource.into()));
         self
@@ -328,7 +328,7 @@ impl Compute {
 }
 
 impl Recording {
-    /// Of one dispatch.
+    /// Creates a recording of one dispatch.
     pub fn one(step: Compute) -> Recording {
         Recording { steps: vec![Step::Compute(step)] }
     }
@@ -344,7 +344,7 @@ impl Recording {
         self
     }
 
-    /// With one more dispatch.
+    /// Adds one more dispatch.
     pub fn then(mut self, step: Compute) -> Recording {
         self.steps.push(Step::Compute(step));
         self

@@ -245,22 +245,22 @@ fn plain(name: &str, default: Value, doc: &str) -> Setting {
     }
 }
 
-/// A whole number that is not negative.
+/// Declares a whole number that is not negative.
 pub fn u32(name: &str, default: u32, doc: &str) -> Setting {
     plain(name, Value::U32(default), doc)
 }
 
-/// A real number.
+/// Declares a real number.
 pub fn f32(name: &str, default: f32, doc: &str) -> Setting {
     plain(name, Value::F32(default), doc)
 }
 
-/// On or off.
+/// Declares a setting that is on or off.
 pub fn bool(name: &str, default: bool, doc: &str) -> Setting {
     plain(name, Value::Bool(default), doc)
 }
 
-/// One of several names; the first is the default.
+/// Declares one of several names; the first is the default.
 pub fn choice(name: &str, choices: &[&str], doc: &str) -> Setting {
     let values: Vec<Value> = choices.iter().map(|choice| Value::Text((*choice).into())).collect();
     Setting { one_of: values.clone(), ..plain(name, values[0].clone(), doc) }

@@ -11,7 +11,8 @@ pub struct SurfaceSamples {
 }
 
 impl SurfaceSamples {
-    /// So many samples for each of so many maps, and no more than there are. The product is at most 2³⁰.
+    /// Asks for a number of samples for each of a number of maps, and for no more than there are. The product is at
+    /// most 2³⁰.
     pub fn new(cx: &RecordContext<'_>, maps: u32, per_map: u32) -> SurfaceSamples {
         let count = cx.fact("points", "count");
         // Maps that take turns, a power of two: not many more than there are.

@@ -4,7 +4,7 @@
 /// A position or direction.
 pub type Vec3 = [f64; 3];
 
-/// Element `index` of Sobol's sequence in two dimensions, in units of 2^-32.
+/// Returns element `index` of Sobol's sequence in two dimensions, in units of 2^-32.
 pub fn sobol2(index: u32) -> [u32; 2] {
     let mut second = 0;
     let mut direction = 0x8000_0000_u32;
@@ -19,7 +19,7 @@ pub fn sobol2(index: u32) -> [u32; 2] {
     [index.reverse_bits(), second]
 }
 
-/// Owen's nested scrambling (Laine & Karras 2011, constants of Burley 2020).
+/// Applies Owen's nested scrambling (Laine & Karras 2011, constants of Burley 2020).
 pub fn scramble(value: u32, seed: u32) -> u32 {
     let mut bits = value.reverse_bits().wrapping_add(seed);
     for factor in [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6_u32] {
@@ -28,18 +28,18 @@ pub fn scramble(value: u32, seed: u32) -> u32 {
     bits.reverse_bits()
 }
 
-/// The triangle whose interval of the table (one entry more than triangles) holds the number.
+/// Returns the triangle whose interval of the table (one entry more than triangles) holds the number.
 pub fn triangle_at(table: &[u32], number: u32) -> u32 {
     table[1..table.len() - 1].partition_point(|start| *start <= number) as u32
 }
 
-/// Barycentric coordinates of the second and third vertex from the unit square (Heitz 2019).
+/// Returns the barycentric coordinates of the second and third vertex from the unit square (Heitz 2019).
 pub fn triangle_from_square(square: [f64; 2]) -> [f64; 2] {
     let [x, y] = square;
     if y > x { [0.5 * x, y - 0.5 * x] } else { [x - 0.5 * y, 0.5 * y] }
 }
 
-/// Geometric normal, unit, and area of the triangle with these edges; zeros where it has no area.
+/// Returns the geometric normal, unit, and area of the triangle with these edges; zeros where it has no area.
 pub fn normal_and_area(a: Vec3, b: Vec3) -> (Vec3, f64) {
     let scale = a.iter().chain(&b).fold(0.0, |m: f64, x| m.max(x.abs()));
     if scale == 0.0 {
@@ -51,7 +51,7 @@ pub fn normal_and_area(a: Vec3, b: Vec3) -> (Vec3, f64) {
     if length > 0.0 { (across.map(|x| x / length), 0.5 * length * scale * scale) } else { ([0.0; 3], 0.0) }
 }
 
-/// Corner and edges of a triangle, of which `corner` gives vertex 0, 1 or 2.
+/// Returns the corner and edges of a triangle, of which `corner` gives vertex 0, 1 or 2.
 pub fn edges(triangle: u32, corner: impl Fn(u32, u32) -> Vec3) -> (Vec3, Vec3, Vec3) {
     let origin = corner(triangle, 0);
     let [a, b] = [1, 2].map(|k| {

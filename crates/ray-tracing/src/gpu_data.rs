@@ -33,7 +33,7 @@ pub(crate) struct BvhTriangle {
     pub(crate) pad1: u32,
 }
 
-/// The layouts that shaders must share.
+/// Returns the layouts that shaders must share.
 pub fn layouts() -> Vec<StructLayout> {
     vec![
         struct_layout!(BvhNode {

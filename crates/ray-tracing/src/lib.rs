@@ -70,7 +70,7 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Over triangles of three indices each into `positions`. An index without a position makes its triangle
+    /// Builds it over triangles of three indices each into `positions`. An index without a position makes its triangle
     /// one that is never hit.
     ///
     /// # Panics
@@ -124,7 +124,7 @@ impl Bvh {
         }
     }
 
-    /// The cost of a ray by the surface area heuristic, in tests of a triangle.
+    /// Returns the cost of a ray by the surface area heuristic, in tests of a triangle.
     pub fn cost(&self) -> f64 {
         let whole = self.nodes[0].bounds().half_area();
         let node = f64::from(TRAVERSAL_COST);
@@ -136,17 +136,17 @@ impl Bvh {
         cost
     }
 
-    /// Children that wait on a ray's way, at most: no more than [`STACK`].
+    /// Returns the children that wait on a ray's way, at most: no more than [`STACK`].
     pub fn stack(&self) -> usize {
         self.stack
     }
 
-    /// The nodes as `scene_bvh` of shaders/ray-tracing.wgsl has them.
+    /// Returns the nodes as `scene_bvh` of shaders/ray-tracing.wgsl has them.
     pub fn nodes_bytes(&self) -> &[u8] {
         bytemuck::cast_slice(&self.nodes)
     }
 
-    /// The triangles as `scene_bvh_triangles` of shaders/ray-tracing.wgsl has them.
+    /// Returns the triangles as `scene_bvh_triangles` of shaders/ray-tracing.wgsl has them.
     pub fn triangles_bytes(&self) -> &[u8] {
         bytemuck::cast_slice(&self.triangles)
     }

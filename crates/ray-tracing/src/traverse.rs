@@ -75,12 +75,12 @@ fn side(a: Vec3, b: Vec3) -> f32 {
 }
 
 impl Bvh {
-    /// The closest hit in (`nearest`, `farthest`), which count in lengths of `direction`.
+    /// Returns the closest hit in (`nearest`, `farthest`), which count in lengths of `direction`.
     pub fn intersect(&self, origin: Vec3, direction: Vec3, nearest: f32, farthest: f32) -> Option<Hit> {
         self.search(origin, direction, nearest, farthest, false)
     }
 
-    /// Whether anything is hit in (`nearest`, `farthest`), which count in lengths of `direction`.
+    /// Returns whether anything is hit in (`nearest`, `farthest`), which count in lengths of `direction`.
     pub fn occluded(&self, origin: Vec3, direction: Vec3, nearest: f32, farthest: f32) -> bool {
         self.search(origin, direction, nearest, farthest, true).is_some()
     }

@@ -10,7 +10,7 @@ use frame_graph::{
 use pass::{LinkedStep, link_steps};
 use std::sync::Arc;
 
-/// How a renderer compiles: what passes tell of themselves is kept.
+/// Returns how a renderer compiles: what passes tell of themselves is kept.
 pub fn compile_options() -> CompileOptions {
     CompileOptions { keep_interfaces: vec![Tally::INTERFACE.to_owned()], ..CompileOptions::default() }
 }
@@ -45,7 +45,7 @@ impl Compiled {
         Ok(Compiled { resolved: Arc::new(resolved), plan: Arc::new(plan), steps })
     }
 
-    /// The shader files that take part, each once, sorted.
+    /// Returns the shader files that take part, each once, sorted.
     pub fn shader_files(&self) -> Vec<String> {
         let mut files: Vec<String> =
             self.steps.iter().flatten().flat_map(|step| step.shader.files().iter().cloned()).collect();

@@ -86,7 +86,7 @@ struct Loaded {
 }
 
 impl Renderer {
-    /// Of a device, with a scene and a frame size in pixels; a pipeline is to be set before frames run.
+    /// Creates a renderer on a device, with a scene and a frame size in pixels. Set a pipeline before running frames.
     ///
     /// # Errors
     /// What the driver said of the scene's buffers and textures.
@@ -244,7 +244,7 @@ impl Renderer {
         self.index = index;
     }
 
-    /// Seconds between frames; `None` for the scene's own.
+    /// Sets the seconds between frames; `None` takes the scene's own.
     pub fn set_time_step(&mut self, step: Option<f32>) {
         self.step = step;
     }
@@ -286,7 +286,7 @@ impl Renderer {
         Ok(report)
     }
 
-    /// An output of the pipeline as a picture: the first layer of its first texture.
+    /// Returns an output of the pipeline as a picture: the first layer of its first texture.
     ///
     /// # Errors
     /// Where there is no such output, it is no picture, or the device is gone.
@@ -299,7 +299,7 @@ impl Renderer {
         self.read_picture(*resource, 0)
     }
 
-    /// A picture by name: an output of the pipeline, or any resource as [`Renderer::keep`] takes it. A resource
+    /// Returns a picture by name: an output of the pipeline, or any resource as [`Renderer::keep`] takes it. A resource
     /// that was not kept may hold another one that shares its memory.
     ///
     /// # Errors
@@ -356,7 +356,7 @@ impl Renderer {
         })
     }
 
-    /// The bytes of a resource of the plan: rows and layers without padding.
+    /// Returns the bytes of a resource of the plan: rows and layers without padding.
     ///
     /// # Errors
     /// Where there is none, or the device is gone.
@@ -392,8 +392,8 @@ impl Renderer {
             .ok_or_else(|| RenderError::NoProgress { resource: output.from.to_string(), bytes: bytes.len() })
     }
 
-    /// What passes made of what they were asked for, by `pass.port`: all that the plan has of the interface Tally. Waits
-    /// for the GPU.
+    /// Returns what passes made of what they were asked for, by `pass.port`: all that the plan has of the interface
+    /// Tally. Waits for the GPU.
     ///
     /// # Errors
     /// Where the device is gone.
@@ -431,7 +431,7 @@ impl Renderer {
         }
     }
 
-    /// The texture of an output, for a host program that draws with it.
+    /// Returns the texture of an output, for a host program that draws with it.
     ///
     /// # Errors
     /// Where there is no such output or it is no texture.
@@ -458,37 +458,37 @@ impl Renderer {
         }
     }
 
-    /// The plan that runs.
+    /// Returns the plan that runs.
     pub fn plan(&self) -> Option<&Arc<Plan>> {
         self.executor.plan()
     }
 
-    /// The pipeline as compiled.
+    /// Returns the pipeline as compiled.
     pub fn compiled(&self) -> Option<&Compiled> {
         self.pipeline.as_ref().map(|pipeline| &pipeline.compiled)
     }
 
-    /// The name by which the pipeline was set; empty before.
+    /// Returns the name by which the pipeline was set; empty before.
     pub fn pipeline_name(&self) -> &str {
         self.pipeline.as_ref().map_or("", |pipeline| &pipeline.name)
     }
 
-    /// The scene.
+    /// Returns the scene.
     pub fn scene(&self) -> &Scene {
         &self.scene.scene
     }
 
-    /// The device.
+    /// Returns the device.
     pub fn gpu(&self) -> &Gpu {
         self.executor.gpu()
     }
 
-    /// Size of frames in pixels.
+    /// Returns the size of frames in pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
 
-    /// Bytes of all objects that frames work on, the scene's apart.
+    /// Returns the bytes of all objects that frames work on, the scene's apart.
     pub fn held_bytes(&self) -> u64 {
         self.executor.held_bytes()
     }

@@ -42,8 +42,8 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Of the newest frame of a renderer. `scene` is the scene as it was named, `shown` the output or resource
-    /// and its layer.
+    /// Creates the record of the newest frame of a renderer. `scene` is the scene as it was named, `shown` the output
+    /// or resource and its layer.
     pub fn new(renderer: &Renderer, scene: &str, shown: (&str, u32), first_frame: u32) -> Provenance {
         let loaded = renderer.pipeline.as_ref();
         let compiled = loaded.map(|loaded| &loaded.compiled);
@@ -82,13 +82,13 @@ impl Provenance {
         }
     }
 
-    /// As JSON.
+    /// Writes it as JSON.
     pub fn to_json(&self) -> String {
         // A struct of texts and numbers always has a form in JSON.
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
-    /// From JSON.
+    /// Reads it from JSON.
     ///
     /// # Errors
     /// What is wrong with the text.
@@ -96,12 +96,12 @@ impl Provenance {
         serde_json::from_str(text)
     }
 
-    /// The values that were given, for [`Renderer::set_pipeline`].
+    /// Returns the values that were given, for [`Renderer::set_pipeline`].
     pub fn overrides(&self) -> Overrides {
         Overrides(self.set.iter().map(|(name, value)| (name.clone(), parse_value(value))).collect())
     }
 
-    /// What differs from another record, one line each; the record of the same picture made again gives none.
+    /// Returns what differs from another record, one line each; the record of the same picture made again gives none.
     pub fn differences(&self, other: &Provenance) -> Vec<String> {
         let mut lines = Vec::new();
         let mut compare = |what: &str, a: &str, b: &str| {
@@ -131,7 +131,7 @@ fn plain(value: &Value) -> String {
     }
 }
 
-/// A value from the text of a command line: a truth, a whole number, a real number, a vector as `(x, y, z)`,
+/// Parses a value from the text of a command line: a truth, a whole number, a real number, a vector as `(x, y, z)`,
 /// else text.
 pub fn parse_value(text: &str) -> Value {
     let text = text.trim();

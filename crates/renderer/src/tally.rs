@@ -15,7 +15,7 @@ impl Tally {
     /// The interface of ports that hold one.
     pub const INTERFACE: &str = "Tally";
 
-    /// From the bytes of the buffer; `None` where they are too few.
+    /// Reads it from the bytes of the buffer; `None` where they are too few.
     pub fn from_bytes(bytes: &[u8]) -> Option<Tally> {
         Some(Tally { asked: word(bytes, 0)?, made: word(bytes, 1)? })
     }

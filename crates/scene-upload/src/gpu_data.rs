@@ -94,7 +94,7 @@ pub(crate) struct LightLayer {
     kind: u32,
 }
 
-/// The layouts that shaders must share.
+/// Returns the layouts that shaders must share.
 pub fn layouts() -> Vec<StructLayout> {
     let named = |mut layout: StructLayout, name: &str| {
         layout.name = name.to_owned();

@@ -26,7 +26,7 @@ const BUILT_IN: [(&str, Make); 9] = [
     ("empty", simple::empty),
 ];
 
-/// The names that `BuiltIn(…)` in a scene file knows.
+/// Returns the names that `BuiltIn(…)` in a scene file knows.
 pub fn names() -> Vec<&'static str> {
     BUILT_IN.iter().map(|(name, _)| *name).collect()
 }

@@ -19,12 +19,12 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The unit vector along the optical axis, into the scene.
+    /// Returns the unit vector along the optical axis, into the scene.
     pub fn forward(&self) -> Vec3 {
         (self.target - self.position).normalize_or(Vec3::NEG_Z)
     }
 
-    /// World to view space: x right, y up, the camera looks along −z.
+    /// Returns the matrix from world to view space: x right, y up, the camera looks along −z.
     pub fn view(&self) -> Mat4 {
         let forward = self.forward();
         let up = if forward.cross(self.up).length_squared() > 1e-12 * self.up.length_squared() {
@@ -36,14 +36,14 @@ impl Camera {
         view::look_to_mat4(self.position, forward, up)
     }
 
-    /// View space to clip space for a frame of `width`/`height` = `aspect`: depth 1 at `near`, falling to 0
-    /// at infinity.
+    /// Returns the matrix from view space to clip space for a frame of `width`/`height` = `aspect`: depth 1 at `near`,
+    /// falling to 0 at infinity.
     pub fn projection(&self, aspect: f32) -> Mat4 {
         directx::perspective_infinite_reverse(self.vertical_fov, aspect, self.near)
     }
 
-    /// [`Camera::projection`], with the picture moved by `offset_px` pixels (x to the right, y down) in a
-    /// frame of `size_px`: for samples at other places of the pixel than its centre.
+    /// Returns [`Camera::projection`] with the picture moved by `offset_px` pixels (x to the right, y down) in a frame
+    /// of `size_px`: for samples at other places of the pixel than its centre.
     pub fn projection_offset(&self, size_px: [u32; 2], offset_px: Vec2) -> Mat4 {
         let size = Vec2::new(size_px[0].max(1) as f32, size_px[1].max(1) as f32);
         let mut projection = self.projection(size.x / size.y);
@@ -53,7 +53,7 @@ impl Camera {
         projection
     }
 
-    /// Where `point` \[m, world\] falls in a frame of `size_px`, in pixels from the upper left corner (the
+    /// Returns where `point` \[m, world\] falls in a frame of `size_px`, in pixels from the upper left corner (the
     /// first pixel's centre is (0.5, 0.5)); `None` behind the near plane.
     pub fn project(&self, point: Vec3, size_px: [u32; 2]) -> Option<Vec2> {
         let size = Vec2::new(size_px[0].max(1) as f32, size_px[1].max(1) as f32);

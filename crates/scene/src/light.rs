@@ -37,15 +37,15 @@ pub struct Light {
 }
 
 impl Light {
-    /// How many layers of a shadow map or reflective shadow map the light takes: the six faces of a cube
-    /// for a point light, 1 for the others.
+    /// Returns how many layers of a shadow map or reflective shadow map the light takes: the six faces of a cube for a
+    /// point light, 1 for the others.
     pub fn layers(&self) -> u32 {
         if self.kind == LightKind::Point { 6 } else { 1 }
     }
 
-    /// The share of the intensity that goes to a direction at an angle of cosine `cos_theta` to the axis,
-    /// in 0..=1. A spot falls from its inner to its outer cone as t², t linear in the cosine, as
-    /// KHR_lights_punctual recommends; where both are equal it is a step.
+    /// Returns the share of the intensity that goes to a direction at an angle of cosine `cos_theta` to the axis, in
+    /// 0..=1. A spot falls from its inner to its outer cone as t², t linear in the cosine, as KHR_lights_punctual
+    /// recommends; where both are equal it is a step.
     pub fn falloff(&self, cos_theta: f32) -> f32 {
         let LightKind::Spot { inner, outer } = self.kind else { return 1.0 };
         let (cos_inner, cos_outer) = (inner.cos(), outer.cos());
@@ -59,7 +59,7 @@ impl Light {
         }
     }
 
-    /// All the light it emits \[W\], RGB; `None` for a directional light, which has no end.
+    /// Returns all the light it emits \[W\], RGB; `None` for a directional light, which has no end.
     pub fn flux(&self) -> Option<Vec3> {
         let solid_angle = match self.kind {
             // ∫ falloff dω = 2π (1 − cos inner + (cos inner − cos outer)/3).

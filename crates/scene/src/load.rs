@@ -45,7 +45,7 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     }
 }
 
-/// The `about` line of a scene file, without loading its geometry: for lists of scenes.
+/// Returns the `about` line of a scene file, without loading its geometry: for lists of scenes.
 ///
 /// # Errors
 /// As [`load`], of what concerns the description.

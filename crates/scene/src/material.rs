@@ -59,18 +59,18 @@ impl Material {
         Material { name: name.into(), base_color: Vec3::from(albedo).extend(1.0), ..Material::default() }
     }
 
-    /// Whether the surface reflects other than as a Lambertian one. A dielectric of roughness 1 counts as
+    /// Returns whether the surface reflects other than as a Lambertian one. A dielectric of roughness 1 counts as
     /// Lambertian: its specular part is spread over the whole hemisphere.
     pub fn is_glossy(&self) -> bool {
         self.metallic > 0.0 || (self.roughness < 1.0 && self.specular.max_element() > 0.0)
     }
 
-    /// Whether the surface emits light.
+    /// Returns whether the surface emits light.
     pub fn is_emissive(&self) -> bool {
         self.emission.max_element() > 0.0
     }
 
-    /// Whether it has any texture.
+    /// Returns whether it has any texture.
     pub fn is_textured(&self) -> bool {
         self.textures().into_iter().any(|t| t.is_some())
     }

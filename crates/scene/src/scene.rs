@@ -154,9 +154,9 @@ pub struct Changes {
 }
 
 impl Scene {
-    /// The scene at `time` \[s\]. Keys of a scene file hold outside their range unless it says `repeat`; the
-    /// animation of a glTF file repeats. Meshes follow their nodes, or are bent by morph targets, then by
-    /// their skins' joints. Skips what does not move.
+    /// Returns the scene at `time` \[s\]. Keys of a scene file hold outside their range unless it says `repeat`; the
+    /// animation of a glTF file repeats. Meshes follow their nodes, or are bent by morph targets, then by their skins'
+    /// joints. Skips what does not move.
     pub fn at(&self, time: f32) -> Pose {
         let worlds = self.motion.worlds(time);
         Pose {
@@ -167,7 +167,7 @@ impl Scene {
         }
     }
 
-    /// What differs between two times, without making vertices.
+    /// Returns what differs between two times, without making vertices.
     pub fn changes(&self, from: f32, to: f32) -> Changes {
         let (a, b) = (self.motion.worlds(from), self.motion.worlds(to));
         Changes {
@@ -179,29 +179,29 @@ impl Scene {
         }
     }
 
-    /// When frame number `frame` is \[s\].
+    /// Returns the time at which frame number `frame` is \[s\].
     pub fn frame_time(&self, frame: u32) -> f32 {
         frame as f32 / self.frames_per_second
     }
 
-    /// How many triangles there are.
+    /// Returns how many triangles there are.
     pub fn triangles(&self) -> usize {
         self.indices.len() / 3
     }
 
-    /// The least and the greatest corner of the box around all triangles \[m\]; both zero where there are
-    /// none. What moves counts wherever it is at 65 times from 0 s to the end of the movement.
+    /// Returns the least and the greatest corner of the box around all triangles \[m\]; both zero where there are none.
+    /// What moves counts wherever it is at 65 times from 0 s to the end of the movement.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds
     }
 
-    /// The diagonal of [`Scene::bounds`] \[m\]: the scale that tolerances go by.
+    /// Returns the diagonal of [`Scene::bounds`] \[m\]: the scale that tolerances go by.
     pub fn extent(&self) -> f32 {
         let (min, max) = self.bounds();
         (max - min).length()
     }
 
-    /// The area of all triangles at 0 s, each counted once \[m²\].
+    /// Returns the area of all triangles at 0 s, each counted once \[m²\].
     pub fn area(&self) -> f64 {
         self.areas().sum()
     }
@@ -215,9 +215,9 @@ impl Scene {
         })
     }
 
-    /// The running sum of the triangles' areas at 0 s in fixed point, for drawing triangles in proportion to
-    /// their area: `triangles + 1` entries, the first 0, entry i the area of the first i triangles over the
-    /// whole area, times 2³², rounded, and at most `u32::MAX`.
+    /// Returns the running sum of the triangles' areas at 0 s in fixed point, for drawing triangles in proportion to
+    /// their area: `triangles + 1` entries, the first 0, entry i the area of the first i triangles over the whole area,
+    /// times 2³², rounded, and at most `u32::MAX`.
     ///
     /// For a random number u in 0..2³², triangle i is drawn where `table[i] <= u < table[i + 1]`; triangles
     /// without area are never drawn. Where the whole area is 0, every triangle counts alike.
@@ -234,10 +234,10 @@ impl Scene {
             .collect()
     }
 
-    /// What the scene holds, for the switches of a pipeline. Booleans `textured`, `glossy`, `emissive`,
+    /// Returns what the scene holds, for the switches of a pipeline. Booleans `textured`, `glossy`, `emissive`,
     /// `masked` (of the materials that triangles have), `environment`, `moving_camera`, `moving_lights`,
-    /// `moving_geometry`; whole numbers `lights`, `spot_lights`, `point_lights`, `directional_lights`,
-    /// `light_layers` (the sum of [`Light::layers`]), `triangles`.
+    /// `moving_geometry`; whole numbers `lights`, `spot_lights`, `point_lights`, `directional_lights`, `light_layers`
+    /// (the sum of [`Light::layers`]), `triangles`.
     pub fn traits(&self) -> Traits {
         self.traits_with(&self.lights)
     }

@@ -62,7 +62,7 @@ impl ShaderOption {
         }
     }
 
-    /// The values that make variants: both truths; all of `one_of`; or else the default and whatever a
+    /// Returns the values that make variants: both truths; all of `one_of`; or else the default and whatever a
     /// condition compares with.
     pub fn values(&self) -> Vec<Define> {
         if matches!(self.default, Define::Bool(_)) {

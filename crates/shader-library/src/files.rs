@@ -17,7 +17,7 @@ impl<T: Files + Send + Sync + ?Sized> ShaderFiles for T {}
 pub struct MemoryFiles(Mutex<BTreeMap<String, Arc<Source>>>);
 
 impl MemoryFiles {
-    /// The files of these paths and texts.
+    /// Creates the files of these paths and texts.
     pub fn new<P: Into<String>, T: Into<String>>(files: impl IntoIterator<Item = (P, T)>) -> Self {
         let memory = MemoryFiles::default();
         for (path, text) in files {
@@ -60,12 +60,12 @@ pub struct DiskFiles {
 }
 
 impl DiskFiles {
-    /// The files under `root`.
+    /// Creates the files under `root`.
     pub fn new(root: impl Into<PathBuf>) -> Self {
         DiskFiles { root: root.into() }
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub fn root(&self) -> &Path {
         &self.root
     }

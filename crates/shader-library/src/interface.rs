@@ -19,17 +19,17 @@ pub struct ShaderInterface {
 }
 
 impl ShaderInterface {
-    /// The resource of this name, with its index.
+    /// Returns the resource of this name, with its index.
     pub fn global(&self, name: &str) -> Option<(usize, &Global)> {
         self.globals.iter().enumerate().find(|(_, global)| global.name == name)
     }
 
-    /// The entry point of this name.
+    /// Returns the entry point of this name.
     pub fn entry(&self, name: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.name == name)
     }
 
-    /// The struct of this name.
+    /// Returns the struct of this name.
     pub fn layout(&self, name: &str) -> Option<&StructLayout> {
         self.structs.iter().find(|layout| layout.name == name)
     }
@@ -144,7 +144,7 @@ pub struct TypeLayout {
 }
 
 impl TypeLayout {
-    /// The least size of a buffer bound here, in bytes: one element at least.
+    /// Returns the least size of a buffer bound here, in bytes: one element at least.
     pub fn min_size(&self) -> u64 {
         let element = self.element.as_ref().filter(|_| self.runtime_sized).map_or(0, |(_, stride)| *stride);
         u64::from(self.size) + u64::from(element)

@@ -27,7 +27,7 @@ pub struct MemberLayout {
     pub size: u32,
 }
 
-/// The size of the member that `_member` borrows; for [`struct_layout!`](crate::struct_layout).
+/// Returns the size of the member that `_member` borrows; for [`struct_layout!`](crate::struct_layout).
 pub const fn member_size<S, M>(_member: fn(&S) -> &M) -> u32 {
     size_of::<M>() as u32
 }
@@ -123,8 +123,8 @@ pub struct WriteError {
     pub problems: Vec<String>,
 }
 
-/// The bytes of a uniform, filled member by member with the values of the members' names. Truths are 0 and 1
-/// in integers; whole numbers fit into floats. Padding is zero.
+/// Returns the bytes of a uniform, filled member by member with the values of the members' names. Truths are 0 and 1 in
+/// integers; whole numbers fit into floats. Padding is zero.
 ///
 /// # Errors
 /// All members that have no value, a value of another type, or a type that no value has.

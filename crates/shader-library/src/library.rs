@@ -25,18 +25,18 @@ pub struct Request {
 }
 
 impl Request {
-    /// The file at `path` with all options at their defaults.
+    /// Creates the file at `path` with all options at their defaults.
     pub fn new(path: impl Into<String>) -> Self {
         Request { path: path.into(), ..Request::default() }
     }
 
-    /// With an option's value.
+    /// Adds an option's value.
     pub fn define(mut self, name: impl Into<String>, value: impl Into<Define>) -> Self {
         self.defines.insert(name.into(), value.into());
         self
     }
 
-    /// With the module of an interface.
+    /// Adds the module of an interface.
     pub fn module(mut self, interface: impl Into<String>, path: impl Into<String>) -> Self {
         self.modules.insert(interface.into(), path.into());
         self
@@ -71,8 +71,8 @@ impl Library {
         .union(Capabilities::SHADER_FLOAT16_IN_FLOAT32)
         .union(Capabilities::RAY_QUERY);
 
-    /// A library of `files`, whose imports are looked for beside the importing file and then at the root of
-    /// all files, validated for [`Library::PORTABLE`].
+    /// Creates a library of `files`, whose imports are looked for beside the importing file and then at the root of all
+    /// files, validated for [`Library::PORTABLE`].
     pub fn new(files: Arc<dyn ShaderFiles>) -> Self {
         Library {
             files,
@@ -103,12 +103,12 @@ impl Library {
         self
     }
 
-    /// The files.
+    /// Returns the files.
     pub fn files(&self) -> &Arc<dyn ShaderFiles> {
         &self.files
     }
 
-    /// The shader asked for: composed, validated and reflected, or made before.
+    /// Returns the shader asked for: composed, validated and reflected, or made before.
     ///
     /// # Errors
     /// Whatever is wrong in the file or its imports, at the user's own lines. Errors are kept as shaders are.
@@ -127,7 +127,7 @@ impl Library {
         shader
     }
 
-    /// What the request's file and its imports declare and ask for. Needs no module for any interface.
+    /// Returns what the request's file and its imports declare and ask for. Needs no module for any interface.
     ///
     /// # Errors
     /// As [`Library::load`], but for what only WGSL's own grammar and types show.
@@ -135,8 +135,8 @@ impl Library {
         compose(&*self.files, &self.roots, request, true).1.map(|composed| composed.outline)
     }
 
-    /// What the doc comments of `struct Settings` declare in the request's file and its imports, in the order of
-    /// its members. Reads comments alone: it needs no module for any interface, and is quick.
+    /// Returns what the doc comments of `struct Settings` declare in the request's file and its imports, in the order
+    /// of its members. Reads comments alone: it needs no module for any interface, and is quick.
     ///
     /// # Errors
     /// As [`Library::outline`], and each declaration that cannot be read, at its place.
@@ -145,9 +145,9 @@ impl Library {
         settings::read(&composed, None)
     }
 
-    /// All variants of a request: each combination of the values that make a difference
-    /// ([`ShaderOption::values`](crate::ShaderOption::values)) of the options it leaves open. Loading each
-    /// of them proves the file.
+    /// Returns all variants of a request: each combination of the values that make a difference
+    /// ([`ShaderOption::values`](crate::ShaderOption::values)) of the options it leaves open. Loading each of them
+    /// proves the file.
     ///
     /// # Errors
     /// As [`Library::outline`]; and where there are more than [`MAX_VARIANTS`].

@@ -52,7 +52,7 @@ impl Watcher {
         Ok(Watcher { _debouncer: debouncer, events, roots })
     }
 
-    /// The files that were written, made, renamed (both names) or removed since the last call, each path
+    /// Returns the files that were written, made, renamed (both names) or removed since the last call, each path
     /// beginning with its root as it was given. Never waits. Where the system lost track, all files there are.
     pub fn changed(&mut self) -> BTreeSet<PathBuf> {
         let mut changed = BTreeSet::new();

@@ -20,7 +20,7 @@ pub struct Finding<'a> {
 }
 
 impl Finding<'_> {
-    /// The ratio of two means; `None` for an order, and where the denominator is not above 0.
+    /// Returns the ratio of two means; `None` for an order, and where the denominator is not above 0.
     pub fn ratio(&self) -> Option<f64> {
         match (&self.claim.relation, self.means.as_slice()) {
             (RelationRecord::Ratio { .. }, [Some(of), Some(to)]) if *to > 0.0 => Some(of / to),
@@ -30,8 +30,8 @@ impl Finding<'_> {
 }
 
 impl Results {
-    /// What came of each claim on each scene that it is about, in the order of the study. Means are over all finished
-    /// cells that have the measure.
+    /// Returns what came of each claim on each scene that it is about, in the order of the study. Means are over all
+    /// finished cells that have the measure.
     pub fn findings(&self) -> Vec<Finding<'_>> {
         let mut findings = Vec::new();
         for claim in &self.study.claims {
@@ -78,7 +78,7 @@ fn lies_at(cell: &Cell, at: &BTreeMap<String, AxisValue>) -> bool {
 }
 
 impl RelationRecord {
-    /// Whose means are compared, in the order of the text.
+    /// Returns whose means are compared, in the order of the text.
     pub fn picks(&self) -> Vec<&PickRecord> {
         match self {
             RelationRecord::Order(rising) => rising.iter().collect(),

@@ -190,14 +190,14 @@ pub fn parse(source: Arc<Source>) -> Result<Study, Diagnostics> {
 }
 
 impl Budget {
-    /// Measured frames, at most.
+    /// Returns the measured frames, at most.
     pub fn frames(&self) -> u32 {
         match self {
             Budget::Frames(frames) | Budget::Time { frames, .. } | Budget::Lights { frames, .. } => *frames,
         }
     }
 
-    /// What it sets in pipelines.
+    /// Returns what it sets in pipelines.
     pub fn by(&self) -> Option<&At<String>> {
         match self {
             Budget::Time { by, .. } => by.as_ref(),
@@ -206,7 +206,7 @@ impl Budget {
         }
     }
 
-    /// As a line to read.
+    /// Writes it as a line to read.
     pub fn line(&self) -> String {
         let plural =
             |frames: u32| if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") };
@@ -224,7 +224,7 @@ impl Budget {
 }
 
 impl Group {
-    /// Its axes.
+    /// Returns its axes.
     pub fn axes(&self) -> &[Vary] {
         match self {
             Group::Grid(axes) | Group::Paired(axes) => axes,

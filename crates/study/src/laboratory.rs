@@ -169,7 +169,7 @@ pub struct CellRun {
 }
 
 impl AxisValue {
-    /// As a value of the frame graph: a whole number where it is one.
+    /// Converts it to a value of the frame graph: a whole number where it is one.
     pub fn to_value(&self) -> Value {
         match self {
             AxisValue::Bool(truth) => Value::Bool(*truth),
@@ -187,7 +187,7 @@ impl AxisValue {
         }
     }
 
-    /// Of a value of the frame graph. A real number is the shortest decimal that stands for it; a vector is text.
+    /// Converts a value of the frame graph. A real number is the shortest decimal that stands for it; a vector is text.
     pub fn from_value(value: &Value) -> AxisValue {
         match value {
             Value::Bool(truth) => AxisValue::Bool(*truth),

@@ -305,12 +305,12 @@ static ROWS: &[Row] = &[
 ];
 
 impl Measure {
-    /// Every measure, in the order of the documentation.
+    /// Returns every measure, in the order of the documentation.
     pub fn all() -> impl Iterator<Item = Measure> {
         ROWS.iter().map(|row| row.measure)
     }
 
-    /// The measure of that key.
+    /// Returns the measure of that key.
     pub fn find(key: &str) -> Option<Measure> {
         ROWS.iter().find(|row| row.key == key).map(|row| row.measure)
     }
@@ -320,7 +320,7 @@ impl Measure {
         &ROWS[self as usize]
     }
 
-    /// Its name in a study and in tables: `rel-mse`.
+    /// Returns its name in a study and in tables: `rel-mse`.
     pub fn key(self) -> &'static str {
         self.row().key
     }
@@ -329,12 +329,12 @@ impl Measure {
         self.row().needs
     }
 
-    /// Whether it is one figure for all seeds of a cell.
+    /// Returns whether it is one figure for all seeds of a cell.
     pub fn is_over_seeds(self) -> bool {
         self.row().needs.seeds
     }
 
-    /// As tables and charts show it.
+    /// Returns how tables and charts show it.
     pub fn info(self) -> MeasureInfo {
         let row = self.row();
         MeasureInfo {

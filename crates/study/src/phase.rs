@@ -5,17 +5,17 @@ use crate::measure::Measure;
 use crate::record::{Better, MeasureInfo};
 
 impl Phase {
-    /// Its key among the measures: `gpu-ms:NAME`.
+    /// Returns its key among the measures: `gpu-ms:NAME`.
     pub fn key(&self) -> String {
         format!("{}:{}", Measure::GpuMs.key(), self.name.value)
     }
 
-    /// Whether a pass is one of it.
+    /// Returns whether a pass is one of it.
     pub fn has(&self, pass: &str) -> bool {
         self.passes.iter().any(|at| names(&at.value, pass))
     }
 
-    /// As tables and charts show it.
+    /// Returns how tables and charts show it.
     pub fn info(&self) -> MeasureInfo {
         let passes: Vec<String> = self.passes.iter().map(|at| format!("`{}`", at.value)).collect();
         MeasureInfo {

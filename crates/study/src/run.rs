@@ -411,7 +411,7 @@ fn without_seed(cell: &PlannedCell) -> String {
     format!("{:?} {:?}", RunRequest { seed: 0, ..cell.request.clone() }, cell.search)
 }
 
-/// A cell in words: `ism on atrium, lights = 256, seed 3`.
+/// Describes a cell in words: `ism on atrium, lights = 256, seed 3`.
 pub fn name_of(cell: &Cell) -> String {
     let axes: String = cell.axes.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
     format!("{} on {}{axes}, seed {}", cell.pipeline, cell.scene, cell.seed)

@@ -23,7 +23,7 @@ pub struct Row<'a> {
 }
 
 impl Results {
-    /// The cells by all that they are but their seeds, in the order of the study.
+    /// Returns the cells by all that they are but their seeds, in the order of the study.
     pub fn rows(&self) -> Vec<Row<'_>> {
         groups(&self.cells)
             .into_iter()
@@ -37,8 +37,8 @@ impl Results {
 }
 
 impl Row<'_> {
-    /// A measure over the seeds; `None` where no cell has it. Cells that failed take no part, whatever was measured of
-    /// them: that stands in `cells.csv` alone.
+    /// Returns a measure over the seeds; `None` where no cell has it. Cells that failed take no part, whatever was
+    /// measured of them: that stands in `cells.csv` alone.
     pub fn figure(&self, measure: &str) -> Option<Interval> {
         let done = self.cells.iter().filter(|cell| cell.outcome == Outcome::Done);
         let values: Vec<f64> =

@@ -5,17 +5,17 @@ use std::f64::consts::PI;
 /// A colour, linear Rec. 709.
 pub type Rgb = [f64; 3];
 
-/// The picture: direct + albedo/π × irradiance + glossy + emission \[W/(m² sr)\].
+/// Returns the picture: direct + albedo/π × irradiance + glossy + emission \[W/(m² sr)\].
 pub fn composite(direct: Rgb, albedo: Rgb, irradiance: Rgb, glossy: Rgb, emission: Rgb) -> Rgb {
     std::array::from_fn(|i| direct[i] + albedo[i] / PI * irradiance[i] + glossy[i] + emission[i])
 }
 
-/// Relative luminance (BT.709).
+/// Returns the relative luminance (BT.709).
 pub fn luminance(rgb: Rgb) -> f64 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
-/// The encoded colour, in 0..=1, of a radiance; `name` is a choice of the setting `tonemap`, and any other name
+/// Returns the encoded colour, in 0..=1, of a radiance; `name` is a choice of the setting `tonemap`, and any other name
 /// than the curves' only cuts at 1.
 pub fn displayed(name: &str, radiance: Rgb, exposure: f64, white: f64) -> Rgb {
     if !radiance.iter().all(|x| x.is_finite()) {
@@ -25,7 +25,7 @@ pub fn displayed(name: &str, radiance: Rgb, exposure: f64, white: f64) -> Rgb {
     tonemap(name, exposed, white).map(|x| srgb(x.clamp(0.0, 1.0)))
 }
 
-/// The curve of that name on exposed radiance.
+/// Returns the curve of that name on exposed radiance.
 pub fn tonemap(name: &str, rgb: Rgb, white: f64) -> Rgb {
     let l = luminance(rgb);
     let hable = |x: f64| (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3;
@@ -38,7 +38,7 @@ pub fn tonemap(name: &str, rgb: Rgb, white: f64) -> Rgb {
     }
 }
 
-/// The encoding of sRGB (IEC 61966-2-1) of linear light in 0..=1.
+/// Returns the encoding of sRGB (IEC 61966-2-1) of linear light in 0..=1.
 pub fn srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }

@@ -28,7 +28,7 @@ fn length(a: Vec3) -> f64 {
 }
 
 impl Map {
-    /// The map of one plane through `at` across `normal`.
+    /// Returns the map of one plane through `at` across `normal`.
     pub fn of_plane(size: u32, half_extent: [f64; 2], perspective: bool, at: Vec3, normal: Vec3) -> Map {
         let mut map = Map { size, half_extent, perspective, distances: Vec::new() };
         map.distances = (0..size * size)
@@ -37,13 +37,14 @@ impl Map {
         map
     }
 
-    /// The centre of a texel on the image plane, y up.
+    /// Returns the centre of a texel on the image plane, y up.
     pub fn on_image_plane(&self, texel: [u32; 2]) -> [f64; 2] {
         let ndc = texel.map(|t| (f64::from(t) + 0.5) / f64::from(self.size) * 2.0 - 1.0);
         [ndc[0] * self.half_extent[0], -ndc[1] * self.half_extent[1]]
     }
 
-    /// The share of the light that reaches `receiver`, whose surface is across `n`. `pcf` is odd, `bias` in texels.
+    /// Returns the share of the light that reaches `receiver`, whose surface is across `n`. `pcf` is odd, `bias` in
+    /// texels.
     pub fn visibility(&self, receiver: Vec3, n: Vec3, pcf: u32, bias: f64) -> f64 {
         let distance = -receiver[2];
         if self.perspective && distance <= 0.0 {
@@ -82,8 +83,8 @@ impl Map {
     }
 }
 
-/// Distance along the axis \[m\] at which the plane through `receiver` across `n` is met by the ray through `tap`, a
-/// point of the image plane.
+/// Returns the distance along the axis \[m\] at which the plane through `receiver` across `n` is met by the ray through
+/// `tap`, a point of the image plane.
 pub fn plane_distance(receiver: Vec3, n: Vec3, tap: [f64; 2], perspective: bool) -> f64 {
     if perspective {
         let facing = dot(n, [tap[0], tap[1], -1.0]);
@@ -95,8 +96,8 @@ pub fn plane_distance(receiver: Vec3, n: Vec3, tap: [f64; 2], perspective: bool)
     }
 }
 
-/// Microfacet reflection \[1/sr\] of one channel: GGX, height-correlated Smith, Schlick. All directions leave the
-/// surface, unit.
+/// Computes the microfacet reflection \[1/sr\] of one channel: GGX, height-correlated Smith, Schlick. All directions
+/// leave the surface, unit.
 pub fn ggx(normal: Vec3, to_light: Vec3, to_camera: Vec3, f0: f64, roughness: f64) -> f64 {
     let nl = dot(normal, to_light);
     let nv = dot(normal, to_camera).max(1e-3);

@@ -20,7 +20,8 @@ pub struct VirtualLight {
     pub area: f64,
 }
 
-/// Geometry term of a light without its visibility [1/m²], as the clamp leaves it, and what the clamp removes.
+/// Returns the geometry term of a light without its visibility [1/m²], as the clamp leaves it, and what the clamp
+/// removes.
 pub fn geometry(light: &VirtualLight, at: Vec3, normal: Vec3, clamp: f64, extent: f64) -> (f64, f64) {
     let offset = [0, 1, 2].map(|i| at[i] - light.position[i]);
     let distance2 = dot(offset, offset).max((1e-6 * extent).powi(2));

@@ -19,23 +19,23 @@ pub struct ViewSample {
     pub response: Vec3,
 }
 
-/// The pixel that two numbers in [0, 1) pick.
+/// Returns the pixel that two numbers in [0, 1) pick.
 pub fn pixel(numbers: [f64; 2], size: (u32, u32)) -> (u32, u32) {
     let pick = |number: f64, of: u32| ((number * f64::from(of)) as u32).min(of - 1);
     (pick(numbers[0], size.0), pick(numbers[1], size.1))
 }
 
-/// `response` of a surface of that albedo.
+/// Returns the `response` of a surface of that albedo.
 pub fn response(albedo: Vec3) -> Vec3 {
     [0, 1, 2].map(|c| LUMINANCE[c] * albedo[c] / PI)
 }
 
-/// Relative luminance (BT.709).
+/// Returns the relative luminance (BT.709).
 pub fn luminance(rgb: Vec3) -> f64 {
     dot(rgb, LUMINANCE)
 }
 
-/// The geometry term of Eq. 2 \[1/extents²\].
+/// Returns the geometry term of Eq. 2 \[1/extents²\].
 pub fn geometry(position: Vec3, normal: Vec3, at: &ViewSample, min_distance: f64) -> f64 {
     let way = [0, 1, 2].map(|c| at.position[c] - position[c]);
     let squared = dot(way, way).max(1e-20);
@@ -43,7 +43,7 @@ pub fn geometry(position: Vec3, normal: Vec3, at: &ViewSample, min_distance: f64
     cosines / (PI * (squared + min_distance * min_distance))
 }
 
-/// Importance by contribution (Eq. 1) of a texel with that position \[extents\], normal and flux \[W\].
+/// Returns the importance by contribution (Eq. 1) of a texel with that position \[extents\], normal and flux \[W\].
 pub fn contribution(
     position: Vec3,
     normal: Vec3,
@@ -57,8 +57,8 @@ pub fn contribution(
     sum.sum::<f64>() / samples.len() as f64
 }
 
-/// The mixture of contributions with flux: `defensive` is δ. The mean is 1; less
-/// where the view sees none of the lights, or they reflect nothing.
+/// Returns the mixture of contributions with flux: `defensive` is δ. The mean is 1; less where the view sees none of
+/// the lights, or they reflect nothing.
 pub fn mix_with_flux(contribution: &[f64], flux: &[f64], defensive: f64) -> Vec<f64> {
     let whole = |values: &[f64]| values.iter().sum::<f64>();
     let (by_view, by_flux) = (whole(contribution), whole(flux));

@@ -7,7 +7,7 @@ use paraboloid::{
     paraboloid_from_direction, scale, sub, texel_centre,
 };
 
-/// Vector product.
+/// Returns the vector product.
 pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -19,7 +19,7 @@ fn length(a: Vec3) -> f64 {
 /// A box in the square [-1, 1]²: least and greatest coordinates.
 pub type Box = (Vec2, Vec2);
 
-/// A box that holds another, and the image of the segment between two points above or on the light's plane.
+/// Returns a box that holds another, and the image of the segment between two points above or on the light's plane.
 pub fn grown(bounds: Box, p: Vec3, q: Vec3, extent: f64) -> Box {
     if length(p).min(length(q)) <= 1e-6 * extent {
         return ([-1.0; 2], [1.0; 2]);
@@ -36,7 +36,7 @@ pub fn grown(bounds: Box, p: Vec3, q: Vec3, extent: f64) -> Box {
     (low, high)
 }
 
-/// Where the segment between points on different sides of the light's plane meets it.
+/// Returns where the segment between points on different sides of the light's plane meets it.
 pub fn at_horizon(p: Vec3, q: Vec3) -> Vec3 {
     let t = p[2] / (p[2] - q[2]);
     [p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t, 0.0]
@@ -67,7 +67,7 @@ pub fn image_bounds(corners: [Vec3; 3], extent: f64) -> Box {
     bounds
 }
 
-/// Distance at which a ray from the light meets a triangle, all in the light's frame.
+/// Returns the distance at which a ray from the light meets a triangle, all in the light's frame.
 pub fn hit(direction: Vec3, [a, b, c]: [Vec3; 3], extent: f64) -> Option<f64> {
     let sides = [cross(b, c), cross(c, a), cross(a, b)].map(|edge| dot(direction, edge));
     let normal = cross(sub(b, a), sub(c, a));
@@ -79,7 +79,7 @@ pub fn hit(direction: Vec3, [a, b, c]: [Vec3; 3], extent: f64) -> Option<f64> {
     (distance > 0.0 && above_horizon(scale(direction, distance), extent)).then_some(distance)
 }
 
-/// The map of a light: row by row the distance \[m\], infinite where nothing is.
+/// Returns the map of a light: row by row the distance \[m\], infinite where nothing is.
 pub fn map(triangles: &[[Vec3; 3]], light: Vec3, light_normal: Vec3, tile: u32, extent: f64) -> Vec<f64> {
     let frame = frame_from_normal(light_normal);
     let local: Vec<[Vec3; 3]> = triangles

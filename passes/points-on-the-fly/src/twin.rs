@@ -9,8 +9,8 @@ pub const WHOLE: u32 = 0x8000_0000;
 /// As many points as are wanted.
 pub const ANY_NUMBER: u32 = u32::MAX;
 
-/// Level of a tessellator for an edge \[m\] or an area \[m²\] between the least and the greatest there are: ACRSM Eq. 5.3
-/// and 5.4, within `factors`.
+/// Returns the level of a tessellator for an edge \[m\] or an area \[m²\] between the least and the greatest there are:
+/// ACRSM Eq. 5.3 and 5.4, within `factors`.
 pub fn level(bounds: [f64; 2], value: f64, factors: [u32; 2]) -> u32 {
     let x = if bounds[1] > bounds[0] { (value - bounds[0]) / (bounds[1] - bounds[0]) } else { 1.0 };
     let x = x.clamp(0.0, 1.0);
@@ -28,7 +28,7 @@ pub fn tessellated_points(edges: [u32; 3], inside: u32) -> u32 {
     around + rings.map(|side| 3 * side).sum::<u32>() + u32::from(inside.max(2).is_multiple_of(2))
 }
 
-/// The weight of each triangle: its area \[m²\], or with factors the points of a tessellator.
+/// Returns the weight of each triangle: its area \[m²\], or with factors the points of a tessellator.
 pub fn weights(triangles: &[[Vec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> {
     let measured: Vec<(f64, [f64; 3])> = triangles
         .iter()
@@ -58,7 +58,8 @@ pub fn weights(triangles: &[[Vec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> {
         .collect()
 }
 
-/// Where the intervals of triangles of these weights begin, and where the last ends; `dither` in \[0, 1) rounds.
+/// Returns where the intervals of triangles of these weights begin, and where the last ends; `dither` in \[0, 1)
+/// rounds.
 pub fn starts(weights: &[f64], dither: impl Fn(u32) -> f64) -> Vec<u32> {
     let whole: f64 = weights.iter().sum();
     let mut sum = 0_u32;
@@ -97,7 +98,7 @@ impl Wanted {
         Wanted { maps, per_map, asked, block_bits: BLOCK.min(maps.next_power_of_two()).ilog2() }
     }
 
-    /// Samples of all maps, where their number is filled up to whole blocks.
+    /// Returns the samples of all maps, where their number is filled up to whole blocks.
     pub fn threads(&self) -> u32 {
         self.maps.next_multiple_of(1 << self.block_bits) * self.per_map
     }
@@ -116,7 +117,7 @@ pub struct Place {
     pub made: u32,
 }
 
-/// Where sample `index` lies; `None` where there is none.
+/// Returns where sample `index` lies; `None` where there is none.
 pub fn place(index: u32, wanted: &Wanted) -> Option<Place> {
     let turns = 1 << wanted.block_bits;
     let (row, turn) = (index / turns, index % turns);
@@ -148,7 +149,7 @@ pub struct Sample {
     pub area: f64,
 }
 
-/// The sample at a place; `second` in \[0, 1) is its other coordinate in the square.
+/// Returns the sample at a place; `second` in \[0, 1) is its other coordinate in the square.
 pub fn sample(
     place: &Place,
     maps: u32,

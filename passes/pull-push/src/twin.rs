@@ -10,7 +10,7 @@ pub struct Level {
 }
 
 impl Level {
-    /// The value at a texel; a hole outside the image.
+    /// Returns the value at a texel; a hole outside the image.
     pub fn at(&self, x: isize, y: isize) -> f64 {
         let inside = |v: isize| usize::try_from(v).ok().filter(|v| *v < self.side);
         match (inside(x), inside(y)) {
@@ -34,7 +34,7 @@ fn span(values: &[f64]) -> Option<(f64, f64)> {
     })
 }
 
-/// The mean of those of four that are no holes, where they are within `threshold` of each other; else a hole.
+/// Returns the mean of those of four that are no holes, where they are within `threshold` of each other; else a hole.
 pub fn pulled(values: [f64; 4], threshold: f64) -> f64 {
     match span(&values) {
         Some((nearest, farthest)) if farthest - nearest <= threshold => {
@@ -45,7 +45,7 @@ pub fn pulled(values: [f64; 4], threshold: f64) -> f64 {
     }
 }
 
-/// The value of a texel, given the pushed level above it.
+/// Returns the value of a texel, given the pushed level above it.
 pub fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f64 {
     let side = (x % 2 * 2 - 1, y % 2 * 2 - 1);
     let values =
@@ -65,7 +65,7 @@ pub fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f
     if (own - value).abs() > threshold { value } else { own }
 }
 
-/// A map filled: thresholds in metres at level 0.
+/// Fills a map: thresholds in metres at level 0.
 pub fn pull_push(map: &Level, levels: u32, pull_threshold: f64, push_threshold: f64) -> Level {
     let mut pyramid = vec![map.clone()];
     for l in 0..levels {

@@ -16,7 +16,7 @@ pub enum Layer {
     Directional,
 }
 
-/// What the light sends through the texel `(x, y)` of a map of `size`² texels \[W\].
+/// Returns what the light sends through the texel `(x, y)` of a map of `size`² texels \[W\].
 ///
 /// `half_extent` is half the width and height of the image plane at distance 1, for [`Layer::Directional`] in metres.
 pub fn incident_flux(layer: Layer, texel: [u32; 2], size: u32, half_extent: [f64; 2]) -> f64 {
@@ -33,7 +33,7 @@ pub fn incident_flux(layer: Layer, texel: [u32; 2], size: u32, half_extent: [f64
     falloff(layer, cosine) * solid_angle(low, high)
 }
 
-/// The share of the intensity at an angle of that cosine to the axis: the square of a ramp, as
+/// Returns the share of the intensity at an angle of that cosine to the axis: the square of a ramp, as
 /// KHR_lights_punctual recommends.
 pub fn falloff(layer: Layer, cosine: f64) -> f64 {
     match layer {
@@ -44,14 +44,14 @@ pub fn falloff(layer: Layer, cosine: f64) -> f64 {
     }
 }
 
-/// Solid angle \[sr\] of a rectangle on the plane at distance 1, given two opposite corners.
+/// Returns the solid angle \[sr\] of a rectangle on the plane at distance 1, given two opposite corners.
 pub fn solid_angle(low: [f64; 2], high: [f64; 2]) -> f64 {
     let volume = ((high[0] - low[0]) * (high[1] - low[1])).abs();
     let [a, b, c, d] = [low, [high[0], low[1]], high, [low[0], high[1]]].map(|[x, y]| [x, y, 1.0]);
     triangle_solid_angle(a, b, c, volume) + triangle_solid_angle(a, c, d, volume)
 }
 
-/// Van Oosterom & Strackee 1983, Eq. 8; `volume` is |a · (b × c)|.
+/// Computes the solid angle by Van Oosterom & Strackee 1983, Eq. 8; `volume` is |a · (b × c)|.
 pub fn triangle_solid_angle(a: [f64; 3], b: [f64; 3], c: [f64; 3], volume: f64) -> f64 {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let [la, lb, lc] = [a, b, c].map(|v| dot(v, v).sqrt());

@@ -39,13 +39,13 @@ pub struct Choice {
     pub rest: f64,
 }
 
-/// What can be summed as a weight: NaN and what is negative count as 0, infinity as the greatest number.
+/// Returns what can be summed as a weight: NaN and what is negative count as 0, infinity as the greatest number.
 pub fn weight_of(x: f32) -> f64 {
     if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 }
 }
 
 impl Cdf {
-    /// Of an importance map `[layers][height][width]`.
+    /// Creates it from an importance map `[layers][height][width]`.
     pub fn new(importance: &[f32], size: (u32, u32)) -> Cdf {
         let weights: Vec<f64> = importance.iter().map(|&f| weight_of(f)).collect();
         let (rows, totals) = segmented_scan(&weights, size.0 as usize);
@@ -54,7 +54,7 @@ impl Cdf {
         Cdf { size, rows, columns, layers }
     }
 
-    /// The texel that these numbers draw with 2 or 3 `dimensions`; `None` where the importance is 0 everywhere.
+    /// Returns the texel that these numbers draw with 2 or 3 `dimensions`; `None` where the importance is 0 everywhere.
     pub fn draw(&self, numbers: [f64; 3], dimensions: u32) -> Option<Texel> {
         if self.layers.last().is_none_or(|total| *total == 0.0) {
             return None;
@@ -76,7 +76,7 @@ impl Cdf {
     }
 }
 
-/// The first entry whose sum exceeds number · total; total must not be 0.
+/// Returns the first entry whose sum exceeds number · total; total must not be 0.
 pub fn choose(sums: &[f64], number: f64) -> Choice {
     let total = sums[sums.len() - 1];
     let sought = (number * total).min(total.next_down());

@@ -26,18 +26,18 @@ pub struct Chain {
     pub steps: u32,
 }
 
-/// What can be an importance: NaN and what is negative count as 0, infinity as the greatest number.
+/// Returns what can be an importance: NaN and what is negative count as 0, infinity as the greatest number.
 pub fn importance_of(x: f32) -> f64 {
     if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 }
 }
 
 impl Chain {
-    /// A chain of one sample.
+    /// Creates a chain of one sample.
     pub fn new(texel: u32, importance: f64) -> Chain {
         Chain { texel, importance, first: importance, sum: importance, steps: 1 }
     }
 
-    /// Probability of accepting a proposal of this importance.
+    /// Returns the probability of accepting a proposal of this importance.
     pub fn acceptance(&self, importance: f64) -> f64 {
         if importance == 0.0 { 0.0 } else { (importance / self.importance).min(1.0) }
     }
@@ -51,7 +51,7 @@ impl Chain {
         }
     }
 
-    /// w / f, given the mean of f over the proposals of all chains: flux · texels / N times this is a light's.
+    /// Returns w / f, given the mean of f over the proposals of all chains: flux · texels / N times this is a light's.
     pub fn ratio(&self, weights: Weights, mean: f64) -> f64 {
         let w = match weights {
             Weights::LocalMean => self.sum / f64::from(self.steps),
@@ -62,13 +62,14 @@ impl Chain {
     }
 }
 
-/// Element of Halton's sequence that is proposed to a chain at a step, by the `keys` of that step's shuffle.
+/// Returns the element of Halton's sequence that is proposed to a chain at a step, by the `keys` of that step's
+/// shuffle.
 pub fn element(chain: u32, step: u32, count: u32, keys: [u32; 4]) -> u32 {
     let place = if step > 0 { shuffled(chain, count, keys) } else { chain };
     step * count + place + 1
 }
 
-/// Where `place` goes in a permutation of `count`, by a key a round.
+/// Returns where `place` goes in a permutation of `count`, by a key a round.
 pub fn shuffled(place: u32, count: u32, keys: [u32; 4]) -> u32 {
     let bits = 32 - (count - 1).leading_zeros();
     let within_power_of_two = |mut place: u32| {

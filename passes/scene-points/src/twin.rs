@@ -18,13 +18,14 @@ pub struct Point {
     pub barycentric: [u32; 2],
 }
 
-/// The scrambled pair of numbers of point `index`; `seeds` are those of the two dimensions.
+/// Returns the scrambled pair of numbers of point `index`; `seeds` are those of the two dimensions.
 pub fn numbers(index: u32, seeds: [u32; 2]) -> [u32; 2] {
     let sobol = sobol2(index);
     [scramble(sobol[0], seeds[0]).min(0xffff_fffe), scramble(sobol[1], seeds[1])]
 }
 
-/// The point that a pair of numbers places: `corner` gives vertex 0, 1 or 2 of a triangle; at least one triangle.
+/// Returns the point that a pair of numbers places: `corner` gives vertex 0, 1 or 2 of a triangle; at least one
+/// triangle.
 pub fn place(numbers: [u32; 2], table: &[u32], corner: impl Fn(u32, u32) -> Vec3) -> Point {
     let [first, second] = numbers;
     let triangle = triangle_at(table, first);

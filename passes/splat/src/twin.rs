@@ -38,7 +38,7 @@ pub struct Shape {
     pub max_splat: f64,
 }
 
-/// The splat of a point, seen from a light with that position and unit normal; `None` behind its plane.
+/// Returns the splat of a point, seen from a light with that position and unit normal; `None` behind its plane.
 pub fn splat(
     point: Vec3,
     point_normal: Vec3,
@@ -65,7 +65,7 @@ pub fn splat(
 }
 
 impl Splat {
-    /// The texels it covers: `low[i]..high[i]` for x and y.
+    /// Returns the texels it covers: `low[i]..high[i]` for x and y.
     pub fn texels(&self, tile: u32) -> ([u32; 2], [u32; 2]) {
         let low = self.position.map(|x| (x - 0.5 * self.side - 0.5).ceil().max(0.0) as u32);
         let high = self.position.map(|x| (x + 0.5 * self.side - 0.5).ceil().min(f64::from(tile)) as u32);
@@ -73,7 +73,7 @@ impl Splat {
     }
 }
 
-/// A map of these points: row by row the distance \[m\], infinite where nothing fell.
+/// Returns a map of these points: row by row the distance \[m\], infinite where nothing fell.
 pub fn map(points: &[(Vec3, Vec3)], light: Vec3, light_normal: Vec3, shape: &Shape) -> Vec<f64> {
     let mut depth = vec![f64::INFINITY; (shape.tile * shape.tile) as usize];
     for (point, normal) in points {

@@ -4,7 +4,7 @@ use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A command of the cargo that runs this program, in the tree.
+/// Creates a command of the cargo that runs this program, in the tree.
 pub fn cargo(root: &Path, subcommand: &str) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root).arg(subcommand);
@@ -18,7 +18,7 @@ pub fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// The program of that name, which a build has put beside this one: both are of the dev profile.
+/// Returns the program of that name, which a build has put beside this one: both are of the dev profile.
 pub fn built(name: &str) -> Result<PathBuf> {
     let this = std::env::current_exe().context("cannot tell where this program lies")?;
     let path = this.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX));

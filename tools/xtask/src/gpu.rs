@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 const QUESTION: &str = "There is no adapter to render with. Install one that renders on the CPU (mesa-vulkan-drivers, by apt-get)?";
 
-/// The adapters, a line each, after having installed a driver where there was none and that was agreed to.
+/// Returns the adapters, a line each, after having installed a driver where there was none and that was agreed to.
 /// Empty where there is none still.
 pub fn ensure(lightloom: &Path, consent: Consent) -> Result<Vec<String>> {
     let found = adapters(lightloom)?;
@@ -27,7 +27,7 @@ pub fn ensure(lightloom: &Path, consent: Consent) -> Result<Vec<String>> {
     Ok(found)
 }
 
-/// What to do where there is no adapter.
+/// Returns what to do where there is no adapter.
 pub fn advice() -> String {
     match Driver::of_this_system() {
         Driver::Apt => "Run this again with -y, or: apt-get install mesa-vulkan-drivers".to_owned(),
@@ -35,7 +35,7 @@ pub fn advice() -> String {
     }
 }
 
-/// Whether every adapter renders on the CPU.
+/// Returns whether every adapter renders on the CPU.
 pub fn on_cpu(adapters: &[String]) -> bool {
     let is_cpu = |line: &String| {
         let line = line.to_lowercase();

@@ -16,7 +16,7 @@ pub enum Consent {
 }
 
 impl Consent {
-    /// From `-y`, the variable `CI`, and whether there is a terminal.
+    /// Decides from `-y`, the variable `CI`, and whether there is a terminal.
     pub fn new(yes: bool) -> Consent {
         let ci = std::env::var("CI").is_ok_and(|ci| !ci.is_empty() && ci != "false");
         if yes || ci {

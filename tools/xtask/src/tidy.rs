@@ -72,7 +72,7 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// What every rule finds, rules without findings left out.
+/// Returns what every rule finds, rules without findings left out.
 pub fn findings(tree: &Tree) -> Vec<(&'static Check, Vec<Finding>)> {
     let run = |check: &'static Check| {
         let mut findings = (check.run)(tree);

@@ -14,7 +14,7 @@ const HIDDEN: &[&str] = &[".cargo", ".ci", ".github"];
 /// Extensions of the files that are read; those in `.ci` are read without.
 const EXTENSIONS: &[&str] = &["rs", "wgsl", "ron", "md", "toml", "yml", "yaml", "sh"];
 
-/// The root of the tree.
+/// Returns the root of the tree.
 pub fn root() -> PathBuf {
     // Cargo says at run time where the tree lies now; it may have been moved since this program was built.
     let manifest =
@@ -89,39 +89,39 @@ impl Tree {
         Ok(Tree { root: root.to_path_buf(), files, manifests })
     }
 
-    /// The root on disk.
+    /// Returns the root on disk.
     pub fn root(&self) -> &Path {
         &self.root
     }
 
-    /// All files, by path.
+    /// Returns all files, by path.
     pub fn files(&self) -> &[File] {
         &self.files
     }
 
-    /// The file at that path.
+    /// Returns the file at that path.
     pub fn file(&self, path: &str) -> Option<&File> {
         self.files.binary_search_by(|file| file.path.as_str().cmp(path)).ok().map(|index| &self.files[index])
     }
 
-    /// The files below a folder, given without a `/` at its end.
+    /// Returns the files below a folder, given without a `/` at its end.
     pub fn below<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = &'a File> {
         let below =
             move |file: &&File| file.path.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'));
         self.files.iter().filter(below)
     }
 
-    /// All manifests, by path; that of the workspace is one of them.
+    /// Returns all manifests, by path; that of the workspace is one of them.
     pub fn manifests(&self) -> &[Manifest] {
         &self.manifests
     }
 
-    /// The manifest of a package.
+    /// Returns the manifest of a package.
     pub fn package(&self, name: &str) -> Option<&Manifest> {
         self.manifests.iter().find(|manifest| manifest.package() == Some(name))
     }
 
-    /// Names of the folders of `passes/`, sorted.
+    /// Returns the names of the folders of `passes/`, sorted.
     pub fn passes(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self
             .below("passes")
@@ -140,18 +140,18 @@ fn is_read(path: &Path) -> bool {
 }
 
 impl File {
-    /// Its lines with their numbers, from 1.
+    /// Returns its lines with their numbers, from 1.
     pub fn lines(&self) -> impl Iterator<Item = (usize, &str)> {
         (1..).zip(self.text.lines())
     }
 
-    /// Whether its name ends in this extension.
+    /// Returns whether its name ends in this extension.
     pub fn is(&self, extension: &str) -> bool {
         self.path.rsplit_once('.').is_some_and(|(_, found)| found == extension)
     }
 }
 
-/// Number of the line, from 1, in which a byte of the text lies.
+/// Returns the number of the line, from 1, in which a byte of the text lies.
 pub fn line_at(text: &str, byte: usize) -> usize {
     1 + text.as_bytes().iter().take(byte).filter(|&&b| b == b'\n').count()
 }
@@ -162,23 +162,23 @@ impl Manifest {
         Ok(Manifest { path: file.path.clone(), document })
     }
 
-    /// Its folder, from the root.
+    /// Returns its folder, from the root.
     pub fn folder(&self) -> &str {
         self.path.rsplit_once('/').map_or("", |(folder, _)| folder)
     }
 
-    /// Name of the package; `None` for the workspace's own manifest.
+    /// Returns the name of the package; `None` for the workspace's own manifest.
     pub fn package(&self) -> Option<&str> {
         self.document.get("package")?.get("name")?.as_str()
     }
 
-    /// Whether its lints are those of the workspace.
+    /// Returns whether its lints are those of the workspace.
     pub fn inherits_lints(&self) -> bool {
         let lints = || self.document.get("lints")?.get("workspace")?.as_bool();
         lints() == Some(true)
     }
 
-    /// All dependencies: those of the package, or for the workspace's manifest those that packages inherit.
+    /// Returns all dependencies: those of the package, or for the workspace's manifest those that packages inherit.
     pub fn dependencies(&self) -> Vec<Dependency<'_>> {
         let root: &dyn TableLike = self.document.as_table();
         let mut found = Vec::new();

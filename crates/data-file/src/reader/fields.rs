@@ -83,24 +83,24 @@ pub struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// The name of the form.
+    /// Returns the name of the form.
     pub fn form(&self) -> &'static str {
         self.form
     }
 
-    /// The value of a field, where it is given.
+    /// Returns the value of a field, where it is given.
     pub fn get(&self, name: &str) -> Option<&'a Node> {
         self.fields.iter().find(|(n, _)| *n == name).map(|(_, node)| *node)
     }
 }
 
 impl Reader<'_> {
-    /// The place of a value.
+    /// Returns the place of a value.
     pub fn place(&self, node: &Node) -> Place {
         Place { file: self.file, start: node.start, end: node.end }
     }
 
-    /// The first line of a value, for pointing at long ones.
+    /// Returns the first line of a value, for pointing at long ones.
     pub fn head(&self, node: &Node) -> Place {
         let place = self.place(node);
         let text = &self.source.text[place.start as usize..place.end as usize];
@@ -111,7 +111,7 @@ impl Reader<'_> {
         place.part(0, len)
     }
 
-    /// The span of a place in this file.
+    /// Returns the span of a place in this file.
     pub fn span(&self, place: Place) -> Span {
         Span { source: Arc::clone(self.source), start: place.start, end: place.end }
     }
@@ -132,12 +132,12 @@ impl Reader<'_> {
         self.errors.push(error);
     }
 
-    /// The bytes of a value.
+    /// Returns the bytes of a value.
     pub fn span_of(&self, node: &Node) -> Span {
         self.span(self.place(node))
     }
 
-    /// The name or the first line of a value, for pointing at long ones.
+    /// Returns the name or the first line of a value, for pointing at long ones.
     pub fn head_of(&self, node: &Node) -> Span {
         self.span(self.head(node))
     }
@@ -165,7 +165,7 @@ impl Reader<'_> {
         self.error(&codes::WRONG_TYPE, place, format!("expected {expected}, found {found}"));
     }
 
-    /// The fields of a form with one of the names in `forms`; a form without a name is taken too if there is
+    /// Returns the fields of a form with one of the names in `forms`; a form without a name is taken too if there is
     /// only one.
     pub fn fields<'n>(
         &mut self,
@@ -231,7 +231,7 @@ impl Reader<'_> {
         *error = error.clone().label(first, "first here");
     }
 
-    /// A field that must be there.
+    /// Returns a field that must be there, and reports it where it is missing.
     pub fn need<'n>(&mut self, fields: &Fields<'n>, name: &str) -> Option<&'n Node> {
         let found = fields.get(name);
         if found.is_none() {
@@ -241,7 +241,7 @@ impl Reader<'_> {
         found
     }
 
-    /// Text.
+    /// Reads text.
     pub fn text<'n>(&mut self, node: &'n Node, expected: &str) -> Option<&'n str> {
         if let Form::Text(text, _) = &node.form {
             return Some(text);
@@ -250,7 +250,7 @@ impl Reader<'_> {
         None
     }
 
-    /// The items of a list; none where it is something else.
+    /// Reads the items of a list; none where it is something else.
     pub fn list<'n>(&mut self, node: &'n Node, expected: &str) -> &'n [Node] {
         if let Form::List(items) = &node.form {
             return items;

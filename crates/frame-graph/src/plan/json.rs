@@ -22,7 +22,7 @@ fn names(list: &[Name]) -> Json {
 }
 
 impl Externals {
-    /// The names of what is in it.
+    /// Returns the names of what is in it.
     pub fn names(self) -> Vec<&'static str> {
         let all = [
             (Externals::SCENE, "scene"),

@@ -63,7 +63,7 @@ impl Differences {
     }
 }
 
-/// All that `b` does otherwise than `a`: parameters, passes, links, settings, switches, outputs.
+/// Returns all that `b` does otherwise than `a`: parameters, passes, links, settings, switches, outputs.
 pub fn diff(a: &Resolved, b: &Resolved) -> Vec<Difference> {
     let mut all = Differences::default();
     let parameters = |r: &Resolved| {

@@ -34,7 +34,7 @@ pub struct TemporalDifference {
 }
 
 impl TemporalDifference {
-    /// Root mean square of the differences (units of the picture); `None` where nothing matched.
+    /// Returns the root mean square of the differences (units of the picture); `None` where nothing matched.
     pub fn rms(&self) -> Option<f64> {
         (self.matched > 0).then(|| (self.sum_of_squares / self.matched as f64).sqrt())
     }
@@ -110,7 +110,7 @@ impl Tid {
         self.matched += pair.matched;
     }
 
-    /// The measure so far (units of the picture); `None` while nothing matched.
+    /// Returns the measure so far (units of the picture); `None` while nothing matched.
     pub fn value(&self) -> Option<f64> {
         (self.matched > 0).then(|| (self.sum_of_squares / self.matched as f64).sqrt())
     }

@@ -1,4 +1,4 @@
-/// Frames from a jump of the light until `series` has arrived and stays.
+/// Returns the frames from a jump of the light until `series` has arrived and stays.
 ///
 /// `series` is one value a frame, as the mean luminance of the picture, and `jump` the first frame under
 /// the new light. The old value is that of the frame before; the settled value the mean of the last

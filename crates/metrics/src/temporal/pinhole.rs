@@ -18,8 +18,8 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
-    /// World position \[m\] of what the point (`x`, `y`) of the image \[px\] sees at `depth` \[m\] along the
-    /// viewing axis.
+    /// Returns the world position \[m\] of what the point (`x`, `y`) of the image \[px\] sees at `depth` \[m\] along
+    /// the viewing axis.
     pub fn world(&self, x: f64, y: f64, depth: f64, size: (usize, usize)) -> [f64; 3] {
         let across = (2.0 * x / size.0 as f64 - 1.0) * self.half_extent[0];
         let upwards = (1.0 - 2.0 * y / size.1 as f64) * self.half_extent[1];
@@ -29,8 +29,8 @@ impl Pinhole {
         })
     }
 
-    /// Where in the image a world position \[m\] lies: x and y \[px\], which may be outside the frame, and
-    /// its depth \[m\] along the viewing axis. `None` where it is not in front of the camera.
+    /// Returns where in the image a world position \[m\] lies: x and y \[px\], which may be outside the frame, and its
+    /// depth \[m\] along the viewing axis. `None` where it is not in front of the camera.
     pub fn project(&self, point: [f64; 3], size: (usize, usize)) -> Option<(f64, f64, f64)> {
         let offset: [f64; 3] = std::array::from_fn(|axis| point[axis] - self.position[axis]);
         let along = |axis: [f64; 3]| offset.iter().zip(axis).map(|(a, b)| a * b).sum::<f64>();

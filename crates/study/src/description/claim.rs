@@ -49,7 +49,7 @@ pub struct Pick {
 }
 
 impl Relation {
-    /// Whose means are compared, in the order of the text.
+    /// Returns whose means are compared, in the order of the text.
     pub fn picks(&self) -> Vec<&Pick> {
         match self {
             Relation::Order(rising) => rising.iter().collect(),
