@@ -167,7 +167,7 @@ fn scenes_reload_and_errors_keep_the_last_good_one() {
     let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else {
         panic!("the edit is broken")
     };
-    assert!(error.to_string().contains("scenes/own.ron:3:47"), "{error}");
+    assert!(error.to_string().contains("scenes/own.ron:3:45"), "{error}");
     assert!(picture(&mut renderer) == first, "the last good scene goes on");
 
     write(folder.path(), "scenes/own.ron", &scene.replace("-0.8)", "-0.6)"));
