@@ -243,7 +243,7 @@ fn a_missing_fact_names_the_module_the_producer_and_the_nearest() {
     let (_, steps) = linked(&[("tiles", 5)]);
     let error = steps.expect_err("`tile` has no value");
     for part in [
-        "E065",
+        "L006",
         "answer.wgsl:8:5",
         "nothing gives `answer_facts.tile` a value",
         "did you mean `tiles`?",
