@@ -76,7 +76,7 @@ fn steps(
                 steps.push(linked);
             }
             Err(Diagnostics(found)) => {
-                errors.extend(found.into_iter().map(|error| at_pass(error, resolved, &pass.name)))
+                errors.extend(found.into_iter().map(|error| at_pass(error, resolved, &pass.name)));
             }
         }
     }

@@ -141,7 +141,7 @@ impl Hash {
         self.value(rotation.to_array());
         self.vectors(&animation.translation);
         self.maybe(animation.rotation.as_ref(), |hash, track| {
-            hash.track(track, |turn: Quat| turn.to_array())
+            hash.track(track, |turn: Quat| turn.to_array());
         });
         self.vectors(&animation.scale);
     }

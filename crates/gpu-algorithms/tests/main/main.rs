@@ -22,5 +22,5 @@ const MANY: u32 = (1 << 19) + 1;
 
 /// Returns random numbers below `bound`.
 fn numbers(length: u32, bound: u64) -> Vec<u32> {
-    (0..length).map(|i| (u64::from(hash2(length, i)) * bound >> 32) as u32).collect()
+    (0..length).map(|i| ((u64::from(hash2(length, i)) * bound) >> 32) as u32).collect()
 }

@@ -223,7 +223,7 @@ fn flattened(layout: &StructLayout, structs: &[StructLayout]) -> StructLayout {
                     name: format!("{}.{}", member.name, inner.name),
                     offset: member.offset + inner.offset,
                     ..inner
-                }))
+                }));
             }
         }
     }
