@@ -2,7 +2,7 @@
 
 use gather::twin::{VirtualLight, geometry, subset};
 use glam::Vec3;
-use pass_test::{Outputs, Stand};
+use pass_test::{Harness, Outputs};
 use std::f64::consts::PI;
 
 const EXTENT: f64 = 2.828_427_124_746_19; // of the scene `plane`, a square of 2 m
@@ -15,11 +15,11 @@ struct View {
 }
 
 impl View {
-    fn stand(&self, lights: &[VirtualLight]) -> Stand<'static> {
+    fn stand(&self, lights: &[VirtualLight]) -> Harness<'static> {
         self.stand_at_depth(lights, 2.0)
     }
 
-    fn stand_at_depth(&self, lights: &[VirtualLight], depth: f32) -> Stand<'static> {
+    fn stand_at_depth(&self, lights: &[VirtualLight], depth: f32) -> Harness<'static> {
         let pixels = (self.width * self.height) as usize;
         let camera = scene::Camera {
             position: Vec3::new(0.0, 2.0, 0.0),
@@ -41,7 +41,7 @@ impl View {
         let (_, bytes) = pass_test::counted(&packed);
         // A buffer has room for one light even where there is none.
         let desc = pass_test::buffer(16 + 48 * packed.len().max(1) as u64);
-        Stand::new(gather::PASS)
+        Harness::new(gather::PASS)
             .frame(self.width, self.height)
             .scene("plane")
             .camera(camera)

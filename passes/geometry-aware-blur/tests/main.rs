@@ -2,7 +2,7 @@
 
 use geometry_aware_blur::twin::window;
 use glam::Vec3;
-use pass_test::Stand;
+use pass_test::Harness;
 
 /// The irradiance that both ways of filtering make of what a function describes: depth [m] and normal. `None`
 /// without a GPU.
@@ -41,7 +41,7 @@ fn run(
         vertical_fov: 0.8,
         near: 0.01,
     };
-    let outputs = Stand::new(geometry_aware_blur::PASS)
+    let outputs = Harness::new(geometry_aware_blur::PASS)
         .frame(width, height)
         .camera(camera)
         .set("alpha", alpha)

@@ -4,7 +4,7 @@ mod boxes;
 mod glossy;
 
 use boxes::{floor_and_wall, furnace, spread};
-use pass_test::{Outputs, Stand, scene};
+use pass_test::{Harness, Outputs, scene};
 use std::f64::consts::PI;
 
 #[test]
@@ -21,7 +21,7 @@ fn pixels(outputs: &Outputs, name: &str) -> Vec<[f32; 4]> {
 fn a_furnace_is_even() {
     let (emitted, albedo) = ([0.5, 0.25, 1.0], [0.2, 0.5, 0.8]);
     let bounces = 6;
-    let stand = Stand::new(path_tracer::PASS).with_scene(furnace(emitted, albedo)).frame(24, 16);
+    let stand = Harness::new(path_tracer::PASS).with_scene(furnace(emitted, albedo)).frame(24, 16);
     let Some(outputs) = stand.set("bounces", bounces).set("samples_per_frame", 8u32).run() else { return };
     let series = |c: usize, terms: std::ops::RangeInclusive<u32>| -> f64 {
         terms.map(|k| emitted[c] * albedo[c].powi(k as i32)).sum()
@@ -50,7 +50,7 @@ fn a_furnace_is_even() {
 #[test]
 fn a_patch_under_a_spot() {
     let camera = boxes::camera_at([0.0, 0.5, 0.0], [0.0; 3], 1e-3);
-    let stand = Stand::new(path_tracer::PASS).with_scene(scene("plane")).camera(camera).frame(4, 4);
+    let stand = Harness::new(path_tracer::PASS).with_scene(scene("plane")).camera(camera).frame(4, 4);
     let Some(outputs) = stand.set("samples_per_frame", 1u32).run() else { return };
     for pixel in pixels(&outputs, "direct") {
         assert!((f64::from(pixel[0]) * PI / 0.5 - 1.0).abs() < 1e-4, "{pixel:?}");
@@ -69,7 +69,7 @@ fn a_screen_shades() {
         scene.lights[0].intensity = glam::Vec3::ONE;
         // Below the screen in either case.
         let camera = boxes::camera_at([0.3, 0.2, 0.0], [0.0; 3], 1e-3);
-        let stand = Stand::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
+        let stand = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
         let outputs = stand.set("samples_per_frame", 1u32).run()?;
         Some(spread(pixels(&outputs, "direct").iter().map(|pixel| pixel[0])).0)
     };
@@ -105,7 +105,7 @@ fn clamped_form_factor(away: f64, height: f64, width: f64, closest: f64) -> f64 
 /// A wall under a sun that grazes the floor, which sees the wall alone.
 fn irradiance_of_floor(away: f32, clamp: f32) -> Option<[(f64, f64); 2]> {
     let camera = boxes::camera_at([away, 0.5, 0.0], [away, 0.0, 0.0], 1e-3);
-    let stand = Stand::new(path_tracer::PASS).with_scene(floor_and_wall()).camera(camera).frame(64, 64);
+    let stand = Harness::new(path_tracer::PASS).with_scene(floor_and_wall()).camera(camera).frame(64, 64);
     let outputs = stand
         .set("bounces", 1u32)
         .set("samples_per_frame", 32u32)
@@ -152,7 +152,7 @@ fn the_clamp_bounds_the_first_segment() {
 #[test]
 fn a_seed_is_a_picture() {
     let run = |seed: u32| {
-        let stand = Stand::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
+        let stand = Harness::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
         let outputs = stand.seed(seed).set("samples_per_frame", 2u32).run()?;
         Some(pixels(&outputs, "image"))
     };
@@ -169,7 +169,7 @@ fn queries_give_the_same_picture() {
         return;
     }
     let run = |rays: &str| {
-        let stand = Stand::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
+        let stand = Harness::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
         let outputs = stand.set("rays", rays).set("samples_per_frame", 16u32).run()?;
         Some(pixels(&outputs, "image"))
     };
@@ -190,7 +190,7 @@ fn masked_surfaces_let_light_through() {
             scene.materials[1].base_color.w = 0.25;
         }
         let camera = boxes::camera_at([0.4, 0.5, 0.0], [0.4, 0.0, 0.0], 1e-3);
-        let stand = Stand::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
+        let stand = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
         let outputs = stand.set("samples_per_frame", 8u32).run()?;
         Some(spread(pixels(&outputs, "indirect").iter().map(|p| p[0])).0)
     };

@@ -5,7 +5,7 @@ use pass::{
     Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
     ResourceDesc, Setting, Settings, Threads, Use, UseContext, Value,
 };
-use pass_test::Stand;
+use pass_test::Harness;
 use percentage_closer_filtering::twin::filtered;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -75,7 +75,7 @@ fn answers(taps: u32) -> Option<Vec<[f32; 4]>> {
     let light = [0.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0];
     let (desc, bytes) = pass_test::counted(&[light; 2]);
     let atlas = pass::ResourceDesc::texture_2d_array(pass::Format::R32Float, (TILE, TILE), 2);
-    let outputs = Stand::new(&Probe)
+    let outputs = Harness::new(&Probe)
         .input(
             "visibility",
             "Visibility",

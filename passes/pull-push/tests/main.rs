@@ -1,6 +1,6 @@
 //! Hole filling on maps whose answer is known.
 
-use pass_test::Stand;
+use pass_test::Harness;
 use pull_push::twin::{Level, pull_push, pulled};
 
 const HOLE: f64 = f64::INFINITY;
@@ -135,7 +135,7 @@ fn the_gpu_agrees_with_the_twin() {
             maps.iter().flat_map(|map| &map.depth).map(|depth| (*depth as f32).to_bits()).collect();
         let bytes = bytemuck::cast_slice(&bits).to_vec();
         let pass = pull_push::PullPush { side: layer };
-        let outputs = Stand::new(&pass)
+        let outputs = Harness::new(&pass)
             .scene("plane")
             .set("levels", levels)
             .input(

@@ -1,6 +1,6 @@
 //! Splats against closed forms.
 
-use pass_test::Stand;
+use pass_test::Harness;
 use splat::twin::paraboloid::{
     Vec3, direction_from_paraboloid, dot, frame_from_normal, paraboloid_density, paraboloid_from_direction,
     scale, texel_area, texel_centre, texel_in_hemisphere,
@@ -165,7 +165,7 @@ fn the_gpu_agrees_with_the_twin() {
             })
             .collect();
         let (desc, bytes) = pass_test::counted(&packed);
-        let outputs = Stand::new(splat::PASS)
+        let outputs = Harness::new(splat::PASS)
             .scene("plane")
             .set("map", tile)
             .set("points_per_map", per_map)
@@ -210,7 +210,7 @@ fn surfels_store_the_distance_of_their_plane() {
     let points = [[0.3f32, 0.1, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]];
     let light = [[0.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0]];
     let (desc, bytes) = pass_test::counted(&light);
-    let outputs = Stand::new(splat::PASS)
+    let outputs = Harness::new(splat::PASS)
         .scene("plane")
         .set("map", 32)
         .set("kernel", "surfel")
@@ -250,7 +250,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
     // Of 700 a map, a budget of 7 leaves 3.
     for (per_map, budget, made) in [(3, 100, 6), (5, 100, 10), (700, 10_000, 10), (700, 7, 6)] {
         let (desc, bytes) = pass_test::counted(&light);
-        let outputs = Stand::new(splat::PASS)
+        let outputs = Harness::new(splat::PASS)
             .scene("plane")
             .set("map", 8)
             .set("points_per_map", per_map)
@@ -273,7 +273,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
 fn without_triangles_the_maps_are_empty() {
     let light = [[0.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0]];
     let (desc, bytes) = pass_test::counted(&light);
-    let outputs = Stand::new(splat::PASS)
+    let outputs = Harness::new(splat::PASS)
         .set("map", 8)
         .input("points", "Points", &[("count", 0)], vec![("", pass_test::buffer(32), Vec::new())])
         .module("shaders/points-on-the-fly.wgsl")

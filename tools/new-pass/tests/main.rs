@@ -2,7 +2,7 @@
 
 use new_pass::{PASS, twin};
 use pass::{Format, ResourceDesc};
-use pass_test::Stand;
+use pass_test::Harness;
 
 #[test]
 fn every_variant_of_the_shaders_is_valid() {
@@ -17,7 +17,7 @@ fn the_gpu_agrees_with_the_twin() {
         (0..width * height).map(f32::from).map(|i| [i, 1e30 * i, -1e-30 * i, i % 2.0]).collect();
     let bytes = radiance.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     let texture = ResourceDesc::texture_2d(Format::Rgba32Float, (width.into(), height.into()));
-    let stand = Stand::new(PASS).set("gain", 2.5f32).frame(width.into(), height.into()).input(
+    let stand = Harness::new(PASS).set("gain", 2.5f32).frame(width.into(), height.into()).input(
         "radiance",
         "Radiance",
         &[],

@@ -4,7 +4,7 @@ use pass::{
     Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc,
     Setting, Settings, UseContext, input, output,
 };
-use pass_test::{Outputs, Stand};
+use pass_test::{Harness, Outputs};
 
 /// Buffers of words, and what is done with them.
 #[derive(Default)]
@@ -41,7 +41,7 @@ impl Bench {
 
     /// `None` where there is no adapter.
     pub(crate) fn run(&self) -> Option<Outputs> {
-        let mut stand = Stand::new(self);
+        let mut stand = Harness::new(self);
         for (name, words) in &self.inputs {
             // No buffer is empty.
             let bytes = 4 * words.len().max(1) as u64;

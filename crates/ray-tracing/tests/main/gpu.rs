@@ -4,7 +4,7 @@ use crate::shared::{Mesh, Random, Ray};
 use bytemuck::{Pod, Zeroable};
 use frame_graph::port::OutputOverride;
 use glam::{Vec2, Vec3};
-use pass_test::Stand;
+use pass_test::Harness;
 use ray_tracing::STACK;
 use scene::{Encoding, Scene, Texture, Wrap};
 use shader_library::Request;
@@ -49,7 +49,7 @@ fn follow(scene: &Scene, time: f32, way: &str, rays: &[Ray]) -> Option<Vec<Found
         .collect();
     let bytes: Vec<u8> = bytemuck::cast_slice(&given).to_vec();
     let out = OutputOverride { count: Some(rays.len() as u32), ..OutputOverride::default() };
-    let outputs = Stand::new(compute::PASS)
+    let outputs = Harness::new(compute::PASS)
         .shader("crates/ray-tracing/tests/rays.wgsl")
         // The kind gives options the values of traits of their names.
         .scene_trait("rays", way)

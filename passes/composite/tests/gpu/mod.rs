@@ -3,7 +3,7 @@
 use composite::twin::{Rgb, composite, displayed};
 use half::f16;
 use pass::{Format, ResourceDesc};
-use pass_test::Stand;
+use pass_test::Harness;
 
 const WIDTH: u32 = 13;
 const HEIGHT: u32 = 9;
@@ -49,7 +49,7 @@ fn radiance(texels: &[Rgb]) -> Vec<(&'static str, ResourceDesc, Vec<u8>)> {
 fn light_is_added_as_the_twin_adds_it() {
     let (direct, irradiance, glossy, emission) = (light(1), light(2), light(3), light(4));
     let albedo = vec![[0.25, 0.5, 0.75]; PIXELS];
-    let stand = Stand::new(composite::PASS).frame(WIDTH, HEIGHT);
+    let stand = Harness::new(composite::PASS).frame(WIDTH, HEIGHT);
     let outputs = stand
         .input("view", "GBuffer", &[], view(&albedo, &emission))
         .input("direct", "Radiance", &[], radiance(&direct))
@@ -77,7 +77,7 @@ fn every_curve_shows_what_the_twin_shows() {
     direct[PIXELS - 1] = [0.0, f64::NAN, 0.0];
     for tonemap in ["reinhard", "reinhard-simple", "aces", "filmic", "none"] {
         let black = vec![[0.0; 3]; PIXELS];
-        let outputs = Stand::new(composite::PASS)
+        let outputs = Harness::new(composite::PASS)
             .frame(WIDTH, HEIGHT)
             .set("tonemap", tonemap)
             .set("exposure", 1.5f32)
@@ -100,7 +100,7 @@ fn every_curve_shows_what_the_twin_shows() {
 
 #[test]
 fn an_input_of_another_size_is_refused() {
-    let stand = Stand::new(composite::PASS).frame(WIDTH, HEIGHT);
+    let stand = Harness::new(composite::PASS).frame(WIDTH, HEIGHT);
     let small = vec![("", ResourceDesc::texture_2d(Format::Rgba32Float, (4, 4)), Vec::new())];
     let black = vec![[0.0; 3]; PIXELS];
     let stand =

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use half::f16;
 use pass::{Format, ResourceDesc};
-use pass_test::{Stand, random};
+use pass_test::{Harness, random};
 
 const WIDTH: u32 = 45;
 const HEIGHT: u32 = 31;
@@ -119,7 +119,7 @@ fn run(pixels: &[Pixel], level: u32, edges: &str) -> Option<Vec<[f32; 4]>> {
         ),
     ];
     let irradiance = bytes(&|pixel| pixel.irradiance.iter().flat_map(|n| n.to_le_bytes()).collect());
-    let outputs = Stand::new(compute::PASS)
+    let outputs = Harness::new(compute::PASS)
         .shader("docs/examples/a-trous.wgsl")
         .frame(WIDTH, HEIGHT)
         .camera(camera)

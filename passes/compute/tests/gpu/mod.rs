@@ -2,13 +2,13 @@
 
 use frame_graph::Extent;
 use frame_graph::port::OutputOverride;
-use pass_test::Stand;
+use pass_test::Harness;
 
 #[test]
 fn a_buffer_is_made_from_a_buffer() {
     let numbers: Vec<u8> = (0..100u16).flat_map(|i| f32::from(i).to_le_bytes()).collect();
     for (word, divisor) in [("yes", 4.0), ("no", 1.0), ("twice", 16.0)] {
-        let outputs = Stand::new(compute::PASS)
+        let outputs = Harness::new(compute::PASS)
             .shader("passes/compute/tests/halve.wgsl")
             .set("divisor", 4.0f32)
             .set("done", word)
@@ -29,7 +29,7 @@ fn entry_points_go_on_from_what_those_before_left() {
     let numbers: Vec<u8> = (0..700u16).flat_map(|i| f32::from(i % 8).to_le_bytes()).collect();
     let half = OutputOverride { size: Some(Extent::Frame { num: 1, den: 2 }), ..OutputOverride::default() };
     for (rounds, squared) in [(0u32, false), (3, false), (5, true)] {
-        let outputs = Stand::new(compute::PASS)
+        let outputs = Harness::new(compute::PASS)
             .shader("passes/compute/tests/chain.wgsl")
             .frame(20, 14)
             .out("mean", half.clone())

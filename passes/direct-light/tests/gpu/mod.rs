@@ -5,7 +5,7 @@ use direct_light::twin::{Map, ggx};
 use glam::{DVec3, Vec3, dvec3, vec3};
 use half::f16;
 use pass::{Format, ResourceDesc};
-use pass_test::Stand;
+use pass_test::Harness;
 use scene::{Light, LightKind, Scene};
 use std::f64::consts::PI;
 
@@ -51,7 +51,7 @@ fn light(scene: &Scene, distance: impl Fn(u32) -> f32, specular: Option<[f32; 4]
     let maps = ResourceDesc::texture_2d_array(Format::Rgba32Float, (MAP, MAP), layers);
     let texel = |i: u32| [0.0, 0.0, 0.0, distance(i)].map(f32::to_le_bytes).concat();
     let position = (0..MAP * MAP * layers).flat_map(texel).collect();
-    let outputs = Stand::new(direct_light::PASS)
+    let outputs = Harness::new(direct_light::PASS)
         .with_scene(scene.clone())
         .frame(WIDTH, HEIGHT)
         .input("view", "GBuffer", &[], view)

@@ -3,7 +3,7 @@
 use frame_graph::port::OutputOverride;
 use half::f16;
 use pass::{Format, ResourceDesc};
-use pass_test::Stand;
+use pass_test::Harness;
 
 #[test]
 fn the_vignette_darkens_the_corners() {
@@ -13,7 +13,7 @@ fn the_vignette_darkens_the_corners() {
     let picture = ResourceDesc::texture_2d(Format::Rgba32Float, (WIDTH, HEIGHT));
     let display = OutputOverride { interface: Some("Display".into()), ..OutputOverride::default() };
     let stand = || {
-        Stand::new(fullscreen::PASS)
+        Harness::new(fullscreen::PASS)
             .shader("docs/examples/vignette.wgsl")
             .frame(7, 7)
             .set("strength", 0.8f32)

@@ -2,7 +2,7 @@
 
 use gbuffer::twin::{Camera, Vec3, cross, dot, unit};
 use half::f16;
-use pass_test::Stand;
+use pass_test::Harness;
 use scene::Scene;
 
 const WIDTH: u32 = 45;
@@ -49,7 +49,7 @@ struct Seen {
 }
 
 fn run(scene: &Scene) -> Option<Seen> {
-    let outputs = Stand::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT).run()?;
+    let outputs = Harness::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT).run()?;
     let depth = outputs.read("view.depth");
     Some(Seen { depth, normal: outputs.read("view.normal"), albedo: outputs.read("view.albedo") })
 }
@@ -108,7 +108,7 @@ fn members_are_those_of_the_scene() {
     // The white walls become half a metal, the green one lacquer; the rest stays dull.
     scene.materials[0].metallic = 0.5;
     scene.materials[2].roughness = 0.25;
-    let stand = Stand::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT);
+    let stand = Harness::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT);
     let Some(outputs) = stand.set("motion", true).run() else { return };
     let emission: Vec<[f32; 4]> = outputs.read("view.emission");
     let specular: Vec<[f16; 4]> = outputs.read("view.specular");

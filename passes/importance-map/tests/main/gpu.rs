@@ -5,7 +5,7 @@ use importance_map::PASS;
 use importance_map::twin::{ViewSample, contribution, luminance, mix_with_flux, pixel, response};
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash2, unit_float};
-use pass_test::{Outputs, Stand};
+use pass_test::{Harness, Outputs};
 use scene::{Camera, Scene};
 
 const FRAME: (u32, u32) = (40, 30);
@@ -102,7 +102,7 @@ impl Room {
                 bytes(pixels, &|i| Room::albedo(i).extend(1.0).to_array()),
             ),
         ];
-        let stand = Stand::new(PASS)
+        let stand = Harness::new(PASS)
             .set("measure", measure)
             .set("defensive", defensive)
             .set("view_samples", SAMPLES)

@@ -1,7 +1,7 @@
 //! Microfacet reflection: the sampled directional albedo against quadrature.
 
 use crate::boxes::{camera_at, matte, quad, room, spread};
-use pass_test::Stand;
+use pass_test::Harness;
 use std::f64::consts::PI;
 
 /// GGX with the height-correlated Smith term, F₀ = 1: reflectance · cosine, in the surface's frame (shaders/ggx.wgsl).
@@ -52,7 +52,7 @@ fn a_metal_reflects_its_directional_albedo() {
             let scene = room(&quads, vec![metal, matte([0.0; 3], [1.0; 3])]);
             let from = [(1.0 - cosine * cosine).sqrt() as f32 * 0.8, cosine as f32 * 0.8, 0.0];
             let stand =
-                Stand::new(path_tracer::PASS).with_scene(scene).camera(camera_at(from, [0.0; 3], 1e-3));
+                Harness::new(path_tracer::PASS).with_scene(scene).camera(camera_at(from, [0.0; 3], 1e-3));
             let Some(outputs) =
                 stand.frame(16, 16).set("bounces", 0u32).set("samples_per_frame", 64u32).run()
             else {

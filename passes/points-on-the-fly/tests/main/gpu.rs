@@ -2,7 +2,7 @@
 
 use crate::probe::{Amplification, SurfaceSample};
 use pass_test::random::{hash2, unit_float};
-use pass_test::{Stand, soup};
+use pass_test::{Harness, soup};
 use points_on_the_fly::PASS;
 use points_on_the_fly::twin::{
     ANY_NUMBER, Vec3, WHOLE, place, sample, scramble, starts, triangle_at, weights,
@@ -24,7 +24,7 @@ fn triangles(scene: &Scene, time: f32) -> Vec<[Vec3; 3]> {
 }
 
 fn amplify(scene: &Scene, time: f32, rule: &str) -> Option<Amplification> {
-    let outputs = Stand::new(PASS).with_scene(scene.clone()).time(time).set("rule", rule).run()?;
+    let outputs = Harness::new(PASS).with_scene(scene.clone()).time(time).set("rule", rule).run()?;
     Some(Amplification::read(&outputs, scene.triangles()))
 }
 
@@ -188,7 +188,7 @@ fn triangles_of_any_shape_at_any_scale() {
 #[test]
 fn no_triangles_and_none_with_an_area() {
     for rule in ["area", "tessellation"] {
-        let Some(outputs) = Stand::new(PASS).scene("empty").set("rule", rule).run() else { return };
+        let Some(outputs) = Harness::new(PASS).scene("empty").set("rule", rule).run() else { return };
         assert_eq!(outputs.read::<u32>("points")[4], 0, "an empty interval");
         let scene = soup(&[[1.0; 3]; 6]);
         let Some(found) = amplify(&scene, 0.0, rule) else { return };

@@ -5,7 +5,7 @@ use pass::{
     Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
     ResourceDesc, Setting, Settings, SurfaceSamples, Threads, UseContext, setting,
 };
-use pass_test::{Outputs, Stand};
+use pass_test::{Harness, Outputs};
 use points_on_the_fly::twin::{BLOCK, Wanted};
 use scene::Scene;
 
@@ -88,7 +88,7 @@ impl Amplification {
         per_map: u32,
     ) -> Option<Vec<SurfaceSample>> {
         let desc = pass_test::buffer(self.bytes.len() as u64);
-        let stand = Stand::new(&Probe)
+        let stand = Harness::new(&Probe)
             .with_scene(scene.clone())
             .time(time)
             .set("maps", maps)

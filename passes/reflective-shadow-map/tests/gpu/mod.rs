@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4Swizzles, vec3};
 use half::f16;
-use pass_test::{Outputs, Stand};
+use pass_test::{Harness, Outputs};
 use reflective_shadow_map::twin::{Layer, incident_flux};
 use scene::{Light, LightKind, Scene};
 use std::f64::consts::PI;
@@ -16,7 +16,7 @@ struct Map {
 
 fn run(scene: &Scene, size: u32) -> Option<(Map, Outputs)> {
     let outputs =
-        Stand::new(reflective_shadow_map::PASS).with_scene(scene.clone()).set("size", size).run()?;
+        Harness::new(reflective_shadow_map::PASS).with_scene(scene.clone()).set("size", size).run()?;
     let vectors = |name: &str| outputs.read::<[f32; 4]>(name).into_iter().map(Into::into).collect();
     let (position, flux) = (vectors("rsm.position"), vectors("rsm.flux"));
     let (normal, albedo) = (outputs.read("rsm.normal"), outputs.read("albedo"));
@@ -120,7 +120,7 @@ fn every_texel_of_several_lights_agrees_with_the_twin() {
 
 #[test]
 fn without_lights_there_is_one_layer_that_sees_nothing() {
-    let outputs = Stand::new(reflective_shadow_map::PASS).scene("cornell-box-lamp").set("size", 4u32).run();
+    let outputs = Harness::new(reflective_shadow_map::PASS).scene("cornell-box-lamp").set("size", 4u32).run();
     let Some(outputs) = outputs else { return };
     assert_eq!(*outputs.fact("rsm", "layers"), pass::Value::U32(1));
     assert_eq!(outputs.read::<[f32; 4]>("rsm.position"), [[0.0; 4]; 16]);

@@ -4,7 +4,7 @@ use crate::distribution::{SIZE, importance};
 use gpu_algorithms::reference::workgroup_prefix_sum;
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
-use pass_test::{Outputs, Stand, VirtualLight};
+use pass_test::{Harness, Outputs, VirtualLight};
 use sample_inverse_transform::PASS;
 use sample_inverse_transform::twin::Cdf;
 
@@ -24,7 +24,7 @@ fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Optio
     let position = bytes(&|i| [i as f32, 0.0, 0.0, 1.0]);
     let normal = bytes(&|_| [0.0, 1.2, 1.6, 0.0]);
     let flux = bytes(&|i| [flux(i)[0], flux(i)[1], flux(i)[2], 0.0]);
-    Stand::new(PASS)
+    Harness::new(PASS)
         .set("count", settings.0)
         .set("dimensions", settings.1)
         .seed(seed)

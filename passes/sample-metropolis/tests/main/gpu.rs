@@ -4,7 +4,7 @@ use crate::chains::{Map, SIZE, distribution, halton, histogram, importance, time
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::statistics::assert_follows;
-use pass_test::{Outputs, Stand, VirtualLight};
+use pass_test::{Harness, Outputs, VirtualLight};
 use sample_metropolis::PASS;
 use sample_metropolis::twin::{Chain, Weights};
 
@@ -35,7 +35,7 @@ fn run(map: &[f32], size: (u32, u32), run: Run) -> Option<Outputs> {
         ("flux", array(Format::Rgba32Float), bytes(&|_| [1.0, 0.0, 0.0, 0.0])),
     ];
     let importance = ("", array(Format::R32Float), bytemuck::cast_slice(map).to_vec());
-    Stand::new(PASS)
+    Harness::new(PASS)
         .set("count", run.count)
         .set("steps", run.steps)
         .set("weights", run.weights)

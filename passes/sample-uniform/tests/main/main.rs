@@ -1,7 +1,7 @@
 //! Uniform sampling: every texel alike, and the flux of the map.
 
 use pass::{Format, ResourceDesc};
-use pass_test::{Stand, VirtualLight, random};
+use pass_test::{Harness, VirtualLight, random};
 use sample_uniform::{PASS, twin};
 
 const SIZE: (u32, u32) = (16, 10);
@@ -66,7 +66,7 @@ fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<Virt
         ("flux", array(Format::Rgba32Float), bytes(&|i| [1.0, green(i) as f32, 0.0, 0.0])),
     ];
     let stand =
-        Stand::new(PASS).set("count", count).seed(seed).input("rsm", "ReflectiveShadowMap", &[], members);
+        Harness::new(PASS).set("count", count).seed(seed).input("rsm", "ReflectiveShadowMap", &[], members);
     Some(stand.run()?.read_counted("lights"))
 }
 

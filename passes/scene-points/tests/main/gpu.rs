@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use pass_test::random::{hash2, unit_float};
-use pass_test::{Stand, soup};
+use pass_test::{Harness, soup};
 use scene::Scene;
 use scene_points::{PASS, twin};
 
@@ -17,7 +17,7 @@ struct Point {
 }
 
 fn run(scene: Scene, count: u32, seed: u32) -> Option<Vec<Point>> {
-    Some(Stand::new(PASS).with_scene(scene).set("count", count).seed(seed).run()?.read("points"))
+    Some(Harness::new(PASS).with_scene(scene).set("count", count).seed(seed).run()?.read("points"))
 }
 
 /// Compares with the twin; lengths relative to the largest coordinate.
