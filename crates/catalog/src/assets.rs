@@ -118,7 +118,7 @@ impl Files for ShaderAssets {
 #[derive(Clone, Debug)]
 pub struct SceneAssets(pub Assets);
 
-impl scene::SceneFiles for SceneAssets {
+impl Files for SceneAssets {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         let name = format!("scenes/{path}");
         let text = self.0.text(&name)?;
@@ -132,7 +132,9 @@ impl scene::SceneFiles for SceneAssets {
             .map(|path| path.trim_start_matches("scenes/").to_owned())
             .collect()
     }
+}
 
+impl scene::SceneFiles for SceneAssets {
     fn folder(&self) -> PathBuf {
         self.0.root().map_or_else(PathBuf::new, |root| root.join("scenes"))
     }

@@ -6,11 +6,13 @@
 
 pub mod codes;
 pub mod diagnostic;
+mod files;
 mod name;
 pub mod reader;
 pub mod value;
 
 pub use codes::Code;
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Place, Source, Sources, Span, nearest};
+pub use files::Files;
 pub use name::Name;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

@@ -15,19 +15,11 @@ use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, par
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span};
 use crate::value::{Setting, Value};
 pub(crate) use copies::told_once;
+pub use data_file::Files;
 use data_file::Name;
 use flatten::{Assignment, Resolver};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
-
-/// Where pipeline files come from: the disk, or what is embedded in the program.
-pub trait Files {
-    /// The file at `path`, relative to the pipelines' folder; `None` where there is none.
-    fn read(&self, path: &str) -> Option<Arc<Source>>;
-
-    /// The paths of all pipeline files: for errors that offer the nearest.
-    fn list(&self) -> Vec<String>;
-}
 
 /// Values given from outside: `--set parameter=v`, `--set pass.setting=v`, and the axes of a study.
 ///

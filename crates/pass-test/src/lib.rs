@@ -32,7 +32,6 @@ pub mod statistics;
 /// What can happen to the past between two frames, for [`Harness::event`].
 pub use frame_graph::ResetCause;
 pub use harness::Harness;
-pub use harness::Harness as Stand;
 
 /// What a pass wrote.
 pub struct Outputs {
@@ -150,7 +149,7 @@ pub fn assert_shaders_are_valid(pass: &dyn Pass) {
 
 struct SceneFolder;
 
-impl scene::SceneFiles for SceneFolder {
+impl frame_graph::Files for SceneFolder {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         let text = std::fs::read_to_string(root().join("scenes").join(path)).ok()?;
         Some(Source::new(format!("scenes/{path}"), text))
@@ -161,10 +160,12 @@ impl scene::SceneFiles for SceneFolder {
     }
 }
 
+impl scene::SceneFiles for SceneFolder {}
+
 /// A description in place of files.
 struct Description<'a>(&'a str);
 
-impl scene::SceneFiles for Description<'_> {
+impl frame_graph::Files for Description<'_> {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         Some(Source::new(path, self.0))
     }
@@ -173,6 +174,8 @@ impl scene::SceneFiles for Description<'_> {
         Vec::new()
     }
 }
+
+impl scene::SceneFiles for Description<'_> {}
 
 impl Outputs {
     /// Finds a resource of the pass, or one that it was given.

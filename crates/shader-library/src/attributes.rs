@@ -12,8 +12,8 @@ use crate::composed::Composed;
 use crate::doc_reader::{Literal, Problem, Reader};
 use crate::interface::ShaderInterface;
 use crate::scan::{FoundDeclaration, find_documented};
-use frame_graph::codes::shader as codes;
-use frame_graph::{Diagnostic, Diagnostics, nearest};
+use data_file::codes::shader as codes;
+use data_file::{Diagnostic, Diagnostics, nearest};
 use std::ops::Range;
 
 /// What the doc comments of a shader say in brackets of its entry points and globals.

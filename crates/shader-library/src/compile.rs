@@ -3,8 +3,8 @@
 use crate::composed::Composed;
 use crate::reflect::resources;
 use crate::scan::unclosed_brace;
-use frame_graph::codes::shader as codes;
-use frame_graph::{Diagnostic, Diagnostics};
+use data_file::codes::shader as codes;
+use data_file::{Diagnostic, Diagnostics};
 use naga::common::wgsl::TypeContext;
 use naga::front::wgsl::ParseError;
 use naga::valid::{

@@ -2,8 +2,8 @@
 
 use crate::directive::Define;
 use crate::line_map::{LineMap, span};
-use frame_graph::codes::Code;
-use frame_graph::{Diagnostic, Label, Setting, Source, Span, Value};
+use data_file::codes::Code;
+use data_file::{Diagnostic, Label, Setting, Source, Span, Value};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The `#` lines of the dialect: their grammar, and the values of options.
 
-use frame_graph::Value;
-use frame_graph::codes::{Code, shader as codes};
+use data_file::Value;
+use data_file::codes::{Code, shader as codes};
 use std::fmt;
 use std::ops::Range;
 
@@ -197,7 +197,7 @@ pub(crate) fn parse(line: &str, at: usize) -> Result<Directive, Fault> {
         Token::Word(other) => {
             let known = ["import", "option", "if", "elif", "else", "endif"];
             let fault = Fault::new(&codes::DIRECTIVE, name.range, format!("there is no `#{other}`"));
-            return Err(match frame_graph::nearest(other, known) {
+            return Err(match data_file::nearest(other, known) {
                 Some(near) => fault.note(format!("did you mean `#{near}`?")),
                 None => fault.note("there are #import, #option, #if, #elif, #else, #endif"),
             });

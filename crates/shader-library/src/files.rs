@@ -1,6 +1,6 @@
 //! Where WGSL comes from: folders on disk, texts in memory, and one laid over the other.
 
-use frame_graph::{Files, Source};
+use data_file::{Files, Source};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,7 +1,7 @@
 //! What a shader binds, takes and gives: all that a pass and an executor need to know of it.
 
 use crate::layout::StructLayout;
-use frame_graph::Value;
+use data_file::Value;
 
 /// What a shader binds, takes and gives.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,6 +1,6 @@
 //! Structs as both sides see them: the layout, a check that they agree, and bytes from named values.
 
-use frame_graph::Value;
+use data_file::Value;
 use std::fmt::Write as _;
 
 /// A struct in memory.

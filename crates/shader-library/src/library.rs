@@ -6,8 +6,8 @@ use crate::directive::Define;
 use crate::files::ShaderFiles;
 use crate::settings;
 use crate::shader::Shader;
-use frame_graph::codes::shader as codes;
-use frame_graph::{Diagnostic, Diagnostics, Setting};
+use data_file::codes::shader as codes;
+use data_file::{Diagnostic, Diagnostics, Setting};
 use naga::valid::Capabilities;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -170,7 +170,7 @@ impl Library {
                 return Err(Diagnostics(vec![Diagnostic {
                     code: codes::VARIANTS.code,
                     message: format!("`{}` has more than {MAX_VARIANTS} variants", request.path),
-                    labels: vec![frame_graph::Label { span: option.place.clone(), message: String::new() }],
+                    labels: vec![data_file::Label { span: option.place.clone(), message: String::new() }],
                     notes: vec![
                         format!("its options are {}", names.join(", ")),
                         "choices that need no other code are cheaper as `override` or as settings".to_owned(),

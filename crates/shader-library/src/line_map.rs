@@ -1,6 +1,6 @@
 //! From a byte of the composed text back to the byte of the file it came from.
 
-use frame_graph::{Source, Span};
+use data_file::{Source, Span};
 use std::ops::Range;
 use std::sync::Arc;
 

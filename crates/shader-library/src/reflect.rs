@@ -5,7 +5,7 @@ use crate::interface::{
     TypeLayout,
 };
 use crate::layout::{MemberLayout, StructLayout};
-use frame_graph::Value;
+use data_file::Value;
 use naga::common::wgsl::{ToWgsl, TypeContext};
 use naga::proc::Layouter;
 use naga::{

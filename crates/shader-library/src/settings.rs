@@ -11,8 +11,8 @@ use crate::composed::Composed;
 use crate::doc_reader::{Literal, Problem, Reader};
 use crate::layout::StructLayout;
 use crate::scan::{FoundMember, find_struct};
-use frame_graph::codes::shader as codes;
-use frame_graph::{Diagnostic, Diagnostics, Setting, Value, ValueType, nearest};
+use data_file::codes::shader as codes;
+use data_file::{Diagnostic, Diagnostics, Setting, Value, ValueType, nearest};
 use std::ops::Range;
 
 const KEYS: [&str; 6] = ["default", "min", "max", "unit", "one_of", "bool"];

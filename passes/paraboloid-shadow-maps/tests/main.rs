@@ -6,7 +6,7 @@ use paraboloid_shadow_maps::twin::paraboloid::{
     Vec3, direction_from_paraboloid, dot, frame_from_normal, into_frame, sub, texel_centre,
 };
 use paraboloid_shadow_maps::twin::{hit, image_bounds, map};
-use pass_test::Stand;
+use pass_test::Harness;
 use scene::{Scene, Vertex};
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ const EXTENT: f64 = 2.828_427_124_746_19;
 
 struct NoFiles;
 
-impl scene::SceneFiles for NoFiles {
+impl frame_graph::Files for NoFiles {
     fn read(&self, _: &str) -> Option<Arc<Source>> {
         None
     }
@@ -24,6 +24,8 @@ impl scene::SceneFiles for NoFiles {
         Vec::new()
     }
 }
+
+impl scene::SceneFiles for NoFiles {}
 
 /// The scene `plane` with other triangles.
 fn scene_of(triangles: &[[Vec3; 3]]) -> Scene {
@@ -54,7 +56,7 @@ fn render_in_layers(
         .collect();
     let (desc, bytes) = pass_test::counted(&packed);
     let pass = ParaboloidShadowMaps { side };
-    let outputs = Stand::new(&pass)
+    let outputs = Harness::new(&pass)
         .with_scene(scene)
         .set("map", tile)
         .input("lights", "VirtualLights", &[("count", packed.len() as u32)], vec![("", desc, bytes)])

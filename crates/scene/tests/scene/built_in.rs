@@ -1,7 +1,8 @@
 //! The scenes made by code.
 
+use data_file::Files;
 use glam::Vec3;
-use scene::{Scene, SceneFiles, about, built_in_names};
+use scene::{Scene, about, built_in_names};
 
 use crate::common::{Shipped, load_text, shipped};
 

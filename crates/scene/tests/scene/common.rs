@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use data_file::Source;
+use data_file::{Files, Source};
 use glam::Vec3;
 use scene::{Scene, SceneError, SceneFiles, load};
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ pub(crate) fn shared() -> Option<PathBuf> {
     None
 }
 
-impl SceneFiles for Shipped {
+impl Files for Shipped {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         let text = std::fs::read_to_string(self.folder().join(path)).ok()?;
         Some(Arc::new(Source { name: format!("scenes/{path}"), text }))
@@ -40,7 +40,9 @@ impl SceneFiles for Shipped {
         names.sort();
         names
     }
+}
 
+impl SceneFiles for Shipped {
     fn folder(&self) -> PathBuf {
         root().join("scenes")
     }
@@ -49,7 +51,7 @@ impl SceneFiles for Shipped {
 /// Descriptions in memory.
 pub(crate) struct InMemory(pub(crate) BTreeMap<&'static str, String>);
 
-impl SceneFiles for InMemory {
+impl Files for InMemory {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         self.0.get(path).map(|text| Arc::new(Source { name: path.into(), text: text.clone() }))
     }
@@ -58,6 +60,8 @@ impl SceneFiles for InMemory {
         self.0.keys().map(|name| name.to_string()).collect()
     }
 }
+
+impl SceneFiles for InMemory {}
 
 pub(crate) fn shipped(name: &str) -> Scene {
     load(name, &Shipped).unwrap_or_else(|error| panic!("{error}"))
@@ -74,7 +78,7 @@ pub(crate) fn load_text_in(folder: &Path, text: &str) -> Result<Scene, SceneErro
 
 struct InFolder<'a>(&'a Path, &'a str);
 
-impl SceneFiles for InFolder<'_> {
+impl Files for InFolder<'_> {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         (path == "test.ron").then(|| Source::new(path, self.1))
     }
@@ -82,7 +86,9 @@ impl SceneFiles for InFolder<'_> {
     fn list(&self) -> Vec<String> {
         vec!["test.ron".to_owned()]
     }
+}
 
+impl SceneFiles for InFolder<'_> {
     fn folder(&self) -> PathBuf {
         self.0.to_owned()
     }

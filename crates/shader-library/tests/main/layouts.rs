@@ -1,7 +1,7 @@
 //! The CPU's structs against the shader's, and uniforms filled by name.
 
 use crate::{library, shader};
-use frame_graph::Value;
+use data_file::Value;
 use shader_library::{Request, StructLayout, struct_layout, write_struct};
 
 #[repr(C)]

@@ -1,7 +1,7 @@
 //! What is read from a valid module.
 
 use crate::shader;
-use frame_graph::Value;
+use data_file::Value;
 use shader_library::{Access, Dimension, GlobalKind, Location, Sample, Stage};
 
 const EVERYTHING: &str = "

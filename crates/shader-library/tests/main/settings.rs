@@ -1,7 +1,7 @@
 //! Settings declared in WGSL.
 
 use crate::{library, shader};
-use frame_graph::{Setting, Value, ValueType};
+use data_file::{Setting, Value, ValueType};
 use shader_library::Request;
 
 const SETTINGS: &str = "
