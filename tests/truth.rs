@@ -2,6 +2,7 @@
 //! that have nothing wrong with them but their number.
 
 use crate::adapter::{bits, mean, renderer, root};
+use frame_graph::Value;
 use glam::Vec3;
 use metrics::{Epsilon, Image, Pair};
 use renderer::Renderer;
@@ -75,6 +76,23 @@ fn the_estimate_is_of_the_size_of_the_error() {
     let estimate = f64::from(estimate);
     // Scrambled sequences err less than the independent samples that the estimate supposes.
     assert!((0.8..4.0).contains(&(estimate / measured)), "estimate {estimate}, measured {measured}");
+}
+
+/// A value that the samples do not follow from, another output and another pass do not end them; one that they follow
+/// from does.
+#[test]
+fn what_does_not_concern_the_samples_does_not_end_them() {
+    let Some(mut renderer) = renderer("reference", "cornell-box", (16, 16), &["samples=64"]) else { return };
+    renderer.frame().unwrap();
+    renderer.set_value("image.exposure", Value::F32(1.5)).unwrap();
+    renderer.frame().unwrap();
+    assert_eq!(samples(&renderer), 8, "the exposure is of the picture, not of the samples");
+    renderer.keep("view.normal").unwrap();
+    renderer.frame().unwrap();
+    assert_eq!(samples(&renderer), 12, "another output");
+    renderer.set_value("bounces", Value::U32(2)).unwrap();
+    renderer.frame().unwrap();
+    assert_eq!(samples(&renderer), 4, "paths are of other lengths");
 }
 
 #[test]

@@ -82,7 +82,7 @@ impl Pool {
         self.free.iter().position(fits).map(|index| self.free.swap_remove(index).2)
     }
 
-    /// Makes an object.
+    /// Makes an object, whose limits have been [checked](check_limits).
     pub(crate) fn make(
         &mut self,
         gpu: &Gpu,
@@ -116,7 +116,6 @@ fn create(
     usage: ObjectUsage,
     held: u64,
 ) -> Result<Object, ExecutorError> {
-    check_limits(gpu, name, desc)?;
     let memory = gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let validation = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let object = match desc {

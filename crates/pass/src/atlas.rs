@@ -1,6 +1,7 @@
 //! Maps of one size in the layers of a texture array.
 
-use frame_graph::{Extent, Facts, Format, ResourceDesc, Value};
+use crate::setting::{self, SettingExt};
+use frame_graph::{Extent, Facts, Format, ResourceDesc, Setting, Value};
 use std::ops::Range;
 
 /// How square maps of one size lie in an atlas: row by row, layer after layer. `tile_origin` of
@@ -11,6 +12,18 @@ pub struct AtlasLayout {
     count: u32,
     columns: u32,
     rows: u32,
+}
+
+/// Declares the setting `depth_bias` of a pass that makes maps: the factor on what they need, which goes with them as the
+/// fact `depth_bias`.
+pub fn depth_bias() -> Setting {
+    setting::f32(
+        "depth_bias",
+        1.0,
+        "Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light leaks \
+         more with it.",
+    )
+    .at_least(0.0)
 }
 
 impl AtlasLayout {

@@ -23,7 +23,7 @@ pub mod setting;
 mod surface_samples;
 pub mod triangle_samples;
 
-pub use atlas::AtlasLayout;
+pub use atlas::{AtlasLayout, depth_bias};
 pub use frame_graph::{
     Clear, Extent, Externals, Facts, Format, InputPort, KindError, Module, Name, OutputContext, OutputDesc,
     OutputPort, Ports, ResourceDesc, Setting, Settings, Traits, Usage, Use, Value, ValueType,

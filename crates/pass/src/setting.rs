@@ -84,18 +84,8 @@ impl SettingValue for bool {
 
 /// Creates a setting with its type's choices, without bounds and unit. `doc` holds the lines of a doc comment.
 pub fn new<T: SettingValue>(name: &str, default: &T, doc: &[&str]) -> Setting {
-    let default = default.to_value();
     let lines: Vec<&str> = doc.iter().map(|line| line.trim()).filter(|line| !line.is_empty()).collect();
-    Setting {
-        name: name.to_owned(),
-        ty: default.ty(),
-        default,
-        min: None,
-        max: None,
-        one_of: T::all(),
-        unit: String::new(),
-        doc: lines.join(" "),
-    }
+    Setting { one_of: T::all(), ..plain(name, default.to_value(), &lines.join(" ")) }
 }
 
 /// Reads a setting of a use. The default stands where a test gives none; the graph gives all.

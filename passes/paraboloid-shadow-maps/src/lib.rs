@@ -46,13 +46,7 @@ impl Pass for ParaboloidShadowMaps {
             )
             .range(1.0, 8192.0)
             .unit("px"),
-            setting::f32(
-                "depth_bias",
-                1.0,
-                "Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light \
-                 leaks more with it.",
-            )
-            .at_least(0.0),
+            pass::depth_bias(),
         ])
     }
 

@@ -69,13 +69,7 @@ impl Pass for Splat {
                 "What a splat stores: one distance (ISM §3.2), or in each texel the distance of the point's tangent \
                  plane, which shadows less of the surface itself and takes longer.",
             ),
-            setting::f32(
-                "depth_bias",
-                1.0,
-                "Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light \
-                 leaks more with it.",
-            )
-            .at_least(0.0),
+            pass::depth_bias(),
         ])
     }
 

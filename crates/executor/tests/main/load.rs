@@ -154,16 +154,21 @@ fn a_plan_beyond_the_limits_changes_nothing() {
     assert_eq!(running.read("count.sum"), [2, 1, 0, 0]);
 }
 
-/// State that is written on in: in one object where nobody else reads its past, by a copy where somebody does; the
-/// same either way, poisoned or not, and it begins as `init`.
-#[test]
-fn state_is_continued_in_place_and_by_a_copy() {
+/// A kind `state` that writes one more word of what it continues in each frame, and a kind `scale` that reads it.
+fn continuing() -> Workshop {
     let state = OutputDesc::one("state", words(8)).continuing("past");
     let write_on = every_frame(Kind::new("state").input("past", "Buffer").output(state));
     let write_on = write_on.steps(|_| one("write-on.wgsl"));
     let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
     let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
-    let workshop = Workshop::new(vec![write_on, scale], SHADERS);
+    Workshop::new(vec![write_on, scale], SHADERS)
+}
+
+/// State that is written on in: in one object where nobody else reads its past, by a copy where somebody does; the
+/// same either way, poisoned or not, and it begins as `init`.
+#[test]
+fn state_is_continued_in_place_and_by_a_copy() {
+    let workshop = continuing();
     let own = r#""state": Pass(kind: "state", in: { "past": Prev(port: "state", reset: [Cut]) })"#;
     let other = r#", "other": Pass(kind: "scale", in: { "shown": Prev(port: "state", reset: [Cut]) })"#;
     for (other, output, objects) in [("", "", 1), (other, r#", "other": "other""#, 2)] {
@@ -186,12 +191,7 @@ fn state_is_continued_in_place_and_by_a_copy() {
 /// From one object to two and back, the content goes on.
 #[test]
 fn state_goes_on_where_it_gets_another_reader() {
-    let state = OutputDesc::one("state", words(8)).continuing("past");
-    let write_on = every_frame(Kind::new("state").input("past", "Buffer").output(state));
-    let write_on = write_on.steps(|_| one("write-on.wgsl"));
-    let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
-    let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
-    let workshop = Workshop::new(vec![write_on, scale], SHADERS);
+    let workshop = continuing();
     let own = r#""state": Pass(kind: "state", in: { "past": Prev(port: "state") })"#;
     let both = format!(r#"{own}, "other": Pass(kind: "scale", in: {{ "shown": Prev(port: "state") }})"#);
     let Some(mut running) = workshop.start(own, r#""state": "state""#) else { return };
