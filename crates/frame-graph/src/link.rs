@@ -1,5 +1,6 @@
 //! From a flat description to a graph: switches, ports, interfaces, sizes.
 
+mod checks;
 mod cycle;
 mod handed;
 mod joints;

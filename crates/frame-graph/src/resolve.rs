@@ -4,6 +4,7 @@ mod copies;
 mod diff;
 mod document;
 mod flatten;
+mod localise;
 mod print;
 mod settable;
 

@@ -1,0 +1,83 @@
+//! How the resources of a graph are numbered, and where those are made that passes hand on.
+
+use crate::link::{Graph, GraphInput, GraphPass, Made, Tap};
+use std::ops::Range;
+
+/// How resources are numbered: by pass, port and member.
+pub(super) struct Numbers {
+    /// First entry in `ports` of each pass, and the end.
+    pub(super) first_port: Vec<u32>,
+    /// First resource of each port, and the end.
+    pub(super) ports: Vec<u32>,
+    /// For each resource itself, or the one of another pass that it hands on.
+    pub(super) made: Vec<u32>,
+}
+
+impl Numbers {
+    /// The numbers of all ports of a pass, those among them that it hands on included.
+    pub(super) fn of_pass(&self, pass: usize) -> Range<usize> {
+        let ports = |i: usize| self.ports[self.first_port[i] as usize] as usize;
+        ports(pass)..ports(pass + 1)
+    }
+
+    /// The resources that a pass makes.
+    pub(super) fn made_by(&self, pass: usize) -> impl Iterator<Item = usize> + Clone + '_ {
+        self.of_pass(pass).filter(|r| self.made[*r] as usize == *r)
+    }
+
+    pub(super) fn of_port(&self, pass: u32, port: u32) -> Range<usize> {
+        let at = (self.first_port[pass as usize] + port) as usize;
+        self.ports[at] as usize..self.ports[at + 1] as usize
+    }
+
+    /// The numbers in a port that a link takes.
+    pub(super) fn in_port(&self, tap: &Tap) -> Range<usize> {
+        let whole = self.of_port(tap.pass, tap.port);
+        match tap.member {
+            Some(member) => whole.start + member as usize..whole.start + member as usize + 1,
+            None => whole,
+        }
+    }
+
+    /// The resources that a link takes, wherever they are made.
+    pub(super) fn of_tap(&self, tap: &Tap) -> impl Iterator<Item = usize> + '_ {
+        self.in_port(tap).map(|r| self.made[r] as usize)
+    }
+
+    /// The input of that name, and the number of the resource that it sees under the name of a member.
+    pub(super) fn member_of<'g>(
+        &self,
+        graph: &Graph,
+        pass: &'g GraphPass,
+        input: &str,
+        member: &str,
+    ) -> Option<(&'g GraphInput, usize)> {
+        let input = pass.inputs.iter().find(|i| i.port == *input)?;
+        let (tap, range) = (&input.from, self.in_port(&input.from));
+        let port = &graph.passes[tap.pass as usize].outputs[tap.port as usize];
+        let first = self.of_port(tap.pass, tap.port).start;
+        let named = range.clone().find(|r| port.members[r - first].0 == *member);
+        // A single resource goes without its name.
+        Some((input, named.unwrap_or(range.start)))
+    }
+
+    /// Finds where each resource is made that a pass hands on. A pass that is off hands on nothing: what stands
+    /// in its place is its own.
+    pub(super) fn trace_handed(&mut self, graph: &Graph) {
+        for (i, pass) in graph.passes.iter().enumerate().filter(|(_, pass)| pass.off.is_none()) {
+            let members = pass.outputs.iter().flat_map(|port| &port.members);
+            for (r, (_, _, made)) in self.of_pass(i).zip(members) {
+                let Made::Handed { input, member } = made else { continue };
+                if let Some((_, from)) = self.member_of(graph, pass, input, member) {
+                    self.made[r] = from as u32;
+                }
+            }
+        }
+        for r in 0..self.made.len() {
+            // Links of one frame lead to no cycle.
+            while self.made[r] != self.made[self.made[r] as usize] {
+                self.made[r] = self.made[self.made[r] as usize];
+            }
+        }
+    }
+}

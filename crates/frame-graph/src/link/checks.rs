@@ -1,0 +1,137 @@
+//! Checks what links bring, once all resources are described.
+
+use super::sizes::sort;
+use super::wires::End;
+use super::{GraphPorts, Linker};
+use crate::codes;
+use crate::description::Off;
+use crate::diagnostic::{Diagnostic, Place};
+use crate::resource::{Format, ResourceDesc, SampleKind};
+
+impl Linker<'_> {
+    /// `Texture` inputs must get textures, `Buffer` inputs buffers, and members that were left out are missed.
+    pub(super) fn check_sorts(&mut self, ports: &[Option<GraphPorts>]) {
+        let mut errors = Vec::new();
+        for (output, end) in &self.outputs {
+            errors.extend(self.left_out(end, output.link.place, ports));
+        }
+        for i in 0..self.nodes.len() {
+            let Some(used) = &self.uses[i] else { continue };
+            if self.on[i] == Some(false) {
+                continue;
+            }
+            for wire in self.wires_now(i) {
+                let (input, wanted) = &used.names.inputs[wire.input as usize];
+                let loose = matches!(&**wanted, "Texture" | "Buffer");
+                if !loose && wire.end.member.is_none() {
+                    continue;
+                }
+                let Some(producer) = &ports[wire.end.node as usize] else { continue };
+                let port = &producer[wire.end.port as usize];
+                let chosen = self.member(&port.interface, wire.end.member);
+                let resource =
+                    port.members.iter().find(|(name, _, _)| chosen.is_none_or(|chosen| *name == chosen));
+                let from = &self.nodes[wire.end.node as usize];
+                let place = self.link_of(i, wire).place;
+                match resource {
+                    None => errors.extend(self.left_out(&wire.end, place, ports)),
+                    Some((_, desc, _)) if loose && sort(desc) != &**wanted => {
+                        let (wanted, found) = (wanted.to_lowercase(), sort(desc).to_lowercase());
+                        let message = format!(
+                            "`{}.{input}` takes a {wanted}, and this is a {found}",
+                            self.nodes[i].name
+                        );
+                        let error = Diagnostic::new(&codes::INTERFACE, message)
+                            .label(self.span(place), format!("a {wanted} is wanted here"))
+                            .label(self.span(from.place), format!("this offers a {found}"));
+                        errors.push(error);
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        self.errors.extend(errors);
+    }
+
+    /// Tells where a link takes a member that the producer, with its settings, does not make.
+    fn left_out(&self, end: &End<'_>, place: Place, ports: &[Option<GraphPorts>]) -> Option<Diagnostic> {
+        let port = ports[end.node as usize].as_ref()?.get(end.port as usize)?;
+        let member = self.member(&port.interface, end.member)?;
+        if port.members.iter().any(|(name, _, _)| *name == member) {
+            return None;
+        }
+        let from = &self.nodes[end.node as usize];
+        let names: Vec<&str> = port.members.iter().map(|(n, _, _)| &**n).collect();
+        let message = format!("`{}.{}` leaves the member `{member}` out", from.name, port.port);
+        let error = Diagnostic::new(&codes::UNKNOWN_PORT, message)
+            .label(self.span(place), "read here")
+            .label(self.span(from.place), "this pass, with these settings, does not make it")
+            .note(format!("it makes: {}", names.join(", ")));
+        Some(error)
+    }
+
+    /// A colour can only stand in place of textures of floats; and the place of a pass must have a known shape.
+    pub(super) fn check_constants(&mut self, ports: &[Option<GraphPorts>]) {
+        let mut errors = Vec::new();
+        let mut check = |end: &End<'_>, place, init: bool, clear| {
+            let node = &self.nodes[end.node as usize];
+            let Some(producer) = &ports[end.node as usize] else {
+                let message = format!("what stands in place of `{}` has no size", node.name);
+                let error = Diagnostic::new(&codes::OFF, message)
+                    .label(self.span(place), "read here")
+                    .label(self.span(node.place), "this pass cannot say what it would make");
+                errors.push(error);
+                return;
+            };
+            let port = &producer[end.port as usize];
+            let chosen = self.member(&port.interface, end.member);
+            let float = |desc: &ResourceDesc| desc.texture().is_some_and(|t| takes_colour(t.format));
+            let bad =
+                port.members.iter().find(|(name, desc, _)| chosen.is_none_or(|c| *name == c) && !float(desc));
+            if let (crate::resource::Clear::Color(_), Some((member, desc, _))) = (clear, bad) {
+                let (what, zero) = if init { ("`init:`", "Zero") } else { ("`off:`", "Black") };
+                let off = node.decl.off.as_ref().filter(|off| !init && matches!(off.value, Off::Constant(_)));
+                let dot = if member.is_empty() { "" } else { "." };
+                let message = format!(
+                    "{what} is a colour, and `{}.{}{dot}{member}` is {}",
+                    node.name,
+                    port.port,
+                    desc.texture().map_or("a buffer", |t| t.format.name())
+                );
+                let mut error = Diagnostic::new(&codes::OFF, message);
+                if let Some(off) = off {
+                    error = error.label(self.span(off.place), "put in place of the pass");
+                }
+                error =
+                    error.label(self.span(place), "read here").label(self.span(node.place), "of this pass");
+                errors
+                    .push(error.note(format!(
+                        "only textures of floats can hold a colour; `{zero}` fits everything"
+                    )));
+            }
+        };
+        for (output, end) in &self.outputs {
+            if let Some(clear) = end.constant {
+                check(end, output.link.place, false, clear);
+            }
+        }
+        for i in 0..self.nodes.len() {
+            if self.uses[i].is_none() || self.on[i] == Some(false) {
+                continue;
+            }
+            for wire in self.wires_now(i) {
+                let place = self.link_of(i, wire).place;
+                if let Some(clear) = wire.end.constant {
+                    check(&wire.end, place, false, clear);
+                } else if let Some(past) = wire.end.past {
+                    check(&wire.end, place, true, past.init);
+                }
+            }
+        }
+        self.errors.extend(errors);
+    }
+}
+
+fn takes_colour(format: Format) -> bool {
+    format.sample_kind() == SampleKind::Float
+}

@@ -1,0 +1,161 @@
+//! What frames have made: outputs, pictures of any resource, and what passes tell of themselves.
+
+use crate::{Progress, RenderError, Renderer, Tally, picture};
+use executor::Object;
+use executor::wgpu;
+use frame_graph::Name;
+use frame_graph::plan::{PlannedOutput, ResourceId};
+use metrics::Image;
+
+impl Renderer {
+    /// Returns an output of the pipeline as a picture: the first layer of its first texture.
+    ///
+    /// # Errors
+    /// Where there is no such output, it is no picture, or the device is gone.
+    pub fn output(&self, name: &str) -> Result<Image, RenderError> {
+        let output = self.planned_output(name)?;
+        let (_, resource) = output.members.first().ok_or_else(|| RenderError::NoPicture {
+            resource: output.from.to_string(),
+            what: "an interface without resources".to_owned(),
+        })?;
+        self.read_picture(*resource, 0)
+    }
+
+    /// Returns a picture by name: an output of the pipeline, or any resource as [`Renderer::keep`] takes it. A resource
+    /// that was not kept may hold another one that shares its memory.
+    ///
+    /// # Errors
+    /// As [`Renderer::output`].
+    pub fn picture(&self, name: &str, layer: u32) -> Result<Image, RenderError> {
+        if layer == 0 && self.planned_output(name).is_ok() {
+            return self.output(name);
+        }
+        self.read_picture(self.find(name)?, layer)
+    }
+
+    /// Keeps a resource for reading back: nothing else takes its place in memory, and what makes it is not
+    /// culled. The name is `pass`, `pass.port`, `pass.member` or `pass.port.member`; outputs of the pipeline
+    /// are kept in any case.
+    ///
+    /// # Errors
+    /// Where there is no such resource; and as [`Renderer::set_pipeline`].
+    pub fn keep(&mut self, name: &str) -> Result<(), RenderError> {
+        if self.planned_output(name).is_ok() {
+            return Ok(());
+        }
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        let full = match self.find(name) {
+            Ok(id) => plan.resources[id.0 as usize].name.to_string(),
+            Err(missing) => {
+                // A pass that was culled has no resources in the plan; the graph knows what it would make.
+                let pass = name.split_once('.').map_or(name, |(pass, _)| pass);
+                if plan.pass(pass).is_some() || plan.fates.iter().all(|(known, _)| known != pass) {
+                    return Err(missing);
+                }
+                name.to_owned()
+            }
+        };
+        let mut options = self.options.clone();
+        options.keep.push(full);
+        self.set_compile_options(options)
+    }
+
+    /// The resource of that name: of several that fit, the first that the pass offers.
+    fn find(&self, name: &str) -> Result<ResourceId, RenderError> {
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        let (pass, rest) = name.split_once('.').unwrap_or((name, ""));
+        let fits = |full: &str| {
+            let mut parts = full.split('.');
+            let same_pass = parts.next() == Some(pass);
+            full == name || (same_pass && (rest.is_empty() || parts.any(|part| part == rest)))
+        };
+        let found = plan.resources.iter().position(|resource| fits(&resource.name));
+        let found = found.map(|index| ResourceId(index as u32));
+        let handed = || plan.handed().find(|(full, _)| fits(full)).map(|(_, id)| id);
+        found.or_else(handed).ok_or_else(|| {
+            let outputs = plan.outputs.iter().map(|output| &output.name);
+            self.no_output(name, outputs.chain(plan.resources.iter().map(|resource| &resource.name)))
+        })
+    }
+
+    /// Returns the bytes of a resource of the plan: rows and layers without padding.
+    ///
+    /// # Errors
+    /// Where there is none, or the device is gone.
+    pub fn resource_bytes(&self, id: ResourceId) -> Result<Vec<u8>, RenderError> {
+        Ok(self.executor.read(id)?)
+    }
+
+    fn read_picture(&self, id: ResourceId, layer: u32) -> Result<Image, RenderError> {
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        let resource = &plan.resources[id.0 as usize];
+        if resource.desc.texture().is_none() {
+            let what = format!("a buffer of {} bytes", resource.desc.bytes());
+            return Err(RenderError::NoPicture { resource: resource.name.to_string(), what });
+        }
+        let picture = picture::from_bytes(resource, &self.executor.read(id)?, layer)?;
+        let encoded = plan.passes.iter().flat_map(|pass| &pass.outputs).any(|port| {
+            port.interface.as_str() == "Display" && port.members.iter().any(|(_, member)| *member == id)
+        });
+        Ok(if encoded { picture::decoded(picture) } else { picture })
+    }
+
+    /// Returns how far a result is that is made in several frames: what the pipeline's output `progress` says. `None` where
+    /// it has none, and so is done with every frame. Waits for the GPU.
+    ///
+    /// # Errors
+    /// Where the output is no buffer of a struct Progress (shaders/progress.wgsl), or the device is gone.
+    pub fn progress(&self) -> Result<Option<Progress>, RenderError> {
+        let Some(output) = self.plan().and_then(|plan| plan.output("progress")) else { return Ok(None) };
+        let Some((_, resource)) = output.members.first() else { return Ok(None) };
+        let bytes = self.executor.read(*resource)?;
+        Progress::from_bytes(&bytes)
+            .map(Some)
+            .ok_or_else(|| RenderError::NoProgress { resource: output.from.to_string(), bytes: bytes.len() })
+    }
+
+    /// Returns what passes made of what they were asked for, by `pass.port`: all that the plan has of the interface
+    /// Tally. Waits for the GPU.
+    ///
+    /// # Errors
+    /// Where the device is gone.
+    pub fn tallies(&self) -> Result<Vec<(Name, Tally)>, RenderError> {
+        let Some(plan) = self.plan() else { return Ok(Vec::new()) };
+        let ports = plan.passes.iter().flat_map(|pass| &pass.outputs);
+        let members =
+            ports.filter(|port| port.interface.as_str() == Tally::INTERFACE).flat_map(|port| &port.members);
+        let mut tallies = Vec::new();
+        for (_, id) in members {
+            let name = plan.resources[id.0 as usize].name.clone();
+            tallies.extend(Tally::from_bytes(&self.executor.read(*id)?).map(|tally| (name, tally)));
+        }
+        Ok(tallies)
+    }
+
+    /// Returns the texture of an output, for a host program that draws with it.
+    ///
+    /// # Errors
+    /// Where there is no such output or it is no texture.
+    pub fn output_texture(&self, name: &str) -> Result<&wgpu::TextureView, RenderError> {
+        let output = self.planned_output(name)?;
+        match output.members.first().and_then(|(_, resource)| self.executor.object(*resource)) {
+            Some(Object::Texture { view, .. }) => Ok(view),
+            _ => {
+                Err(RenderError::NoPicture { resource: output.from.to_string(), what: "a buffer".to_owned() })
+            }
+        }
+    }
+
+    fn planned_output(&self, name: &str) -> Result<&PlannedOutput, RenderError> {
+        let plan = self.plan().ok_or(RenderError::NoPipeline)?;
+        plan.output(name).ok_or_else(|| self.no_output(name, plan.outputs.iter().map(|output| &output.name)))
+    }
+
+    fn no_output<'a>(&self, name: &str, has: impl Iterator<Item = &'a Name>) -> RenderError {
+        RenderError::NoOutput {
+            pipeline: self.pipeline_name().to_owned(),
+            output: name.to_owned(),
+            has: has.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        }
+    }
+}
