@@ -1,7 +1,7 @@
-// Rays by a bounding volume hierarchy that the host builds: what ray-tracing.wgsl promises, on every adapter. No ray
+// Rays by a bounding volume hierarchy that is built on the CPU: what ray-tracing.wgsl promises, on every adapter. No ray
 // passes between triangles that share an edge or a vertex.
 //
-// [Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection"]; the twin is crates/ray-tracing.
+// [Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection"]; the CPU reference is crates/ray-tracing.
 
 /// The boxes of four children, a coordinate of all four in a vector. A child is the index of a node or, with the
 /// highest bit set, a run of triangles: three bits for their number less one, the rest for the first. Where there
@@ -31,7 +31,7 @@ var<storage, read> scene_bvh: array<BvhNode>;
 /// In the order of the leaves.
 var<storage, read> scene_bvh_triangles: array<BvhTriangle>;
 
-/// Children that can wait. The host builds no tree that needs more.
+/// Children that can wait. No tree is built that needs more.
 const BVH_STACK = 64u;
 const BVH_LEAF = 0x80000000u;
 const BVH_MISS = 3.40282347e38f;

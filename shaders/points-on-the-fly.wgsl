@@ -34,8 +34,8 @@ fn multiply_high(a: u32, b: u32) -> u32 {
 }
 
 /// How many samples there are to be, of all maps together: what the triangles ask for, or ANY_NUMBER.
-fn samples_asked() -> u32 {
-    return points.asked;
+fn samples_requested() -> u32 {
+    return points.requested;
 }
 
 /// Sample `index` of all maps' together. Neighbours are near each other, and of different maps.
@@ -53,8 +53,8 @@ fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
     let place = stratum * wanted.maps + map;
     let all = wanted.maps * wanted.per_map;
     var step = vec2(wanted.step_whole, wanted.step_fraction);
-    if points.asked < all {
-        if place >= points.asked {
+    if points.requested < all {
+        if place >= points.requested {
             return SurfaceSample();
         }
         step = points.step;

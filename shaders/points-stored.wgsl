@@ -14,7 +14,7 @@ var<uniform> points_facts: PointsFacts;
 var<storage, read> points: array<Point>;
 
 /// How many samples there are to be, of all maps together: what the triangles ask for, or ANY_NUMBER.
-fn samples_asked() -> u32 {
+fn samples_requested() -> u32 {
     return ANY_NUMBER;
 }
 

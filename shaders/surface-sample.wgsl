@@ -1,4 +1,4 @@
-// What the module of an interface Points answers with: `samples_asked() -> u32`, how many samples there are to be of all
+// What the module of an interface Points answers with: `samples_requested() -> u32`, how many samples there are to be of all
 // maps together, or ANY_NUMBER; and `surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample`.
 
 /// The samples that a consumer wants. `pass::SurfaceSamples` works it out.
@@ -30,5 +30,5 @@ struct SurfaceSample {
     area: f32,
 }
 
-/// Answer of `samples_asked()` where any number will do.
+/// Answer of `samples_requested()` where any number will do.
 const ANY_NUMBER: u32 = 0xffffffffu;

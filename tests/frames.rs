@@ -144,7 +144,7 @@ fn frames_of_any_size() {
     }
 }
 
-/// What no output needs is made where it is asked for, and shown.
+/// What no output needs is made where it is requested, and shown.
 #[test]
 fn what_is_culled_can_be_asked_for() {
     let Some(mut renderer) = renderer("ism-uniform", "cornell-box", (32, 32), SMALL) else { return };

@@ -3,12 +3,12 @@
 //! Where there is no graphics adapter, tests that need one say so and do nothing.
 
 mod adapter;
+mod application;
 mod bench;
 mod cli;
 mod direct;
 mod flux;
 mod frames;
-mod host;
 mod linking;
 mod pairs;
 mod pictures;

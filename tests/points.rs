@@ -104,7 +104,7 @@ fn more_points_than_the_budget_are_told() {
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
     let told = run(&["shadows.points_per_map=100"]);
-    assert!(told.contains("shadows/splat.tally: 1600 made of "), "{told}");
+    assert!(told.contains("shadows/splat.counters: 1600 produced of "), "{told}");
     let told = run(&["shadows.points_per_map=20000"]);
     assert!(!told.contains("made of"), "all were made: {told}");
 }

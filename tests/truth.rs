@@ -1,4 +1,4 @@
-//! The reference pipeline: it accumulates, stops, begins anew where something moves, and agrees with virtual lights
+//! The reference pipeline: it accumulates, stops, begins again where something moves, and agrees with virtual lights
 //! that have nothing wrong with them but their number.
 
 use crate::adapter::{bits, mean, renderer, root};

@@ -11,7 +11,7 @@ const EMBEDDED: &[(&str, &str)] =
 fn main() {
     let manifest = std::fs::read_to_string("Cargo.toml").expect("this crate's manifest");
     let mut out = String::from(
-        "/// Every kind of pass, in the order of the documentation.\npub static PASSES: &[&dyn pass::Pass] = &[\n",
+        "/// Every pass type, in the order of the documentation.\npub static PASSES: &[&dyn pass::Pass] = &[\n",
     );
     for name in manifest
         .lines()

@@ -48,12 +48,12 @@ fn scan_total(sum: u32) {
     points.starts[0] = 0u;
 #if TESSELLATION
     // The conversion ends at the greatest number.
-    points.asked = u32(total_weight);
+    points.requested = u32(total_weight);
 #else
-    points.asked = ANY_NUMBER;
+    points.requested = ANY_NUMBER;
 #endif
     points.guide_bits = settings.guide_bits;
-    points.step = whole_over(max(points.asked, 1u));
+    points.step = whole_over(max(points.requested, 1u));
 }
 
 /// WHOLE over a number: whole part, and fraction in units of 2⁻³².

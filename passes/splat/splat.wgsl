@@ -10,7 +10,7 @@
 #import "paraboloid.wgsl"
 #import "scene.wgsl"
 #import "surface-sample.wgsl"
-#import "tally.wgsl"
+#import "counters.wgsl"
 #import "virtual-lights.wgsl"
 #import interface "points"
 
@@ -19,7 +19,7 @@ struct Settings {
     depth_tile: u32,
     max_splat: f32,
     splat_scale: f32,
-    /// Splats of all maps that were asked for.
+    /// Splats of all maps that were requested.
     wanted: u32,
     /// Samples of all maps, where their number is filled up to whole blocks.
     threads: u32,
@@ -31,7 +31,7 @@ var<storage, read> lights: VirtualLights;
 var<storage, read_write> depth: array<atomic<u32>>;
 /// The same buffer, as whole vectors.
 var<storage, read_write> cleared: array<vec4<u32>>;
-var<storage, read_write> tally: Tally;
+var<storage, read_write> counters: Counters;
 
 /// Four texels a thread: nothing fell, +∞. One of them keeps count.
 @compute @workgroup_size(64)
@@ -45,9 +45,9 @@ fn clear(
         cleared[index] = vec4(0x7f800000u);
     }
     if index == 0u {
-        let asked = samples_asked();
-        let made = min(asked, settings.samples.maps * settings.samples.per_map);
-        tally = Tally(select(asked, settings.wanted, asked == ANY_NUMBER), made);
+        let requested = samples_requested();
+        let made = min(requested, settings.samples.maps * settings.samples.per_map);
+        counters = Counters(select(requested, settings.wanted, requested == ANY_NUMBER), made);
     }
 }
 

@@ -2,10 +2,10 @@
 //! derive; and the files that the program carries with it.
 
 mod assets;
-mod kinds;
+mod pass_types;
 
 pub use assets::{Assets, PipelineFiles, SceneAssets, ShaderAssets};
-pub use kinds::Catalog;
+pub use pass_types::Catalog;
 
 include!(concat!(env!("OUT_DIR"), "/catalog.rs"));
 

@@ -1,7 +1,7 @@
 //! What is written elsewhere about passes and scenes agrees with what they declare.
 
 use catalog::{Assets, Catalog, PASSES, SceneAssets};
-use frame_graph::port::Kinds;
+use frame_graph::port::PassTypes;
 use frame_graph::{Setting, Use, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -92,7 +92,7 @@ fn every_setting_says_what_it_does_and_takes_its_default() {
 #[test]
 fn traits_of_scenes_are_known_to_passes() {
     let scene = scene::load("empty", &SceneAssets(assets())).unwrap();
-    let mut known = pass::externals::TRAITS.map(str::to_owned);
+    let mut known = pass::scene_bindings::TRAITS.map(str::to_owned);
     known.sort();
     assert_eq!(scene.traits().0.into_keys().collect::<Vec<_>>(), known);
 }

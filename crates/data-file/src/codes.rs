@@ -32,7 +32,7 @@ codes! {
     UNKNOWN_FORM = "E008": "A form of that name is not known here.";
     NO_FILE = "E010": "A file that `extends`, `Sub` or the command line names is not there.";
     EXTENDS_LOOP = "E011": "A file extends itself, directly or through others.";
-    SUB_LOOP = "E012": "A part contains itself, directly or through others.";
+    SUB_LOOP = "E012": "A sub-graph contains itself, directly or through others.";
     TOO_LARGE = "E013": "Files are nested too deeply, or the flattened pipeline has too many passes.";
     DEFINED_TWICE = "E014": "A variant adds a pass whose name is taken; `Replace` is the patch for that.";
     PATCH_TARGET = "E015": "A patch names a pass that is not there.";
@@ -40,12 +40,12 @@ codes! {
     PATH = "E017": "`Set` or `--set` names a parameter or setting that is not there.";
     UNKNOWN_PARAMETER = "E018": "`$name` or a switch names a parameter that is not declared.";
     PARAMETER = "E019": "A parameter's value is of the wrong type, out of range, or not one of its choices.";
-    UNKNOWN_KIND = "E020": "There is no kind of pass of that name.";
-    SHADER = "E021": "A kind that takes a shader lacks one, or one is given to a kind that takes none.";
-    UNKNOWN_SETTING = "E022": "The kind has no setting of that name.";
+    UNKNOWN_KIND = "E020": "There is no pass type of that name.";
+    SHADER = "E021": "A pass type that takes a shader lacks one, or one is given to a pass type that takes none.";
+    UNKNOWN_SETTING = "E022": "The pass type has no setting of that name.";
     SETTING_TYPE = "E023": "A setting's value is of the wrong type.";
     SETTING_RANGE = "E024": "A setting's value is out of range, or not one of its choices.";
-    REFUSED = "E025": "The kind refuses this use of it.";
+    REFUSED = "E025": "The pass type refuses this use of it.";
     UNKNOWN_PASS = "E030": "A link names a pass or input that is not there.";
     UNKNOWN_PORT = "E031": "A link names a port or member that the pass does not have.";
     AMBIGUOUS = "E032": "A link names a pass or port that could mean several resources.";
@@ -62,14 +62,14 @@ codes! {
     SWITCH_LOOP = "E044": "A switch depends on itself through `connected`.";
     OFF_LOOP = "E045": "Passes that are off stand in place of each other.";
     ARITHMETIC = "E046": "An expression divides by zero, or its value is beyond what a number can hold.";
-    REPEAT = "E047": "`repeat` or `carry` of a part does not fit the part, or what no copy makes is read.";
+    REPEAT = "E047": "`repeat` or `carry` of a sub-graph does not fit the sub-graph, or what no copy makes is read.";
     SIZE_INPUT = "E050": "A size is relative to an input that is not linked or has no texture.";
     SIZE_LOOP = "E051": "A size depends on itself through `Prev`.";
     SIZE_LIMIT = "E052": "A size is zero or larger than any device allows.";
-    KIND_DEFECT = "E053": "A kind describes outputs that do not match its own ports: a defect of the kind.";
-    UNKNOWN_OUTPUT = "E060": "An output or resource that was asked for is not there.";
+    KIND_DEFECT = "E053": "A pass type describes outputs that do not match its own ports: a defect of the pass type.";
+    UNKNOWN_OUTPUT = "E060": "An output or resource that was requested is not there.";
     NO_OUTPUTS = "E061": "The pipeline has no outputs, so nothing in it is needed.";
-    PART = "E062": "A part, which has `inputs`, was used as a whole pipeline.";
+    SUB_AS_PIPELINE = "E062": "A sub-graph, which has `inputs`, was used as a whole pipeline.";
 }
 
 /// Errors of scene files, beside those of their text.
@@ -113,7 +113,7 @@ pub mod link {
     codes! {
         REFUSED = "L001": "A pass cannot record its steps as it is used.";
         ENTRY = "L002": "A shader has no entry point of that name and stage.";
-        UNDECLARED = "L003": "A shader reads data of the host program that its pass does not declare among its externals.";
+        UNDECLARED = "L003": "A shader reads scene bindings that its pass does not declare among its scene_bindings.";
         MISMATCH = "L004": "A shader declares a global otherwise than the resource is: its type, access or format.";
         SETTINGS = "L005": "The global `settings` is no uniform of a struct.";
         VALUE = "L006": "Nothing gives a member of `settings` a value, or one that it can hold.";

@@ -37,7 +37,7 @@ pub enum ValueType {
     Vector(u8),
 }
 
-/// What a kind of pass says of one of its settings: the one declaration from which the RON check, `--set`,
+/// What a pass type says of one of its settings: the one declaration from which the RON check, `--set`,
 /// the controls, the axes of a study and the reference are made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
@@ -257,25 +257,25 @@ impl Settings {
         self.0.get(name)
     }
 
-    /// Returns the truth value of a setting that the kind declares.
+    /// Returns the truth value of a setting that the pass type declares.
     ///
     /// # Panics
-    /// If the kind declares no such setting or one of another type: a defect of the pass, not of its user.
+    /// If the pass type declares no such setting or one of another type: a defect of the pass, not of its user.
     pub fn bool(&self, name: &str) -> bool {
         self.typed(name, Value::as_bool)
     }
 
-    /// Returns the whole number of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    /// Returns the whole number of a setting that the pass type declares. Panics as [`Settings::bool`] does.
     pub fn u32(&self, name: &str) -> u32 {
         self.typed(name, Value::as_u32)
     }
 
-    /// Returns the real number of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    /// Returns the real number of a setting that the pass type declares. Panics as [`Settings::bool`] does.
     pub fn f32(&self, name: &str) -> f32 {
         self.typed(name, Value::as_f32)
     }
 
-    /// Returns the text of a setting that the kind declares. Panics as [`Settings::bool`] does.
+    /// Returns the text of a setting that the pass type declares. Panics as [`Settings::bool`] does.
     pub fn text(&self, name: &str) -> &str {
         self.typed(name, Value::as_text)
     }

@@ -66,7 +66,7 @@ pub enum ExecutorError {
         /// The adapter's name.
         adapter: String,
     },
-    /// A frame was asked for, and no plan is loaded.
+    /// A frame was requested, and no plan is loaded.
     #[error("no plan is loaded")]
     NotLoaded,
     /// A plan could not be loaded, nor could the one before be restored: no plan is loaded any more.

@@ -1,4 +1,4 @@
-//! The device: opened here, or handed in by a host program.
+//! The device: opened here, or handed in by an application.
 
 use crate::error::ExecutorError;
 use std::sync::{Arc, Mutex};
@@ -66,7 +66,7 @@ impl Gpu {
     }
 
     /// Describes how Lightloom asks for a device: all that the adapter's limits allow, and the wanted features that it
-    /// has. A host program that opens its own device does well to ask the same.
+    /// has. An application that opens its own device does well to ask the same.
     pub fn device_descriptor(adapter: &Adapter) -> wgpu::DeviceDescriptor<'static> {
         wgpu::DeviceDescriptor {
             label: Some("lightloom"),
@@ -77,7 +77,7 @@ impl Gpu {
         }
     }
 
-    /// Takes a device that a host program has opened. Its uncaptured errors come to [`Gpu::take_fault`] from
+    /// Takes a device that an application has opened. Its uncaptured errors come to [`Gpu::take_fault`] from
     /// now on.
     pub fn from_device(device: Device, queue: Queue, info: AdapterInfo) -> Gpu {
         let faults = Arc::new(Mutex::new(None));
@@ -139,7 +139,7 @@ impl Gpu {
     }
 }
 
-/// Leave to use ray queries where an adapter has them. Nothing else that wgpu counts as experimental is asked for.
+/// Leave to use ray queries where an adapter has them. Nothing else that wgpu counts as experimental is requested.
 #[expect(unsafe_code, reason = "wgpu's way of asking whether its warning was read")]
 fn experimental() -> wgpu::ExperimentalFeatures {
     // SAFETY: the warning, that validation of experimental features may have holes, was read. Shaders initialise a

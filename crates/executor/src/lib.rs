@@ -1,7 +1,7 @@
 //! Runs the plans of the frame graph on wgpu.
 //!
 //! An [`Executor`] takes a plan whose steps are linked, makes the objects and pipelines that it lacks, and
-//! encodes frames. It knows no pass and no scene: the data of the host program comes as [`External`]s by name.
+//! encodes frames. It knows no pass and no scene: the scene bindings comes as [`External`]s by name.
 
 mod error;
 mod fill;
@@ -17,10 +17,10 @@ mod timing;
 pub use error::ExecutorError;
 pub use format::texture_format;
 pub use gpu::Gpu;
-pub use object::{External, Object, ObjectUsage};
+pub use object::{Object, ObjectUsage, SceneBinding};
 pub use run::{Executor, FrameOptions, FrameReport, LoadReport};
 
 /// Waits for a future of wgpu's, which are done when they are made on native systems.
 pub use pollster::block_on;
-/// wgpu, so that host programs name its types in the version of this crate.
+/// wgpu, so that applications name its types in the version of this crate.
 pub use wgpu;

@@ -20,9 +20,9 @@ pub enum Object {
     Buffer(wgpu::Buffer),
 }
 
-/// Data of the host program, bound by name.
+/// Scene bindings, bound by name.
 #[derive(Clone, Debug)]
-pub enum External {
+pub enum SceneBinding {
     /// A uniform or storage buffer.
     Buffer(wgpu::Buffer),
     /// A texture.

@@ -5,7 +5,7 @@ mod load;
 use crate::error::ExecutorError;
 use crate::fill::{copy, fill, poison_buffer, poison_object};
 use crate::gpu::Gpu;
-use crate::object::{External, Object, ObjectUsage, Pool};
+use crate::object::{Object, ObjectUsage, Pool, SceneBinding};
 use crate::pipeline::Pipelines;
 use crate::readback;
 use crate::step::{LoadedStep, StepContext};
@@ -38,7 +38,7 @@ pub struct LoadReport {
     pub kept: bool,
     /// Histories that go on.
     pub histories: usize,
-    /// Steps whose bindings have to be made anew.
+    /// Steps whose bindings have to be made again.
     pub steps: usize,
 }
 
@@ -57,7 +57,7 @@ pub struct Executor {
     gpu: Gpu,
     pool: Pool,
     pipelines: Pipelines,
-    externals: HashMap<&'static str, External>,
+    scene_bindings: HashMap<&'static str, SceneBinding>,
     scene_indices: u32,
     seed: u32,
     loaded: Option<Loaded>,
@@ -85,7 +85,7 @@ impl Executor {
             gpu,
             pool: Pool::default(),
             pipelines: Pipelines::default(),
-            externals: HashMap::new(),
+            scene_bindings: HashMap::new(),
             scene_indices: 0,
             seed: 0,
             loaded: None,
@@ -113,9 +113,9 @@ impl Executor {
         self.pool.most_held
     }
 
-    /// Binds data of the host program. The name is one of [`pass::externals::GLOBALS`].
-    pub fn set_external(&mut self, name: &'static str, external: External) {
-        self.externals.insert(name, external);
+    /// Binds scene bindings. The name is one of [`pass::scene_bindings::GLOBALS`].
+    pub fn set_scene_binding(&mut self, name: &'static str, external: SceneBinding) {
+        self.scene_bindings.insert(name, external);
         for step in self.loaded.iter_mut().flat_map(|loaded| loaded.steps.iter_mut().flatten()) {
             step.forget_bindings();
         }
@@ -155,7 +155,7 @@ impl Executor {
     /// What the driver said of the frame's commands; the device gone; no plan loaded.
     ///
     /// # Panics
-    /// Where an external that a shader reads is not set: defects of the host program.
+    /// Where an external that a shader reads is not set: defects of the application.
     pub fn frame(&mut self, mut change: Change, options: FrameOptions) -> Result<FrameReport, ExecutorError> {
         let Some(loaded) = &mut self.loaded else { return Err(ExecutorError::NotLoaded) };
         change.passes.append(&mut self.pending.changed);
@@ -189,13 +189,13 @@ impl Executor {
             let allocation = match source {
                 Source::Resource(id) => current_allocation(&plan, &schedule, *id),
                 Source::Past(id) => past_allocation(&plan, &schedule, *id),
-                Source::External(_) | Source::Uniform(_) => return None,
+                Source::SceneBinding(_) | Source::Uniform(_) => return None,
             };
             Some((allocation, &objects[allocation.0 as usize].1))
         };
         let context = StepContext {
             gpu: &self.gpu,
-            externals: &self.externals,
+            scene_bindings: &self.scene_bindings,
             scene_indices: self.scene_indices,
             uniforms: uniforms.as_ref(),
             object_of: &object_of,
@@ -206,7 +206,7 @@ impl Executor {
         }
         let mut open: Option<wgpu::ComputePass<'static>> = None;
         for (index, pass) in plan.passes.iter().enumerate().filter(|(index, _)| schedule.runs[*index]) {
-            // What has no steps is written by the host, before the frame.
+            // What has no steps is written by the application, before the frame.
             let poisoned = poison.as_ref().filter(|_| options.poison && !steps[index].is_empty());
             if !pass.clears.is_empty() || !pass.continues.is_empty() || poisoned.is_some() {
                 open = None;
@@ -289,7 +289,7 @@ impl Executor {
         readback::read(&self.gpu, &planned.name, &planned.desc, object)
     }
 
-    /// Returns the object of a resource, for a host program that draws with it.
+    /// Returns the object of a resource, for an application that draws with it.
     pub fn object(&self, resource: ResourceId) -> Option<&Object> {
         let loaded = self.loaded.as_ref()?;
         let planned = loaded.plan.resources.get(resource.0 as usize)?;
@@ -299,7 +299,7 @@ impl Executor {
         Some(&loaded.objects[allocation.0 as usize].1)
     }
 
-    /// Writes a resource's bytes, as a test or a host program that feeds a pass does: of a resource whose past is read,
+    /// Writes a resource's bytes, as a test or an application that feeds a pass does: of a resource whose past is read,
     /// both copies. The resource must not be written by the steps of a pass.
     pub fn write(&self, resource: ResourceId, bytes: &[u8]) {
         let Some(loaded) = &self.loaded else { return };

@@ -3,7 +3,7 @@
 use crate::error::ExecutorError;
 use crate::fill::layer_view;
 use crate::gpu::Gpu;
-use crate::object::{External, Object, ObjectUsage};
+use crate::object::{Object, ObjectUsage, SceneBinding};
 use crate::pipeline::{Pipeline, PipelineKind, Pipelines, TargetFormats};
 use frame_graph::plan::{AllocationId, HistoryId, Plan, PlannedPass, ResourceId};
 use pass::{Draw, LinkedStep, Load, PastFact, Source, Step, Threads};
@@ -27,7 +27,7 @@ pub(crate) struct LoadedStep {
 /// What encoding a step needs to know.
 pub(crate) struct StepContext<'a> {
     pub(crate) gpu: &'a Gpu,
-    pub(crate) externals: &'a HashMap<&'static str, External>,
+    pub(crate) scene_bindings: &'a HashMap<&'static str, SceneBinding>,
     pub(crate) scene_indices: u32,
     pub(crate) uniforms: Option<&'a wgpu::Buffer>,
     pub(crate) object_of: &'a dyn Fn(&Source) -> Option<(AllocationId, &'a Object)>,
@@ -306,9 +306,10 @@ impl LoadedStep {
             Draw::Vertices { vertices, instances } => pass.draw(0..*vertices, 0..*instances),
             Draw::Indirect { offset, .. } => pass.draw_indirect(self.indirect_buffer(context), *offset),
             Draw::Scene => {
-                if let (Some(External::Buffer(vertices)), Some(External::Buffer(indices))) =
-                    (context.externals.get("scene_vertices"), context.externals.get("scene_indices"))
-                {
+                if let (Some(SceneBinding::Buffer(vertices)), Some(SceneBinding::Buffer(indices))) = (
+                    context.scene_bindings.get("scene_vertices"),
+                    context.scene_bindings.get("scene_indices"),
+                ) {
                     pass.set_vertex_buffer(0, vertices.slice(..));
                     pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
                     pass.draw_indexed(0..context.scene_indices, 0, 0..1);
@@ -361,12 +362,12 @@ impl LoadedStep {
         match (source, object) {
             (_, Some(Object::Texture { view, .. })) => wgpu::BindingResource::TextureView(view),
             (_, Some(Object::Buffer(buffer))) => buffer.as_entire_binding(),
-            (Source::External(external), _) => match context.externals.get(external) {
-                Some(External::Buffer(buffer)) => buffer.as_entire_binding(),
-                Some(External::Texture(view)) => wgpu::BindingResource::TextureView(view),
-                Some(External::Sampler(sampler)) => wgpu::BindingResource::Sampler(sampler),
-                Some(External::AccelerationStructure(tlas)) => tlas.as_binding(),
-                None => panic!("{}: the host program has not set the external `{name}`", self.label),
+            (Source::SceneBinding(external), _) => match context.scene_bindings.get(external) {
+                Some(SceneBinding::Buffer(buffer)) => buffer.as_entire_binding(),
+                Some(SceneBinding::Texture(view)) => wgpu::BindingResource::TextureView(view),
+                Some(SceneBinding::Sampler(sampler)) => wgpu::BindingResource::Sampler(sampler),
+                Some(SceneBinding::AccelerationStructure(tlas)) => tlas.as_binding(),
+                None => panic!("{}: the application has not set the external `{name}`", self.label),
             },
             (Source::Uniform(index), _) => {
                 let buffer = context.uniforms.expect("a step that has uniforms has a place for them");

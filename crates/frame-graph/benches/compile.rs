@@ -1,12 +1,12 @@
 //! How long it takes from a parsed file to a plan, and to decide what a frame runs.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use frame_graph::port::{Kinds, Member, OutputContext, OutputDesc, Use};
+use frame_graph::port::{Member, OutputContext, OutputDesc, PassTypes, Use};
 use frame_graph::resolve::Files;
 use frame_graph::{
-    Change, CompileOptions, Description, Extent, Externals, Format, FrameState, Graph, InputPort, Interface,
-    KindError, LinkContext, OutputPort, Overrides, Plan, Ports, Resolved, ResourceDesc, Setting, Settings,
-    Source, Value, ValueType, compile, link, parse, resolve_description,
+    Change, CompileOptions, Description, Extent, Format, FrameState, Graph, InputPort, Interface,
+    LinkContext, OutputPort, Overrides, PassTypeError, Plan, Ports, Resolved, ResourceDesc, SceneBindings,
+    Setting, Settings, Source, Value, ValueType, compile, link, parse, resolve_description,
 };
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -50,18 +50,18 @@ impl Two {
             source: Arc::new(Ports {
                 inputs: vec![],
                 outputs: outputs.clone(),
-                externals: Externals::CAMERA,
+                scene_bindings: SceneBindings::CAMERA,
             }),
             mix: Arc::new(Ports {
                 inputs: vec![input("a", false), input("b", true)],
                 outputs,
-                externals: Externals::NONE,
+                scene_bindings: SceneBindings::NONE,
             }),
         }
     }
 }
 
-impl Kinds for Two {
+impl PassTypes for Two {
     fn names(&self) -> Vec<String> {
         vec!["mix".into(), "source".into()]
     }
@@ -74,15 +74,15 @@ impl Kinds for Two {
         matches!(kind, "mix" | "source").then_some(false)
     }
 
-    fn settings(&self, _use: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+    fn settings(&self, _use: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
         Ok(Arc::clone(&self.settings))
     }
 
-    fn ports(&self, use_: Use<'_>, _settings: &Settings) -> Result<Arc<Ports>, KindError> {
+    fn ports(&self, use_: Use<'_>, _settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
         Ok(Arc::clone(if use_.kind == "mix" { &self.mix } else { &self.source }))
     }
 
-    fn outputs(&self, _context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         Ok(vec![OutputDesc::one("irradiance", ResourceDesc::texture_2d(Format::Rgba16Float, Extent::FRAME))])
     }
 }
@@ -156,7 +156,7 @@ fn benches(c: &mut Criterion) {
         });
         let (plan, ..) = plan(&description, &kinds, &context);
         c.bench_function(&format!("begin a frame {count}"), |b| {
-            let change = Change { externals: Externals::CAMERA, ..Change::default() };
+            let change = Change { scene_bindings: SceneBindings::CAMERA, ..Change::default() };
             b.iter_batched_ref(
                 || FrameState::new(&plan),
                 |state| state.begin(&plan, black_box(&change)),

@@ -7,12 +7,12 @@ mod numbers;
 mod order;
 
 use crate::diagnostic::Diagnostics;
-use crate::link::{Graph, GraphPass, Made, Tap};
+use crate::link::{Graph, GraphPass, LinkSource, Made};
 use crate::plan::{
     AllocationId, Begins, Continued, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput,
     PlannedOutput, PlannedPass, PlannedPort, PlannedResource, ResourceId,
 };
-use crate::port::{Externals, Usage};
+use crate::port::{SceneBindings, Usage};
 use crate::resource::Clear;
 use data_file::Name;
 use numbers::Numbers;
@@ -40,7 +40,7 @@ impl Default for CompileOptions {
 /// Compiles a graph.
 ///
 /// # Errors
-/// If an output or a resource is asked for that the graph does not have.
+/// If an output or a resource is requested that the graph does not have.
 pub fn compile(graph: &Graph, options: &CompileOptions) -> Result<Plan, Diagnostics> {
     let mut work = Work::new(graph);
     work.want(options)?;
@@ -133,15 +133,15 @@ impl<'a> Work<'a> {
 
     /// Finds what must outlive its last reader because its producer may be skipped where a reader is not.
     fn trace(&mut self, order: &[u32]) {
-        // What makes a pass run again: bits for the data of the host program, then for histories. Two histories
+        // What makes a pass run again: bits for the scene bindings, then for histories. Two histories
         // may share a bit; what is then not kept is made again, so it costs time and is never wrong.
         let mut sources = vec![0u64; self.graph.passes.len()];
         for i in order {
             let graph = self.graph;
             let pass = &graph.passes[*i as usize];
-            let mut bits = u64::from(pass.externals.0);
+            let mut bits = u64::from(pass.scene_bindings.0);
             for input in pass.inputs.iter().filter(|input| input.constant.is_none()) {
-                for r in self.numbers.of_tap(&input.from) {
+                for r in self.numbers.of_source(&input.from) {
                     bits |= match input.past {
                         Some(_) => 1 << (8 + self.resources[r].history % 56),
                         None => sources[self.resources[r].pass as usize],
@@ -153,10 +153,10 @@ impl<'a> Work<'a> {
                 continue;
             }
             for input in pass.inputs.iter().filter(|input| input.constant.is_none() && input.past.is_none()) {
-                for r in self.numbers.of_tap(&input.from) {
+                for r in self.numbers.of_source(&input.from) {
                     let made = sources[self.resources[r].pass as usize];
                     // A producer that runs in every frame is never skipped.
-                    if made != bits && made & u64::from(Externals::FRAME.0) == 0 {
+                    if made != bits && made & u64::from(SceneBindings::FRAME.0) == 0 {
                         self.resources[r].persistent = true;
                     }
                 }
@@ -251,21 +251,21 @@ impl<'a> Work<'a> {
         ids
     }
 
-    fn interface(&self, tap: &Tap) -> Name {
-        let port = &self.graph.passes[tap.pass as usize].outputs[tap.port as usize];
-        if tap.member.is_none() {
+    fn interface(&self, source: &LinkSource) -> Name {
+        let port = &self.graph.passes[source.pass as usize].outputs[source.port as usize];
+        if source.member.is_none() {
             return port.interface.clone();
         }
-        let first = self.numbers.in_port(tap).start - self.numbers.of_port(tap.pass, tap.port).start;
+        let first = self.numbers.in_port(source).start - self.numbers.of_port(source.pass, source.port).start;
         let texture = port.members.get(first).is_some_and(|(_, desc, _)| desc.texture().is_some());
         Name::new(if texture { "Texture" } else { "Buffer" })
     }
 
-    fn members(&self, tap: &Tap, ids: &[u32]) -> Vec<(Name, ResourceId)> {
-        let port = &self.graph.passes[tap.pass as usize].outputs[tap.port as usize];
-        let first = self.numbers.of_port(tap.pass, tap.port).start;
-        let name = |r: usize| if tap.bare { Name::EMPTY } else { port.members[r - first].0.clone() };
-        self.numbers.in_port(tap).map(|r| (name(r), ResourceId(ids[r]))).collect()
+    fn members(&self, source: &LinkSource, ids: &[u32]) -> Vec<(Name, ResourceId)> {
+        let port = &self.graph.passes[source.pass as usize].outputs[source.port as usize];
+        let first = self.numbers.of_port(source.pass, source.port).start;
+        let name = |r: usize| if source.bare { Name::EMPTY } else { port.members[r - first].0.clone() };
+        self.numbers.in_port(source).map(|r| (name(r), ResourceId(ids[r]))).collect()
     }
 
     fn plan_passes(&self, plan: &mut Plan, order: &[u32], position: &[u32], ids: &[u32]) {
@@ -285,7 +285,7 @@ impl<'a> Work<'a> {
                 let mut past = None;
                 if let Some(of) = &input.past {
                     let mut list = Vec::new();
-                    for r in self.numbers.of_tap(&input.from) {
+                    for r in self.numbers.of_source(&input.from) {
                         let id = self.resources[r].history;
                         let history = &mut plan.histories[id as usize];
                         history.resource = ResourceId(ids[r]);
@@ -295,7 +295,7 @@ impl<'a> Work<'a> {
                     }
                     past = Some(list);
                 } else {
-                    for r in self.numbers.of_tap(&input.from) {
+                    for r in self.numbers.of_source(&input.from) {
                         let resource = &mut plan.resources[ids[r] as usize];
                         if resource.readers.last() != Some(&PassId(at as u32)) {
                             resource.readers.push(PassId(at as u32));
@@ -365,7 +365,7 @@ impl<'a> Work<'a> {
                 overrides: pass.overrides.clone(),
                 inputs,
                 outputs,
-                externals: pass.externals,
+                scene_bindings: pass.scene_bindings,
                 depends_on: pass.depends_on,
                 remembers: pass.remembers,
                 clears,

@@ -61,7 +61,7 @@ impl Description {
         set.iter().filter_map(|set| Some((&*set.name.value, set.value.get()?))).collect()
     }
 
-    /// Returns whether it is a part, to be used with `Sub`: it has inputs.
+    /// Returns whether it is a sub-graph, to be used with `Sub`: it has inputs.
     pub fn is_part(&self) -> bool {
         !self.inputs.is_empty()
     }

@@ -1,7 +1,7 @@
 //! Which passes a frame must run: what changed, what follows from it, and what is still held.
 
 use crate::plan::{HistoryId, PassId, Plan, ResourceId};
-use crate::port::Externals;
+use crate::port::SceneBindings;
 use crate::succession::Succession;
 use std::fmt;
 
@@ -19,7 +19,7 @@ pub enum ResetCause {
     /// A shader, a setting or the links changed of the pass that makes the past, or of what feeds it; or the
     /// pipeline before had no such past.
     Reload,
-    /// What the pass that made the past reads of the host program changed, the frame's own number and time apart: the
+    /// What the pass that made the past reads of the application changed, the frame's own number and time apart: the
     /// camera moved, or a light, or geometry.
     Moved,
 }
@@ -43,8 +43,8 @@ impl fmt::Display for ResetCause {
 /// What is different from the frame before.
 #[derive(Clone, Debug, Default)]
 pub struct Change {
-    /// The data of the host program that changed. [`Externals::FRAME`] is always taken as changed.
-    pub externals: Externals,
+    /// The scene bindings that changed. [`SceneBindings::FRAME`] is always taken as changed.
+    pub scene_bindings: SceneBindings,
     /// Passes whose settings, shaders or links changed. They run; and for the histories that they or what follows
     /// from them write, it is a [`ResetCause::Reload`].
     pub passes: Vec<PassId>,
@@ -195,9 +195,9 @@ impl FrameState {
                 };
                 let event = || change.events.iter().find(|e| history.reset.contains(e)).copied();
                 let moved = || {
-                    let reads =
-                        producer.map_or(Externals::NONE, |pass| plan.passes[pass.0 as usize].externals);
-                    let changed = reads.0 & change.externals.0 & !Externals::FRAME.0 != 0;
+                    let reads = producer
+                        .map_or(SceneBindings::NONE, |pass| plan.passes[pass.0 as usize].scene_bindings);
+                    let changed = reads.0 & change.scene_bindings.0 & !SceneBindings::FRAME.0 != 0;
                     (changed && history.reset.contains(&ResetCause::Moved)).then_some(ResetCause::Moved)
                 };
                 lacking.or_else(event).or_else(reload).or_else(moved)
@@ -258,7 +258,7 @@ impl FrameState {
         resets: &[Option<ResetCause>],
         first: bool,
     ) -> Vec<bool> {
-        let changed = change.externals.and(Externals::FRAME);
+        let changed = change.scene_bindings.and(SceneBindings::FRAME);
         let mut runs = vec![first || change.all; plan.passes.len()];
         for pass in change.passes.iter().chain(&change.again) {
             if let Some(run) = runs.get_mut(pass.0 as usize) {
@@ -272,7 +272,7 @@ impl FrameState {
                 continue;
             }
             let from = self.first_seen[i] as usize;
-            runs[i] |= pass.externals.0 & changed.0 != 0
+            runs[i] |= pass.scene_bindings.0 & changed.0 != 0
                 || self
                     .reads(plan, i, resets)
                     .enumerate()

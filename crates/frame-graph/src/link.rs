@@ -13,7 +13,7 @@ mod wires;
 use crate::codes;
 use crate::description::{Body, Link, OutputDecl, Past};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Span};
-use crate::port::{Externals, Facts, Interface, Kinds, OutputOverride, Usage};
+use crate::port::{Facts, Interface, OutputOverride, PassTypes, SceneBindings, Usage};
 use crate::resolve::{Node, Resolved, told_once};
 use crate::resource::{Clear, ResourceDesc};
 use crate::value::{Settings, Traits};
@@ -52,8 +52,8 @@ pub(crate) struct GraphPass {
     pub(crate) shader: Option<Name>,
     pub(crate) settings: Arc<Settings>,
     pub(crate) overrides: Arc<BTreeMap<String, OutputOverride>>,
-    pub(crate) externals: Externals,
-    pub(crate) depends_on: Externals,
+    pub(crate) scene_bindings: SceneBindings,
+    pub(crate) depends_on: SceneBindings,
     pub(crate) remembers: bool,
     pub(crate) inputs: SmallVec<[GraphInput; 2]>,
     pub(crate) outputs: GraphPorts,
@@ -71,7 +71,7 @@ pub(crate) struct GraphOff {
 #[derive(Clone, Debug)]
 pub(crate) struct GraphInput {
     pub(crate) port: Name,
-    pub(crate) from: Tap,
+    pub(crate) from: LinkSource,
     pub(crate) past: Option<Arc<Past>>,
     /// What is put in place of a producer that is off.
     pub(crate) constant: Option<Clear>,
@@ -79,7 +79,7 @@ pub(crate) struct GraphInput {
 
 /// What a link takes from a pass: a port, or one of its resources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Tap {
+pub(crate) struct LinkSource {
     pub(crate) pass: u32,
     pub(crate) port: u32,
     /// Index into the members of the [`GraphPort`].
@@ -114,7 +114,7 @@ pub(crate) enum Made {
 #[derive(Clone, Debug)]
 pub(crate) struct GraphOutput {
     pub(crate) name: Name,
-    pub(crate) from: Tap,
+    pub(crate) from: LinkSource,
     pub(crate) constant: Option<Clear>,
 }
 
@@ -122,7 +122,7 @@ pub(crate) struct GraphOutput {
 ///
 /// # Errors
 /// Everything that is wrong with kinds, settings, links, switches and sizes; also in passes that are off.
-pub fn link(resolved: &Resolved, kinds: &dyn Kinds, context: &LinkContext) -> Result<Graph, Diagnostics> {
+pub fn link(resolved: &Resolved, kinds: &dyn PassTypes, context: &LinkContext) -> Result<Graph, Diagnostics> {
     let mut linker = Linker::new(resolved, kinds, context);
     linker.check_root();
     linker.find_uses();
@@ -150,7 +150,7 @@ pub fn link(resolved: &Resolved, kinds: &dyn Kinds, context: &LinkContext) -> Re
 struct Linker<'a> {
     resolved: &'a Resolved,
     nodes: &'a [Node],
-    kinds: &'a dyn Kinds,
+    kinds: &'a dyn PassTypes,
     interfaces: &'a [Interface],
     context: &'a LinkContext,
     uses: Rc<Vec<Option<UseOf>>>,
@@ -164,12 +164,12 @@ struct Linker<'a> {
     why: FxHashMap<usize, String>,
     /// What stands in place of passes that are off, where a link says so.
     instead: FxHashMap<usize, String>,
-    /// Whether some part is repeated 0 times.
+    /// Whether some sub-graph is repeated 0 times.
     copyless: bool,
     /// How many switches wait for each other.
     depth: u32,
     outputs: Vec<(&'a OutputDecl, End<'a>)>,
-    /// Links of parts that are wrong and have been told.
+    /// Links of sub-graphs that are wrong and have been told.
     bad_borders: Vec<Place>,
     errors: Vec<Diagnostic>,
 }
@@ -180,7 +180,7 @@ type Wires<'a> = SmallVec<[Wire<'a>; 2]>;
 /// A link that has been followed to its end.
 #[derive(Clone, Copy, Debug)]
 struct Wire<'a> {
-    /// Index into the inputs of the kind's ports.
+    /// Index into the inputs of the pass type's ports.
     input: u32,
     end: End<'a>,
     /// Index into the links of the description; the number of links for its `feed`.
@@ -188,7 +188,7 @@ struct Wire<'a> {
 }
 
 impl<'a> Linker<'a> {
-    fn new(resolved: &'a Resolved, kinds: &'a dyn Kinds, context: &'a LinkContext) -> Linker<'a> {
+    fn new(resolved: &'a Resolved, kinds: &'a dyn PassTypes, context: &'a LinkContext) -> Linker<'a> {
         Linker {
             resolved,
             nodes: &resolved.nodes,
@@ -228,8 +228,8 @@ impl<'a> Linker<'a> {
 
     fn check_root(&mut self) {
         if let Some(input) = self.resolved.inputs.iter().find(|input| !input.optional) {
-            let message = format!("this file is a part: it needs an input `{}`", input.name.value);
-            let error = Diagnostic::new(&codes::PART, message)
+            let message = format!("this file is a sub-graph: it needs an input `{}`", input.name.value);
+            let error = Diagnostic::new(&codes::SUB_AS_PIPELINE, message)
                 .label(self.span(input.name.place), format!("`{}` is expected here", input.interface.value))
                 .note("use it in a pipeline with `Sub(file: …, in: { … })`");
             self.errors.push(error);
@@ -271,7 +271,7 @@ impl<'a> Linker<'a> {
 
     fn graph(self, mut ports: Vec<GraphPorts>, order: &[u32]) -> Graph {
         const NONE: u32 = u32::MAX;
-        // Parts are no passes: passes get indices of their own.
+        // Sub-graphs are no passes: passes get indices of their own.
         let mut index = vec![NONE; self.nodes.len()];
         let mut count = 0;
         for (i, used) in self.uses.iter().enumerate() {
@@ -280,11 +280,16 @@ impl<'a> Linker<'a> {
                 count += 1;
             }
         }
-        let tap = |end: &End<'_>, bare: bool| {
+        let source = |end: &End<'_>, bare: bool| {
             let port = &ports[end.node as usize].get(end.port as usize);
             let member = port.zip(self.member(&self.interface_of(end), end.member));
             let member = member.and_then(|(port, name)| port.members.iter().position(|(n, _, _)| *n == name));
-            Tap { pass: index[end.node as usize], port: end.port, member: member.map(|m| m as u32), bare }
+            LinkSource {
+                pass: index[end.node as usize],
+                port: end.port,
+                member: member.map(|m| m as u32),
+                bare,
+            }
         };
         let mut passes = Vec::with_capacity(count as usize);
         for i in 0..self.nodes.len() {
@@ -297,12 +302,13 @@ impl<'a> Linker<'a> {
                 .iter()
                 .filter(|wire| wire.end.constant.is_none() && wire.end.member.is_none())
                 .filter_map(|wire| ports[wire.end.node as usize].get(wire.end.port as usize)?.facts.module());
-            let externals = modules.fold(used.ports.externals, |all, module| all.and(module.externals));
+            let scene_bindings =
+                modules.fold(used.ports.scene_bindings, |all, module| all.and(module.scene_bindings));
             let inputs = wires.iter().map(|wire| {
                 let (port, wanted) = &used.names.inputs[wire.input as usize];
                 GraphInput {
                     port: port.clone(),
-                    from: tap(&wire.end, is_bare(wanted, &wire.end)),
+                    from: source(&wire.end, is_bare(wanted, &wire.end)),
                     past: wire.end.past.filter(|_| wire.end.constant.is_none()).cloned(),
                     constant: wire.end.constant,
                 }
@@ -313,8 +319,8 @@ impl<'a> Linker<'a> {
                 shader: shader.as_ref().map(|s| s.value.clone()),
                 settings: Arc::clone(&used.settings),
                 overrides: Arc::clone(&self.nodes[i].decl.overrides),
-                externals,
-                depends_on: externals,
+                scene_bindings,
+                depends_on: scene_bindings,
                 remembers: false,
                 inputs: inputs.collect(),
                 outputs: SmallVec::new(),
@@ -323,7 +329,7 @@ impl<'a> Linker<'a> {
         }
         let output = |(output, end): &(&OutputDecl, End<'_>)| GraphOutput {
             name: output.name.value.clone(),
-            from: tap(end, end.member.is_some()),
+            from: source(end, end.member.is_some()),
             constant: end.constant,
         };
         let outputs = self.outputs.iter().map(output).collect();

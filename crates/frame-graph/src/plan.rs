@@ -5,7 +5,7 @@ mod json;
 mod svg;
 mod text;
 
-use crate::port::{Externals, Facts, OutputOverride};
+use crate::port::{Facts, OutputOverride, SceneBindings};
 use crate::resource::{Clear, ResourceDesc};
 use crate::value::Settings;
 use data_file::Name;
@@ -65,9 +65,9 @@ pub struct Plan {
 pub struct PlannedPass {
     /// Name in the flattened description: `shadows/splat`.
     pub name: Name,
-    /// The kind.
+    /// The pass type.
     pub kind: Name,
-    /// The WGSL file, for kinds that take one.
+    /// The WGSL file, for pass types that take one.
     pub shader: Option<Name>,
     /// Settings, complete.
     pub settings: Arc<Settings>,
@@ -77,10 +77,10 @@ pub struct PlannedPass {
     pub inputs: Vec<PlannedInput>,
     /// Outputs and scratch.
     pub outputs: Vec<PlannedPort>,
-    /// The data of the host program that it reads itself.
-    pub externals: Externals,
+    /// The scene bindings that it reads itself.
+    pub scene_bindings: SceneBindings,
     /// What its result depends on, through all that it reads: where none of it has changed, it need not run.
-    pub depends_on: Externals,
+    pub depends_on: SceneBindings,
     /// Whether it depends on a history, and so on every frame before.
     pub remembers: bool,
     /// Resources to clear before it runs.

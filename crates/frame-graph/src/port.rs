@@ -1,4 +1,4 @@
-//! What a kind of pass offers to the graph: interfaces, ports, and the trait through which the core asks.
+//! What a pass type offers to the graph: interfaces, ports, and the trait through which the core asks.
 
 use crate::resource::{Clear, Extent, ResourceDesc};
 use crate::value::{Setting, Settings, Traits, Value};
@@ -61,7 +61,7 @@ impl<N: Into<String>> FromIterator<(N, Value)> for Facts {
 ///
 /// An algorithm that several producers answer differently travels so: a consumer with a port `visibility` writes
 /// `#import interface "visibility"` and calls the functions that the interface promises. The file declares all that
-/// it needs: the resources of the port, data of the host program, and a uniform `<port>_facts` that is filled with
+/// it needs: the resources of the port, scene bindings, and a uniform `<port>_facts` that is filled with
 /// the facts of the port.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Module {
@@ -69,9 +69,9 @@ pub struct Module {
     pub path: String,
     /// Values of the options that the file declares.
     pub options: BTreeMap<String, Value>,
-    /// The data of the host program that its functions read. Whoever knows the shaders fills it in from the file
+    /// The scene bindings that its functions read. Whoever knows the shaders fills it in from the file
     /// itself; a pass that reads the port then depends on them too.
-    pub externals: Externals,
+    pub scene_bindings: SceneBindings,
 }
 
 impl Module {
@@ -134,30 +134,30 @@ pub struct OutputPort {
     pub doc: String,
 }
 
-/// The data of the host program that a pass reads, as bits: each is an input of every pipeline that needs no
+/// The scene bindings that a pass reads, as bits: each is an input of every pipeline that needs no
 /// link. A pass runs again when one that it reads has changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Externals(pub u8);
+pub struct SceneBindings(pub u8);
 
-impl Externals {
+impl SceneBindings {
     /// Nothing.
-    pub const NONE: Externals = Externals(0);
+    pub const NONE: SceneBindings = SceneBindings(0);
     /// Geometry, materials and textures.
-    pub const SCENE: Externals = Externals(1);
+    pub const SCENE: SceneBindings = SceneBindings(1);
     /// The camera.
-    pub const CAMERA: Externals = Externals(2);
+    pub const CAMERA: SceneBindings = SceneBindings(2);
     /// The lights of the scene.
-    pub const LIGHTS: Externals = Externals(4);
+    pub const LIGHTS: SceneBindings = SceneBindings(4);
     /// The number of the frame and its time: a pass that reads it runs in every frame.
-    pub const FRAME: Externals = Externals(8);
+    pub const FRAME: SceneBindings = SceneBindings(8);
 
     /// Returns both together.
-    pub const fn and(self, other: Externals) -> Externals {
-        Externals(self.0 | other.0)
+    pub const fn and(self, other: SceneBindings) -> SceneBindings {
+        SceneBindings(self.0 | other.0)
     }
 
     /// Returns whether all of `other` is in it.
-    pub const fn contains(self, other: Externals) -> bool {
+    pub const fn contains(self, other: SceneBindings) -> bool {
         self.0 & other.0 == other.0
     }
 }
@@ -169,16 +169,16 @@ pub struct Ports {
     pub inputs: Vec<InputPort>,
     /// Outputs, in the order of the documentation.
     pub outputs: Vec<OutputPort>,
-    /// The data of the host program that it reads.
-    pub externals: Externals,
+    /// The scene bindings that it reads.
+    pub scene_bindings: SceneBindings,
 }
 
-/// One use of a kind, as far as the file says: what its ports may depend on.
+/// One use of a pass type, as far as the file says: what its ports may depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Use<'a> {
-    /// The kind's name.
+    /// The pass type's name.
     pub kind: &'a str,
-    /// The WGSL file that the use names with `shader:`, for kinds that take one.
+    /// The WGSL file that the use names with `shader:`, for pass types that take one.
     pub shader: Option<&'a str>,
     /// Names of the inputs that the use links, in order.
     pub inputs: &'a [String],
@@ -186,7 +186,7 @@ pub struct Use<'a> {
     pub outputs: &'a BTreeMap<String, OutputOverride>,
 }
 
-/// What a use says of an output of a kind that takes its ports from a shader.
+/// What a use says of an output of a pass type that takes its ports from a shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OutputOverride {
     /// The interface that it offers itself as.
@@ -363,9 +363,9 @@ impl OutputDesc {
     }
 }
 
-/// Why a kind refuses a use of it.
+/// Why a pass type refuses a use of it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct KindError {
+pub struct PassTypeError {
     /// What is wrong, and what was expected.
     pub message: String,
     /// The setting at fault, for the place in the file.
@@ -376,48 +376,48 @@ pub struct KindError {
     pub help: Option<String>,
 }
 
-impl KindError {
+impl PassTypeError {
     /// Creates an error of the use as a whole.
-    pub fn new(message: impl Into<String>) -> KindError {
-        KindError { message: message.into(), ..KindError::default() }
+    pub fn new(message: impl Into<String>) -> PassTypeError {
+        PassTypeError { message: message.into(), ..PassTypeError::default() }
     }
 
     /// Creates an error of one setting.
-    pub fn setting(name: &str, message: impl Into<String>) -> KindError {
-        KindError { message: message.into(), setting: Some(name.to_owned()), ..KindError::default() }
+    pub fn setting(name: &str, message: impl Into<String>) -> PassTypeError {
+        PassTypeError { message: message.into(), setting: Some(name.to_owned()), ..PassTypeError::default() }
     }
 
     /// Creates an error of one input.
-    pub fn input(name: &str, message: impl Into<String>) -> KindError {
-        KindError { message: message.into(), input: Some(name.to_owned()), ..KindError::default() }
+    pub fn input(name: &str, message: impl Into<String>) -> PassTypeError {
+        PassTypeError { message: message.into(), input: Some(name.to_owned()), ..PassTypeError::default() }
     }
 
     /// Adds advice.
-    pub fn help(mut self, help: impl Into<String>) -> KindError {
+    pub fn help(mut self, help: impl Into<String>) -> PassTypeError {
         self.help = Some(help.into());
         self
     }
 }
 
-/// Every kind of pass there is: how the core learns of passes without knowing any.
+/// Every pass type there is: how the core learns of passes without knowing any.
 ///
 /// All of it is pure: the same question gets the same answer.
-pub trait Kinds {
-    /// The names of all kinds, sorted: for errors that offer the nearest.
+pub trait PassTypes {
+    /// The names of all pass types, sorted: for errors that offer the nearest.
     fn names(&self) -> Vec<String>;
 
     /// All interfaces.
     fn interfaces(&self) -> &[Interface];
 
-    /// Whether a use of the kind names a shader with `shader:`; `None` where there is no such kind.
+    /// Whether a use of the pass type names a shader with `shader:`; `None` where there is no such kind.
     fn takes_shader(&self, kind: &str) -> Option<bool>;
 
     /// The settings of this use.
-    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError>;
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError>;
 
     /// Its ports.
-    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, KindError>;
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError>;
 
     /// The resources of its outputs, and scratch.
-    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError>;
+    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError>;
 }

@@ -37,9 +37,9 @@ pub struct Resolved {
     pub(crate) about: Option<String>,
     pub(crate) paper: Option<String>,
     pub(crate) parameters: Vec<Parameter>,
-    /// Parameters of each part; of a file that was flattened before, none.
+    /// Parameters of each sub-graph; of a file that was flattened before, none.
     pub(crate) part_parameters: Vec<(Name, Vec<Parameter>)>,
-    /// Inputs, for a part.
+    /// Inputs, for a sub-graph.
     pub(crate) inputs: Vec<InputDecl>,
     pub(crate) nodes: Vec<Node>,
     pub(crate) outputs: Vec<OutputDecl>,
@@ -54,16 +54,16 @@ pub(crate) struct Parameter {
     /// What it is; `None` where it is what the settings are that it is handed to.
     pub(crate) value: Option<Value>,
     pub(crate) place: Place,
-    /// The parameter of the file around the part that is handed to it as it is.
+    /// The parameter of the file around the sub-graph that is handed to it as it is.
     pub(crate) outer: Option<Name>,
 }
 
-/// A pass, or the border of a part.
+/// A pass, or the border of a sub-graph.
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
     pub(crate) name: Name,
     pub(crate) place: Place,
-    /// The part that it is in.
+    /// The sub-graph that it is in.
     pub(crate) parent: Option<u32>,
     pub(crate) decl: Arc<PassDecl>,
 }
@@ -144,7 +144,7 @@ impl Resolved {
         self.outputs.iter().map(|output| &output.name.value)
     }
 
-    /// Returns whether it is a part, to be used with `Sub`: it has inputs.
+    /// Returns whether it is a sub-graph, to be used with `Sub`: it has inputs.
     pub fn is_part(&self) -> bool {
         !self.inputs.is_empty()
     }

@@ -7,9 +7,9 @@ use rustc_hash::FxHashMap;
 /// What a plan has in common with the one before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Succession {
-    /// One entry a history of the new plan: the history of the old one that goes on as it, or why it begins anew.
+    /// One entry a history of the new plan: the history of the old one that goes on as it, or why it begins again.
     pub histories: Vec<Result<HistoryId, ResetCause>>,
-    /// The passes of the new plan that are new, of another kind, with other settings or another shader file, or
+    /// The passes of the new plan that are new, of another pass type, with other settings or another shader file, or
     /// that link to something else. That a shader file says something else is not seen here.
     pub changed: Vec<PassId>,
 }

@@ -1,8 +1,8 @@
-//! The pipeline around the pass under test: a kind of pass for each input that a test gives, and the kind under test.
+//! The pipeline around the pass under test: a pass type for each input that a test gives, and the pass type under test.
 
-use frame_graph::port::{Kinds, OutputContext};
+use frame_graph::port::{OutputContext, PassTypes};
 use frame_graph::{
-    Extent, Facts, Interface, KindError, OutputDesc, OutputPort, Ports, ResourceDesc, Setting, Settings,
+    Extent, Facts, Interface, OutputDesc, OutputPort, PassTypeError, Ports, ResourceDesc, Setting, Settings,
     TextureDesc, Usage, Use,
 };
 use pass::{Library, Pass, UseContext};
@@ -26,7 +26,7 @@ pub(crate) struct GivenMember {
 }
 
 impl Given {
-    /// Returns the name of the pass, and of its kind.
+    /// Returns the name of the pass, and of its pass type.
     pub(crate) fn pass(&self) -> String {
         format!("given-{}", self.port)
     }
@@ -86,25 +86,25 @@ fn of_fixed_size(desc: &ResourceDesc) -> ResourceDesc<Extent> {
     }
 }
 
-/// The kinds of passes of a test.
-pub(crate) struct TestKinds<'a> {
+/// The pass types of a test.
+pub(crate) struct TestPassTypes<'a> {
     pub(crate) pass: &'a dyn Pass,
     pub(crate) given: &'a [Given],
     pub(crate) shaders: &'a Library,
 }
 
-impl TestKinds<'_> {
+impl TestPassTypes<'_> {
     fn is_tested(&self, kind: &str) -> bool {
         self.pass.info().kind == kind
     }
 
-    fn given(&self, kind: &str) -> Result<&Given, KindError> {
+    fn given(&self, kind: &str) -> Result<&Given, PassTypeError> {
         let found = self.given.iter().find(|given| given.pass() == kind);
-        found.ok_or_else(|| KindError::new(format!("there is no kind `{kind}`")))
+        found.ok_or_else(|| PassTypeError::new(format!("there is no pass type `{kind}`")))
     }
 }
 
-impl Kinds for TestKinds<'_> {
+impl PassTypes for TestPassTypes<'_> {
     fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = self.given.iter().map(Given::pass).collect();
         names.push(self.pass.info().kind.to_owned());
@@ -124,14 +124,14 @@ impl Kinds for TestKinds<'_> {
         }
     }
 
-    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
         if !self.is_tested(use_.kind) {
             return Ok(Arc::new([]));
         }
         Ok(self.pass.settings(&UseContext { use_, shaders: self.shaders })?.into())
     }
 
-    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, KindError> {
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
         if self.is_tested(use_.kind) {
             return self.pass.ports(&UseContext { use_, shaders: self.shaders }, settings).map(Arc::new);
         }
@@ -141,14 +141,14 @@ impl Kinds for TestKinds<'_> {
         Ok(Arc::new(Ports { outputs: vec![output], ..Ports::default() }))
     }
 
-    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let use_ = context.use_;
         let mut outputs = if self.is_tested(use_.kind) {
             self.pass.outputs(&UseContext { use_, shaders: self.shaders }, context)?
         } else {
             vec![self.given(use_.kind)?.describe()]
         };
-        pass::externals::find_of_modules(&mut outputs, self.shaders);
+        pass::scene_bindings::find_of_modules(&mut outputs, self.shaders);
         Ok(outputs)
     }
 }

@@ -1,10 +1,10 @@
 //! A test of one pass: what it is given, its pipeline, and its frames.
 
-use crate::given::{Given, GivenMember, TestKinds};
+use crate::given::{Given, GivenMember, TestPassTypes};
 use crate::{IntoValue, Outputs, gpu, library, scene};
 use executor::{Executor, ExecutorError, FrameOptions, Gpu};
 use frame_graph::plan::{PassId, Plan};
-use frame_graph::port::{Kinds, OutputOverride};
+use frame_graph::port::{OutputOverride, PassTypes};
 use frame_graph::resolve::{Files, Overrides};
 use frame_graph::{
     Change, CompileOptions, Diagnostics, Facts, LinkContext, Module, ResetCause, ResourceDesc, Settings,
@@ -12,7 +12,7 @@ use frame_graph::{
 };
 use pass::{Library, LinkedStep, Pass, Step};
 use scene::{Camera, Scene};
-use scene_upload::{Frame, Host};
+use scene_upload::{Frame, SceneView};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
@@ -78,13 +78,13 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Returns the names the WGSL file of a kind that takes one.
+    /// Returns the names the WGSL file of a pass type that takes one.
     pub fn shader(mut self, path: &'a str) -> Self {
         self.shader = Some(path);
         self
     }
 
-    /// Says with `out:` what an output of a kind that takes a shader is.
+    /// Says with `out:` what an output of a pass type that takes a shader is.
     pub fn out(mut self, port: &str, said: OutputOverride) -> Self {
         self.overrides.insert(port.to_owned(), said);
         self
@@ -265,8 +265,8 @@ impl<'a> Harness<'a> {
         let (plan, steps) = self.compile(traits, library(order)).map_err(ExecutorError::Shader)?;
         let dispatches = steps.iter().flatten().any(|step| matches!(step.step, Step::Compute(_)));
         let mut executor = Executor::new(gpu);
-        let mut host = Host::upload(&mut executor, scene);
-        host.provide(&mut executor, scene, steps.iter().flatten().flat_map(LinkedStep::externals))?;
+        let mut view = SceneView::upload(&mut executor, scene);
+        view.provide(&mut executor, scene, steps.iter().flatten().flat_map(LinkedStep::scene_bindings))?;
         executor.set_seed(self.seed);
         executor.load(Arc::clone(&plan), steps)?;
         let past = self.given.iter().filter_map(|given| given.age).max().unwrap_or(0);
@@ -279,9 +279,9 @@ impl<'a> Harness<'a> {
             }
             let index = self.first_index + frame;
             let info = Frame { index, time, step: self.time_step, pad: 0.0 };
-            let externals = host.update(&mut executor, scene, &pose, self.size, info)?;
+            let scene_bindings = view.update(&mut executor, scene, &pose, self.size, info)?;
             let events = self.events.iter().filter(|(at, _)| *at == frame).map(|(_, cause)| *cause);
-            let change = Change { externals, all: true, events: events.collect(), ..Change::default() };
+            let change = Change { scene_bindings, all: true, events: events.collect(), ..Change::default() };
             executor.frame(change, FrameOptions { poison: true, ..FrameOptions::default() })?;
         }
         Ok(Outputs { executor, plan, pass: self.pass.info().kind, dispatches })
@@ -303,7 +303,7 @@ impl<'a> Harness<'a> {
         library: &Library,
     ) -> Result<(Arc<Plan>, Vec<Vec<LinkedStep>>), Diagnostics> {
         let kind = self.pass.info().kind;
-        let kinds = TestKinds { pass: self.pass, given: &self.given, shaders: library };
+        let kinds = TestPassTypes { pass: self.pass, given: &self.given, shaders: library };
         let pipeline = Pipeline(self.pipeline(&self.output_ports(&kinds)));
         let set = self.set.iter().map(|(name, value)| (format!("{kind}.{name}"), value.clone()));
         let resolved = frame_graph::resolve("test.ron", &pipeline, &Overrides(set.collect()))?;
@@ -328,7 +328,7 @@ impl<'a> Harness<'a> {
     }
 
     /// The output ports of the pass; none where it refuses its use, which linking tells better.
-    fn output_ports(&self, kinds: &TestKinds<'_>) -> Vec<String> {
+    fn output_ports(&self, kinds: &TestPassTypes<'_>) -> Vec<String> {
         let given = self.given.iter().map(|given| given.port.clone());
         let inputs: Vec<String> = given.chain(self.feedback.iter().map(|(input, _)| input.clone())).collect();
         let kind = self.pass.info().kind;

@@ -37,7 +37,7 @@ pub use harness::Harness;
 pub struct Outputs {
     executor: Executor,
     plan: Arc<Plan>,
-    /// Name of the pass, and of its kind.
+    /// Name of the pass, and of its pass type.
     pass: &'static str,
     /// Whether it runs compute shaders.
     dispatches: bool,

@@ -1,4 +1,4 @@
-//! Twin of shaders/random.wgsl, in `f64`.
+//! The CPU reference of shaders/random.wgsl, in `f64`.
 
 /// Returns a permutation of 32 bits (Jarzynski & Olano 2020).
 pub fn hash(value: u32) -> u32 {

@@ -2,7 +2,7 @@
 //!
 //! Scene units are metres; colours are linear Rec. 709; all radiometric quantities are per RGB channel.
 
-use frame_graph::{Extent, Format, Interface, KindError, Member, OutputContext, ResourceDesc};
+use frame_graph::{Extent, Format, Interface, Member, OutputContext, PassTypeError, ResourceDesc};
 
 const fn required(name: &'static str, doc: &'static str) -> Member {
     Member { name, optional: false, doc }
@@ -81,9 +81,9 @@ pub static INTERFACES: &[Interface] = &[
         )],
     },
     Interface {
-        name: "Tally",
-        doc: "How much a pass was asked for, and how much of it it made: what a bound left out.",
-        members: &[required("", "buffer: struct Tally of shaders/tally.wgsl")],
+        name: "Counters",
+        doc: "How much a pass was requested to produce, and how much it produced within its bounds.",
+        members: &[required("", "buffer: struct Counters of shaders/counters.wgsl")],
     },
     Interface {
         name: "PathSamples",
@@ -150,16 +150,18 @@ pub fn format_of(interface: &str, member: &str) -> Option<Format> {
 ///
 /// # Errors
 /// Where the two have not the same texels.
-pub fn importance_shape(cx: &OutputContext<'_>) -> Result<((u32, u32), u32), KindError> {
+pub fn importance_shape(cx: &OutputContext<'_>) -> Result<((u32, u32), u32), PassTypeError> {
     let shape = |name: &str| {
         let texture =
             cx.input(name).and_then(|input| input.members.iter().find_map(|(_, desc)| desc.texture()));
-        texture.map(|t| (t.size, t.layers)).ok_or_else(|| KindError::input(name, "expected a texture array"))
+        texture
+            .map(|t| (t.size, t.layers))
+            .ok_or_else(|| PassTypeError::input(name, "expected a texture array"))
     };
     let ((width, height), layers) = shape("importance")?;
     let (rsm, rsm_layers) = shape("rsm")?;
     if (rsm, rsm_layers) != ((width, height), layers) {
-        return Err(KindError::input(
+        return Err(PassTypeError::input(
             "importance",
             format!(
                 "the importance map has {width}×{height} texels in {layers} layers, the reflective shadow map {}×{} in {rsm_layers}",

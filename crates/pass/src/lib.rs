@@ -10,23 +10,24 @@
 //! | `irradiance` | the only resource of the port (or scratch) `irradiance` |
 //! | `settings` | a uniform filled by the names of its members: see [`Step`] |
 //! | `view_facts` | a uniform of the module that comes with the port `view`, filled with the facts of the port |
-//! | `camera`, `frame`, `scene_…` | the data of the host program: see [`externals`] |
+//! | `camera`, `frame`, `scene_…` | the scene bindings: see [`scene_bindings`] |
 
 mod atlas;
-pub mod externals;
 pub mod interfaces;
 mod link;
 pub mod paraboloid;
 mod record;
 pub mod reflected;
+pub mod scene_bindings;
 pub mod setting;
 mod surface_samples;
 pub mod triangle_samples;
 
 pub use atlas::{AtlasLayout, depth_bias};
 pub use frame_graph::{
-    Clear, Extent, Externals, Facts, Format, InputPort, KindError, Module, Name, OutputContext, OutputDesc,
-    OutputPort, Ports, ResourceDesc, Setting, Settings, Traits, Usage, Use, Value, ValueType,
+    Clear, Extent, Facts, Format, InputPort, Module, Name, OutputContext, OutputDesc, OutputPort,
+    PassTypeError, Ports, ResourceDesc, SceneBindings, Setting, Settings, Traits, Usage, Use, Value,
+    ValueType,
 };
 pub use link::{Bound, LinkedStep, PastFact, Source, UniformFill, link_steps, pass_seed};
 pub use record::{
@@ -36,7 +37,7 @@ pub use record::{
 pub use shader_library::{Define, Library, Request};
 pub use surface_samples::SurfaceSamples;
 
-/// What the documentation says of a kind.
+/// What the documentation says of a pass type.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
     /// The name in RON, in kebab-case; also the name of the folder.
@@ -49,7 +50,7 @@ pub struct Info {
     pub shaders: &'static [&'static str],
 }
 
-/// A kind of pass.
+/// A pass type.
 ///
 /// It holds no state, names no other pass, reads no global and never waits for the GPU. Whatever it keeps from
 /// one frame to the next goes through `Prev` in the pipeline.
@@ -62,21 +63,24 @@ pub trait Pass: Send + Sync {
         false
     }
 
-    /// Its settings. Only a kind that takes a shader looks at the use.
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError>;
+    /// Its settings. Only a pass type that takes a shader looks at the use.
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError>;
 
     /// Its ports, from the settings alone.
-    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError>;
+    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError>;
 
     /// The resources of its outputs, and scratch.
-    fn outputs(&self, cx: &UseContext<'_>, outputs: &OutputContext<'_>)
-    -> Result<Vec<OutputDesc>, KindError>;
+    fn outputs(
+        &self,
+        cx: &UseContext<'_>,
+        outputs: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError>;
 
     /// The steps that make the outputs.
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError>;
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError>;
 }
 
-/// One use of a kind in a pipeline, and the shaders by which a kind that takes one learns its ports.
+/// One use of a pass type in a pipeline, and the shaders by which a pass type that takes one learns its ports.
 #[derive(Clone, Copy)]
 pub struct UseContext<'a> {
     /// The use.

@@ -2,7 +2,7 @@
 //! checked, uniforms laid out. All of it without a GPU, so that `check` proves what an executor will run.
 
 use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step};
-use crate::{Pass, UseContext, externals};
+use crate::{Pass, UseContext, scene_bindings};
 use fit::{describe, describe_global, mismatch};
 use frame_graph::codes::{Code, link as codes};
 use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId};
@@ -24,8 +24,8 @@ pub enum Source {
     Resource(ResourceId),
     /// Last frame's version of a resource.
     Past(HistoryId),
-    /// Data of the host program, by the global's name.
-    External(&'static str),
+    /// Scene bindings, by the global's name.
+    SceneBinding(&'static str),
     /// A uniform of the step: index into [`LinkedStep::uniforms`].
     Uniform(usize),
 }
@@ -61,10 +61,10 @@ pub struct LinkedStep {
 }
 
 impl LinkedStep {
-    /// Returns the data of the host program that it reads, by names of globals.
-    pub fn externals(&self) -> impl Iterator<Item = &'static str> + '_ {
+    /// Returns the scene bindings that it reads, by names of globals.
+    pub fn scene_bindings(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.bindings.iter().filter_map(|bound| match bound.source {
-            Source::External(name) => Some(name),
+            Source::SceneBinding(name) => Some(name),
             _ => None,
         })
     }
@@ -144,7 +144,7 @@ pub fn link_steps(
     };
     let recording: Recording = kind.record(&context).map_err(|error| {
         let mut notes: Vec<String> = error.help.into_iter().collect();
-        notes.push(format!("in pass `{}` of kind `{}`", planned.name, planned.kind));
+        notes.push(format!("in pass `{}` of pass type `{}`", planned.name, planned.kind));
         Diagnostics::from(Diagnostic { notes, ..Diagnostic::new(&codes::REFUSED, error.message) })
     })?;
     let cx = UseContext { use_, shaders: library };
@@ -286,20 +286,21 @@ impl StepLinker<'_> {
     ) -> Result<Source, Diagnostics> {
         let place = shader.global_place(global);
         let global = &shader.interface.globals[global];
-        let external = externals::GLOBALS.iter().find(|(name, _)| renamed.is_none() && *name == global.name);
-        if let Some((name, externals)) = external {
-            if !self.planned.externals.contains(*externals) {
+        let external =
+            scene_bindings::GLOBALS.iter().find(|(name, _)| renamed.is_none() && *name == global.name);
+        if let Some((name, scene_bindings)) = external {
+            if !self.planned.scene_bindings.contains(*scene_bindings) {
                 return Err(self.error(
                     &codes::UNDECLARED,
                     format!(
-                        "{} reads `{name}`, which the kind `{}` does not declare among its externals",
+                        "{} reads `{name}`, which the pass type `{}` does not declare among its scene bindings",
                         request.path, self.planned.kind
                     ),
                     place,
                     Vec::new(),
                 ));
             }
-            return Ok(Source::External(name));
+            return Ok(Source::SceneBinding(name));
         }
         let wanted = renamed.unwrap_or(&global.name);
         let named = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted, place.clone()))?;
@@ -416,7 +417,7 @@ impl StepLinker<'_> {
         place: Option<Span>,
         mut notes: Vec<String>,
     ) -> Diagnostics {
-        notes.push(format!("in pass `{}` of kind `{}`", self.planned.name, self.planned.kind));
+        notes.push(format!("in pass `{}` of pass type `{}`", self.planned.name, self.planned.kind));
         let labels = place.into_iter().map(|span| Label { span, message: String::new() }).collect();
         Diagnostic { labels, notes, ..Diagnostic::new(code, message) }.into()
     }

@@ -1,4 +1,4 @@
-//! The f64 twin of `shaders/paraboloid.wgsl`, for the twins of passes that share it: the same functions, by the
+//! The f64 CPU reference of `shaders/paraboloid.wgsl`, for the CPU reference of passes that share it: the same functions, by the
 //! same names. See there for what they mean.
 
 /// A vector of three.

@@ -1,4 +1,4 @@
-//! A use of a kind that is WGSL alone: its settings, ports, resources and steps, read from the shader.
+//! A use of a pass type that is WGSL alone: its settings, ports, resources and steps, read from the shader.
 //!
 //! | in the shader | in the pipeline |
 //! |---|---|
@@ -9,21 +9,21 @@
 //! | `#import interface "K"` | the input `K`, whose producer brings the module |
 //! | a global `K`, or `K_member` where `out:` names `K` | the output `K`; with `[scratch]`, nothing |
 //! | a global with `[reads: K]` | nothing: what an entry point before has written to `K` |
-//! | the entry points of the kind's stage | the steps, in the order of the text |
-//! | `camera`, `frame`, `scene_…` | nothing: the host program has it |
+//! | the entry points of the pass type's stage | the steps, in the order of the text |
+//! | `camera`, `frame`, `scene_…` | nothing: the application has it |
 
 mod options;
 mod outputs;
 mod steps;
 
-use crate::{InputPort, KindError, Ports, Request, Setting, Settings, UseContext, externals};
+use crate::{InputPort, PassTypeError, Ports, Request, Setting, Settings, UseContext, scene_bindings};
 use options::Imported;
 use outputs::Written;
 use shader_library::{Access, Attributes, Entry, GlobalKind, Shader, Stage};
 use std::fmt::Display;
 use std::sync::Arc;
 
-/// The file that a use names, and what a kind makes of it.
+/// The file that a use names, and what a pass type makes of it.
 #[derive(Clone, Debug)]
 pub struct UserShader<'a> {
     /// The file, as the use names it.
@@ -38,7 +38,7 @@ pub struct UserShader<'a> {
 #[derive(Debug)]
 pub struct Reflected {
     shader: Arc<Shader>,
-    /// The entry points of the kind's stage, in the order of the text.
+    /// The entry points of the pass type's stage, in the order of the text.
     entries: Vec<Entry>,
     attributes: Attributes,
     written: Vec<Written>,
@@ -55,18 +55,18 @@ impl Reflected {
         cx: &UseContext<'_>,
         user: &UserShader<'_>,
         settings: &Settings,
-    ) -> Result<Reflected, KindError> {
+    ) -> Result<Reflected, PassTypeError> {
         let path = user.path;
         let (request, imported) = options::stand_in(cx.shaders, user)?;
         let request = options::select(cx.shaders, request, settings);
-        let refused = |errors| KindError::new(format!("`{path}` is refused\n{errors}"));
+        let refused = |errors| PassTypeError::new(format!("`{path}` is refused\n{errors}"));
         let shader = cx.shaders.load(&request).map_err(refused)?;
         let attributes = shader.attributes().map_err(refused)?;
         let of_stage = |entry: &&Entry| entry.stage == user.stage;
         let entries: Vec<Entry> = shader.interface.entries.iter().filter(of_stage).cloned().collect();
         if entries.is_empty() {
             let attribute = format!("@{:?}", user.stage).to_lowercase();
-            return Err(KindError::new(format!("`{path}` has no {attribute} entry point")));
+            return Err(PassTypeError::new(format!("`{path}` has no {attribute} entry point")));
         }
         let written = outputs::written(&shader, &attributes, &entries, cx.use_.inputs)?;
         Ok(Reflected { shader, entries, attributes, written, imported })
@@ -76,12 +76,12 @@ impl Reflected {
     ///
     /// # Errors
     /// Links that no global takes, globals that no link can fill, and attributes that name nothing.
-    pub fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError> {
+    pub fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
         let interface = &self.shader.interface;
         let mut ports = Ports::default();
         for &global in self.entries.iter().flat_map(|entry| &entry.globals) {
-            if let Some(part) = externals::of_global(&interface.globals[global].name) {
-                ports.externals = ports.externals.and(part);
+            if let Some(part) = scene_bindings::of_global(&interface.globals[global].name) {
+                ports.scene_bindings = ports.scene_bindings.and(part);
             }
         }
         for port in cx.use_.inputs {
@@ -100,7 +100,7 @@ impl Reflected {
                 } else {
                     format!("it has {}", list(others))
                 };
-                return Err(KindError::input(port, message).help(help));
+                return Err(PassTypeError::input(port, message).help(help));
             }
             ports.inputs.push(self.input(port, &globals, true)?);
         }
@@ -121,7 +121,7 @@ impl Reflected {
         names.filter(|name| {
             let reads = |said: &shader_library::GlobalAttributes| said.name == *name && said.reads.is_some();
             *name != "settings"
-                && externals::of_global(name).is_none()
+                && scene_bindings::of_global(name).is_none()
                 && !self.written.iter().any(|written| written.name == *name)
                 && !self.attributes.globals.iter().any(reads)
                 && !self.imported.iter().any(|imported| imported.fills(name))
@@ -129,11 +129,12 @@ impl Reflected {
     }
 
     /// The port that fills these globals.
-    fn input(&self, port: &str, globals: &[&str], linked: bool) -> Result<InputPort, KindError> {
+    fn input(&self, port: &str, globals: &[&str], linked: bool) -> Result<InputPort, PassTypeError> {
         let mut interface = "Any";
         for &name in globals {
             let refused = |message: String, help: &str| {
-                let error = if linked { KindError::input(port, message) } else { KindError::new(message) };
+                let error =
+                    if linked { PassTypeError::input(port, message) } else { PassTypeError::new(message) };
                 Err(error.help(help))
             };
             let kind = self.shader.interface.global(name).map(|(_, global)| &global.kind);
@@ -173,7 +174,7 @@ impl Reflected {
 ///
 /// # Errors
 /// A shader that is refused, and declarations that cannot be read.
-pub fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec<Setting>, KindError> {
+pub fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
     options::settings(cx.shaders, user)
 }
 

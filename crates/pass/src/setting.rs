@@ -34,7 +34,7 @@
 //! What only WGSL reads is declared there, by a bracket in the doc comment of a member of `struct Settings`;
 //! [`of_shader`] gives those, and [`of_options`] the `#option`s that users choose.
 
-use crate::{KindError, Library, request};
+use crate::{Library, PassTypeError, request};
 use frame_graph::{Setting, Settings, Value};
 use shader_library::ShaderOption;
 
@@ -98,8 +98,8 @@ pub fn read<T: SettingValue>(settings: &Settings, name: &str, default: T) -> T {
 ///
 /// # Errors
 /// A shader that is not there or cannot be composed, and declarations that cannot be read.
-pub fn of_shader(library: &Library, path: &str) -> Result<Vec<Setting>, KindError> {
-    library.settings(&request(path, &[])).map_err(|errors| KindError::new(errors.to_string()))
+pub fn of_shader(library: &Library, path: &str) -> Result<Vec<Setting>, PassTypeError> {
+    library.settings(&request(path, &[])).map_err(|errors| PassTypeError::new(errors.to_string()))
 }
 
 /// Returns the settings that are options of a shader: each of `names` is an `#option` in capitals and a setting in
@@ -107,14 +107,14 @@ pub fn of_shader(library: &Library, path: &str) -> Result<Vec<Setting>, KindErro
 ///
 /// # Errors
 /// A shader that is not there or cannot be composed, and options that it does not declare.
-pub fn of_options(library: &Library, path: &str, names: &[&str]) -> Result<Vec<Setting>, KindError> {
+pub fn of_options(library: &Library, path: &str, names: &[&str]) -> Result<Vec<Setting>, PassTypeError> {
     let outline =
-        library.outline(&request(path, &[])).map_err(|errors| KindError::new(errors.to_string()))?;
+        library.outline(&request(path, &[])).map_err(|errors| PassTypeError::new(errors.to_string()))?;
     let named = |name: &&str| {
         let found = outline.options.iter().find(|option| option.name == **name);
         found.map(ShaderOption::setting).ok_or_else(|| {
             let known: Vec<&str> = outline.options.iter().map(|option| option.name.as_str()).collect();
-            KindError::new(format!("{path} declares no `#option {name}`: it has {}", known.join(", ")))
+            PassTypeError::new(format!("{path} declares no `#option {name}`: it has {}", known.join(", ")))
         })
     };
     names.iter().map(named).collect()
@@ -122,7 +122,7 @@ pub fn of_options(library: &Library, path: &str, names: &[&str]) -> Result<Vec<S
 
 /// Declares the settings that a pass reads in Rust: a struct with a public field for each, `schema()`, which gives
 /// their [`Setting`]s, and `read(&Settings)`. Each name is also a constant of the struct, for errors about a
-/// setting: `KindError::setting(MySettings::size, …)`. See [the module](crate::setting).
+/// setting: `PassTypeError::setting(MySettings::size, …)`. See [the module](crate::setting).
 ///
 /// A field is `name: type = default`, then any of `min:`, `max:` (numbers), `one_of:` (values) and `unit:`.
 #[macro_export]

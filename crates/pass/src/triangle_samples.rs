@@ -1,4 +1,4 @@
-//! The f64 twin of `shaders/triangle-samples.wgsl`, `shaders/triangle.wgsl` and `shaders/sobol.wgsl`, for the twins of
+//! The f64 CPU reference of `shaders/triangle-samples.wgsl`, `shaders/triangle.wgsl` and `shaders/sobol.wgsl`, for the CPU reference of
 //! passes that share them: the same functions, by the same names. See there for what they mean.
 
 /// A position or direction.

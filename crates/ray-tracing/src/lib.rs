@@ -1,5 +1,5 @@
 //! Which triangle a ray meets: a bounding volume hierarchy (BVH) in the layout that `shaders/ray-tracing.wgsl`
-//! traverses, and its twin on the CPU, which gives the same hits.
+//! traverses, and its CPU reference on the CPU, which gives the same hits.
 //!
 //! ```
 //! use glam::Vec3;
@@ -33,7 +33,7 @@ pub const MOST_TRIANGLES: usize = Child::END as usize;
 /// Bytes of a triangle in [`Bvh::triangles_bytes`].
 pub const TRIANGLE_BYTES: u64 = size_of::<BvhTriangle>() as u64;
 
-/// A refitted tree whose cost is more than this times the cost when it was built is built anew.
+/// A refitted tree whose cost is more than this times the cost when it was built is rebuilt.
 pub const REBUILD_FACTOR: f64 = 1.5;
 
 /// Where a ray meets a triangle.
@@ -92,7 +92,7 @@ impl Bvh {
     }
 
     /// Takes the places to which the vertices have moved; the indices are those of [`Bvh::build`]. Builds the
-    /// tree anew where its cost has grown by more than [`REBUILD_FACTOR`].
+    /// tree again where its cost has grown by more than [`REBUILD_FACTOR`].
     pub fn refit(&mut self, positions: &[[f32; 3]], indices: &[u32]) -> Refit {
         for (place, index) in self.triangles.iter_mut().zip(&self.order) {
             *place = triangle(positions, indices, *index);

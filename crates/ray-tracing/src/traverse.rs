@@ -1,4 +1,4 @@
-//! Rays through the tree: the twin of `shaders/ray-tracing.wgsl`, the same steps in the same order.
+//! Rays through the tree: the CPU reference of `shaders/ray-tracing.wgsl`, the same steps in the same order.
 
 use crate::gpu_data::{BvhNode, BvhTriangle, Child, NO_HIT};
 use crate::{Bvh, Hit, STACK};

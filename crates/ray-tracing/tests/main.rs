@@ -1,4 +1,4 @@
-//! The twin against brute force in `f64`, and the GPU against the twin.
+//! The CPU reference against brute force in `f64`, and the GPU against the CPU reference.
 
 #[path = "main/closed.rs"]
 mod closed;

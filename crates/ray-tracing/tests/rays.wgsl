@@ -1,4 +1,4 @@
-// Traces given rays: what the twin on the CPU must give too.
+// Traces given rays: what the CPU reference on the CPU must give too.
 
 #import "dispatch.wgsl"
 #import "ray-tracing.wgsl"

@@ -1,6 +1,6 @@
 //! From the name of a pipeline to linked steps, without a GPU: what `check` proves and an executor runs.
 
-use crate::tally::Tally;
+use crate::counters::Counters;
 use catalog::Catalog;
 use frame_graph::codes::link as codes;
 use frame_graph::plan::PassId;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Returns how a renderer compiles: what passes tell of themselves is kept.
 pub fn compile_options() -> CompileOptions {
-    CompileOptions { keep_interfaces: vec![Tally::INTERFACE.to_owned()], ..CompileOptions::default() }
+    CompileOptions { keep_interfaces: vec![Counters::INTERFACE.to_owned()], ..CompileOptions::default() }
 }
 
 /// A pipeline as far as it goes without a GPU.

@@ -12,10 +12,11 @@
 //! # Ok(()) }
 //! ```
 //!
-//! A host program that has its own wgpu device hands it in with [`Gpu::from_device`], and draws with the
+//! An application that has its own wgpu device hands it in with [`Gpu::from_device`], and draws with the
 //! texture that [`Renderer::output_texture`] gives.
 
 mod compile;
+mod counters;
 mod error;
 mod picture;
 mod progress;
@@ -23,23 +24,22 @@ mod provenance;
 mod reload;
 mod results;
 mod shared;
-mod tally;
 
 pub use catalog::{Assets, Catalog};
 pub use compile::{Compiled, compile_options};
+pub use counters::Counters;
 pub use error::RenderError;
 pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, wgpu};
 pub use progress::Progress;
 pub use provenance::{Provenance, parse_value};
 pub use reload::Reload;
 pub use shared::SharedScene;
-pub use tally::Tally;
 
 use executor::Executor;
 use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause, Value};
 use pass::LinkedStep;
 use scene::{Camera, Light, Scene};
-use scene_upload::{Frame, Host};
+use scene_upload::{Frame, SceneView};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -57,7 +57,7 @@ pub struct Renderer {
     catalog: Arc<Catalog>,
     executor: Executor,
     scene: SharedScene,
-    host: Host,
+    view: SceneView,
     size: (u32, u32),
     pipeline: Option<Loaded>,
     options: CompileOptions,
@@ -101,12 +101,12 @@ impl Renderer {
     /// Renders a scene that is on its device already, and that other renderers may render too.
     pub fn with_scene(catalog: Arc<Catalog>, scene: &SharedScene, size: (u32, u32)) -> Renderer {
         let mut executor = Executor::new(scene.gpu.clone());
-        let host = Host::new(&mut executor, Arc::clone(&scene.on_gpu), &scene.scene);
+        let view = SceneView::new(&mut executor, Arc::clone(&scene.on_gpu), &scene.scene);
         Renderer {
             catalog,
             executor,
             scene: scene.clone(),
-            host,
+            view,
             size: (size.0.max(1), size.1.max(1)),
             pipeline: None,
             options: compile_options(),
@@ -129,8 +129,8 @@ impl Renderer {
     /// Everything that is wrong with the pipeline and its shaders; limits of the adapter.
     pub fn set_pipeline(&mut self, name: &str, overrides: &Overrides) -> Result<LoadReport, RenderError> {
         let compiled = Compiled::new(&self.catalog, name, overrides, &self.link_context(), &self.options)?;
-        let externals = compiled.steps.iter().flatten().flat_map(LinkedStep::externals);
-        self.host.provide(&mut self.executor, &self.scene.scene, externals)?;
+        let scene_bindings = compiled.steps.iter().flatten().flat_map(LinkedStep::scene_bindings);
+        self.view.provide(&mut self.executor, &self.scene.scene, scene_bindings)?;
         let report = self.executor.load(Arc::clone(&compiled.plan), compiled.steps.clone())?;
         self.pipeline = Some(Loaded { name: name.to_owned(), overrides: overrides.clone(), compiled });
         Ok(report)
@@ -200,12 +200,12 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::set_scene`].
     pub fn set_shared_scene(&mut self, scene: &SharedScene) -> Result<(), RenderError> {
-        let host = Host::new(&mut self.executor, Arc::clone(&scene.on_gpu), &scene.scene);
+        let view = SceneView::new(&mut self.executor, Arc::clone(&scene.on_gpu), &scene.scene);
         let before = std::mem::replace(&mut self.scene, scene.clone());
-        let mut host_before = std::mem::replace(&mut self.host, host);
+        let mut view_before = std::mem::replace(&mut self.view, view);
         if let Err(error) = self.relink() {
-            host_before.take_over(&mut self.executor, &before.scene);
-            (self.scene, self.host) = (before, host_before);
+            view_before.take_over(&mut self.executor, &before.scene);
+            (self.scene, self.view) = (before, view_before);
             return Err(error);
         }
         self.events.push(ResetCause::Scene);
@@ -272,9 +272,10 @@ impl Renderer {
         }
         let step = self.step.unwrap_or_else(|| self.scene().frame_time(1));
         let frame = Frame { index: self.index, time, step, pad: 0.0 };
-        let externals = self.host.update(&mut self.executor, &self.scene.scene, &pose, self.size, frame)?;
+        let scene_bindings =
+            self.view.update(&mut self.executor, &self.scene.scene, &pose, self.size, frame)?;
         let change = Change {
-            externals,
+            scene_bindings,
             passes: Vec::new(),
             again: Vec::new(),
             events: std::mem::take(&mut self.events),

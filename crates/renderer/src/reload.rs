@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub enum Reload {
     /// None of the files takes part.
     Nothing,
-    /// The plan is the new one; what was made anew.
+    /// The plan is the new one; what was made again.
     Done(LoadReport),
     /// The new text is wrong: the last good plan goes on.
     Failed(RenderError),

@@ -1,6 +1,6 @@
 //! What frames have made: outputs, pictures of any resource, and what passes tell of themselves.
 
-use crate::{Progress, RenderError, Renderer, Tally, picture};
+use crate::{Counters, Progress, RenderError, Renderer, picture};
 use executor::Object;
 use executor::wgpu;
 use frame_graph::Name;
@@ -114,25 +114,26 @@ impl Renderer {
             .ok_or_else(|| RenderError::NoProgress { resource: output.from.to_string(), bytes: bytes.len() })
     }
 
-    /// Returns what passes made of what they were asked for, by `pass.port`: all that the plan has of the interface
-    /// Tally. Waits for the GPU.
+    /// Returns what the counters of passes, by `pass.port`: all that the plan has of the interface
+    /// Counters. Waits for the GPU.
     ///
     /// # Errors
     /// Where the device is gone.
-    pub fn tallies(&self) -> Result<Vec<(Name, Tally)>, RenderError> {
+    pub fn counters(&self) -> Result<Vec<(Name, Counters)>, RenderError> {
         let Some(plan) = self.plan() else { return Ok(Vec::new()) };
         let ports = plan.passes.iter().flat_map(|pass| &pass.outputs);
-        let members =
-            ports.filter(|port| port.interface.as_str() == Tally::INTERFACE).flat_map(|port| &port.members);
-        let mut tallies = Vec::new();
+        let members = ports
+            .filter(|port| port.interface.as_str() == Counters::INTERFACE)
+            .flat_map(|port| &port.members);
+        let mut counters = Vec::new();
         for (_, id) in members {
             let name = plan.resources[id.0 as usize].name.clone();
-            tallies.extend(Tally::from_bytes(&self.executor.read(*id)?).map(|tally| (name, tally)));
+            counters.extend(Counters::from_bytes(&self.executor.read(*id)?).map(|counters| (name, counters)));
         }
-        Ok(tallies)
+        Ok(counters)
     }
 
-    /// Returns the texture of an output, for a host program that draws with it.
+    /// Returns the texture of an output, for an application that draws with it.
     ///
     /// # Errors
     /// Where there is no such output or it is no texture.

@@ -1,7 +1,7 @@
 //! The adapter's own structure for ray queries, over the scene's triangles.
 
 use executor::wgpu;
-use executor::{External, Gpu};
+use executor::{Gpu, SceneBinding};
 use scene::{Scene, Vertex};
 
 const NAME: &str = "scene_acceleration";
@@ -30,18 +30,18 @@ impl Acceleration {
         Acceleration { vertices, indices, made: None, stale: false }
     }
 
-    pub(crate) fn is_among(externals: &[&str]) -> bool {
-        externals.contains(&NAME)
+    pub(crate) fn is_among(scene_bindings: &[&str]) -> bool {
+        scene_bindings.contains(&NAME)
     }
 
     /// Makes it where it is not there yet, over the vertices as they are now. The executor tells which pass asks an
     /// adapter for what it has not.
-    pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Option<(&'static str, External)> {
+    pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Option<(&'static str, SceneBinding)> {
         if self.made.is_some() {
             return None;
         }
         let made = Made::new(&gpu.device, scene);
-        let external = External::AccelerationStructure(made.scene.clone());
+        let external = SceneBinding::AccelerationStructure(made.scene.clone());
         self.made = Some(made);
         self.stale = true;
         self.follow(gpu);

@@ -1,4 +1,4 @@
-//! The structs that the host program fills and WGSL reads, in the layouts of `shaders/`.
+//! The structs that the application fills and WGSL reads, in the layouts of `shaders/`.
 //!
 //! A test and every load of a shader hold each against the shader's own declaration.
 

@@ -2,7 +2,7 @@
 
 use crate::buffer;
 use executor::wgpu::{self, BufferUsages};
-use executor::{ExecutorError, External, Gpu};
+use executor::{ExecutorError, Gpu, SceneBinding};
 use ray_tracing::{Bvh, Refit};
 use scene::{MovedVertices, Scene};
 
@@ -18,7 +18,7 @@ pub(crate) struct Hierarchy {
 }
 
 /// Globals, and what was made for them.
-type NewExternals = Vec<(&'static str, External)>;
+type NewBindings = Vec<(&'static str, SceneBinding)>;
 
 #[derive(Debug)]
 struct Made {
@@ -28,18 +28,18 @@ struct Made {
 }
 
 impl Hierarchy {
-    pub(crate) fn is_among(externals: &[&str]) -> bool {
-        externals.contains(&NODES) || externals.contains(&TRIANGLES)
+    pub(crate) fn is_among(scene_bindings: &[&str]) -> bool {
+        scene_bindings.contains(&NODES) || scene_bindings.contains(&TRIANGLES)
     }
 
     /// Makes it where it is not there yet.
-    pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Result<NewExternals, ExecutorError> {
+    pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Result<NewBindings, ExecutorError> {
         if self.made.is_some() {
             return Ok(Vec::new());
         }
         check(gpu, scene, scene.triangles() as u64 * ray_tracing::TRIANGLE_BYTES)?;
         let made = Made::new(gpu, scene, Bvh::build(&positions(scene, &[]), &scene.indices))?;
-        Ok(self.made.insert(made).externals())
+        Ok(self.made.insert(made).scene_bindings())
     }
 
     pub(crate) fn moved(&mut self) {
@@ -52,7 +52,7 @@ impl Hierarchy {
         gpu: &Gpu,
         scene: &Scene,
         moved: &[MovedVertices],
-    ) -> Result<NewExternals, ExecutorError> {
+    ) -> Result<NewBindings, ExecutorError> {
         let Some(made) = self.made.as_mut().filter(|_| self.stale) else { return Ok(Vec::new()) };
         self.stale = false;
         match made.bvh.refit(&positions(scene, moved), &scene.indices) {
@@ -63,7 +63,7 @@ impl Hierarchy {
             }
             Refit::Rebuilt => {
                 *made = Made::new(gpu, scene, made.bvh.clone())?;
-                Ok(made.externals())
+                Ok(made.scene_bindings())
             }
         }
     }
@@ -78,10 +78,10 @@ impl Made {
         Ok(Made { bvh, nodes, triangles })
     }
 
-    fn externals(&self) -> NewExternals {
+    fn scene_bindings(&self) -> NewBindings {
         vec![
-            (NODES, External::Buffer(self.nodes.clone())),
-            (TRIANGLES, External::Buffer(self.triangles.clone())),
+            (NODES, SceneBinding::Buffer(self.nodes.clone())),
+            (TRIANGLES, SceneBinding::Buffer(self.triangles.clone())),
         ]
     }
 }

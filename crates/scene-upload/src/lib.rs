@@ -1,7 +1,7 @@
-//! The data of the host program on the GPU: scene, camera, lights, frame; in the layouts of `shaders/`.
+//! The scene bindings on the GPU: scene, camera, lights, frame; in the layouts of `shaders/`.
 //!
 //! A [`SceneOnGpu`] holds what all views of a scene share: geometry, materials, textures, and what rays are traced
-//! through. A [`Host`] is one view of it: its camera, its frame, and its lights, bound to one executor. Several executors
+//! through. A [`SceneView`] is one view of it: its camera, its frame, and its lights, bound to one executor. Several executors
 //! of one device can so render one scene, by other pipelines, sizes and cameras, after a single upload.
 
 mod acceleration;
@@ -15,15 +15,15 @@ pub use shared::SceneOnGpu;
 
 use bytemuck::cast_slice;
 use executor::wgpu::{self, BufferUsages};
-use executor::{Executor, ExecutorError, External};
-use frame_graph::Externals;
+use executor::{Executor, ExecutorError, SceneBinding};
+use frame_graph::SceneBindings;
 use scene::{Pose, Scene};
 use shared::Wanted;
 use std::sync::Arc;
 
 /// One view of a scene: the buffers that its frames write into, and what they hold.
 #[derive(Debug)]
-pub struct Host {
+pub struct SceneView {
     shared: Arc<SceneOnGpu>,
     camera: wgpu::Buffer,
     frame: wgpu::Buffer,
@@ -56,20 +56,20 @@ fn buffer(device: &wgpu::Device, label: &str, bytes: &[u8], usage: BufferUsages)
     buffer
 }
 
-impl Host {
+impl SceneView {
     /// Uploads a scene for one view alone and binds it.
-    pub fn upload(executor: &mut Executor, scene: &Scene) -> Host {
+    pub fn upload(executor: &mut Executor, scene: &Scene) -> SceneView {
         let shared = Arc::new(SceneOnGpu::new(executor.gpu(), scene));
-        Host::new(executor, shared, scene)
+        SceneView::new(executor, shared, scene)
     }
 
     /// Makes a view of a scene that is on the executor's device already, and binds it.
-    pub fn new(executor: &mut Executor, shared: Arc<SceneOnGpu>, scene: &Scene) -> Host {
+    pub fn new(executor: &mut Executor, shared: Arc<SceneOnGpu>, scene: &Scene) -> SceneView {
         let device = executor.gpu().device.clone();
         let (light_bytes, layer_rows) = gpu_data::lights(&scene.lights, scene.bounds());
         let layer_bytes = cast_slice(&layer_rows).to_vec();
         let storage = BufferUsages::STORAGE;
-        let mut host = Host {
+        let mut view = SceneView {
             shared,
             camera: buffer(&device, "camera", &[], BufferUsages::UNIFORM),
             frame: buffer(&device, "frame", &[], BufferUsages::UNIFORM),
@@ -82,8 +82,8 @@ impl Host {
             bound: 0,
             seen: 0,
         };
-        host.take_over(executor, scene);
-        host
+        view.take_over(executor, scene);
+        view
     }
 
     /// Binds all of this view, in place of another one that the executor had.
@@ -98,7 +98,7 @@ impl Host {
             ("scene_light_layers", &self.layers),
         ];
         for (name, buffer) in own {
-            executor.set_external(name, External::Buffer(buffer.clone()));
+            executor.set_scene_binding(name, SceneBinding::Buffer(buffer.clone()));
         }
     }
 
@@ -107,8 +107,8 @@ impl Host {
         self.shared.bind(executor, &mut self.bound);
     }
 
-    /// Makes what costs too much to have for every scene and is among `externals`, the names that steps read:
-    /// what rays are traced through. It follows what moves as long as it is asked for.
+    /// Makes what costs too much to have for every scene and is among `names`, the scene bindings that steps read:
+    /// what rays are traced through. It follows what moves as long as it is requested.
     ///
     /// # Errors
     /// Where it is larger than the adapter can bind.
@@ -116,10 +116,10 @@ impl Host {
         &mut self,
         executor: &mut Executor,
         scene: &Scene,
-        externals: impl IntoIterator<Item = &'static str>,
+        scene_bindings: impl IntoIterator<Item = &'static str>,
     ) -> Result<(), ExecutorError> {
-        let externals: Vec<&str> = externals.into_iter().collect();
-        self.wanted = self.shared.provide(executor.gpu(), scene, &externals)?;
+        let scene_bindings: Vec<&str> = scene_bindings.into_iter().collect();
+        self.wanted = self.shared.provide(executor.gpu(), scene, &scene_bindings)?;
         self.bind(executor);
         Ok(())
     }
@@ -127,7 +127,7 @@ impl Host {
     /// Writes what a frame needs, and says what of it is new.
     ///
     /// # Errors
-    /// As [`Host::provide`], where what moves needs more.
+    /// As [`SceneView::provide`], where what moves needs more.
     pub fn update(
         &mut self,
         executor: &mut Executor,
@@ -135,9 +135,9 @@ impl Host {
         pose: &Pose,
         size: (u32, u32),
         frame: gpu_data::Frame,
-    ) -> Result<Externals, ExecutorError> {
+    ) -> Result<SceneBindings, ExecutorError> {
         let queue = executor.gpu().queue.clone();
-        let mut changed = Externals::FRAME;
+        let mut changed = SceneBindings::FRAME;
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
         let previous = self.previous_camera.replace(pose.camera);
         let camera = gpu_data::Camera::new(&pose.camera, previous.as_ref().unwrap_or(&pose.camera), size);
@@ -145,20 +145,20 @@ impl Host {
         if bytes != self.camera_bytes {
             queue.write_buffer(&self.camera, 0, bytes);
             self.camera_bytes = bytes.to_vec();
-            changed = changed.and(Externals::CAMERA);
+            changed = changed.and(SceneBindings::CAMERA);
         }
         let (lights, layers) = gpu_data::lights(&pose.lights, scene.bounds());
         let written = (lights, cast_slice(&layers).to_vec());
         if written != self.lights_bytes {
             self.write_lights(executor, &written);
             self.lights_bytes = written;
-            changed = changed.and(Externals::LIGHTS);
+            changed = changed.and(SceneBindings::LIGHTS);
         }
         let moves = self.shared.follow(executor.gpu(), scene, &pose.moved, self.wanted)?;
         self.bind(executor);
         if moves != self.seen {
             self.seen = moves;
-            changed = changed.and(Externals::SCENE);
+            changed = changed.and(SceneBindings::SCENE);
         }
         Ok(changed)
     }
@@ -172,7 +172,7 @@ impl Host {
                 return;
             }
             *held = buffer(&gpu.device, label, bytes, BufferUsages::STORAGE);
-            executor.set_external(name, External::Buffer(held.clone()));
+            executor.set_scene_binding(name, SceneBinding::Buffer(held.clone()));
         };
         write("scene_lights", "scene lights", &mut self.lights, lights);
         write("scene_light_layers", "scene light layers", &mut self.layers, layers);

@@ -6,12 +6,12 @@ use crate::hierarchy::Hierarchy;
 use crate::{buffer, textures};
 use bytemuck::cast_slice;
 use executor::wgpu::{self, AddressMode, BufferUsages, FilterMode};
-use executor::{Executor, ExecutorError, External, Gpu};
+use executor::{Executor, ExecutorError, Gpu, SceneBinding};
 use scene::{MovedVertices, Scene, Vertex};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A scene on a device: geometry, materials, textures, and what rays are traced through. Views share it (see
-/// [`Host`](crate::Host)).
+/// [`SceneView`](crate::SceneView)).
 ///
 /// Geometry that moves is that of the view whose frame ran last: a view of another time writes it again.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub struct SceneOnGpu {
 #[derive(Debug)]
 struct State {
     /// By the names of globals, each with the number of changes after which it was made.
-    externals: Vec<(&'static str, External, u64)>,
+    scene_bindings: Vec<(&'static str, SceneBinding, u64)>,
     /// Grows whenever an external is made.
     made: u64,
     moved: Vec<MovedVertices>,
@@ -41,11 +41,11 @@ pub(crate) struct Wanted {
 }
 
 impl State {
-    fn set(&mut self, externals: impl IntoIterator<Item = (&'static str, External)>) {
-        for (name, external) in externals {
+    fn set(&mut self, scene_bindings: impl IntoIterator<Item = (&'static str, SceneBinding)>) {
+        for (name, external) in scene_bindings {
             self.made += 1;
-            self.externals.retain(|(known, ..)| *known != name);
-            self.externals.push((name, external, self.made));
+            self.scene_bindings.retain(|(known, ..)| *known != name);
+            self.scene_bindings.push((name, external, self.made));
         }
     }
 }
@@ -71,7 +71,7 @@ impl SceneOnGpu {
         let materials = stored("scene materials", cast_slice(&materials), storage);
         let areas = stored("scene area table", cast_slice(&scene.area_table()), storage);
         let sampler = |label, filter, address| {
-            External::Sampler(device.create_sampler(&wgpu::SamplerDescriptor {
+            SceneBinding::Sampler(device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
                 address_mode_u: address,
                 address_mode_v: address,
@@ -86,7 +86,7 @@ impl SceneOnGpu {
             }))
         };
         let mut state = State {
-            externals: Vec::new(),
+            scene_bindings: Vec::new(),
             made: 0,
             moved: Vec::new(),
             moves: 0,
@@ -94,13 +94,13 @@ impl SceneOnGpu {
             acceleration: Acceleration::new(&vertices, &indices),
         };
         state.set([
-            ("scene_info", External::Buffer(info)),
-            ("scene_vertices", External::Buffer(vertices.clone())),
-            ("scene_indices", External::Buffer(indices)),
-            ("scene_materials", External::Buffer(materials)),
-            ("scene_area_table", External::Buffer(areas)),
-            ("scene_textures", External::Texture(array.color)),
-            ("scene_textures_linear", External::Texture(array.linear)),
+            ("scene_info", SceneBinding::Buffer(info)),
+            ("scene_vertices", SceneBinding::Buffer(vertices.clone())),
+            ("scene_indices", SceneBinding::Buffer(indices)),
+            ("scene_materials", SceneBinding::Buffer(materials)),
+            ("scene_area_table", SceneBinding::Buffer(areas)),
+            ("scene_textures", SceneBinding::Texture(array.color)),
+            ("scene_textures_linear", SceneBinding::Texture(array.linear)),
             ("scene_sampler", sampler("scene", FilterMode::Linear, AddressMode::Repeat)),
             ("linear_sampler", sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge)),
             ("nearest_sampler", sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge)),
@@ -116,25 +116,25 @@ impl SceneOnGpu {
     /// Binds what was made after the first `bound` changes, and counts on.
     pub(crate) fn bind(&self, executor: &mut Executor, bound: &mut u64) {
         let state = self.state();
-        for (name, external, made) in &state.externals {
+        for (name, external, made) in &state.scene_bindings {
             if made > bound {
-                executor.set_external(name, external.clone());
+                executor.set_scene_binding(name, external.clone());
             }
         }
         *bound = state.made;
     }
 
-    /// Makes what is asked for among `externals` and is not there yet, and says what that is.
+    /// Makes what is requested among `scene_bindings` and is not there yet, and says what that is.
     pub(crate) fn provide(
         &self,
         gpu: &Gpu,
         scene: &Scene,
-        externals: &[&str],
+        scene_bindings: &[&str],
     ) -> Result<Wanted, ExecutorError> {
         let mut state = self.state();
         let wanted = Wanted {
-            hierarchy: Hierarchy::is_among(externals),
-            acceleration: Acceleration::is_among(externals) && gpu.has_ray_queries(),
+            hierarchy: Hierarchy::is_among(scene_bindings),
+            acceleration: Acceleration::is_among(scene_bindings) && gpu.has_ray_queries(),
         };
         if wanted.acceleration {
             let made = state.acceleration.provide(gpu, scene);

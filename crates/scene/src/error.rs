@@ -11,11 +11,11 @@ pub enum SceneError {
     /// There is no such scene or file.
     #[error("there is no scene `{spec}`{}", did_you_mean(.nearest.as_deref(), .known))]
     NotFound {
-        /// What was asked for.
+        /// What was requested.
         spec: String,
         /// The nearest of the names of scenes, where one is near.
         nearest: Option<String>,
-        /// The names of scenes; empty where a glTF file was asked for.
+        /// The names of scenes; empty where a glTF file was requested.
         known: Vec<String>,
     },
     /// The file is there, but cannot be read.

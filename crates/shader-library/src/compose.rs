@@ -470,7 +470,7 @@ impl Composer<'_> {
             let found = self.files.read(&candidate);
             self.touched.insert(candidate.clone());
             if let Some(source) = found {
-                // One name for one file, however it was asked for; imports are relative to it.
+                // One name for one file, however it was requested; imports are relative to it.
                 return Some(if source.name == candidate {
                     source
                 } else {

@@ -156,7 +156,7 @@ impl Library {
         let mut open = vec![request.clone()];
         while let Some(request) = open.pop() {
             let outline = self.outline(&request)?;
-            // Options are declared before they are asked for: fixing the first open one never hides another
+            // Options are declared before they are requested: fixing the first open one never hides another
             // that is fixed already.
             let Some(option) =
                 outline.options.iter().find(|option| !request.defines.contains_key(&option.name))
@@ -185,7 +185,7 @@ impl Library {
     }
 
     /// Forgets what was made from any of these paths, or had looked for one of them in vain, and says which
-    /// requests that were; the next [`Library::load`] makes them anew.
+    /// requests that were; the next [`Library::load`] makes them again.
     pub fn invalidate<P: AsRef<str>>(&self, paths: &[P]) -> Vec<Request> {
         let mut made = self.lock();
         let stale: Vec<Request> = made

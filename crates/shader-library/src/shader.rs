@@ -96,7 +96,7 @@ impl Shader {
         self.place(range.start as u32..range.end as u32)
     }
 
-    /// Returns the place where the file that was asked for begins.
+    /// Returns the place where the file that was requested begins.
     pub fn start(&self) -> Span {
         span(&self.composed.main, 0..0)
     }
@@ -131,7 +131,7 @@ impl Shader {
     }
 
     /// Returns what the doc comments of entry points and globals say in brackets: `[threads: texels(sums)]`,
-    /// `[scratch]` and so on. Only kinds of passes that are WGSL alone ask for it.
+    /// `[scratch]` and so on. Only pass types that are WGSL alone ask for it.
     ///
     /// # Errors
     /// Each attribute that cannot be read, at its place.

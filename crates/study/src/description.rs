@@ -93,7 +93,7 @@ pub struct Variant {
 pub struct Phase {
     /// As tables name it.
     pub name: At<String>,
-    /// Passes; a part stands for all passes in it.
+    /// Passes; a sub-graph stands for all passes in it.
     pub passes: Vec<At<String>>,
 }
 

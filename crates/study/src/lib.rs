@@ -28,7 +28,7 @@
 //!     jump: 30?,                            // number of the first frame under a new light, for `lag`
 //!     seeds: 5 or [1, 2, 3]?,               // 5 is 1 to 5; left out it is [0], the papers' plain sequences
 //!     measures: ["rel-mse", "gpu-ms" *],
-//!     phases: { "name": ["pass or part" *] * }?,   // GPU time of passes together: the measure `gpu-ms:name`
+//!     phases: { "name": ["pass or sub-graph" *] * }?,   // GPU time of passes together: the measure `gpu-ms:name`
 //!     reference: REFERENCE?,                // left out it is None
 //!     claims: [CLAIM *]?,                   // what the paper says of the measures
 //! )
@@ -58,7 +58,7 @@
 //! frame as well (`frames.csv`, and a figure over the number of the frame): of errors of a picture, `energy`, `mean`,
 //! `tid` and `lights-moved` (to the frame before; the first has none), `clamped-energy`, `gpu-ms` and phases.
 //!
-//! **Phases.** An entry is the name of a pass (`"lights"`), of a part with all in it (`"shadows"` is `shadows/points`,
+//! **Phases.** An entry is the name of a pass (`"lights"`), of a sub-graph with all in it (`"shadows"` is `shadows/points`,
 //! `shadows/splat`, …), or of a pass in a part. The time of a phase in a frame is the sum of its passes that run there,
 //! each once; a pipeline without any of them has no value. Phases may overlap.
 //!
@@ -84,9 +84,9 @@ mod clock;
 pub mod description;
 mod edit;
 mod error;
+mod evaluator;
 mod folder;
 mod interval;
-mod judge;
 mod key;
 mod laboratory;
 mod measure;

@@ -2,7 +2,7 @@
 
 use crate::record::{Better, MeasureInfo};
 
-/// Bumped when a measure comes to mean something else: its cells are then measured anew.
+/// Bumped when a measure comes to mean something else: its cells are then measured again.
 pub(crate) const DEFINITIONS: u32 = 1;
 
 /// A measure.

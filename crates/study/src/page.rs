@@ -15,7 +15,7 @@ fn begin(name: &str) -> String {
 }
 
 /// Puts the results of studies into a page of Markdown, each between `<!-- study: NAME -->` and `<!-- end -->`; at the
-/// end of the page where it has no such place. All else stays as it is. Writes the studies' reports anew.
+/// end of the page where it has no such place. All else stays as it is. Writes the studies' reports again.
 ///
 /// # Errors
 /// Folders that are no studies, a section without its end, what the disk refused.

@@ -33,7 +33,7 @@ impl Phase {
     }
 }
 
-/// Whether the name of a pass or part stands for a pass.
+/// Whether the name of a pass or sub-graph stands for a pass.
 pub(crate) fn names(name: &str, pass: &str) -> bool {
     pass.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }

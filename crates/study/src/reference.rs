@@ -29,7 +29,7 @@ pub(crate) struct References<'a> {
     scenes: Vec<String>,
     /// Key of each, or why there is none.
     keys: Vec<Result<Key, String>>,
-    /// What became of those that were asked for.
+    /// What became of the references that were requested.
     known: Vec<Option<Result<Kept, String>>>,
     /// Where references of other studies are looked for and put as well.
     shared: Option<PathBuf>,

@@ -4,8 +4,8 @@ use crate::budget::{Domain, search};
 use crate::clock;
 use crate::description::{Budget, Claim};
 use crate::error::StudyError;
+use crate::evaluator::{Evaluator, Verdict, median};
 use crate::folder::{Folder, IMAGES, Index, read_study};
-use crate::judge::{Judge, Verdict, median};
 use crate::key::{self, Taken};
 use crate::laboratory::{CellRun, Laboratory, RunRequest};
 use crate::plan::{Plan, PlannedCell, Search};
@@ -27,7 +27,7 @@ pub struct RunOptions {
     pub command: String,
 }
 
-/// Part `part` of `parts`, from 1: every so-manieth cell.
+/// Part `part` of `parts`, from 1: every n-th cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     /// From 1.
@@ -318,7 +318,7 @@ impl Session<'_> {
         let first = request.first_frame + request.warm_up;
         let jump =
             plan.study.jump.as_ref().and_then(|jump| jump.value.checked_sub(first)).map(|jump| jump as usize);
-        let mut judge = Judge::new(&plan.measures, &plan.study.phases, facts, jump, truth);
+        let mut judge = Evaluator::new(&plan.measures, &plan.study.phases, facts, jump, truth);
         let run = self.lab.run(&request, &mut |frame| judge.observe(frame))?;
         if judge.frames == 0 {
             return Err("no frame was measured".to_owned());

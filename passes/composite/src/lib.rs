@@ -1,11 +1,12 @@
 //! Adds up what the camera receives, and maps it to a screen.
 
 use pass::{
-    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, optional, output, setting,
+    Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, UseContext, input, optional,
+    output, setting,
 };
 
-pub mod twin;
+pub mod cpu_reference;
 
 /// The pass.
 pub const PASS: &dyn Pass = &Composite;
@@ -27,13 +28,13 @@ impl Pass for Composite {
         }
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let mut all = setting::of_options(cx.shaders, SCREEN, &["TONEMAP"])?;
         all.extend(setting::of_shader(cx.shaders, SCREEN)?);
         Ok(all)
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
                 input("view", "GBuffer", "The surfaces: albedo, and emission where it has it."),
@@ -50,18 +51,22 @@ impl Pass for Composite {
                 ),
                 output("display", "Display", "All light, for a screen."),
             ],
-            externals: Externals::NONE,
+            scene_bindings: SceneBindings::NONE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(
+        &self,
+        _: &UseContext<'_>,
+        outputs: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let size = outputs.input("view").and_then(|view| view.size());
         for input in outputs.inputs.iter().filter(|input| input.name != "view") {
             if let (Some((w, h)), Some((width, height))) = (input.size(), size)
                 && (w, h) != (width, height)
             {
                 let message = format!("`{}` is {w}×{h}, but the G-buffer is {width}×{height}", input.name);
-                return Err(KindError::input(&input.name, message)
+                return Err(PassTypeError::input(&input.name, message)
                     .help("a filter that takes the G-buffer brings it to its size"));
             }
         }
@@ -75,7 +80,7 @@ impl Pass for Composite {
         ])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let connected = |port: &str| Define::Bool(cx.connected(port));
         let defines = [
             ("DIRECT", connected("direct")),

@@ -1,8 +1,8 @@
-//! The shaders are valid; the twin against closed forms.
+//! The shaders are valid; the CPU reference against closed forms.
 
 mod gpu;
 
-use composite::twin::{composite, displayed, srgb, tonemap};
+use composite::cpu_reference::{composite, displayed, srgb, tonemap};
 use std::f64::consts::PI;
 
 const CURVES: [&str; 5] = ["reinhard", "reinhard-simple", "aces", "filmic", "none"];

@@ -2,7 +2,7 @@
 
 use pass::reflected::{self, Reflected, UserShader};
 use pass::{
-    Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting, Settings,
+    Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting, Settings,
     Use, UseContext,
 };
 use shader_library::Stage;
@@ -14,9 +14,9 @@ pub const PASS: &dyn Pass = &Compute;
 #[derive(Debug)]
 pub struct Compute;
 
-fn user<'a>(use_: &Use<'a>) -> Result<UserShader<'a>, KindError> {
+fn user<'a>(use_: &Use<'a>) -> Result<UserShader<'a>, PassTypeError> {
     let path = use_.shader.ok_or_else(|| {
-        KindError::new("the use names no shader")
+        PassTypeError::new("the use names no shader")
             .help("say which: Pass(kind: \"compute\", shader: \"my-pass.wgsl\", …)")
     })?;
     Ok(UserShader { path, request: pass::request(path, &[]), stage: Stage::Compute })
@@ -36,11 +36,11 @@ impl Pass for Compute {
         true
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         reflected::settings(cx, &user(&cx.use_)?)
     }
 
-    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
         Reflected::new(cx, &user(&cx.use_)?, settings)?.ports(cx, settings)
     }
 
@@ -48,11 +48,11 @@ impl Pass for Compute {
         &self,
         cx: &UseContext<'_>,
         outputs: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, KindError> {
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         Reflected::new(cx, &user(&cx.use_)?, outputs.settings)?.outputs(cx, outputs)
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let (user, use_cx) = (user(&cx.use_)?, UseContext { use_: cx.use_, shaders: cx.shaders });
         Reflected::new(&use_cx, &user, cx.settings)?.record(cx, &user)
     }

@@ -20,7 +20,7 @@ fn halve(
     let i = row_index(group, groups, local, 64u);
     // The last number is left out, to see that it is zero.
     if i < 99u {
-        // A word is its position among its kind.
+        // A word is its position among its pass type.
         let divisors = array(settings.divisor, 1.0, settings.divisor * settings.divisor);
         halves[i] = numbers[i] / divisors[settings.done];
     }

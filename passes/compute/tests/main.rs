@@ -1,4 +1,4 @@
-//! What the kind reads from a shader. What it shares with `fullscreen` is tested there.
+//! What the pass type reads from a shader. What it shares with `fullscreen` is tested there.
 
 mod a_trous;
 mod gpu;
@@ -7,8 +7,8 @@ use compute::PASS;
 
 use frame_graph::port::{InputDesc, OutputOverride};
 use pass::{
-    Clear, Compute, Define, Extent, Externals, Format, KindError, Library, OutputContext, OutputDesc,
-    RecordContext, ResourceDesc, Settings, Step, Threads, Traits, Usage, Use, UseContext, Value,
+    Clear, Compute, Define, Extent, Format, Library, OutputContext, OutputDesc, PassTypeError, RecordContext,
+    ResourceDesc, SceneBindings, Settings, Step, Threads, Traits, Usage, Use, UseContext, Value,
 };
 use shader_library::{DiskFiles, MemoryFiles, Overlay};
 use std::collections::BTreeMap;
@@ -36,7 +36,7 @@ impl Case {
         UseContext { use_, shaders: &self.library }
     }
 
-    fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, PassTypeError> {
         let (settings, traits) = (self.settings(&[]), Traits::default());
         let context = OutputContext {
             use_: self.cx().use_,
@@ -49,7 +49,7 @@ impl Case {
     }
 
     /// Its steps, with these outputs and every setting but `set` at its default.
-    fn record(&self, outputs: &[OutputDesc], set: &[(&str, Value)]) -> Result<Vec<Compute>, KindError> {
+    fn record(&self, outputs: &[OutputDesc], set: &[(&str, Value)]) -> Result<Vec<Compute>, PassTypeError> {
         let ports: Vec<pass::PortDesc> = outputs
             .iter()
             .map(|output| pass::PortDesc {
@@ -131,7 +131,7 @@ fn what_is_stored_to_is_an_output() {
     let ports = PASS.ports(&case.cx(), &Settings::default()).unwrap();
     assert_eq!((&*ports.inputs[0].name, &*ports.inputs[0].interface), ("picture", "Texture"));
     assert_eq!((&*ports.outputs[0].name, &*ports.outputs[0].interface), ("brighter", "Texture"));
-    assert_eq!((ports.inputs.len(), ports.outputs.len(), ports.externals), (1, 1, Externals::FRAME));
+    assert_eq!((ports.inputs.len(), ports.outputs.len(), ports.scene_bindings), (1, 1, SceneBindings::FRAME));
     let outputs = case.outputs(&[]).unwrap();
     let frame = ResourceDesc::texture_2d(Format::R32Float, Extent::FRAME);
     assert_eq!(outputs[0].members[0].1, frame);
@@ -314,7 +314,7 @@ fn entry_points_are_run_in_the_order_of_the_text_and_share_scratch() {
     assert_eq!(outputs[2].members[0].1, ResourceDesc::buffer(64));
 
     let mut with_numbers = outputs.clone();
-    // An input here: only its name and its bytes are asked for.
+    // An input here: only its name and its bytes are used.
     with_numbers.push(OutputDesc::one("numbers", ResourceDesc::buffer(4 * 1000)));
     let steps = case.record(&with_numbers, &[("rounds", Value::U32(2))]).unwrap();
     let told: Vec<_> = steps.iter().map(|s| (&*s.entry, s.threads.clone())).collect();

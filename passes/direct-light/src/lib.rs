@@ -1,11 +1,12 @@
 //! Direct light, shadowed by the maps that are rendered from the lights.
 
 use pass::{
-    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, input, output, setting,
+    Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, UseContext, input, output,
+    setting,
 };
 
-pub mod twin;
+pub mod cpu_reference;
 
 /// The pass.
 pub const PASS: &dyn Pass = &DirectLight;
@@ -26,11 +27,11 @@ impl Pass for DirectLight {
         }
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         setting::of_shader(cx.shaders, SHADER)
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
                 input("view", "GBuffer", "The surfaces to light."),
@@ -41,18 +42,18 @@ impl Pass for DirectLight {
                 ),
             ],
             outputs: vec![output("direct", "Radiance", "Direct light, reflected towards the camera.")],
-            externals: Externals::CAMERA.and(Externals::LIGHTS).and(Externals::SCENE),
+            scene_bindings: SceneBindings::CAMERA.and(SceneBindings::LIGHTS).and(SceneBindings::SCENE),
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         Ok(vec![OutputDesc::one(
             "direct",
             ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")),
         )])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let shader = cx.shader(SHADER, &[("SPECULAR", Define::Bool(cx.has_member("view", "specular")))]);
         Ok(Recording::one(Compute::per_texel(shader, "direct_light", cx.size("direct"))))
     }

@@ -1,8 +1,8 @@
-//! The shader is valid; the twin against closed forms.
+//! The shader is valid; the CPU reference against closed forms.
 
 mod gpu;
 
-use direct_light::twin::{Map, Vec3, ggx};
+use direct_light::cpu_reference::{Map, Vec3, ggx};
 use std::f64::consts::PI;
 
 #[test]
@@ -39,7 +39,7 @@ fn a_plane_never_shadows_itself() {
             let map = Map::of_plane(64, [1.0; 2], perspective, at, normal);
             for k in 0..40 {
                 let image = [f64::from(k % 7) * 0.1 - 0.3, f64::from(k / 7) * 0.1 - 0.3];
-                let distance = direct_light::twin::plane_distance(at, normal, image, perspective);
+                let distance = direct_light::cpu_reference::plane_distance(at, normal, image, perspective);
                 let scale = if perspective { distance } else { 1.0 };
                 let receiver = [image[0] * scale, image[1] * scale, -distance];
                 // Seen too much on edge, a plane rises more than the limit, and the bias has to do.

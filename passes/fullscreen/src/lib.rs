@@ -3,7 +3,7 @@
 
 use pass::reflected::{self, Reflected, UserShader};
 use pass::{
-    Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting, Settings,
+    Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting, Settings,
     Use, UseContext,
 };
 use shader_library::Stage;
@@ -18,9 +18,9 @@ pub struct Fullscreen;
 /// The user's shader with the vertex stage.
 const EFFECT: &str = "passes/fullscreen/effect.wgsl";
 
-fn user<'a>(use_: &Use<'a>) -> Result<UserShader<'a>, KindError> {
+fn user<'a>(use_: &Use<'a>) -> Result<UserShader<'a>, PassTypeError> {
     let path = use_.shader.ok_or_else(|| {
-        KindError::new("the use names no shader")
+        PassTypeError::new("the use names no shader")
             .help("say which: Pass(kind: \"fullscreen\", shader: \"my-effect.wgsl\", …)")
     })?;
     let mut request = pass::request(EFFECT, &[]);
@@ -42,11 +42,11 @@ impl Pass for Fullscreen {
         true
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         reflected::settings(cx, &user(&cx.use_)?)
     }
 
-    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
         Reflected::new(cx, &user(&cx.use_)?, settings)?.ports(cx, settings)
     }
 
@@ -54,11 +54,11 @@ impl Pass for Fullscreen {
         &self,
         cx: &UseContext<'_>,
         outputs: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, KindError> {
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         Reflected::new(cx, &user(&cx.use_)?, outputs.settings)?.outputs(cx, outputs)
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let (user, use_cx) = (user(&cx.use_)?, UseContext { use_: cx.use_, shaders: cx.shaders });
         Reflected::new(&use_cx, &user, cx.settings)?.record(cx, &user)
     }

@@ -1,12 +1,12 @@
-//! What the kind reads from a shader, and what it says of a wrong one.
+//! What the pass type reads from a shader, and what it says of a wrong one.
 
 mod gpu;
 
 use frame_graph::port::{InputDesc, OutputOverride};
 use fullscreen::PASS;
 use pass::{
-    Clear, Extent, Externals, Format, KindError, Library, OutputContext, OutputDesc, Ports, RecordContext,
-    ResourceDesc, Setting, Settings, Step, Traits, Usage, Use, UseContext, Value,
+    Clear, Extent, Format, Library, OutputContext, OutputDesc, PassTypeError, Ports, RecordContext,
+    ResourceDesc, SceneBindings, Setting, Settings, Step, Traits, Usage, Use, UseContext, Value,
 };
 use shader_library::{DiskFiles, MemoryFiles, Overlay};
 use std::collections::BTreeMap;
@@ -46,15 +46,15 @@ impl Case {
         UseContext { use_, shaders: &self.library }
     }
 
-    fn settings(&self) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self) -> Result<Vec<Setting>, PassTypeError> {
         PASS.settings(&self.cx())
     }
 
-    fn ports(&self) -> Result<Ports, KindError> {
+    fn ports(&self) -> Result<Ports, PassTypeError> {
         PASS.ports(&self.cx(), &Settings::default())
     }
 
-    fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, PassTypeError> {
         let (settings, traits) = (Settings::default(), Traits::default());
         let context = OutputContext {
             use_: self.cx().use_,
@@ -107,7 +107,7 @@ fn the_example_has_one_input_one_setting_and_a_display() {
     let ports = case.ports().unwrap();
     assert_eq!((&*ports.inputs[0].name, &*ports.inputs[0].interface), ("picture", "Texture"));
     assert_eq!((&*ports.outputs[0].name, &*ports.outputs[0].interface), ("result", "Display"));
-    assert_eq!(ports.externals, Externals::NONE);
+    assert_eq!(ports.scene_bindings, SceneBindings::NONE);
     let outputs = case.outputs(&[picture("picture", (32, 16))]).unwrap();
     let expected = ResourceDesc::texture_2d(Format::Rgba8Unorm, Extent::like("picture"));
     assert_eq!(outputs[0].members[0].1, expected);
@@ -136,7 +136,7 @@ fn a_link_fills_the_globals_that_begin_with_its_name() {
     let ports = case.ports().unwrap();
     let inputs: Vec<_> = ports.inputs.iter().map(|p| (p.name.to_string(), p.interface.to_string())).collect();
     assert_eq!(inputs, [("view".into(), "Any".into()), ("weights".into(), "Buffer".into())]);
-    assert_eq!(ports.externals, Externals::CAMERA);
+    assert_eq!(ports.scene_bindings, SceneBindings::CAMERA);
     let outputs = case.outputs(&[]).unwrap();
     let formats: Vec<_> = outputs.iter().map(|o| (o.port.to_string(), o.members[0].1.clone())).collect();
     let frame = |format| ResourceDesc::texture_2d(format, Extent::FRAME);

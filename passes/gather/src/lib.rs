@@ -1,15 +1,15 @@
 //! Sums the irradiance of virtual lights at the camera's pixels, interleaved.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use gpu_algorithms::{LOOP_ITERATIONS, Part};
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value,
+    Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
 };
 
-/// The kind `gather`.
+/// The pass type `gather`.
 pub const PASS: &dyn Pass = &Gather;
 
 /// Diffuse illumination by virtual lights.
@@ -36,7 +36,7 @@ impl Pass for Gather {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let interleave = |name, along| {
             setting::u32(
                 name,
@@ -70,7 +70,7 @@ impl Pass for Gather {
         ])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
                 pass::input("view", "GBuffer", "Where the light is gathered."),
@@ -82,11 +82,11 @@ impl Pass for Gather {
                 "Irradiance",
                 "Diffuse irradiance, noisy where interleaved.",
             )],
-            externals: Externals::SCENE.and(Externals::CAMERA),
+            scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA),
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let interleave = |name| Value::U32(cx.settings.u32(name));
         let mut outputs = vec![
             OutputDesc::one(
@@ -105,7 +105,7 @@ impl Pass for Gather {
         Ok(outputs)
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let size = cx.size("view");
         let [n, m] = ["interleave_x", "interleave_y"].map(|name| cx.settings.u32(name));
         let groups = |pixels: u32, sub_images: u32| pixels.div_ceil(sub_images).div_ceil(SPAN * 8);

@@ -1,6 +1,6 @@
 //! Irradiance against closed forms, and the way lights are shared out among sub-images.
 
-use gather::twin::{VirtualLight, geometry, subset};
+use gather::cpu_reference::{VirtualLight, geometry, subset};
 use glam::Vec3;
 use pass_test::{Harness, Outputs};
 use std::f64::consts::PI;

@@ -1,12 +1,12 @@
 //! The geometry buffer: what the camera sees at each pixel.
 
 use pass::{
-    Define, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass,
-    Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target, Usage,
+    Define, DepthTarget, Draw, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, Usage,
     UseContext, Value, output,
 };
 
-pub mod twin;
+pub mod cpu_reference;
 
 /// The pass.
 pub const PASS: &dyn Pass = &Gbuffer;
@@ -19,7 +19,7 @@ const GEOMETRY: &str = "passes/gbuffer/gbuffer.wgsl";
 const MOTION: &str = "passes/gbuffer/motion.wgsl";
 
 pass::settings! {
-    /// The settings of the kind `gbuffer`.
+    /// The settings of the pass type `gbuffer`.
     pub struct GbufferSettings {
         /// Whether the G-buffer has the member `motion`. It takes one more draw over the frame; the scene is taken to
         /// be at rest.
@@ -37,19 +37,23 @@ impl Pass for Gbuffer {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(GbufferSettings::schema())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: Vec::new(),
             outputs: vec![output("view", "GBuffer", "What the camera sees.")],
-            externals: Externals::SCENE.and(Externals::CAMERA),
+            scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA),
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(
+        &self,
+        _: &UseContext<'_>,
+        outputs: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let has = |name: &str| outputs.traits.0.get(name).and_then(Value::as_bool).unwrap_or(false);
         let members = [
             ("depth", Format::R32Float, true),
@@ -66,7 +70,7 @@ impl Pass for Gbuffer {
         Ok(vec![view, OutputDesc::scratch("nearest", texture(Format::Depth32Float))])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let has = |member: &str| cx.has_member("view", member);
         let draw = |path: &str, defines: &[(&str, Define)], fragment: &str, members: &[&str]| Raster {
             shader: cx.shader(path, defines),

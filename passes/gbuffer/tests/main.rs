@@ -1,8 +1,8 @@
-//! The shaders are valid; the twin against closed forms.
+//! The shaders are valid; the CPU reference against closed forms.
 
 mod gpu;
 
-use gbuffer::twin::{Camera, Change, Vec3, bent_normal, combine, cross, dot, shading_normal, unit};
+use gbuffer::cpu_reference::{Camera, Change, Vec3, bent_normal, combine, cross, dot, shading_normal, unit};
 
 #[test]
 fn every_variant_is_valid() {

@@ -1,14 +1,14 @@
 //! Averages interleaved irradiance over pixels of one surface.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use pass::setting;
 use pass::{
-    Compute, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, Value,
+    Compute, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
+    Recording, ResourceDesc, SceneBindings, Setting, Settings, UseContext, Value,
 };
 
-/// The kind `geometry-aware-blur`.
+/// The pass type `geometry-aware-blur`.
 pub const PASS: &dyn Pass = &GeometryAwareBlur;
 
 /// A box filter that stops at edges of the geometry.
@@ -17,7 +17,7 @@ pub struct GeometryAwareBlur;
 const SHADER: &str = "passes/geometry-aware-blur/geometry-aware-blur.wgsl";
 
 pass::settings! {
-    /// The settings of the kind `geometry-aware-blur` that are not the shader's alone.
+    /// The settings of the pass type `geometry-aware-blur` that are not the shader's alone.
     pub struct GeometryAwareBlurSettings {
         /// Width of the window; 0 takes the interleaving of the input (its fact `interleave_x`). Multiples of that leave
         /// no pattern. Noise falls and detail is lost with it.
@@ -40,29 +40,29 @@ impl Pass for GeometryAwareBlur {
         }
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let mut all = GeometryAwareBlurSettings::schema();
         all.extend(setting::of_shader(cx.shaders, SHADER)?);
         Ok(all)
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
                 pass::input("view", "GBuffer", "Says which pixels see the same surface."),
                 pass::input("irradiance", "Irradiance", "What is averaged; of the size of `view`."),
             ],
             outputs: vec![pass::output("filtered", "Irradiance", "The averages.")],
-            externals: Externals::CAMERA,
+            scene_bindings: SceneBindings::CAMERA,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let sizes = ["view", "irradiance"].map(|port| cx.input(port).and_then(|input| input.size()));
         if let [Some(view), Some(irradiance)] = sizes
             && view != irradiance
         {
-            return Err(KindError::input(
+            return Err(PassTypeError::input(
                 "irradiance",
                 format!(
                     "irradiance is {}×{}, but the view is {}×{}",
@@ -78,7 +78,7 @@ impl Pass for GeometryAwareBlur {
         Ok(outputs)
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = GeometryAwareBlurSettings::read(cx.settings);
         let window = |setting, fact| match setting {
             0 => cx.fact("irradiance", fact).max(1),

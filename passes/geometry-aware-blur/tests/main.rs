@@ -1,6 +1,6 @@
 //! The filter removes the pattern of interleaving, and only that.
 
-use geometry_aware_blur::twin::window;
+use geometry_aware_blur::cpu_reference::window;
 use glam::Vec3;
 use pass_test::Harness;
 

@@ -1,11 +1,12 @@
 //! How much each texel of a reflective shadow map matters as a virtual light.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use gpu_algorithms::reduce;
 use pass::{
-    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, output,
+    Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
+    input, output,
 };
 
 /// The pass, for the catalog.
@@ -37,7 +38,7 @@ pass::choice! {
 }
 
 pass::settings! {
-    /// The settings of the kind `importance-map`.
+    /// The settings of the pass type `importance-map`.
     pub struct ImportanceMapSettings {
         /// What importance is. contribution: what the texel adds to samples of the view, visibility left out (TCAS
         /// Eq. 1-2). flux: luminance of the flux that it reflects, whatever the camera sees (ISM §4).
@@ -77,11 +78,11 @@ impl Pass for ImportanceMap {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(ImportanceMapSettings::schema())
     }
 
-    fn ports(&self, _: &UseContext<'_>, settings: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
         let rsm = input("rsm", "ReflectiveShadowMap", "Each texel is a potential virtual light.");
         let importance =
             output("importance", "ImportanceMap", "f(v) of each texel; the mean is 1 where it is a mixture.");
@@ -89,19 +90,19 @@ impl Pass for ImportanceMap {
             Ports {
                 inputs: vec![rsm, input("view", "GBuffer", "What the lights are to be important for.")],
                 outputs: vec![importance],
-                externals: Externals::SCENE.and(Externals::CAMERA),
+                scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA),
             }
         } else {
-            Ports { inputs: vec![rsm], outputs: vec![importance], externals: Externals::NONE }
+            Ports { inputs: vec![rsm], outputs: vec![importance], scene_bindings: SceneBindings::NONE }
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let texture = cx
             .input("rsm")
             .and_then(|rsm| rsm.member("flux"))
             .and_then(ResourceDesc::texture)
-            .ok_or_else(|| KindError::input("rsm", "expected a member `flux`"))?;
+            .ok_or_else(|| PassTypeError::input("rsm", "expected a member `flux`"))?;
         let map = || ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("rsm"), texture.layers);
         let mut outputs = vec![
             OutputDesc::one("importance", map())
@@ -122,7 +123,7 @@ impl Pass for ImportanceMap {
         Ok(outputs)
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let layers = cx.layers("importance");
         let (width, height) = cx.size("importance");
         let settings = ImportanceMapSettings::read(cx.settings);

@@ -1,15 +1,15 @@
 //! Renders every triangle into a paraboloid depth map a virtual light: the exact baseline of visibility.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    AtlasLayout, DepthTarget, Draw, Externals, Format, Info, KindError, Load, Module, OutputContext,
-    OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
-    UseContext, Value,
+    AtlasLayout, DepthTarget, Draw, Format, Info, Load, Module, OutputContext, OutputDesc, Pass,
+    PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
+    Step, Target, UseContext, Value,
 };
 
-/// The kind `paraboloid-shadow-maps`.
+/// The pass type `paraboloid-shadow-maps`.
 pub const PASS: &dyn Pass = &ParaboloidShadowMaps { side: AtlasLayout::SIDE };
 
 /// Classic shadow maps of all virtual lights.
@@ -37,7 +37,7 @@ impl Pass for ParaboloidShadowMaps {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(vec![
             setting::u32(
                 "map",
@@ -50,7 +50,7 @@ impl Pass for ParaboloidShadowMaps {
         ])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![pass::input(
                 "lights",
@@ -58,16 +58,16 @@ impl Pass for ParaboloidShadowMaps {
                 "From where: a map a light, over the hemisphere of its normal.",
             )],
             outputs: vec![pass::output("visibility", "Visibility", "The maps.")],
-            externals: Externals::SCENE,
+            scene_bindings: SceneBindings::SCENE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let tile = cx.settings.u32("map");
         let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(1).max(1);
         let Some(layout) = AtlasLayout::new(count, tile, self.side) else {
             let (side, layers) = (self.side, AtlasLayout::LAYERS);
-            return Err(KindError::setting(
+            return Err(PassTypeError::setting(
                 "map",
                 format!("{count} maps of {tile}² do not fit in {layers} layers of {side}² texels"),
             )
@@ -89,13 +89,13 @@ impl Pass for ParaboloidShadowMaps {
         Ok(vec![visibility, nearness])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let Some(vertices) = cx.trait_u32("triangles").checked_mul(3) else {
-            return Err(KindError::new("a draw has at most 2³² vertices, a third as many triangles"));
+            return Err(PassTypeError::new("a draw has at most 2³² vertices, a third as many triangles"));
         };
         let count = cx.fact("lights", "count").max(1);
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, count));
-        let layout = layout.ok_or_else(|| KindError::new("the atlas has no layout"))?;
+        let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
         let layer = |layer: u32| {
             Step::Raster(Raster {
                 shader: cx.shader(SHADER, &[]),

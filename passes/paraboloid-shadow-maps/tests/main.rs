@@ -2,10 +2,10 @@
 
 use frame_graph::Source;
 use paraboloid_shadow_maps::ParaboloidShadowMaps;
-use paraboloid_shadow_maps::twin::paraboloid::{
+use paraboloid_shadow_maps::cpu_reference::paraboloid::{
     Vec3, direction_from_paraboloid, dot, frame_from_normal, into_frame, sub, texel_centre,
 };
-use paraboloid_shadow_maps::twin::{hit, image_bounds, map};
+use paraboloid_shadow_maps::cpu_reference::{hit, image_bounds, map};
 use pass_test::Harness;
 use scene::{Scene, Vertex};
 use std::sync::Arc;

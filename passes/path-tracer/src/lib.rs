@@ -2,12 +2,12 @@
 
 use gpu_algorithms::reduce;
 use pass::{
-    Compute, Define, Extent, Externals, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, Usage, UseContext, Value, optional, output,
-    setting,
+    Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Usage, UseContext, Value,
+    optional, output, setting,
 };
 
-/// The kind `path-tracer`.
+/// The pass type `path-tracer`.
 pub const PASS: &dyn Pass = &PathTracer;
 
 /// A progressive path tracer.
@@ -39,7 +39,7 @@ pass::choice! {
 }
 
 pass::settings! {
-    /// The settings of the kind `path-tracer` that are not options of its shaders.
+    /// The settings of the pass type `path-tracer` that are not options of its shaders.
     pub struct PathTracerSettings {
         /// Most reflections between the surface that a light shines on and the one that is seen: 0 is direct light
         /// alone. Time grows with it.
@@ -69,18 +69,18 @@ impl Pass for PathTracer {
         }
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let mut all = PathTracerSettings::schema();
         all.extend(setting::of_options(cx.shaders, PATHS, &["RAYS"])?);
         Ok(all)
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![optional(
                 "past",
                 "PathSamples",
-                "The samples so far: `Prev` of the output `samples`. Without it each frame begins anew.",
+                "The samples so far: `Prev` of the output `samples`. Without it each frame begins again.",
             )],
             outputs: vec![
                 output("image", "Radiance", "All light."),
@@ -89,11 +89,11 @@ impl Pass for PathTracer {
                 output("irradiance", "Irradiance", "Indirect irradiance where the camera sees a surface."),
                 output("samples", "PathSamples", "Sums over all samples so far."),
             ],
-            externals: Externals::SCENE.and(Externals::CAMERA).and(Externals::LIGHTS),
+            scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA).and(SceneBindings::LIGHTS),
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let texture = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::FRAME);
         let sums = SUMS.iter().map(|name| ((*name).to_owned(), texture(), Usage::Overwrites));
         let progress = ("progress".to_owned(), ResourceDesc::buffer(PROGRESS_BYTES), Usage::Overwrites);
@@ -105,7 +105,7 @@ impl Pass for PathTracer {
         Ok(means.chain([samples, sums, luminance]).collect())
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let size = cx.size("samples");
         let past = ("PAST", Define::Bool(cx.connected("past")));
         let of_scene = |define: &'static str, name: &str| (define, Define::Bool(cx.trait_bool(name)));

@@ -1,14 +1,14 @@
 //! Filters lookups of shadow maps after the depth test.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    Setting, Settings, UseContext, Value,
+    Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    SceneBindings, Setting, Settings, UseContext, Value,
 };
 
-/// The kind `percentage-closer-filtering`.
+/// The pass type `percentage-closer-filtering`.
 pub const PASS: &dyn Pass = &PercentageCloserFiltering;
 
 /// Shadows with soft edges from any maker of maps.
@@ -26,7 +26,7 @@ impl Pass for PercentageCloserFiltering {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(vec![
             setting::u32(
                 "taps",
@@ -39,25 +39,26 @@ impl Pass for PercentageCloserFiltering {
         ])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![pass::input("maps", "Visibility", "An atlas of depth maps.")],
             outputs: vec![pass::output("visibility", "Visibility", "The same atlas, with filtered lookups.")],
-            externals: Externals::NONE,
+            scene_bindings: SceneBindings::NONE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         if cx.input("maps").is_some_and(|maps| maps.member("atlas").is_none()) {
-            return Err(KindError::input(
+            return Err(PassTypeError::input(
                 "maps",
                 "there are no maps to filter: the member `atlas` is missing",
             )
             .help("link what makes depth maps, or take this pass out"));
         }
         let fact = |name| {
-            cx.fact("maps", name)
-                .ok_or_else(|| KindError::input("maps", format!("the maps do not tell their fact `{name}`")))
+            cx.fact("maps", name).ok_or_else(|| {
+                PassTypeError::input("maps", format!("the maps do not tell their fact `{name}`"))
+            })
         };
         let taps = cx.settings.u32("taps");
         // The farthest texel is as much further from the receiver as the window is wider than that of one tap.
@@ -75,7 +76,7 @@ impl Pass for PercentageCloserFiltering {
         ])
     }
 
-    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         Ok(Recording::default())
     }
 }

@@ -2,11 +2,11 @@
 
 use frame_graph::port::InputDesc;
 use pass::{
-    Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Threads, Use, UseContext, Value,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, SceneBindings, Setting, Settings, Threads, Use, UseContext, Value,
 };
 use pass_test::Harness;
-use percentage_closer_filtering::twin::filtered;
+use percentage_closer_filtering::cpu_reference::filtered;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -23,11 +23,11 @@ impl Pass for Probe {
         Info { kind: "probe", about: "", paper: "", shaders: &[SHADER] }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(Vec::new())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
                 pass::input("visibility", "Visibility", ""),
@@ -35,15 +35,15 @@ impl Pass for Probe {
                 pass::input("receivers", "Buffer", ""),
             ],
             outputs: vec![pass::output("answers", "Buffer", "")],
-            externals: Externals::NONE,
+            scene_bindings: SceneBindings::NONE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         Ok(vec![OutputDesc::one("answers", ResourceDesc::buffer(16 * u64::from(RECEIVERS)))])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         Ok(Recording::one(Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Grid([RECEIVERS, 1, 1]))))
     }
 }

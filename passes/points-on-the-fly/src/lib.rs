@@ -1,12 +1,12 @@
 //! Triangles amplified into points when they are wanted, and stored nowhere.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use gpu_algorithms::{reduce, scan};
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, output,
+    Compute, Define, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
+    Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, output,
 };
 
 /// The pass, for the catalog.
@@ -38,7 +38,7 @@ impl Pass for PointsOnTheFly {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let rule = "How many points a triangle has. `area`: its share of the area, of any number. `tessellation`: \
                     those of a tessellator whose levels rise with edges and area (ACRSM Eq. 5.3-5.4), so small \
                     triangles have more than their share; a number of its own, of which no more are made than fit.";
@@ -56,19 +56,19 @@ impl Pass for PointsOnTheFly {
         ])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             outputs: vec![output(
                 "points",
                 "Points",
                 "Each triangle's share of the points, and the module that makes them of it.",
             )],
-            externals: Externals::SCENE,
+            scene_bindings: SceneBindings::SCENE,
             ..Ports::default()
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
         let guide = (1 << guide_bits(triangles)) + 1;
         let bytes = HEADER_BYTES + 4 * (u64::from(triangles) + 1 + guide);
@@ -76,7 +76,7 @@ impl Pass for PointsOnTheFly {
             OutputDesc::one("points", ResourceDesc::buffer(bytes.next_multiple_of(16)))
                 .module(Module::new(MODULE))
                 .fact("count", Value::U32(if triangles > 0 { u32::MAX } else { 0 }))
-                .fact("block", Value::U32(twin::BLOCK)),
+                .fact("block", Value::U32(cpu_reference::BLOCK)),
             OutputDesc::scratch("total_weight", ResourceDesc::buffer(WEIGHT_BYTES)),
             reduce::scratch("weight_blocks", triangles, WEIGHT_BYTES),
         ];
@@ -88,7 +88,7 @@ impl Pass for PointsOnTheFly {
         Ok(outputs)
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let triangles = cx.trait_u32("triangles");
         let tessellates = tessellates(cx.settings);
         let defines = [("TESSELLATION", Define::Bool(tessellates))];

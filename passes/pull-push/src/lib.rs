@@ -1,15 +1,15 @@
 //! Fills the holes of splatted depth maps through an image pyramid.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    AtlasLayout, Compute, Define, Draw, Externals, Format, Info, KindError, Load, Module, OutputContext,
-    OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
-    Threads, UseContext, Value,
+    AtlasLayout, Compute, Define, Draw, Format, Info, Load, Module, OutputContext, OutputDesc, Pass,
+    PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
+    Step, Target, Threads, UseContext, Value,
 };
 
-/// The kind `pull-push`.
+/// The pass type `pull-push`.
 pub const PASS: &dyn Pass = &PullPush { side: AtlasLayout::SIDE };
 
 /// Hole filling by pull and push with rejection of outliers.
@@ -69,7 +69,7 @@ impl Pass for PullPush {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(vec![
             setting::u32(
                 "levels",
@@ -96,21 +96,21 @@ impl Pass for PullPush {
         ])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![pass::input("depth", "DepthAtlas", "The maps, with holes.")],
             outputs: vec![pass::output("visibility", "Visibility", "The maps, filled.")],
-            externals: Externals::SCENE,
+            scene_bindings: SceneBindings::SCENE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let [tile, count] =
             ["tile", "count"].map(|fact| cx.fact("depth", fact).and_then(Value::as_u32).unwrap_or(1).max(1));
         let most = AtlasLayout::most(tile, self.side).min(u64::from(MAX_GROUPS));
         let layout = AtlasLayout::new(count, tile, self.side).filter(|_| count <= MAX_GROUPS);
         let layout = layout.ok_or_else(|| {
-            KindError::input("depth", format!("{count} maps of {tile}² are more than an atlas holds"))
+            PassTypeError::input("depth", format!("{count} maps of {tile}² are more than an atlas holds"))
                 .help(format!("take smaller maps, or at most {most} virtual lights"))
         })?;
         let mut visibility = OutputDesc::one("visibility", layout.texture(Format::R32Float))
@@ -125,7 +125,7 @@ impl Pass for PullPush {
         Ok(vec![visibility, pyramid])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let levels = cx.settings.u32("levels");
         let pyramid =
             Pyramid { tile: cx.fact("depth", "tile").max(1), count: cx.fact("depth", "count").max(1) };
@@ -138,7 +138,7 @@ impl Pass for PullPush {
             recording = recording.then(pyramid.step(finer, finer, cx.shader(PUSH, &[]), "push"));
         }
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, pyramid.count));
-        let layout = layout.ok_or_else(|| KindError::new("the atlas has no layout"))?;
+        let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
         recording.steps.extend((0..layout.layers()).map(|layer| {
             Step::Raster(Raster {
                 shader: cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]),

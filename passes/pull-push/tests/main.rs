@@ -1,7 +1,7 @@
 //! Hole filling on maps whose answer is known.
 
 use pass_test::Harness;
-use pull_push::twin::{Level, pull_push, pulled};
+use pull_push::cpu_reference::{Level, pull_push, pulled};
 
 const HOLE: f64 = f64::INFINITY;
 

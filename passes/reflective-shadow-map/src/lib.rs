@@ -1,12 +1,12 @@
 //! Reflective shadow maps: what the lights see, and how much of their light it reflects.
 
 use pass::{
-    Compute, Define, DepthTarget, Draw, Extent, Externals, Format, Info, KindError, OutputContext,
-    OutputDesc, Pass, Ports, Raster, RecordContext, Recording, ResourceDesc, Setting, Settings, Step, Target,
+    Compute, Define, DepthTarget, Draw, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError,
+    Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target,
     Threads, Usage, UseContext, Value, output,
 };
 
-pub mod twin;
+pub mod cpu_reference;
 
 /// The pass.
 pub const PASS: &dyn Pass = &ReflectiveShadowMap;
@@ -24,7 +24,7 @@ fn light_layers(traits: &pass::Traits) -> u32 {
 }
 
 pass::settings! {
-    /// The settings of the kind `reflective-shadow-map`.
+    /// The settings of the pass type `reflective-shadow-map`.
     pub struct ReflectiveShadowMapSettings {
         /// Side of a layer. Shadows sharpen and virtual lights have more places to stand as it grows; time and memory
         /// grow with its square.
@@ -43,19 +43,23 @@ impl Pass for ReflectiveShadowMap {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(ReflectiveShadowMapSettings::schema())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: Vec::new(),
             outputs: vec![output("rsm", "ReflectiveShadowMap", "What the lights see.")],
-            externals: Externals::SCENE.and(Externals::LIGHTS),
+            scene_bindings: SceneBindings::SCENE.and(SceneBindings::LIGHTS),
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, outputs: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(
+        &self,
+        _: &UseContext<'_>,
+        outputs: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let size = ReflectiveShadowMapSettings::read(outputs.settings).size;
         let extent = Extent::Fixed(size, size);
         let lit = light_layers(outputs.traits);
@@ -77,7 +81,7 @@ impl Pass for ReflectiveShadowMap {
         Ok(all)
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let layers = light_layers(cx.traits);
         let size = ReflectiveShadowMapSettings::read(cx.settings).size;
         let shader = cx.shader(SURFACES, &[("TEXTURED", Define::Bool(cx.trait_bool("textured")))]);

@@ -1,8 +1,8 @@
-//! The shaders are valid; the twin against closed forms.
+//! The shaders are valid; the CPU reference against closed forms.
 
 mod gpu;
 
-use reflective_shadow_map::twin::{Layer, incident_flux, solid_angle};
+use reflective_shadow_map::cpu_reference::{Layer, incident_flux, solid_angle};
 use std::f64::consts::PI;
 
 #[test]

@@ -1,12 +1,13 @@
 //! Virtual lights drawn in proportion to an importance map by the inverse transform method.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use gpu_algorithms::segmented_scan;
 use pass::setting;
 use pass::{
-    Compute, Define, Extent, Format, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext,
-    Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
+    Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces,
+    output,
 };
 
 /// The pass, for the catalog.
@@ -19,7 +20,7 @@ const CUMULATE: &str = "passes/sample-inverse-transform/cumulate.wgsl";
 const DRAW: &str = "passes/sample-inverse-transform/draw.wgsl";
 
 pass::settings! {
-    /// The settings of the kind `sample-inverse-transform` that are not draw.wgsl's alone.
+    /// The settings of the pass type `sample-inverse-transform` that are not draw.wgsl's alone.
     pub struct SampleInverseTransformSettings {
         /// Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.
         count: u32 = 1024, min: 1, max: 2_097_152;
@@ -36,13 +37,13 @@ impl Pass for SampleInverseTransform {
         }
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let mut all = SampleInverseTransformSettings::schema();
         all.extend(setting::of_shader(cx.shaders, DRAW)?);
         Ok(all)
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
                 input("rsm", "ReflectiveShadowMap", "The texels that are drawn from."),
@@ -57,7 +58,7 @@ impl Pass for SampleInverseTransform {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = SampleInverseTransformSettings::read(cx.settings).count;
         let ((_, height), layers) = interfaces::importance_shape(cx)?;
         let cdf = |entries: u32| ResourceDesc::buffer(4 * u64::from(entries));
@@ -76,7 +77,7 @@ impl Pass for SampleInverseTransform {
         ])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let (_, height) = cx.size("row_cdf");
         let layers = cx.layers("row_cdf");
         let cumulate = |rows| cx.shader(CUMULATE, &[("ROWS", Define::Bool(rows))]);

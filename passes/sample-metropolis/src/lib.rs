@@ -1,11 +1,11 @@
 //! Virtual lights drawn in proportion to an importance map by independent Metropolis-Hastings chains.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use gpu_algorithms::reduce;
 use pass::{
-    Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc,
-    Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
 };
 
 /// The pass, for the catalog.
@@ -33,7 +33,7 @@ pass::choice! {
 }
 
 pass::settings! {
-    /// The settings of the kind `sample-metropolis`.
+    /// The settings of the pass type `sample-metropolis`.
     pub struct SampleMetropolisSettings {
         /// Number of virtual lights N, a chain each. Error falls as N^-½; the time for shadows and gathering rises
         /// with N.
@@ -59,11 +59,11 @@ impl Pass for SampleMetropolis {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(SampleMetropolisSettings::schema())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
                 input("rsm", "ReflectiveShadowMap", "The texels that are drawn from."),
@@ -78,7 +78,7 @@ impl Pass for SampleMetropolis {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         interfaces::importance_shape(cx)?;
         let settings = SampleMetropolisSettings::read(cx.settings);
         let count = settings.count;
@@ -92,7 +92,7 @@ impl Pass for SampleMetropolis {
         Ok(outputs)
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = SampleMetropolisSettings::read(cx.settings);
         let shader = cx.shader(SAMPLE, &[("WEIGHTS", settings.weights.into())]);
         let sample = Compute::new(shader, "sample", Threads::Row(settings.count));

@@ -1,9 +1,9 @@
 //! Virtual lights drawn uniformly from the texels of a reflective shadow map.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use pass::{
-    Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, Setting,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting,
     Settings, Threads, UseContext, Value, input, interfaces, output,
 };
 
@@ -14,7 +14,7 @@ pub const PASS: &dyn Pass = &SampleUniform;
 pub struct SampleUniform;
 
 pass::settings! {
-    /// The settings of the kind `sample-uniform`.
+    /// The settings of the pass type `sample-uniform`.
     pub struct SampleUniformSettings {
         /// Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.
         count: u32 = 1024, min: 1, max: 2_097_152;
@@ -31,11 +31,11 @@ impl Pass for SampleUniform {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(SampleUniformSettings::schema())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![input("rsm", "ReflectiveShadowMap", "The texels that are drawn from.")],
             outputs: vec![output("lights", "VirtualLights", "N lights; those from empty texels are dark.")],
@@ -43,14 +43,14 @@ impl Pass for SampleUniform {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = SampleUniformSettings::read(cx.settings).count;
         Ok(vec![
             OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
         ])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let shader = cx.shader("passes/sample-uniform/sample-uniform.wgsl", &[]);
         let count = SampleUniformSettings::read(cx.settings).count;
         Ok(Recording::one(Compute::new(shader, "sample", Threads::Row(count))))

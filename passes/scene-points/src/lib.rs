@@ -1,11 +1,11 @@
 //! Samples of the scene's surfaces, evenly by area.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports, RecordContext,
-    Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, output,
+    Compute, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, output,
 };
 
 /// The pass, for the catalog.
@@ -27,25 +27,25 @@ impl Pass for ScenePoints {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let count = "Number of points, 32 bytes each; all maps share them. More: fewer holes in the shadow maps; time \
                      and memory rise with it. Beyond 4,194,304 the adapter must bind buffers of more than 128 MiB.";
         Ok(vec![setting::u32("count", 262_144, count).range(1.0, 8_388_608.0)])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             outputs: vec![output(
                 "points",
                 "Points",
                 "Every run of 2^m that starts at a multiple of 2^m is even by itself.",
             )],
-            externals: Externals::SCENE,
+            scene_bindings: SceneBindings::SCENE,
             ..Ports::default()
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = cx.settings.u32("count");
         let desc = ResourceDesc::buffer(POINT_BYTES * u64::from(count));
         Ok(vec![
@@ -55,7 +55,7 @@ impl Pass for ScenePoints {
         ])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let shader = cx.shader("passes/scene-points/scene-points.wgsl", &[]);
         Ok(Recording::one(Compute::new(shader, "place", Threads::Row(cx.settings.u32("count")))))
     }

@@ -1,14 +1,14 @@
 //! Splats points of the scene into hemispherical depth maps, one a virtual light.
 
-pub mod twin;
+pub mod cpu_reference;
 
 use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Extent, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, SurfaceSamples, Threads, UseContext, Value,
+    Compute, Define, Extent, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
+    Recording, ResourceDesc, SceneBindings, Setting, Settings, SurfaceSamples, Threads, UseContext, Value,
 };
 
-/// The kind `splat`.
+/// The pass type `splat`.
 pub const PASS: &dyn Pass = &Splat;
 
 /// Imperfect shadow maps before their holes are filled.
@@ -16,13 +16,13 @@ pub struct Splat;
 
 const SHADER: &str = "passes/splat/splat.wgsl";
 
-/// The most texels of all maps: their index is a u32. What an adapter allows less is told when it is asked for.
+/// The most texels of all maps: their index is a u32. What an adapter allows less is told when it is requested.
 const MAX_TEXELS: u64 = u32::MAX as u64;
 
 /// The most splats of a frame: each has a place of its own in 0..2³¹, also where maps are filled up to whole blocks.
 const MAX_SPLATS: u32 = 1 << 30;
 
-/// Bytes of struct Tally.
+/// Bytes of struct Counters.
 const TALLY_BYTES: u64 = 8;
 
 impl Pass for Splat {
@@ -35,7 +35,7 @@ impl Pass for Splat {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(vec![
             setting::u32("map", 64, "Side of a map (ISM uses 128 and 256). Shadows sharpen and time grows with it.")
                 .range(1.0, 512.0)
@@ -49,8 +49,8 @@ impl Pass for Splat {
             setting::u32(
                 "budget",
                 33_554_432,
-                "The most points of all maps together. Where more are asked for, all maps lose alike, and the port \
-                 `tally` says how many were left out. Time is bounded by it.",
+                "The most points of all maps together. Where more are requested, all maps lose alike, and the port \
+                 `counters` says how many were left out. Time is bounded by it.",
             )
             .range(1.0, f64::from(MAX_SPLATS)),
             setting::f32("splat_scale", 1.0, "Factor on the side of a splat. Holes close and shadows thicken with it.")
@@ -73,7 +73,7 @@ impl Pass for Splat {
         ])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
                 pass::input("points", "Points", "What is splatted."),
@@ -86,22 +86,22 @@ impl Pass for Splat {
             outputs: vec![
                 pass::output("depth", "DepthAtlas", "The maps, with holes."),
                 pass::output(
-                    "tally",
-                    "Tally",
+                    "counters",
+                    "Counters",
                     "How many splats were wanted, and how many there were points for.",
                 ),
             ],
-            externals: Externals::SCENE,
+            scene_bindings: SceneBindings::SCENE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let tile = cx.settings.u32("map");
         let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(0).max(1);
         let texels = u64::from(count) * u64::from(tile).pow(2);
         if texels > MAX_TEXELS {
             let most = MAX_TEXELS / u64::from(tile).pow(2);
-            return Err(KindError::setting(
+            return Err(PassTypeError::setting(
                 "map",
                 format!("{count} maps of {tile}² have more than 2³² texels"),
             )
@@ -111,7 +111,7 @@ impl Pass for Splat {
         // texel, or within a splat of the usual two to four.
         let needed = if cx.settings.text("kernel") == "surfel" { 1.0 } else { 2.0 };
         Ok(vec![
-            OutputDesc::one("tally", ResourceDesc::<Extent>::buffer(TALLY_BYTES)),
+            OutputDesc::one("counters", ResourceDesc::<Extent>::buffer(TALLY_BYTES)),
             OutputDesc::one("depth", ResourceDesc::<Extent>::buffer(texels * 4))
                 .fact("tile", Value::U32(tile))
                 .fact("count", Value::U32(count))
@@ -119,10 +119,10 @@ impl Pass for Splat {
         ])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let [tile, maps] = ["tile", "count"].map(|fact| cx.fact("depth", fact));
         let wanted = match cx.settings.u32("points_per_map") {
-            0 => twin::points_per_map(tile),
+            0 => cpu_reference::points_per_map(tile),
             given => given,
         };
         let within_budget = (cx.settings.u32("budget") / maps.max(1)).max(1);

@@ -1,11 +1,11 @@
 //! Splats against closed forms.
 
 use pass_test::Harness;
-use splat::twin::paraboloid::{
+use splat::cpu_reference::paraboloid::{
     Vec3, direction_from_paraboloid, dot, frame_from_normal, paraboloid_density, paraboloid_from_direction,
     scale, texel_area, texel_centre, texel_in_hemisphere,
 };
-use splat::twin::{Shape, map, points_per_map, splat};
+use splat::cpu_reference::{Shape, map, points_per_map, splat};
 use std::f64::consts::PI;
 
 /// Points spread evenly over the unit sphere, by the golden angle.
@@ -180,7 +180,7 @@ fn the_gpu_agrees_with_the_twin() {
             .input("lights", "VirtualLights", &[("count", 3)], vec![("", desc, bytes)])
             .run();
         let Some(outputs) = outputs else { return };
-        assert_eq!(outputs.read::<u32>("tally")[..2], [3 * per_map, 3 * per_map], "asked and made");
+        assert_eq!(outputs.read::<u32>("counters")[..2], [3 * per_map, 3 * per_map], "requested and made");
         let depth: Vec<f32> = outputs.read::<u32>("depth").into_iter().map(f32::from_bits).collect();
         let texels = (tile * tile) as usize;
         assert!(
@@ -238,9 +238,9 @@ fn surfels_store_the_distance_of_their_plane() {
 
 /// Points that triangles ask for: 10 over the scene `plane`, whose second triangle has three quarters of them.
 fn ten_points() -> Vec<u8> {
-    let (asked, step) = (10_u32, (1_u64 << 63) / 10);
+    let (requested, step) = (10_u32, (1_u64 << 63) / 10);
     // No guide: the only entry is the first triangle, and the last is the second.
-    let words = [asked, 0, (step >> 32) as u32, step as u32, 0, 1 << 29, 1 << 31, 0, 1];
+    let words = [requested, 0, (step >> 32) as u32, step as u32, 0, 1 << 29, 1 << 31, 0, 1];
     bytemuck::cast_slice(&words).to_vec()
 }
 
@@ -265,7 +265,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
             .input("lights", "VirtualLights", &[("count", 2)], vec![("", desc, bytes)])
             .run();
         let Some(outputs) = outputs else { return };
-        assert_eq!(outputs.read::<u32>("tally")[..2], [10, made], "asked and made of {per_map} a map");
+        assert_eq!(outputs.read::<u32>("counters")[..2], [10, made], "requested and made of {per_map} a map");
     }
 }
 

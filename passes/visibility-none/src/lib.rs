@@ -1,11 +1,11 @@
 //! Says that every virtual light is seen from everywhere.
 
 use pass::{
-    Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    Setting, Settings, UseContext,
+    Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    SceneBindings, Setting, Settings, UseContext,
 };
 
-/// The kind `visibility-none`.
+/// The pass type `visibility-none`.
 pub const PASS: &dyn Pass = &VisibilityNone;
 
 /// No shadows: what the others are compared with, and exact in a scene without occluders.
@@ -21,27 +21,27 @@ impl Pass for VisibilityNone {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(Vec::new())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![pass::optional(
                 "lights",
                 "VirtualLights",
-                "Not read: here so that the kind takes the place of one that renders maps of them.",
+                "Not read: here so that the pass type takes the place of one that renders maps of them.",
             )],
             outputs: vec![pass::output("visibility", "Visibility", "Nothing but the module that answers 1.")],
-            externals: Externals::NONE,
+            scene_bindings: SceneBindings::NONE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         Ok(vec![OutputDesc::of("visibility", Vec::new()).module(Module::new("shaders/visibility-none.wgsl"))])
     }
 
-    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         Ok(Recording::default())
     }
 }

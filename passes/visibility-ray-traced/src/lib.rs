@@ -1,11 +1,11 @@
 //! Says which virtual lights are seen by a ray to each.
 
 use pass::{
-    Externals, Info, KindError, Module, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    Setting, Settings, UseContext, Value, setting,
+    Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    SceneBindings, Setting, Settings, UseContext, Value, setting,
 };
 
-/// The kind `visibility-ray-traced`.
+/// The pass type `visibility-ray-traced`.
 pub const PASS: &dyn Pass = &VisibilityRayTraced;
 
 /// Exact visibility: what shadow maps are compared with.
@@ -28,7 +28,7 @@ impl Pass for VisibilityRayTraced {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(vec![setting::choice(
             "rays",
             &["bvh", "query"],
@@ -36,23 +36,23 @@ impl Pass for VisibilityRayTraced {
         )])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![pass::optional(
                 "lights",
                 "VirtualLights",
-                "Not read: here so that the kind takes the place of one that renders maps of them.",
+                "Not read: here so that the pass type takes the place of one that renders maps of them.",
             )],
             outputs: vec![pass::output(
                 "visibility",
                 "Visibility",
                 "Nothing but the module that traces a ray.",
             )],
-            externals: Externals::NONE,
+            scene_bindings: SceneBindings::NONE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let masked = cx.traits.0.get("masked").and_then(Value::as_bool).unwrap_or(false);
         let module = Module::new(MODULE)
             .option("RAYS", Value::Text(cx.settings.text("rays").into()))
@@ -64,7 +64,7 @@ impl Pass for VisibilityRayTraced {
         ])
     }
 
-    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         Ok(Recording::default())
     }
 }

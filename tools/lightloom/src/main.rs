@@ -44,7 +44,7 @@ enum Command {
     Study(command::study::Args),
     /// Measure what rays, shadow maps, frames and the frame graph cost on this machine
     Bench(command::bench::Args),
-    /// List the kinds of passes, or show one with its ports and settings
+    /// List the pass types, or show one with its ports and settings
     Passes(command::passes::Args),
     /// List the pipelines, or show one with its outputs and parameters
     Pipelines(command::lists::PipelinesArgs),

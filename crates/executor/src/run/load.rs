@@ -1,4 +1,4 @@
-//! Loading a plan in place of another: what goes on, what is made anew, and what is left where that fails.
+//! Loading a plan in place of another: what goes on, what is made again, and what is left where that fails.
 
 use super::{Executor, LoadReport, Loaded, allocation_usages, lay_out_uniforms};
 use crate::error::ExecutorError;
@@ -135,7 +135,7 @@ impl Executor {
         found
     }
 
-    /// Takes the values of a plan of the same structure; gives the number of steps whose bindings had to be made anew.
+    /// Takes the values of a plan of the same structure; gives the number of steps whose bindings had to be made again.
     fn exchange_values(&mut self, plan: Arc<Plan>, steps: Vec<Vec<LoadedStep>>) -> usize {
         let Some(loaded) = &mut self.loaded else { return 0 };
         let mut renewed = 0;

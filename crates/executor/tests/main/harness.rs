@@ -2,16 +2,16 @@
 
 use executor::{Executor, ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport};
 use frame_graph::plan::{PassId, ResourceId};
-use frame_graph::port::Kinds;
+use frame_graph::port::PassTypes;
 use frame_graph::resolve::Files;
 use frame_graph::{
     Change, CompileOptions, Interface, LinkContext, Overrides, Plan, ResetCause, Source, Traits, compile,
     link, resolve,
 };
 use pass::{
-    Extent, Externals, Format, Info, InputPort, KindError, Library, LinkedStep, OutputContext, OutputDesc,
-    OutputPort, Pass, Ports, RecordContext, Recording, Request, ResourceDesc, Setting, Settings, Step, Use,
-    UseContext,
+    Extent, Format, Info, InputPort, Library, LinkedStep, OutputContext, OutputDesc, OutputPort, Pass,
+    PassTypeError, Ports, RecordContext, Recording, Request, ResourceDesc, SceneBindings, Setting, Settings,
+    Step, Use, UseContext,
 };
 use shader_library::MemoryFiles;
 use std::sync::{Arc, OnceLock};
@@ -90,32 +90,32 @@ impl Pass for Kind {
         Info { kind: self.name, about: "", paper: "", shaders: &[] }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(self.settings.clone())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(self.ports.clone())
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         Ok(self.outputs.clone())
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         Ok(Recording { steps: (self.record)(cx) })
     }
 }
 
 /// The kinds of a test, for linking.
-struct TestKinds<'a> {
+struct TestPassTypes<'a> {
     kinds: &'a [Kind],
     shaders: &'a Library,
 }
 
-impl TestKinds<'_> {
+impl TestPassTypes<'_> {
     fn find(&self, kind: &str) -> &Kind {
-        self.kinds.iter().find(|found| found.name == kind).unwrap_or_else(|| panic!("no kind `{kind}`"))
+        self.kinds.iter().find(|found| found.name == kind).unwrap_or_else(|| panic!("no pass type `{kind}`"))
     }
 
     fn cx<'a>(&'a self, use_: Use<'a>) -> UseContext<'a> {
@@ -123,7 +123,7 @@ impl TestKinds<'_> {
     }
 }
 
-impl Kinds for TestKinds<'_> {
+impl PassTypes for TestPassTypes<'_> {
     fn names(&self) -> Vec<String> {
         self.kinds.iter().map(|kind| kind.name.to_owned()).collect()
     }
@@ -136,15 +136,15 @@ impl Kinds for TestKinds<'_> {
         self.kinds.iter().any(|found| found.name == kind).then_some(false)
     }
 
-    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
         Ok(self.find(use_.kind).settings(&self.cx(use_))?.into())
     }
 
-    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, KindError> {
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
         self.find(use_.kind).ports(&self.cx(use_), settings).map(Arc::new)
     }
 
-    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         self.find(context.use_.kind).outputs(&self.cx(context.use_), context)
     }
 }
@@ -172,7 +172,7 @@ pub(crate) fn gpu() -> Option<Gpu> {
 /// A plan with its linked steps, made without a GPU.
 pub(crate) type Linked = (Arc<Plan>, Vec<Vec<LinkedStep>>);
 
-/// The kinds and shaders of a test.
+/// The pass types and shaders of a test.
 pub(crate) struct Workshop {
     kinds: Vec<Kind>,
     shaders: Library,
@@ -194,7 +194,7 @@ impl Workshop {
     /// The text of what is wrong with the steps.
     pub(crate) fn link(&self, passes: &str, outputs: &str) -> Result<Linked, String> {
         let text = format!("Pipeline(passes: {{ {passes} }}, outputs: {{ {outputs} }})");
-        let kinds = TestKinds { kinds: &self.kinds, shaders: &self.shaders };
+        let kinds = TestPassTypes { kinds: &self.kinds, shaders: &self.shaders };
         let resolved = resolve("test.ron", &Text(&text), &Overrides::default());
         let resolved = resolved.unwrap_or_else(|errors| panic!("{errors}"));
         let context = LinkContext { frame: self.frame, ..LinkContext::default() };
@@ -281,6 +281,6 @@ pub(crate) fn texture(format: Format) -> ResourceDesc<Extent> {
 
 /// Reads the frame's number, so that its passes run in every frame.
 pub(crate) fn every_frame(mut kind: Kind) -> Kind {
-    kind.ports.externals = Externals::FRAME;
+    kind.ports.scene_bindings = SceneBindings::FRAME;
     kind
 }

@@ -80,7 +80,7 @@ fn load(workshop: &Workshop, running: &mut Running, passes: &str, outputs: &str)
     running.load(linked).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A value that the past does not follow from ends nothing and makes nothing anew; one that it follows from ends it,
+/// A value that the past does not follow from ends nothing and makes nothing again; one that it follows from ends it,
 /// and the shader is told why.
 #[test]
 fn a_value_keeps_what_does_not_follow_from_it() {
@@ -154,7 +154,7 @@ fn a_plan_beyond_the_limits_changes_nothing() {
     assert_eq!(running.read("count.sum"), [2, 1, 0, 0]);
 }
 
-/// A kind `state` that writes one more word of what it continues in each frame, and a kind `scale` that reads it.
+/// A pass type `state` that writes one more word of what it continues in each frame, and a pass type `scale` that reads it.
 fn continuing() -> Workshop {
     let state = OutputDesc::one("state", words(8)).continuing("past");
     let write_on = every_frame(Kind::new("state").input("past", "Buffer").output(state));

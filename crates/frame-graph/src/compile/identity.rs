@@ -201,7 +201,7 @@ impl Encoder {
                 e.text(said.interface.as_deref().unwrap_or(""));
                 e.u32(said.count.unwrap_or(0));
             }
-            e.u8(pass.externals.0);
+            e.u8(pass.scene_bindings.0);
             pass.outputs.iter().for_each(|port| e.facts(&port.facts));
         }
         for history in &plan.histories {

@@ -1,14 +1,14 @@
-//! What a plan must make: what is asked for, what that needs, and what is kept besides.
+//! What a plan must make: what is requested, what that needs, and what is kept besides.
 
 use super::{CompileOptions, NONE, Work};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Diagnostics, Source, Span};
-use crate::link::{GraphPort, Tap};
+use crate::link::{GraphPort, LinkSource};
 use crate::resource::Clear;
 use std::ops::Range;
 
 impl<'a> Work<'a> {
-    /// Takes the outputs and resources that are asked for.
+    /// Takes the outputs and resources that are requested.
     pub(super) fn want(&mut self, options: &CompileOptions) -> Result<(), Diagnostics> {
         let mut errors = Vec::new();
         if options.outputs.is_empty() {
@@ -44,11 +44,11 @@ impl<'a> Work<'a> {
     }
 
     /// Keeps what an output of the pipeline shows.
-    fn take(&mut self, from: Tap, constant: Option<Clear>) {
+    fn take(&mut self, from: LinkSource, constant: Option<Clear>) {
         self.needed[from.pass as usize] = true;
         self.keep(self.numbers.in_port(&from));
         if constant.is_some() {
-            for r in self.numbers.of_tap(&from) {
+            for r in self.numbers.of_source(&from) {
                 self.resources[r].constant = constant;
             }
         }
@@ -178,7 +178,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// An error about what was asked for from outside.
+/// An error about what was requested from outside.
 fn asked(option: &str, name: &str, what: &str) -> Diagnostic {
     let source = Source::new(format!("--{option}"), name);
     let span = Span { source, start: 0, end: name.len() as u32 };

@@ -1,6 +1,6 @@
 //! How the resources of a graph are numbered, and where those are made that passes hand on.
 
-use crate::link::{Graph, GraphInput, GraphPass, Made, Tap};
+use crate::link::{Graph, GraphInput, GraphPass, LinkSource, Made};
 use std::ops::Range;
 
 /// How resources are numbered: by pass, port and member.
@@ -31,17 +31,17 @@ impl Numbers {
     }
 
     /// The numbers in a port that a link takes.
-    pub(super) fn in_port(&self, tap: &Tap) -> Range<usize> {
-        let whole = self.of_port(tap.pass, tap.port);
-        match tap.member {
+    pub(super) fn in_port(&self, source: &LinkSource) -> Range<usize> {
+        let whole = self.of_port(source.pass, source.port);
+        match source.member {
             Some(member) => whole.start + member as usize..whole.start + member as usize + 1,
             None => whole,
         }
     }
 
     /// The resources that a link takes, wherever they are made.
-    pub(super) fn of_tap(&self, tap: &Tap) -> impl Iterator<Item = usize> + '_ {
-        self.in_port(tap).map(|r| self.made[r] as usize)
+    pub(super) fn of_source(&self, source: &LinkSource) -> impl Iterator<Item = usize> + '_ {
+        self.in_port(source).map(|r| self.made[r] as usize)
     }
 
     /// The input of that name, and the number of the resource that it sees under the name of a member.
@@ -53,9 +53,9 @@ impl Numbers {
         member: &str,
     ) -> Option<(&'g GraphInput, usize)> {
         let input = pass.inputs.iter().find(|i| i.port == *input)?;
-        let (tap, range) = (&input.from, self.in_port(&input.from));
-        let port = &graph.passes[tap.pass as usize].outputs[tap.port as usize];
-        let first = self.of_port(tap.pass, tap.port).start;
+        let (source, range) = (&input.from, self.in_port(&input.from));
+        let port = &graph.passes[source.pass as usize].outputs[source.port as usize];
+        let first = self.of_port(source.pass, source.port).start;
         let named = range.clone().find(|r| port.members[r - first].0 == *member);
         // A single resource goes without its name.
         Some((input, named.unwrap_or(range.start)))

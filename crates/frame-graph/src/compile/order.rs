@@ -106,7 +106,7 @@ fn by_bytes(work: &Work<'_>) -> Vec<u32> {
             if input.past.is_none() && input.constant.is_none() {
                 let last = work
                     .numbers
-                    .of_tap(&input.from)
+                    .of_source(&input.from)
                     .filter(|r| left[*r] == 1 && !work.resources[*r].persistent);
                 freed += last.map(|r| work.resources[r].bytes as i64).sum::<i64>();
             }
@@ -130,7 +130,7 @@ fn by_bytes(work: &Work<'_>) -> Vec<u32> {
                 continue;
             }
             let mut cheaper = false;
-            for r in work.numbers.of_tap(&input.from) {
+            for r in work.numbers.of_source(&input.from) {
                 left[r] -= 1;
                 cheaper |= left[r] == 1 && !work.resources[r].persistent;
             }
@@ -190,7 +190,7 @@ fn floor(work: &Work<'_>, order: &[u32]) -> u64 {
         let mut read: SmallVec<[usize; 8]> = inputs
             .iter()
             .filter(|i| i.past.is_none() && i.constant.is_none())
-            .flat_map(|i| work.numbers.of_tap(&i.from))
+            .flat_map(|i| work.numbers.of_source(&i.from))
             .collect();
         read.sort_unstable();
         read.dedup();
@@ -212,7 +212,7 @@ fn peak(work: &Work<'_>, order: &[u32]) -> u64 {
             made.filter(transient).filter(|r| left[*r] == 0).map(|r| work.resources[r].bytes).sum::<u64>();
         for input in &work.graph.passes[*pass as usize].inputs {
             if input.past.is_none() && input.constant.is_none() {
-                for r in work.numbers.of_tap(&input.from) {
+                for r in work.numbers.of_source(&input.from) {
                     left[r] -= 1;
                     if left[r] == 0 && transient(&r) {
                         alive -= work.resources[r].bytes;

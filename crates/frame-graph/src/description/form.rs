@@ -59,11 +59,11 @@ pub(crate) struct Entry {
 pub(crate) struct PassDecl {
     pub(crate) body: Body,
     pub(crate) links: Vec<Link>,
-    /// The ports of `links`, as a kind is asked with them.
+    /// The ports of `links`, as a pass type is asked with them.
     pub(crate) link_names: Vec<String>,
     pub(crate) set: Vec<Set>,
     pub(crate) outs: Vec<OutDecl>,
-    /// `outs`, as a kind is asked with them; complete once parameters are put in.
+    /// `outs`, as a pass type is asked with them; complete once parameters are put in.
     pub(crate) overrides: Arc<BTreeMap<String, OutputOverride>>,
     pub(crate) when: Option<Formula>,
     pub(crate) off: Option<At<Off>>,
@@ -83,7 +83,7 @@ pub(crate) enum Body {
         file: At<String>,
         repeat: Option<Repeat>,
     },
-    /// The border of a part whose passes have been moved up into the pipeline.
+    /// The border of a sub-graph whose passes have been moved up into the pipeline.
     Group(Group),
     /// What `Remove` leaves where there is no `off:`: readers find nothing.
     Removed,
@@ -93,17 +93,17 @@ pub(crate) enum Body {
 pub(crate) struct Group {
     pub(crate) inputs: Vec<InputDecl>,
     pub(crate) outputs: Vec<OutputDecl>,
-    /// How many copies of a part it holds, and where that is said; `None` where it is the part itself.
+    /// How many copies of a sub-graph it holds, and where that is said; `None` where it is the sub-graph itself.
     pub(crate) copies: Option<(u32, Place)>,
 }
 
-/// `repeat:` and `carry:` of a part.
+/// `repeat:` and `carry:` of a sub-graph.
 #[derive(Clone, Debug)]
 pub(crate) struct Repeat {
     pub(crate) count: At<SetValue>,
     /// Links into inputs; the target of each is an output of the copy before, without the name of a pass.
     pub(crate) carry: Vec<Link>,
-    /// The parameter of the part that is the number of the copy.
+    /// The parameter of the sub-graph that is the number of the copy.
     pub(crate) index: Option<At<Name>>,
 }
 
@@ -144,7 +144,7 @@ pub(crate) struct Set {
     pub(crate) place: Place,
     /// Whether a patch or an override gave it.
     pub(crate) patched: bool,
-    /// Whether a file around the part gave it: the parameter that it names is of that file.
+    /// Whether a file around the sub-graph gave it: the parameter that it names is of that file.
     pub(crate) foreign: bool,
     /// The parameter that the file gives the setting, where something else was given from outside.
     pub(crate) instead_of: Option<Name>,
@@ -159,7 +159,7 @@ pub(crate) enum SetValue {
     Formula(Box<Formula>, Option<Value>),
 }
 
-/// `Out(…)`: what a use says of an output of a kind that takes its ports from a shader.
+/// `Out(…)`: what a use says of an output of a pass type that takes its ports from a shader.
 #[derive(Clone, Debug)]
 pub(crate) struct OutDecl {
     pub(crate) port: At<Name>,
@@ -198,7 +198,7 @@ pub(crate) struct TextPlace {
     pub(crate) content: Option<u32>,
 }
 
-/// What stands in place of the outputs of a pass or part that is off.
+/// What stands in place of the outputs of a pass or sub-graph that is off.
 #[derive(Clone, Debug)]
 pub(crate) enum Off {
     Constant(Clear),

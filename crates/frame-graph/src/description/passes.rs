@@ -72,7 +72,8 @@ impl Grammar<'_, '_> {
         let fields = self.fields(node, "`Pass(…)` or `Sub(…)`", forms)?;
         let body = match fields.form {
             "Pass" => {
-                let kind = self.need(&fields, "kind").and_then(|n| self.text_at(n, "the name of a kind"));
+                let kind =
+                    self.need(&fields, "kind").and_then(|n| self.text_at(n, "the name of a pass type"));
                 let shader = fields.get("shader").and_then(|n| self.text_at(n, "the path of a WGSL file"));
                 let name = |at: At<String>| At { value: Name::from(at.value), place: at.place };
                 kind.map(|kind| Body::Pass { kind: name(kind), shader: shader.map(name) })
@@ -151,7 +152,7 @@ impl Grammar<'_, '_> {
             let target = At { value: target, place: output.place };
             carry.push(Link::new(input, target, Self::content_end(node)));
         }
-        let index = fields.get("index").and_then(|n| self.name(n, "a parameter of the part", false));
+        let index = fields.get("index").and_then(|n| self.name(n, "a parameter of the sub-graph", false));
         let Some(node) = fields.get("repeat") else {
             if let Some(node) = carried {
                 let place = self.head(node);
@@ -246,7 +247,7 @@ impl Grammar<'_, '_> {
                     Some(Patch::Replace { name: name?, decl: decl? })
                 }
                 ("Set", [path, value]) => {
-                    let expected = "\"parameter\", \"pass.setting\" or \"part/pass.setting\"";
+                    let expected = "\"parameter\", \"pass.setting\" or \"sub-graph/pass.setting\"";
                     let text = self.text(path, expected)?;
                     let place = self.place(path);
                     let path = At { value: Name::from(text), place };

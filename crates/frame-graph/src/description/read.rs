@@ -196,7 +196,7 @@ impl Grammar<'_, '_> {
     }
 }
 
-/// What a kind is told of `out:`; sizes and counts whose parameters are not put in are left out.
+/// What a pass type is told of `out:`; sizes and counts whose parameters are not put in are left out.
 pub(crate) fn out_overrides(outs: &[OutDecl]) -> Arc<BTreeMap<String, OutputOverride>> {
     let entry = |out: &OutDecl| OutputOverride {
         interface: out.interface.as_ref().map(|at| at.value.to_string()),

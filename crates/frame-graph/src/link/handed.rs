@@ -6,7 +6,7 @@ use super::{GraphPorts, Linker, Made};
 use crate::codes;
 use crate::description::Past;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::port::{HandedOn, InputDesc, Interface, KindError, Usage};
+use crate::port::{HandedOn, InputDesc, Interface, PassTypeError, Usage};
 use crate::resource::ResourceDesc;
 use data_file::Name;
 use rustc_hash::FxHashMap;
@@ -38,7 +38,7 @@ impl Linker<'_> {
                     node,
                     format!("hands `{input}` on as its output `{port}`, which is no input that is linked"),
                 ),
-                false => Unknown::Waits(KindError::new(format!("`{port}` hands `{input}` on"))),
+                false => Unknown::Waits(PassTypeError::new(format!("`{port}` hands `{input}` on"))),
             });
         };
         // Of an interface with members, the static name; of a single texture or buffer, none.

@@ -31,7 +31,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Checks the links of parts against the interfaces that the parts declare, and what parts offer.
+    /// Checks the links of sub-graphs against the interfaces that the sub-graphs declare, and what sub-graphs offer.
     fn check_borders(&mut self) {
         for node in self.nodes {
             let Body::Group(group) = &node.decl.body else { continue };
@@ -202,7 +202,7 @@ impl<'a> Linker<'a> {
         let Some(input) = names.inputs.iter().position(|(port, _)| *port == link.port.value) else {
             if !link.inherited {
                 let Body::Pass { kind, .. } = &self.nodes[node].decl.body else { return None };
-                let message = format!("the kind `{}` has no input `{}`", kind.value, link.port.value);
+                let message = format!("the pass type `{}` has no input `{}`", kind.value, link.port.value);
                 let error = Diagnostic::new(&codes::UNKNOWN_INPUT, message)
                     .label(self.span(link.port.place), "")
                     .suggest("inputs", &link.port.value, names.inputs.iter().map(|(port, _)| &**port));

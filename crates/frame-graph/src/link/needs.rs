@@ -53,7 +53,7 @@ impl<'a> Linker<'a> {
                         let error = Diagnostic::new(&codes::OFF, message)
                             .label(self.span(place), "one for this link")
                             .label(self.span(first.1), "another for this one")
-                            .note("the pass and the part around it have different `off:`");
+                            .note("the pass and the sub-graph around it have different `off:`");
                         errors.push(error);
                     }
                 }
@@ -116,7 +116,7 @@ impl<'a> Linker<'a> {
 
     /// Something reads a pass that is off and has nothing in its place.
     pub(super) fn off_read(&self, reader: String, link: &Link, off: u32) -> Diagnostic {
-        // The switch may be that of a part around it.
+        // The switch may be that of a sub-graph around it.
         let mut at = off as usize;
         while let Some(parent) = self.nodes[at].parent
             && self.on[parent as usize] == Some(false)
@@ -154,7 +154,7 @@ impl<'a> Linker<'a> {
         ))
     }
 
-    /// The part that has no copy, and where that is said, if a node stands for what a copy would make.
+    /// The sub-graph that has no copy, and where that is said, if a node stands for what a copy would make.
     pub(super) fn without_copy(&self, node: u32) -> Option<(&'a Name, Place)> {
         let node = &self.nodes[node as usize];
         let part = node.parent.filter(|_| matches!(node.decl.body, Body::Removed))?;
@@ -198,7 +198,7 @@ impl<'a> Linker<'a> {
             }
         }
         let mut errors = Vec::new();
-        // Of a part without a copy, an optional input may not read what only a copy makes either.
+        // Of a sub-graph without a copy, an optional input may not read what only a copy makes either.
         let needed = |port: &Name| missing.iter().any(|(input, _)| *port == *input.name);
         let optional: Vec<&Link> = decl.links.iter().filter(|link| !needed(&link.port.value)).collect();
         let missing: Vec<_> = missing.into_iter().map(|(input, link)| (input.clone(), link)).collect();
@@ -211,7 +211,7 @@ impl<'a> Linker<'a> {
                     }
                     Found::Unlinked => Diagnostic::new(
                         &codes::UNLINKED,
-                        format!("`{name}` needs `{}`, which this part may be used without", input.name),
+                        format!("`{name}` needs `{}`, which this sub-graph may be used without", input.name),
                     )
                     .label(self.span(link.place), "may be unlinked")
                     .note("switch the pass off where it is: when: \"connected(…)\""),

@@ -5,7 +5,7 @@ use super::{GraphPort, GraphPorts, Linker, Made};
 use crate::codes;
 use crate::description::Body;
 use crate::diagnostic::Diagnostic;
-use crate::port::{Facts, InputDesc, KindError, OutputContext, OutputDesc, Usage};
+use crate::port::{Facts, InputDesc, OutputContext, OutputDesc, PassTypeError, Usage};
 use crate::resource::{Extent, ResourceDesc, TextureDesc};
 use data_file::Name;
 use smallvec::SmallVec;
@@ -25,11 +25,11 @@ static NO_FACTS: LazyLock<Arc<Facts>> = LazyLock::new(Arc::default);
 /// Why the outputs of a pass are not known.
 pub(super) enum Unknown {
     /// An input that reads the past has no size yet.
-    Waits(KindError),
+    Waits(PassTypeError),
     /// An error.
     Wrong(Diagnostic),
-    /// The kind refuses.
-    Refused(KindError),
+    /// The pass type refuses.
+    Refused(PassTypeError),
 }
 
 impl<'a> Linker<'a> {
@@ -83,7 +83,8 @@ impl<'a> Linker<'a> {
                         if !same {
                             changed = true;
                             if last {
-                                unknown.push((i, Unknown::Waits(KindError::new("its size never settles"))));
+                                unknown
+                                    .push((i, Unknown::Waits(PassTypeError::new("its size never settles"))));
                             }
                             ports[i] = Some(found);
                         }
@@ -185,9 +186,10 @@ impl<'a> Linker<'a> {
         found.members.get(member? as usize).map(|m| m.name)
     }
 
-    /// Asks the kind for its outputs and works their sizes out.
+    /// Asks the pass type for its outputs and works their sizes out.
     fn describe(&self, node: usize, whole: bool, descs: &mut Vec<InputDesc>) -> Result<GraphPorts, Unknown> {
-        let waits = |error: KindError| if whole { Unknown::Refused(error) } else { Unknown::Waits(error) };
+        let waits =
+            |error: PassTypeError| if whole { Unknown::Refused(error) } else { Unknown::Waits(error) };
         let (Some(used), decl) = (&self.uses[node], &self.nodes[node].decl) else {
             return Ok(GraphPorts::new());
         };
@@ -206,7 +208,7 @@ impl<'a> Linker<'a> {
         for output in outputs {
             let place = found.len();
             let declared = &used.names.outputs;
-            // Kinds describe their ports in order; any other order is taken too.
+            // Pass types describe their ports in order; any other order is taken too.
             let port = match declared.get(place) {
                 _ if output.scratch => None,
                 Some((port, _)) if *port == output.port => Some(place),
@@ -310,9 +312,9 @@ impl<'a> Linker<'a> {
     pub(super) fn defect(&self, node: usize, what: String) -> Unknown {
         let node = &self.nodes[node];
         let kind = if let Body::Pass { kind, .. } = &node.decl.body { &*kind.value } else { "" };
-        let error = Diagnostic::new(&codes::KIND_DEFECT, format!("the kind `{kind}` {what}"))
+        let error = Diagnostic::new(&codes::KIND_DEFECT, format!("the pass type `{kind}` {what}"))
             .label(self.span(node.place), "used here")
-            .note("this is a defect of the kind, not of the file");
+            .note("this is a defect of the pass type, not of the file");
         Unknown::Wrong(error)
     }
 
@@ -355,7 +357,7 @@ impl<'a> Linker<'a> {
                 match inputs.iter().find(|i| i.name == *input).and_then(InputDesc::size) {
                     Some((w, h)) => (scale(w, *num, *den), scale(h, *num, *den)),
                     None if !whole => {
-                        return Err(Unknown::Waits(KindError::new(format!(
+                        return Err(Unknown::Waits(PassTypeError::new(format!(
                             "`{port}` is sized like `{input}`"
                         ))));
                     }

@@ -1,10 +1,10 @@
-//! Asks each kind for the settings and ports of each use of it.
+//! Asks each pass type for the settings and ports of each use of it.
 
 use super::Linker;
 use crate::codes::{self, Code};
 use crate::description::{At, Body, PassDecl, Set};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::port::{KindError, Ports, Use};
+use crate::port::{PassTypeError, Ports, Use};
 use crate::resolve::Node;
 use crate::value::{Misfit, Setting, Settings};
 use data_file::Name;
@@ -14,7 +14,7 @@ use std::hash::{Hash, Hasher};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// What a kind says of one use.
+/// What a pass type says of one use.
 #[derive(Clone, Debug)]
 pub(super) struct UseOf {
     pub(super) ports: Arc<Ports>,
@@ -33,13 +33,13 @@ pub(super) struct PortNames {
     pub(super) outputs: Vec<(Name, Name)>,
 }
 
-/// What was made from a value that kinds share between uses, by its address; the value is held, so that the
+/// What was made from a value that pass types share between uses, by its address; the value is held, so that the
 /// address stays its own.
 type Shared<K, V> = FxHashMap<*const (), (Arc<K>, V)>;
 
 #[derive(Default)]
 struct Caches<'a> {
-    /// The uses that have been asked for and are sound, by a hash of what a kind may look at: another use that says
+    /// The uses that have been asked for and are sound, by a hash of what a pass type may look at: another use that says
     /// the same gets the same answer.
     uses: FxHashMap<u64, SmallVec<[(&'a PassDecl, UseOf); 1]>>,
     defaults: FxHashMap<*const (), (Arc<[Setting]>, Arc<Settings>)>,
@@ -47,7 +47,7 @@ struct Caches<'a> {
 }
 
 impl UseOf {
-    /// How the kind is asked.
+    /// How the pass type is asked.
     pub(super) fn ask<'u>(&'u self, decl: &'u PassDecl) -> Option<Use<'u>> {
         let Body::Pass { kind, shader } = &decl.body else { return None };
         let inputs = self.inputs.as_deref().unwrap_or(&decl.link_names);
@@ -56,7 +56,7 @@ impl UseOf {
     }
 }
 
-/// Hashes what a kind may look at in a use.
+/// Hashes what a pass type may look at in a use.
 fn hash_use(decl: &PassDecl, kind: &Name, shader: Option<&Name>) -> u64 {
     let mut hasher = FxHasher::default();
     kind.hash(&mut hasher);
@@ -68,7 +68,7 @@ fn hash_use(decl: &PassDecl, kind: &Name, shader: Option<&Name>) -> u64 {
     hasher.finish()
 }
 
-/// Whether a kind cannot tell two uses of it from each other.
+/// Whether a pass type cannot tell two uses of it from each other.
 fn same_use(a: &PassDecl, b: &PassDecl) -> bool {
     let (Body::Pass { kind: kind_a, shader: shader_a }, Body::Pass { kind: kind_b, shader: shader_b }) =
         (&a.body, &b.body)
@@ -132,28 +132,26 @@ impl<'a> Linker<'a> {
         match (self.kinds.takes_shader(&kind.value), shader) {
             (None, _) => {
                 let names = self.kinds.names();
-                let error = Diagnostic::new(
-                    &codes::UNKNOWN_KIND,
-                    format!("there is no kind of pass `{}`", kind.value),
-                )
-                .label(self.span(kind.place), "")
-                .suggest("kinds", &kind.value, names.iter().map(String::as_str));
+                let error =
+                    Diagnostic::new(&codes::UNKNOWN_KIND, format!("there is no pass type `{}`", kind.value))
+                        .label(self.span(kind.place), "")
+                        .suggest("kinds", &kind.value, names.iter().map(String::as_str));
                 self.errors.push(error);
                 return None;
             }
             (Some(true), None) => {
-                let message = format!("the kind `{}` needs a `shader:`", kind.value);
+                let message = format!("the pass type `{}` needs a `shader:`", kind.value);
                 let error = Diagnostic::new(&codes::SHADER, message)
                     .label(self.span(kind.place), "add shader: \"….wgsl\"");
                 self.errors.push(error);
                 return None;
             }
             (Some(false), Some(shader)) => {
-                let message = format!("the kind `{}` takes no `shader:`", kind.value);
+                let message = format!("the pass type `{}` takes no `shader:`", kind.value);
                 let error = Diagnostic::new(&codes::SHADER, message)
                     .label(self.span(shader.place), "remove this")
-                    .label(self.span(kind.place), "this kind has its own shaders")
-                    .note("the kinds `compute` and `fullscreen` are for shaders of one's own");
+                    .label(self.span(kind.place), "this pass type has its own shaders")
+                    .note("the pass types `compute` and `fullscreen` are for shaders of one's own");
                 self.errors.push(error);
                 return None;
             }
@@ -194,8 +192,8 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Tells what a kind said against a use.
-    pub(super) fn refused(&mut self, node: &Node, error: &KindError) {
+    /// Tells what a pass type said against a use.
+    pub(super) fn refused(&mut self, node: &Node, error: &PassTypeError) {
         let decl = &node.decl;
         let Body::Pass { kind, .. } = &decl.body else { return };
         let setting = error.setting.as_ref().and_then(|name| decl.set.iter().find(|s| s.name.value == *name));
@@ -205,8 +203,8 @@ impl<'a> Linker<'a> {
         told = match place {
             Some(place) => told
                 .label(self.span(place), "here")
-                .label(self.span(node.place), format!("in this pass, of kind `{}`", kind.value)),
-            None => told.label(self.span(node.place), format!("in this pass, of kind `{}`", kind.value)),
+                .label(self.span(node.place), format!("in this pass, of pass type `{}`", kind.value)),
+            None => told.label(self.span(node.place), format!("in this pass, of pass type `{}`", kind.value)),
         };
         if let Some(help) = &error.help {
             told = told.note(help.clone());
@@ -231,7 +229,7 @@ impl<'a> Linker<'a> {
             let Some(value) = given.value.get() else { continue };
             let Some(setting) = schema.iter().find(|s| s.name == **name) else {
                 let kind = if let Body::Pass { kind, .. } = &node.decl.body { &*kind.value } else { "" };
-                let message = format!("the kind `{kind}` has no setting `{name}`");
+                let message = format!("the pass type `{kind}` has no setting `{name}`");
                 let mut error =
                     Diagnostic::new(&codes::UNKNOWN_SETTING, message).label(self.span(given.name.place), "");
                 if given.patched {

@@ -32,13 +32,13 @@ pub(super) enum Found<'a> {
     End(End<'a>),
     /// To a node that is off and has nothing in its place.
     Nothing(u32),
-    /// To an input of a part that may be left unlinked, and is.
+    /// To an input of a sub-graph that may be left unlinked, and is.
     Unlinked,
     /// Nowhere: an error, told already.
     Told,
 }
 
-/// The part whose inputs a target names: `""` for the file itself.
+/// The sub-graph whose inputs a target names: `""` for the file itself.
 fn border(pass: &str) -> Option<&str> {
     if pass == "in" { Some("") } else { pass.strip_suffix("/in") }
 }
@@ -89,7 +89,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// The link into an input of a pass or part.
+    /// The link into an input of a pass or sub-graph.
     pub(super) fn link_into(&self, node: usize, input: &str) -> Option<&'a Link> {
         self.nodes[node].decl.links.iter().find(|link| link.port.value == input)
     }
@@ -197,7 +197,7 @@ impl<'a> Linker<'a> {
             }
         }
         let message =
-            format!("this link leads back to itself, or across more than {MAX_HOPS} borders of parts");
+            format!("this link leads back to itself, or across more than {MAX_HOPS} borders of sub-graphs");
         let error = Diagnostic::new(&codes::CYCLE, message).label(self.span(link.place), "");
         self.errors.push(error);
         Found::Told
@@ -259,7 +259,7 @@ impl<'a> Linker<'a> {
         self.interface_of(end) == *interface || (single && end.member.is_some())
     }
 
-    /// The link outside a part into the input that a link inside it names.
+    /// The link outside a sub-graph into the input that a link inside it names.
     fn input_of(&mut self, part: &str, link: &'a Link) -> Result<(&'a Link, Name), Found<'a>> {
         let nodes = self.nodes;
         let node = self.resolved.index.get(part).map(|i| *i as usize);
@@ -297,7 +297,7 @@ impl<'a> Linker<'a> {
         Ok((outer, interface.unwrap_or_else(|| input.interface.value.clone())))
     }
 
-    /// The link inside a part to the output that a link outside names, and the member that it names.
+    /// The link inside a sub-graph to the output that a link outside names, and the member that it names.
     fn output_of(
         &mut self,
         node: u32,
@@ -322,7 +322,7 @@ impl<'a> Linker<'a> {
                 };
                 let mut fitting = outputs.iter().filter(|output| fits(self, &output.link));
                 let found = (fitting.next(), fitting.next());
-                // What is wrong inside is told when the part itself is checked.
+                // What is wrong inside is told when the sub-graph itself is checked.
                 self.errors.truncate(told);
                 if let (Some(output), None) = found {
                     return Some((&output.link, None));
@@ -335,10 +335,10 @@ impl<'a> Linker<'a> {
         let error = match &target.port {
             Some(port) => Diagnostic::new(
                 &codes::UNKNOWN_PORT,
-                format!("the part `{}` has no output `{port}`", part.name),
+                format!("the sub-graph `{}` has no output `{port}`", part.name),
             )
             .label(self.span(link.port_place()), "")
-            .label(self.span(part.place), "of this part")
+            .label(self.span(part.place), "of this sub-graph")
             .suggest("outputs", port, names),
             None => {
                 let names: Vec<&str> = names.collect();

@@ -1,7 +1,7 @@
 //! The plan as JSON.
 
 use super::{Begins, Fate, Plan, PlannedPass, ResourceId};
-use crate::port::Externals;
+use crate::port::SceneBindings;
 use crate::value::Value;
 use data_file::Name;
 use serde_json::{Map, Value as Json, json};
@@ -21,14 +21,14 @@ fn names(list: &[Name]) -> Json {
     list.iter().map(|name| name.as_str()).collect()
 }
 
-impl Externals {
+impl SceneBindings {
     /// Returns the names of what is in it.
     pub fn names(self) -> Vec<&'static str> {
         let all = [
-            (Externals::SCENE, "scene"),
-            (Externals::CAMERA, "camera"),
-            (Externals::LIGHTS, "lights"),
-            (Externals::FRAME, "frame"),
+            (SceneBindings::SCENE, "scene"),
+            (SceneBindings::CAMERA, "camera"),
+            (SceneBindings::LIGHTS, "lights"),
+            (SceneBindings::FRAME, "frame"),
         ];
         all.into_iter().filter(|(bit, _)| self.contains(*bit)).map(|(_, name)| name).collect()
     }
@@ -68,7 +68,7 @@ pub(super) fn json(plan: &Plan) -> Json {
         });
         json!({
             "name": &*pass.name, "kind": &*pass.kind, "shader": pass.shader.as_deref(), "settings": settings,
-            "externals": pass.externals.names(), "depends_on": pass.depends_on.names(), "remembers": pass.remembers,
+            "scene_bindings": pass.scene_bindings.names(), "depends_on": pass.depends_on.names(), "remembers": pass.remembers,
             "inputs": inputs.collect::<Json>(), "outputs": outputs.collect::<Json>(),
             "continues": continues.collect::<Json>(),
         })

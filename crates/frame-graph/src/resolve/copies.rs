@@ -1,4 +1,4 @@
-//! Parts that are repeated: copies of a part, each of which may take what the one before it makes.
+//! Sub-graphs that are repeated: copies of a sub-graph, each of which may take what the one before it makes.
 
 use super::Node;
 use super::document::Document;
@@ -11,7 +11,7 @@ use data_file::Name;
 use rustc_hash::FxHashSet;
 use std::sync::Arc;
 
-/// A part that is repeated.
+/// A sub-graph that is repeated.
 pub(super) struct Repeated<'a> {
     pub(super) name: &'a Name,
     pub(super) place: Place,
@@ -98,7 +98,7 @@ impl Resolver<'_> {
             parameters.get_or_insert(scope);
         }
         let Some(parameters) = parameters else {
-            // What is wrong with the part is told, whether there is a copy of it or not.
+            // What is wrong with the sub-graph is told, whether there is a copy of it or not.
             let (nodes, parts) = (self.nodes.len(), self.part_parameters.len());
             let given = given.into_iter().filter(|given| copy_of(&given.path).is_none()).collect();
             let (scope, _) = self.flatten(document.clone(), &whole.copy(0), Some(whole.group), given);
@@ -142,12 +142,12 @@ impl Resolver<'_> {
         outputs
     }
 
-    /// How often a part is repeated; `None`, told, where that is no number.
+    /// How often a sub-graph is repeated; `None`, told, where that is no number.
     fn count(&mut self, repeat: &At<SetValue>) -> Option<u32> {
         let value = repeat.value.get()?;
         let count = value.as_u32();
         if count.is_none() {
-            let message = format!("a part is repeated a whole number of times, and {value} is none");
+            let message = format!("a sub-graph is repeated a whole number of times, and {value} is none");
             let told = repeat.value.told().unwrap_or_default();
             let mut error =
                 Diagnostic::new(&codes::REPEAT, message).label(self.sources.span(repeat.place), told);
@@ -176,7 +176,7 @@ impl Resolver<'_> {
         false
     }
 
-    /// What is carried must be an output of the part, and go into an input of it.
+    /// What is carried must be an output of the sub-graph, and go into an input of it.
     fn check_carry(&mut self, whole: &Repeated<'_>, document: &Document) {
         let path = self.parts.last().cloned().unwrap_or_default();
         for link in &whole.repeat.carry {
@@ -201,7 +201,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Drops errors that say of a further copy of a part what was told of one before it.
+/// Drops errors that say of a further copy of a sub-graph what was told of one before it.
 pub(crate) fn told_once(mut errors: Vec<Diagnostic>, nodes: &[Node]) -> Vec<Diagnostic> {
     let copied = |node: &&Node| matches!(&node.decl.body, Body::Group(group) if group.copies.is_some());
     let copied: Vec<String> = nodes.iter().filter(copied).map(|node| format!("{}/", node.name)).collect();

@@ -96,7 +96,7 @@ fn kind(node: &Node) -> String {
     match &node.decl.body {
         Body::Pass { kind, shader: None } => kind.value.to_string(),
         Body::Pass { kind, shader: Some(shader) } => format!("{} {}", kind.value, shader.value),
-        Body::Group(_) | Body::Sub { .. } => "a part".to_owned(),
+        Body::Group(_) | Body::Sub { .. } => "a sub-graph".to_owned(),
         Body::Removed => "removed".to_owned(),
     }
 }

@@ -150,7 +150,7 @@ impl Resolver<'_> {
             if let Some(Entry { name: part, .. }) = part {
                 let part = &part.value;
                 error = error.note(format!(
-                    "`{part}` is a part: of it, patches set values and no more; to change its passes, write a \
+                    "`{part}` is a sub-graph: of it, patches set values and no more; to change its passes, write a \
                      file that extends it, and Replace(\"{part}\", Sub(…))"
                 ));
             }
@@ -274,7 +274,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Whether a pass of a document is a part.
+    /// Whether a pass of a document is a sub-graph.
     pub(super) fn is_sub(entry: &Entry) -> bool {
         matches!(entry.decl.body, Body::Sub { .. })
     }

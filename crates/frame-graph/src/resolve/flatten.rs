@@ -1,4 +1,4 @@
-//! Puts parameters in and moves the passes of parts up into the pipeline.
+//! Puts parameters in and moves the passes of sub-graphs up into the pipeline.
 
 use super::copies::{Repeated, told_once};
 use super::document::Document;
@@ -15,20 +15,20 @@ use rustc_hash::FxHashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Deepest nesting of parts.
+/// Deepest nesting of sub-graphs.
 const MAX_PARTS: usize = 16;
 /// Most passes of a flattened pipeline.
 pub(super) const MAX_PASSES: usize = 65_536;
 
-/// A value for a parameter or a setting, from a patch, from `set:` of a part, or from outside.
+/// A value for a parameter or a setting, from a patch, from `set:` of a sub-graph, or from outside.
 #[derive(Clone, Debug)]
 pub(super) struct Assignment {
-    /// `parameter`, `pass.setting`, `part.parameter` or `part/pass.setting`, seen from the file it is for.
+    /// `parameter`, `pass.setting`, `sub-graph.parameter` or `sub-graph/pass.setting`, seen from the file it is for.
     pub(super) path: String,
     pub(super) path_place: Place,
     pub(super) value: SetValue,
     pub(super) place: Place,
-    /// How many borders of parts lie between the file that says it and the one that it is for.
+    /// How many borders of sub-graphs lie between the file that says it and the one that it is for.
     pub(super) depth: u32,
 }
 
@@ -54,7 +54,7 @@ pub(super) struct Resolver<'a> {
     pub(super) errors: Vec<Diagnostic>,
     pub(super) nodes: Vec<Node>,
     pub(super) part_parameters: Vec<(Name, Vec<Parameter>)>,
-    /// The parts that are being flattened, outermost first.
+    /// The sub-graphs that are being flattened, outermost first.
     pub(super) parts: Vec<String>,
     /// Where those of them that are repeated say so.
     pub(super) repeated: Vec<Place>,
@@ -253,7 +253,7 @@ impl<'a> Resolver<'a> {
         self.errors.push(error);
     }
 
-    /// Takes in a part: its border as a group, then its passes.
+    /// Takes in a sub-graph: its border as a group, then its passes.
     fn part(
         &mut self,
         name: Name,
@@ -273,8 +273,11 @@ impl<'a> Resolver<'a> {
                     .label(self.sources.span(file_place), "this closes the loop")
                     .note(format!("the loop is {chain} → {path}"))
             } else {
-                Diagnostic::new(&codes::TOO_LARGE, format!("parts are nested more than {MAX_PARTS} deep"))
-                    .label(self.sources.span(file_place), "")
+                Diagnostic::new(
+                    &codes::TOO_LARGE,
+                    format!("sub-graphs are nested more than {MAX_PARTS} deep"),
+                )
+                .label(self.sources.span(file_place), "")
             };
             self.errors.push(error);
             return;
@@ -318,7 +321,7 @@ impl<'a> Resolver<'a> {
         self.nodes[group as usize].decl = Arc::new(decl);
     }
 
-    /// Every link of a part must have an input there, and every input that is needed a link.
+    /// Every link of a sub-graph must have an input there, and every input that is needed a link.
     fn check_border(
         &mut self,
         decl: &mut PassDecl,
@@ -369,7 +372,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Takes an assignment to the parameter, pass or part that it is for.
+    /// Takes an assignment to the parameter, pass or sub-graph that it is for.
     fn route(
         &mut self,
         mut assignment: Assignment,
@@ -377,7 +380,7 @@ impl<'a> Resolver<'a> {
         passes: &[Entry],
         routed: &mut FxHashMap<usize, Vec<Assignment>>,
     ) {
-        // What a file around the part says was worked out there.
+        // What a file around the sub-graph says was worked out there.
         if assignment.depth == 0 {
             self.put(&mut assignment.value, assignment.place, scope);
         }

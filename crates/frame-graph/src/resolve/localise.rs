@@ -1,4 +1,4 @@
-//! Puts the values of parameters, and the prefix of its part, into the declaration of a pass.
+//! Puts the values of parameters, and the prefix of its sub-graph, into the declaration of a pass.
 
 use super::Parameter;
 use super::flatten::{Resolver, Scope};
@@ -11,7 +11,7 @@ use data_file::Name;
 use std::sync::Arc;
 
 impl Resolver<'_> {
-    /// Puts the scope's parameters and the prefix of its part into a pass. A pass with neither is shared.
+    /// Puts the scope's parameters and the prefix of its sub-graph into a pass. A pass with neither is shared.
     pub(super) fn localise(&mut self, mut decl: Arc<PassDecl>, prefix: &str, scope: &Scope) -> Arc<PassDecl> {
         let in_set = decl.set.iter().any(|set| set.value.get().is_none());
         let in_outs = decl.outs.iter().any(|o| o.size.is_some() || o.count.is_some());
@@ -154,7 +154,7 @@ impl Resolver<'_> {
     }
 }
 
-/// A link as seen from outside the part named `prefix`.
+/// A link as seen from outside the sub-graph named `prefix`.
 pub(super) fn prefixed(target: &Target, prefix: &str) -> Target {
     Target { pass: Name::from(format!("{prefix}/{}", target.pass)), ..target.clone() }
 }

@@ -4,7 +4,7 @@ use super::{Parameter, Resolved};
 use crate::codes;
 use crate::description::{Body, Set, SetValue};
 use crate::diagnostic::Diagnostic;
-use crate::port::{Kinds, Use};
+use crate::port::{PassTypes, Use};
 use crate::value::{Setting, Value};
 use data_file::Name;
 use rustc_hash::FxHashMap;
@@ -20,17 +20,17 @@ pub struct Settable {
     pub value: Value,
 }
 
-/// The settings that each parameter is handed to as it is, by the part that declares it and its name; of the
-/// pipeline itself, the part has no name.
+/// The settings that each parameter is handed to as it is, by the sub-graph that declares it and its name; of the
+/// pipeline itself, the sub-graph has no name.
 type Heirs = FxHashMap<(Name, Name), Vec<Setting>>;
 
 impl Resolved {
-    /// Returns all that a value can be given to from outside: parameters, `part.parameter`, `pass.setting`.
+    /// Returns all that a value can be given to from outside: parameters, `sub-graph.parameter`, `pass.setting`.
     ///
-    /// A parameter that is the whole value of a setting, also of one within parts, inherits what it does not say
+    /// A parameter that is the whole value of a setting, also of one within sub-graphs, inherits what it does not say
     /// itself: default, choices, unit and documentation of the first such setting. Its range ends where that of any
-    /// of them does. Passes whose kinds cannot say their settings are left out: linking tells why.
-    pub fn settable(&self, kinds: &dyn Kinds) -> Vec<Settable> {
+    /// of them does. Passes whose pass types cannot say their settings are left out: linking tells why.
+    pub fn settable(&self, kinds: &dyn PassTypes) -> Vec<Settable> {
         let (mut passes, mut heirs) = (Vec::new(), Heirs::default());
         self.settings(kinds, &mut heirs, &mut |node, setting, given| {
             passes.push(Settable {
@@ -50,7 +50,7 @@ impl Resolved {
     /// handed to them.
     fn settings(
         &self,
-        kinds: &dyn Kinds,
+        kinds: &dyn PassTypes,
         heirs: &mut Heirs,
         f: &mut dyn FnMut(usize, &Setting, Option<&Value>),
     ) {
@@ -73,10 +73,10 @@ impl Resolved {
         }
     }
 
-    /// The parameters of all parts; notes which of the parameters around them are handed to them.
+    /// The parameters of all sub-graphs; notes which of the parameters around them are handed to them.
     fn parts(&self, heirs: &mut Heirs) -> Vec<Settable> {
         let mut found = Vec::new();
-        // What is within a part comes before the part.
+        // What is within a sub-graph comes before the sub-graph.
         for (part, parameters) in &self.part_parameters {
             let around = self.around(part);
             for parameter in parameters {
@@ -92,7 +92,7 @@ impl Resolved {
     }
 
     /// Tells which parameters have no default and can inherit none.
-    pub(crate) fn check_defaults(&self, kinds: &dyn Kinds) -> Vec<Diagnostic> {
+    pub(crate) fn check_defaults(&self, kinds: &dyn PassTypes) -> Vec<Diagnostic> {
         let parts = self.part_parameters.iter().map(|(part, parameters)| (part.clone(), parameters));
         let all = parts.chain([(Name::EMPTY, &self.parameters)]);
         let open: Vec<(Name, &Parameter)> = all
@@ -139,7 +139,7 @@ impl Resolved {
         errors
     }
 
-    /// The parameter of the pipeline itself that a value within a part comes from, where all of it is handed on.
+    /// The parameter of the pipeline itself that a value within a sub-graph comes from, where all of it is handed on.
     pub(super) fn root(&self, node: usize, name: &Name) -> Option<Name> {
         let (mut scope, mut name) = (self.scope(node), name.clone());
         while !scope.is_empty() {
@@ -151,16 +151,16 @@ impl Resolved {
         Some(name)
     }
 
-    /// The part around a part.
+    /// The sub-graph around a sub-graph.
     fn around(&self, part: &Name) -> Name {
         self.index.get(part).map_or(Name::EMPTY, |node| self.scope(*node as usize))
     }
 
-    /// The part whose parameters the values of a node may name.
+    /// The sub-graph whose parameters the values of a node may name.
     fn scope(&self, node: usize) -> Name {
         let mut at = self.nodes[node].parent;
         while let Some(part) = at.map(|at| &self.nodes[at as usize]) {
-            // A copy has those of the part that is repeated.
+            // A copy has those of the sub-graph that is repeated.
             if self.part_parameters.iter().any(|(name, _)| *name == part.name) {
                 return part.name.clone();
             }

@@ -3,7 +3,7 @@
 //! A file may begin with `// set: path=value`, `// ask: output` and `// keep: resource`, for what comes from
 //! outside.
 
-use super::kinds::{MemoryFiles, TestKinds, traits, value};
+use super::kinds::{MemoryFiles, TestPassTypes, traits, value};
 use frame_graph::codes::CODES;
 use frame_graph::{CompileOptions, Diagnostics, LinkContext, Overrides, Source, compile, link, resolve};
 use std::collections::BTreeSet;
@@ -13,7 +13,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/broken")
 }
 
-/// All files of the folder and of its parts, by their paths within it.
+/// All files of the folder and of its sub-graphs, by their paths within it.
 fn files() -> MemoryFiles {
     let mut files = MemoryFiles::default();
     for inner in ["", "parts"] {
@@ -46,7 +46,8 @@ fn errors_of(path: &str, files: &MemoryFiles) -> Option<Diagnostics> {
     let files =
         MemoryFiles(files.0.clone().into_iter().filter(|(p, _)| p.contains('/') || p == path).collect());
     let files = &files;
-    let run = || compile(&link(&resolve(path, files, &overrides)?, &TestKinds::new(), &context)?, &options);
+    let run =
+        || compile(&link(&resolve(path, files, &overrides)?, &TestPassTypes::new(), &context)?, &options);
     run().err()
 }
 

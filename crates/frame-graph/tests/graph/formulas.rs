@@ -1,6 +1,6 @@
 //! Values of settings and sizes that are worked out from parameters.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use frame_graph::plan::Plan;
 use frame_graph::{CompileOptions, LinkContext, Overrides, ResourceDesc, Value, compile, link, resolve};
 use proptest::prelude::*;
@@ -36,7 +36,7 @@ fn plan(text: &str, overrides: &[(&str, Value)]) -> (Plan, String) {
     let overrides = overrides.iter().map(|(path, value)| ((*path).to_owned(), value.clone())).collect();
     let resolved = resolve("main.ron", &files, &Overrides(overrides)).unwrap_or_else(|e| panic!("{e}"));
     let context = LinkContext { frame: (64, 64), traits: traits() };
-    let graph = link(&resolved, &TestKinds::new(), &context).unwrap_or_else(|e| panic!("{e}"));
+    let graph = link(&resolved, &TestPassTypes::new(), &context).unwrap_or_else(|e| panic!("{e}"));
     (compile(&graph, &CompileOptions::default()).unwrap(), resolved.to_ron())
 }
 
@@ -84,7 +84,7 @@ fn dollars_in_plain_text_are_doubled() {
         let text = text("").replace(r#"Text(default: "gauss")"#, &format!("Text(default: {written:?})"));
         let files = MemoryFiles::new(&[("main.ron", &text), ("part.ron", PART)]);
         let resolved = resolve("main.ron", &files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"));
-        let settable = resolved.settable(&TestKinds::new());
+        let settable = resolved.settable(&TestPassTypes::new());
         let value = settable.iter().find(|s| s.path == "mode").unwrap().value.clone();
         let flat = MemoryFiles::new(&[("main.ron", &resolved.to_ron())]);
         let again = resolve("main.ron", &flat, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"));
@@ -153,7 +153,7 @@ proptest! {
             None => prop_assert!(found.is_err(), "{written}"),
             Some(n) => {
                 let found = found.unwrap_or_else(|e| panic!("{e}"));
-                let settable = found.settable(&TestKinds::new());
+                let settable = found.settable(&TestPassTypes::new());
                 let value = settable.iter().find(|s| s.path == "part.n").map(|s| s.value.clone());
                 prop_assert_eq!(value, Some(Value::I32(n)), "{}", written);
             }

@@ -1,17 +1,17 @@
 //! Members of outputs that are resources of an input, handed on under other facts.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use frame_graph::plan::Plan;
 use frame_graph::{
-    Change, CompileOptions, Diagnostics, Externals, FrameState, LinkContext, Overrides, Value, compile, link,
-    resolve,
+    Change, CompileOptions, Diagnostics, FrameState, LinkContext, Overrides, SceneBindings, Value, compile,
+    link, resolve,
 };
 
 pub(super) fn plan_with(passes: &str, outputs: &str, options: &CompileOptions) -> Result<Plan, Diagnostics> {
     let text = format!("Pipeline(passes: {{ {passes} }}, outputs: {{ {outputs} }})");
     let resolved = resolve("p.ron", &MemoryFiles::new(&[("p.ron", &text)]), &Overrides::default())?;
     let context = LinkContext { frame: (64, 64), traits: traits() };
-    compile(&link(&resolved, &TestKinds::new(), &context)?, options)
+    compile(&link(&resolved, &TestPassTypes::new(), &context)?, options)
 }
 
 pub(super) fn plan(passes: &str, outputs: &str) -> Plan {
@@ -71,15 +71,15 @@ fn what_hands_on_is_shown() {
 fn versions_are_those_of_what_is_handed_on() {
     let plan = plan(CHAIN, r#""image": "gather""#);
     let mut state = FrameState::new(&plan);
-    let mut run = |externals| {
-        let schedule = state.begin(&plan, &Change { externals, ..Change::default() });
+    let mut run = |scene_bindings| {
+        let schedule = state.begin(&plan, &Change { scene_bindings, ..Change::default() });
         let ran = plan.passes.iter().zip(schedule.runs).filter(|(_, ran)| *ran);
         ran.map(|(pass, _)| pass.name.to_string()).collect::<Vec<_>>()
     };
-    assert_eq!(run(Externals::NONE), ["view", "second", "lights", "gather"]);
-    assert_eq!(run(Externals::NONE), Vec::<String>::new());
-    assert_eq!(run(Externals::CAMERA), ["view", "second", "lights", "gather"]);
-    assert_eq!(run(Externals::LIGHTS), ["lights", "gather"]);
+    assert_eq!(run(SceneBindings::NONE), ["view", "second", "lights", "gather"]);
+    assert_eq!(run(SceneBindings::NONE), Vec::<String>::new());
+    assert_eq!(run(SceneBindings::CAMERA), ["view", "second", "lights", "gather"]);
+    assert_eq!(run(SceneBindings::LIGHTS), ["lights", "gather"]);
 }
 
 #[test]

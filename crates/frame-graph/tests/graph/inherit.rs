@@ -1,6 +1,6 @@
 //! Parameters that are the whole value of a setting inherit what they do not say.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use frame_graph::{
     CompileOptions, Diagnostics, LinkContext, Overrides, PlanId, Resolved, Settable, Value, compile, link,
     resolve,
@@ -42,19 +42,19 @@ fn resolved(text: &str, overrides: &[(&str, Value)]) -> Result<Resolved, Diagnos
 
 fn id(resolved: &Resolved) -> Result<PlanId, Diagnostics> {
     let context = LinkContext { frame: (64, 64), traits: traits() };
-    let graph = link(resolved, &TestKinds::new(), &context)?;
+    let graph = link(resolved, &TestPassTypes::new(), &context)?;
     Ok(compile(&graph, &CompileOptions::default())?.id)
 }
 
 fn settable(resolved: &Resolved, path: &str) -> Settable {
-    resolved.settable(&TestKinds::new()).into_iter().find(|s| s.path == path).expect("something to set")
+    resolved.settable(&TestPassTypes::new()).into_iter().find(|s| s.path == path).expect("something to set")
 }
 
 #[test]
 fn what_a_parameter_does_not_say_is_that_of_its_setting() {
     let base = resolved(MAIN, &[]).unwrap();
     let map = settable(&base, "map");
-    // Through the part, whose own bound is tighter.
+    // Through the sub-graph, whose own bound is tighter.
     assert_eq!((map.setting.min, map.setting.max), (Some(1.0), Some(128.0)));
     assert_eq!((&map.value, &map.setting.default), (&Value::U32(64), &Value::U32(64)));
     assert_eq!(settable(&base, "maps.side").setting.max, Some(128.0));
@@ -74,7 +74,7 @@ fn what_a_parameter_does_not_say_is_that_of_its_setting() {
     let given = resolved(MAIN, &[("blur.radius", Value::U32(2)), ("maps/splat.map", Value::U32(2))]).unwrap();
     assert_eq!(settable(&given, "radius").setting, radius.setting);
     assert_eq!(settable(&given, "map").setting, map.setting);
-    for found in base.settable(&TestKinds::new()) {
+    for found in base.settable(&TestPassTypes::new()) {
         assert!(found.setting.check(found.value.clone()).is_ok(), "{}", found.path);
         let again = resolved(MAIN, &[(&*found.path, found.value)]);
         assert_eq!(id(&again.unwrap()).unwrap(), id(&base).unwrap(), "{}", found.path);

@@ -1,10 +1,10 @@
-//! Kinds of passes for tests: small, and wide enough to reach every rule of linking.
+//! Pass types for tests: small, and wide enough to reach every rule of linking.
 
-use frame_graph::port::{Kinds, Member, OutputContext, OutputDesc, Use};
+use frame_graph::port::{Member, OutputContext, OutputDesc, PassTypes, Use};
 use frame_graph::resolve::Files;
 use frame_graph::{
-    Clear, Extent, Externals, Format, InputPort, Interface, KindError, OutputPort, Ports, ResourceDesc,
-    Setting, Settings, Source, Traits, Usage, Value,
+    Clear, Extent, Format, InputPort, Interface, OutputPort, PassTypeError, Ports, ResourceDesc,
+    SceneBindings, Setting, Settings, Source, Traits, Usage, Value,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub(super) const INTERFACES: &[Interface] = &[
 ];
 
 /// Makes the outputs of a use.
-type Outputs = fn(&OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError>;
+type Outputs = fn(&OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError>;
 
 struct Kind {
     name: &'static str,
@@ -34,7 +34,7 @@ struct Kind {
     outputs: Outputs,
 }
 
-pub(super) struct TestKinds(Vec<Kind>);
+pub(super) struct TestPassTypes(Vec<Kind>);
 
 fn setting(name: &str, default: Value, min: f64, max: f64, one_of: &[&str]) -> Setting {
     let numeric = matches!(default, Value::U32(_) | Value::I32(_) | Value::F32(_));
@@ -51,7 +51,7 @@ fn setting(name: &str, default: Value, min: f64, max: f64, one_of: &[&str]) -> S
 }
 
 /// Inputs as `name: Interface` or `name?: Interface`, outputs as `name: Interface`.
-fn ports(inputs: &[&str], outputs: &[&str], externals: Externals) -> Arc<Ports> {
+fn ports(inputs: &[&str], outputs: &[&str], scene_bindings: SceneBindings) -> Arc<Ports> {
     let split = |text: &str| {
         let (name, interface) = text.split_once(": ").unwrap();
         (name.trim_end_matches('?').to_owned(), interface.to_owned(), name.ends_with('?'))
@@ -71,7 +71,7 @@ fn ports(inputs: &[&str], outputs: &[&str], externals: Externals) -> Arc<Ports> 
                 OutputPort { name, interface, doc: String::new() }
             })
             .collect(),
-        externals,
+        scene_bindings,
     })
 }
 
@@ -79,20 +79,20 @@ fn image(port: &str) -> OutputDesc {
     OutputDesc::one(port, ResourceDesc::texture_2d(Format::Rgba16Float, Extent::FRAME))
 }
 
-impl TestKinds {
-    pub(super) fn new() -> TestKinds {
-        let none = Externals::NONE;
+impl TestPassTypes {
+    pub(super) fn new() -> TestPassTypes {
+        let none = SceneBindings::NONE;
         let kind = |name, settings: Vec<Setting>, ports, outputs| Kind {
             name,
             settings: settings.into(),
             ports,
             outputs,
         };
-        TestKinds(vec![
+        TestPassTypes(vec![
             kind(
                 "gbuffer",
                 vec![setting("motion", Value::Bool(true), 0.0, 0.0, &[])],
-                ports(&[], &["view: GBuffer"], Externals::SCENE.and(Externals::CAMERA)),
+                ports(&[], &["view: GBuffer"], SceneBindings::SCENE.and(SceneBindings::CAMERA)),
                 |c| {
                     let texture = |name: &str, format| {
                         (name.to_owned(), ResourceDesc::texture_2d(format, Extent::FRAME), Usage::Overwrites)
@@ -111,7 +111,7 @@ impl TestKinds {
                     setting("count", Value::U32(1024), 1.0, 65536.0, &[]),
                     setting("mode", Value::Text("uniform".into()), 0.0, 0.0, &["uniform", "importance"]),
                 ],
-                ports(&["view: GBuffer"], &["lights: Lights"], Externals::LIGHTS),
+                ports(&["view: GBuffer"], &["lights: Lights"], SceneBindings::LIGHTS),
                 |c| {
                     let count = c.settings.u32("count");
                     let lights = OutputDesc::one("lights", ResourceDesc::buffer(u64::from(count) * 48));
@@ -122,14 +122,15 @@ impl TestKinds {
             kind(
                 "shadows",
                 vec![setting("map", Value::U32(64), 1.0, 512.0, &[])],
-                ports(&["lights: Lights"], &["atlas: Visibility"], Externals::SCENE),
+                ports(&["lights: Lights"], &["atlas: Visibility"], SceneBindings::SCENE),
                 |c| {
                     let Some(count) = c.fact("lights", "count").and_then(Value::as_u32) else {
-                        return Err(KindError::input("lights", "the lights do not say their count"));
+                        return Err(PassTypeError::input("lights", "the lights do not say their count"));
                     };
                     let map = c.settings.u32("map");
                     if map * count > 1 << 20 {
-                        let error = KindError::setting("map", format!("{count} maps of {map} do not fit"));
+                        let error =
+                            PassTypeError::setting("map", format!("{count} maps of {map} do not fit"));
                         return Err(error.help("use fewer lights or smaller maps"));
                     }
                     let mut atlas = OutputDesc::one(
@@ -166,7 +167,7 @@ impl TestKinds {
                     )])
                 },
             ),
-            kind("noise", vec![], ports(&[], &["irradiance: Irradiance"], Externals::FRAME), |_| {
+            kind("noise", vec![], ports(&[], &["irradiance: Irradiance"], SceneBindings::FRAME), |_| {
                 Ok(vec![image("irradiance")])
             }),
             kind(
@@ -231,7 +232,7 @@ impl TestKinds {
     }
 }
 
-impl Kinds for TestKinds {
+impl PassTypes for TestPassTypes {
     fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = self.0.iter().map(|kind| kind.name.to_owned()).collect();
         names.push("fullscreen".into());
@@ -247,27 +248,31 @@ impl Kinds for TestKinds {
         if kind == "fullscreen" { Some(true) } else { self.0.iter().any(|k| k.name == kind).then_some(false) }
     }
 
-    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
         if use_.kind == "fullscreen" {
             return Ok(vec![setting("strength", Value::F32(1.0), 0.0, 1.0, &[])].into());
         }
         Ok(Arc::clone(&self.find(use_.kind).settings))
     }
 
-    fn ports(&self, use_: Use<'_>, _settings: &Settings) -> Result<Arc<Ports>, KindError> {
+    fn ports(&self, use_: Use<'_>, _settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
         if use_.kind != "fullscreen" {
             return Ok(Arc::clone(&self.find(use_.kind).ports));
         }
         if let Some(unbound) = use_.inputs.iter().find(|name| name.starts_with("unbound")) {
-            return Err(KindError::input(unbound, format!("the shader binds no `{unbound}`")));
+            return Err(PassTypeError::input(unbound, format!("the shader binds no `{unbound}`")));
         }
         let inputs: Vec<String> = use_.inputs.iter().map(|name| format!("{name}: Any")).collect();
         let inputs: Vec<&str> = inputs.iter().map(String::as_str).collect();
         let interface = use_.outputs.get("out").and_then(|out| out.interface.clone());
-        Ok(ports(&inputs, &[&format!("out: {}", interface.as_deref().unwrap_or("Texture"))], Externals::NONE))
+        Ok(ports(
+            &inputs,
+            &[&format!("out: {}", interface.as_deref().unwrap_or("Texture"))],
+            SceneBindings::NONE,
+        ))
     }
 
-    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         if context.use_.kind != "fullscreen" {
             return (self.find(context.use_.kind).outputs)(context);
         }

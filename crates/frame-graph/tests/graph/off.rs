@@ -1,6 +1,6 @@
-//! What stands in place of passes and parts that are off, where that is another link.
+//! What stands in place of passes and sub-graphs that are off, where that is another link.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use frame_graph::plan::{Fate, Plan};
 use frame_graph::{
     CompileOptions, Diagnostics, LinkContext, Overrides, Resolved, Traits, Value, compile, link, resolve,
@@ -39,7 +39,7 @@ fn resolved(text: &str, overrides: &[(&str, Value)]) -> Resolved {
 fn try_plan(resolved: &Resolved, glossy: bool) -> Result<Plan, Diagnostics> {
     let mut traits: Traits = traits();
     traits.0.insert("glossy".into(), Value::Bool(glossy));
-    let graph = link(resolved, &TestKinds::new(), &LinkContext { frame: (64, 64), traits })?;
+    let graph = link(resolved, &TestPassTypes::new(), &LinkContext { frame: (64, 64), traits })?;
     compile(&graph, &CompileOptions::default())
 }
 
@@ -140,7 +140,7 @@ fn a_link_stands_in_place_of_a_part_and_crosses_its_border() {
     let off = plan(&text("scene.glossy"), &[], false);
     assert_eq!(read(&off, "soft", "irradiance"), "spare.irradiance");
     assert_eq!(names(&off), ["soft", "spare"]);
-    // A member of an output of the part, from what stands in its place.
+    // A member of an output of the sub-graph, from what stands in its place.
     let member = text("scene.glossy")
         .replace("off: \"spare\"", "off: \"second\"")
         .replace("outputs: { \"soft\": \"soft\" }", "outputs: { \"depth\": \"part.view.depth\" }")

@@ -1,17 +1,17 @@
 //! Random graphs: what must hold of any plan.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use frame_graph::frame::FrameSchedule;
 use frame_graph::plan::{Fate, Plan, ResourceId};
 use frame_graph::{
-    Change, CompileOptions, Externals, FrameState, LinkContext, Overrides, ResetCause, ResourceDesc, compile,
-    link, resolve,
+    Change, CompileOptions, FrameState, LinkContext, Overrides, ResetCause, ResourceDesc, SceneBindings,
+    compile, link, resolve,
 };
 use proptest::prelude::*;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt::Write as _;
 
-/// A pass: its kind, what it reads (by distance back, or forward through the past), its size.
+/// A pass: its pass type, what it reads (by distance back, or forward through the past), its size.
 #[derive(Clone, Debug)]
 struct Drawn {
     source: usize,
@@ -28,7 +28,7 @@ fn drawn() -> impl Strategy<Value = Drawn> {
     })
 }
 
-/// The text of a pipeline. Sources read data of the host program; other passes are `fullscreen` ones, which take
+/// The text of a pipeline. Sources read scene bindings; other passes are `fullscreen` ones, which take
 /// any inputs. Every pass reads only earlier ones, but for the past, so that it is valid.
 fn text(passes: &[Drawn], outputs: &[usize], blank: &str) -> String {
     let mut out = format!("Pipeline({blank}passes: {{");
@@ -85,7 +85,7 @@ fn plan(text: &str, sharing: bool) -> Plan {
 fn plan_of(files: &MemoryFiles, text: &str, sharing: bool) -> Plan {
     let resolved = resolve("random.ron", files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}"));
     let context = LinkContext { frame: (64, 64), traits: traits() };
-    let graph = link(&resolved, &TestKinds::new(), &context).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let graph = link(&resolved, &TestPassTypes::new(), &context).unwrap_or_else(|e| panic!("{e}\n{text}"));
     compile(&graph, &CompileOptions { sharing, ..CompileOptions::default() })
         .unwrap_or_else(|e| panic!("{e}"))
 }
@@ -206,7 +206,7 @@ fn written_out(plan: &Plan) -> String {
 /// A change of one frame, by numbers.
 #[derive(Clone, Debug)]
 struct Step {
-    externals: u8,
+    scene_bindings: u8,
     pass: Option<prop::sample::Index>,
     event: Option<u8>,
 }
@@ -217,7 +217,7 @@ fn step() -> impl Strategy<Value = Step> {
         prop::option::weighted(0.3, any::<prop::sample::Index>()),
         prop::option::weighted(0.2, 0..4u8),
     )
-        .prop_map(|(externals, pass, event)| Step { externals, pass, event })
+        .prop_map(|(scene_bindings, pass, event)| Step { scene_bindings, pass, event })
 }
 
 /// The content of a resource: a number that stands for all that went into it.
@@ -229,17 +229,17 @@ fn mix(parts: impl IntoIterator<Item = u64>) -> Content {
     })
 }
 
-/// What changed so far: revisions of the host program's data and of passes.
+/// What changed so far: revisions of the scene bindings and of passes.
 #[derive(Default)]
 struct Revisions {
-    externals: [u64; 4],
+    scene_bindings: [u64; 4],
     passes: HashMap<u32, u64>,
 }
 
 /// What a pass makes of what it reads.
 fn make(plan: &Plan, pass: usize, revisions: &Revisions, reads: &[Content], member: usize) -> Content {
-    let bits = plan.passes[pass].externals.0;
-    let own = (0..4).filter(|bit| bits & (1 << bit) != 0).map(|bit| revisions.externals[bit]);
+    let bits = plan.passes[pass].scene_bindings.0;
+    let own = (0..4).filter(|bit| bits & (1 << bit) != 0).map(|bit| revisions.scene_bindings[bit]);
     let own: Vec<u64> = own.collect();
     let revision = revisions.passes.get(&(pass as u32)).copied().unwrap_or(0);
     mix([pass as u64, member as u64, revision].into_iter().chain(own).chain(reads.iter().copied()))
@@ -426,11 +426,11 @@ proptest! {
         for (number, step) in steps.iter().enumerate() {
             let frame = number as u64 + 1;
             for bit in 0..3 {
-                if step.externals & (1 << bit) != 0 {
-                    revisions.externals[bit] = frame;
+                if step.scene_bindings & (1 << bit) != 0 {
+                    revisions.scene_bindings[bit] = frame;
                 }
             }
-            revisions.externals[3] = frame;
+            revisions.scene_bindings[3] = frame;
             let told = step.pass.map(|index| index.index(plan.passes.len().max(1)) as u32);
             let told: Vec<_> = told.into_iter().filter(|_| !plan.passes.is_empty()).collect();
             for pass in &told {
@@ -439,7 +439,7 @@ proptest! {
             let all = [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
             let events: Vec<ResetCause> = step.event.map(|e| all[e as usize]).into_iter().collect();
             let change = Change {
-                externals: Externals(step.externals),
+                scene_bindings: SceneBindings(step.scene_bindings),
                 passes: told.iter().map(|p| frame_graph::plan::PassId(*p)).collect(),
                 again: Vec::new(),
                 events: events.clone(),

@@ -1,6 +1,6 @@
 //! The reader: it takes what the `ron` crate takes, with the same values, and breaks on nothing.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use super::whole::{BASE, SHADOWS};
 use frame_graph::{CompileOptions, LinkContext, Overrides, Source, Value, compile, link, parse, resolve};
 use proptest::prelude::*;
@@ -129,7 +129,7 @@ proptest! {
         }
         let files = MemoryFiles::new(&[("base.ron", &texts[0]), ("parts/shadows.ron", &texts[1])]);
         let context = LinkContext { frame: (640, 480), traits: traits() };
-        let run = || compile(&link(&resolve("base.ron", &files, &Overrides::default())?, &TestKinds::new(), &context)?, &CompileOptions::default());
+        let run = || compile(&link(&resolve("base.ron", &files, &Overrides::default())?, &TestPassTypes::new(), &context)?, &CompileOptions::default());
         match run() {
             Ok(plan) => prop_assert!(!plan.outputs.is_empty()),
             Err(errors) => {

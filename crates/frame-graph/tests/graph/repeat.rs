@@ -1,6 +1,6 @@
-//! Parts that are repeated.
+//! Sub-graphs that are repeated.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use frame_graph::plan::Plan;
 use frame_graph::{
     CompileOptions, Diagnostics, LinkContext, Overrides, Resolved, Value, compile, link, resolve,
@@ -17,7 +17,7 @@ const STEP: &str = r#"Pipeline(
     outputs: { "soft": "blur", "mixed": "mix" },
 )"#;
 
-/// A part that repeats another.
+/// A sub-graph that repeats another.
 const OUTER: &str = r#"Pipeline(
     parameters: { "n": U32(default: 2) },
     inputs: { "irradiance": "Irradiance" },
@@ -47,7 +47,7 @@ fn resolved(text: &str, overrides: &[(&str, Value)]) -> Result<Resolved, Diagnos
 
 fn try_plan(text: &str, overrides: &[(&str, Value)]) -> Result<Plan, Diagnostics> {
     let context = LinkContext { frame: (64, 64), traits: traits() };
-    let graph = link(&resolved(text, overrides)?, &TestKinds::new(), &context)?;
+    let graph = link(&resolved(text, overrides)?, &TestPassTypes::new(), &context)?;
     compile(&graph, &CompileOptions::default())
 }
 
@@ -103,7 +103,7 @@ fn without_a_copy_what_is_carried_is_handed_through() {
         reader(r#", when: "$n > 0", off: "noise""#).unwrap().output("after").unwrap().from,
         "noise.irradiance"
     );
-    // The part is checked all the same.
+    // The sub-graph is checked all the same.
     let error =
         try_plan(&text(", set: { \"raduis\": 2 }", r#""soft": "loop.soft""#), &[("n", Value::U32(0))]);
     assert_eq!(error.unwrap_err().0[0].code, "E017");
@@ -140,7 +140,7 @@ fn values_reach_all_copies_or_one() {
     assert_eq!((error.0.len(), error.0[0].code), (1, "E017"), "{error}");
     // What can be set is told by paths that are taken back.
     let base = resolved(&soft, &[]).unwrap();
-    let settable = base.settable(&TestKinds::new());
+    let settable = base.settable(&TestPassTypes::new());
     for path in ["loop.radius", "loop/2/blur.radius"] {
         assert!(settable.iter().any(|s| s.path == path), "{path}");
     }

@@ -1,6 +1,6 @@
 //! What goes on where one plan takes the place of another.
 
-use super::kinds::{MemoryFiles, TestKinds, traits, value};
+use super::kinds::{MemoryFiles, TestPassTypes, traits, value};
 use frame_graph::plan::{HistoryId, Plan};
 use frame_graph::{
     Change, CompileOptions, FrameState, LinkContext, Overrides, ResetCause, Succession, compile, link,
@@ -23,7 +23,7 @@ fn plan_of(text: &str, set: &[(&str, &str)], frame: (u32, u32), options: &Compil
     let set = set.iter().map(|(path, text)| ((*path).to_owned(), value(text))).collect();
     let files = MemoryFiles::new(&[("p.ron", text)]);
     let resolved = resolve("p.ron", &files, &Overrides(set)).unwrap_or_else(|e| panic!("{e}"));
-    let graph = link(&resolved, &TestKinds::new(), &LinkContext { frame, traits: traits() });
+    let graph = link(&resolved, &TestPassTypes::new(), &LinkContext { frame, traits: traits() });
     compile(&graph.unwrap_or_else(|e| panic!("{e}")), options).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -136,7 +136,7 @@ fn what_else_is_in_a_plan_ends_no_past() {
     assert_eq!(after(&without, &base, &[ResetCause::Scene])[0], ("sum.color".to_owned(), 0, scene));
 }
 
-/// Another link into what feeds a past is a change; so is another kind, another initial value, another format.
+/// Another link into what feeds a past is a change; so is another pass type, another initial value, another format.
 #[test]
 fn links_kinds_and_initial_values_are_part_of_what_a_past_is() {
     let base = plan(&[]);

@@ -1,6 +1,6 @@
 //! Variants: `extends`, patches, parts, switches, overrides; and the flattened file.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use super::whole::{BASE, SHADOWS};
 use frame_graph::plan::{Fate, Plan};
 use frame_graph::{
@@ -34,7 +34,7 @@ fn resolved(variant: &str, overrides: &[(&str, Value)]) -> Resolved {
 
 fn planned(resolved: &Resolved, traits: Traits, options: &CompileOptions) -> Plan {
     let context = LinkContext { frame: (320, 200), traits };
-    let graph = link(resolved, &TestKinds::new(), &context).unwrap_or_else(|e| panic!("{e}"));
+    let graph = link(resolved, &TestPassTypes::new(), &context).unwrap_or_else(|e| panic!("{e}"));
     compile(&graph, options).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -72,8 +72,9 @@ fn replace_keeps_the_inputs_that_fit() {
 fn replace_drops_inputs_that_a_shader_does_not_bind() {
     let variant = r#"passes: { "full": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "color": "steady", "unbound": "view.depth" }) }, outputs: { "full": "full" }"#;
     let files = files(variant);
-    let errors = resolve("variant.ron", &files, &Overrides::default())
-        .map(|r| link(&r, &TestKinds::new(), &LinkContext { frame: (8, 8), traits: traits() }).unwrap_err());
+    let errors = resolve("variant.ron", &files, &Overrides::default()).map(|r| {
+        link(&r, &TestPassTypes::new(), &LinkContext { frame: (8, 8), traits: traits() }).unwrap_err()
+    });
     assert_eq!(errors.unwrap().0[0].code, "E025");
     let mut files = files;
     let second = r#"Pipeline(extends: "variant.ron", patch: [ Replace("full", Pass(kind: "fullscreen", shader: "b.wgsl")) ])"#;
@@ -148,7 +149,7 @@ fn off_hands_on_an_input_through_borders_of_parts() {
                outputs: {{ "soft": "part" }}"#
         )
     };
-    // The blur inside is off where the part's optional input is not linked: its input stands for it.
+    // The blur inside is off where the sub-graph's optional input is not linked: its input stands for it.
     let off = plan(&part(""));
     assert!(off.pass("part/blur").is_none());
     assert_eq!(off.output("soft").unwrap().from, "part/mix.irradiance");
@@ -162,7 +163,7 @@ fn off_hands_on_an_input_through_borders_of_parts() {
     assert!(
         matches!(&whole.fates.iter().find(|(n, _)| n == "part/mix").unwrap().1, Fate::Off { why, .. } if why.starts_with("`part` is off: scene.glossy"))
     );
-    // Or a constant of the shape that the part would give.
+    // Or a constant of the shape that the sub-graph would give.
     let black = plan(&variant.replace("Input(\"irradiance\")", "Color(1, 0, 0, 1)"));
     assert_eq!(black.output("soft").unwrap().from, "part/blur.irradiance");
     let constant = &black.resources[black.resource("part/blur.irradiance").unwrap().0 as usize];
@@ -355,32 +356,32 @@ fn the_name_of_a_plan_changes_with_all_that_matters() {
     assert_eq!(plan(r#"patch: [ Remove("unused") ], about: "other""#).id, base.id);
     // The size of the frame does.
     let context = LinkContext { frame: (321, 200), traits: traits() };
-    let graph = link(&resolved("", &[]), &TestKinds::new(), &context).unwrap();
+    let graph = link(&resolved("", &[]), &TestPassTypes::new(), &context).unwrap();
     assert_ne!(compile(&graph, &CompileOptions::default()).unwrap().id, base.id);
 }
 
 #[test]
 fn movement_ends_the_past_of_what_reads_it() {
-    use frame_graph::{Change, Externals, FrameState, ResetCause};
+    use frame_graph::{Change, FrameState, ResetCause, SceneBindings};
     let with = |reset: &str| {
         plan(&format!(
             r#"patch: [ Replace("filter", Pass(kind: "blur", in: {{ "irradiance": "gather", "view": Prev(port: "view", reset: [{reset}]) }})) ]"#
         ))
     };
-    let reset_by = |plan: &Plan, externals: Externals| {
+    let reset_by = |plan: &Plan, scene_bindings: SceneBindings| {
         let mut state = FrameState::new(plan);
-        state.begin(plan, &Change { externals, ..Change::default() });
-        let schedule = state.begin(plan, &Change { externals, ..Change::default() });
+        state.begin(plan, &Change { scene_bindings, ..Change::default() });
+        let schedule = state.begin(plan, &Change { scene_bindings, ..Change::default() });
         let of_view =
             |h: &frame_graph::plan::History| plan.resources[h.resource.0 as usize].name.starts_with("view.");
         let found = plan.histories.iter().position(of_view).expect("a history of the view");
         schedule.histories[found].reset
     };
     let moved = with("Cut, Moved");
-    assert_eq!(reset_by(&moved, Externals::CAMERA), Some(ResetCause::Moved));
-    assert_eq!(reset_by(&moved, Externals::SCENE.and(Externals::FRAME)), Some(ResetCause::Moved));
+    assert_eq!(reset_by(&moved, SceneBindings::CAMERA), Some(ResetCause::Moved));
+    assert_eq!(reset_by(&moved, SceneBindings::SCENE.and(SceneBindings::FRAME)), Some(ResetCause::Moved));
     // The view reads no lights, and time goes on in a still scene too.
-    assert_eq!(reset_by(&moved, Externals::LIGHTS), None);
-    assert_eq!(reset_by(&moved, Externals::FRAME), None);
-    assert_eq!(reset_by(&with("Cut"), Externals::CAMERA), None);
+    assert_eq!(reset_by(&moved, SceneBindings::LIGHTS), None);
+    assert_eq!(reset_by(&moved, SceneBindings::FRAME), None);
+    assert_eq!(reset_by(&with("Cut"), SceneBindings::CAMERA), None);
 }

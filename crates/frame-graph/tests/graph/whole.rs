@@ -1,6 +1,6 @@
 //! From text to plan and frame.
 
-use super::kinds::{MemoryFiles, TestKinds, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use frame_graph::plan::Fate;
 use frame_graph::{
     Change, CompileOptions, Diagnostics, FrameState, LinkContext, Overrides, Plan, Value, compile, link,
@@ -39,7 +39,7 @@ pub(super) fn plan_of(files: &[(&str, &str)], path: &str) -> Result<Plan, Diagno
     let files = MemoryFiles::new(files);
     let resolved = resolve(path, &files, &Overrides::default())?;
     let context = LinkContext { frame: (1920, 1080), traits: traits() };
-    compile(&link(&resolved, &TestKinds::new(), &context)?, &CompileOptions::default())
+    compile(&link(&resolved, &TestPassTypes::new(), &context)?, &CompileOptions::default())
 }
 
 #[test]
@@ -67,15 +67,15 @@ fn a_whole_pipeline_compiles_and_runs() {
     assert_eq!(second.histories[0].age, 1);
 }
 
-/// Parameters, those of parts, and settings of passes: each path is taken back with the value that it has.
+/// Parameters, those of sub-graphs, and settings of passes: each path is taken back with the value that it has.
 #[test]
 fn what_can_be_set_is_told_by_its_path() {
     let files = MemoryFiles::new(&[("base.ron", BASE), ("parts/shadows.ron", SHADOWS)]);
     let base = resolve("base.ron", &files, &Overrides(vec![("map".into(), Value::U32(128))])).unwrap();
-    let settable = base.settable(&TestKinds::new());
+    let settable = base.settable(&TestPassTypes::new());
     let value = |path: &str| settable.iter().find(|found| found.path == path).map(|found| &found.value);
     assert_eq!(value("count"), Some(&Value::U32(256)));
-    // What `$map` gives reaches the part, and the pass within it.
+    // What `$map` gives reaches the sub-graph, and the pass within it.
     assert_eq!(value("shadows.map"), Some(&Value::U32(128)));
     assert_eq!(value("shadows/splat.map"), Some(&Value::U32(128)));
     assert_eq!(value("splat.map"), None);

@@ -1,8 +1,8 @@
 //! A pass with any steps.
 
 use pass::{
-    Compute, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc,
-    Setting, Settings, UseContext, input, output,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, Setting, Settings, UseContext, input, output,
 };
 use pass_test::{Harness, Outputs};
 
@@ -57,11 +57,11 @@ impl Pass for Bench {
         Info { kind: "bench", about: "Any steps.", paper: "", shaders: &[] }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(Vec::new())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: self.inputs.iter().map(|(name, _)| input(name, "Buffer", "Words.")).collect(),
             outputs: self.outputs.iter().map(|(name, _)| output(name, "Buffer", "Words.")).collect(),
@@ -69,14 +69,14 @@ impl Pass for Bench {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let buffer = |(name, words): &(&str, usize)| {
             OutputDesc::one(name, ResourceDesc::buffer(4 * (*words).max(1) as u64))
         };
         Ok(self.outputs.iter().map(buffer).chain(self.scratch.iter().cloned()).collect())
     }
 
-    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         Ok(Recording::of(self.steps.clone()))
     }
 }

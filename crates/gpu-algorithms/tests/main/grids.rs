@@ -16,7 +16,7 @@ fn grid(cell_of: &[u32], bound: u32, cells: u32) -> Option<(Vec<u32>, Vec<u32>)>
         .steps(grid.scratch(), grid.steps(&shader))
         .run()?;
     let mut starts: Vec<u32> = outputs.read("starts");
-    // Small buffers are larger than they were asked for.
+    // Small buffers are larger than requested.
     starts.truncate(cells as usize + 1);
     let mut indices: Vec<u32> = outputs.read("indices");
     indices.truncate(starts[cells as usize] as usize);

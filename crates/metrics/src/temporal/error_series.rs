@@ -86,7 +86,7 @@ fn along_hilbert_curve(mut x: usize, mut y: usize, side: usize) -> usize {
     while half > 0 {
         let (right, below) = (x & half != 0, y & half != 0);
         position += half * half * ((3 * usize::from(right)) ^ usize::from(below));
-        // Each quadrant holds the curve anew: the first transposed, the last transposed the other way.
+        // Each quadrant holds the curve again: the first transposed, the last transposed the other way.
         if !below {
             if right {
                 (x, y) = (side - 1 - x, side - 1 - y);

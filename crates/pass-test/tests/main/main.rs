@@ -2,8 +2,8 @@
 
 use frame_graph::{Clear, Usage};
 use pass::{
-    Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Threads, UseContext, setting,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, setting,
 };
 use pass_test::{Harness, ResetCause};
 
@@ -41,26 +41,26 @@ impl Pass for Small {
         Info { kind: "small", about: "", paper: "", shaders: &[SHADER] }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(vec![Setting { max: Some(100.0), ..setting::u32("step", 1, "") }])
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         let past = self.remembers.then(|| pass::input("past", "Buffer", ""));
         Ok(Ports {
             inputs: past.into_iter().collect(),
             outputs: vec![pass::output(self.output, "Buffer", "")],
-            externals: if self.remembers { Externals::FRAME } else { Externals::NONE },
+            scene_bindings: if self.remembers { SceneBindings::FRAME } else { SceneBindings::NONE },
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let mut output = OutputDesc::one(self.output, ResourceDesc::buffer(self.bytes));
         output.members[0].2 = Usage::ClearFirst(Clear::Zero);
         Ok(vec![output])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let threads = Threads::Grid(self.threads);
         Ok(Recording::one(Compute::new(cx.shader(SHADER, &[]), self.entry, threads)))
     }

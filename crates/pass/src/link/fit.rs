@@ -37,7 +37,7 @@ pub(super) fn mismatch(global: &GlobalKind, desc: &ResourceDesc, writable: bool)
                 None
             }
         }
-        (GlobalKind::AccelerationStructure, _) => Some("only the host program has one"),
+        (GlobalKind::AccelerationStructure, _) => Some("only the application has one"),
         _ => Some("one is a texture, the other a buffer"),
     }
 }

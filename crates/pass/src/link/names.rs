@@ -1,8 +1,8 @@
 //! What the names in the shaders of a pass can mean.
 
 use super::Source;
-use crate::externals;
 use crate::record::PortDesc;
+use crate::scene_bindings;
 use frame_graph::plan::{Plan, PlannedInput, PlannedPass, PlannedPort, ResourceId};
 use frame_graph::{Name, ResourceDesc};
 use std::sync::Arc;
@@ -61,7 +61,7 @@ impl Names {
 
     /// All names of globals.
     pub(super) fn all(&self) -> impl Iterator<Item = String> + '_ {
-        self.own().chain(externals::GLOBALS.iter().map(|(name, _)| (*name).to_owned()))
+        self.own().chain(scene_bindings::GLOBALS.iter().map(|(name, _)| (*name).to_owned()))
     }
 }
 

@@ -111,7 +111,7 @@ impl StepLinker<'_> {
             known.add_past(&format!("{}_", input.port), input.history.as_ref());
         }
         let note =
-            format!("it is neither a setting of the kind `{}` nor a fact of a port", self.planned.kind);
+            format!("it is neither a setting of the pass type `{}` nor a fact of a port", self.planned.kind);
         self.fill(shader, &request.path, global, known, note)
     }
 
@@ -135,7 +135,7 @@ impl StepLinker<'_> {
             .find(|pass| pass.outputs.iter().any(|output| Arc::ptr_eq(&output.facts, &port.facts)));
         let producer = producer.map_or_else(
             || "what is linked".to_owned(),
-            |pass| format!("`{}` of the kind `{}`, which is linked", pass.name, pass.kind),
+            |pass| format!("`{}` of the pass type `{}`, which is linked", pass.name, pass.kind),
         );
         let given: Vec<&str> = known.names().collect();
         let given = if given.is_empty() { "no facts".to_owned() } else { given.join(", ") };

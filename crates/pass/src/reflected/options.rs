@@ -1,7 +1,7 @@
 //! Variants of a shader of a user's: its options as settings, and stand-ins for the modules of interfaces.
 
 use super::{UserShader, member_of};
-use crate::{Define, InputPort, KindError, Library, Request, Setting, Settings, Traits, externals};
+use crate::{Define, InputPort, Library, PassTypeError, Request, Setting, Settings, Traits, scene_bindings};
 use shader_library::ShaderOption;
 
 /// An `#import interface`, which is an input.
@@ -37,8 +37,8 @@ impl Imported {
 pub(super) fn stand_in(
     library: &Library,
     user: &UserShader<'_>,
-) -> Result<(Request, Vec<Imported>), KindError> {
-    let refused = |errors| KindError::new(format!("`{}` is refused\n{errors}", user.path));
+) -> Result<(Request, Vec<Imported>), PassTypeError> {
+    let refused = |errors| PassTypeError::new(format!("`{}` is refused\n{errors}", user.path));
     let outline = library.outline(&user.request).map_err(refused)?;
     let mut request = user.request.clone();
     let mut imported = Vec::new();
@@ -53,7 +53,7 @@ pub(super) fn stand_in(
         let Some((interface, module)) = MODULES.iter().find(|(interface, _)| named(interface)) else {
             let message =
                 format!("`{}` imports the interface \"{port}\", and no producer brings that", user.path);
-            return Err(KindError::new(message).help(
+            return Err(PassTypeError::new(message).help(
                 "there are \"visibility\" and \"points\", and names that end in `_visibility` or `_points`",
             ));
         };
@@ -64,9 +64,9 @@ pub(super) fn stand_in(
 }
 
 /// The settings that the options and `struct Settings` of all variants declare.
-pub(super) fn settings(library: &Library, user: &UserShader<'_>) -> Result<Vec<Setting>, KindError> {
+pub(super) fn settings(library: &Library, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
     let (request, _) = stand_in(library, user)?;
-    let refused = |errors| KindError::new(format!("`{}` is refused\n{errors}", user.path));
+    let refused = |errors| PassTypeError::new(format!("`{}` is refused\n{errors}", user.path));
     let shader = library.load(&request).map_err(refused)?;
     let mut all: Vec<Setting> = shader
         .outline()
@@ -76,7 +76,7 @@ pub(super) fn settings(library: &Library, user: &UserShader<'_>) -> Result<Vec<S
         .map(ShaderOption::setting)
         .collect();
     let options = all.len();
-    let mut declared = shader.settings().map_err(|errors| KindError::new(errors.to_string()))?;
+    let mut declared = shader.settings().map_err(|errors| PassTypeError::new(errors.to_string()))?;
     // What only other variants declare. Whatever else is wrong with them is told where they are used.
     let variants = if shader.outline().options.is_empty() {
         Vec::new()
@@ -95,7 +95,7 @@ pub(super) fn settings(library: &Library, user: &UserShader<'_>) -> Result<Vec<S
     {
         let message =
             format!("`{}` is an option and a member of `Settings`: one name for two settings", twice.name);
-        return Err(KindError::new(message));
+        return Err(PassTypeError::new(message));
     }
     all.append(&mut declared);
     // What is set most is told first.
@@ -142,5 +142,5 @@ fn setting_name(option: &ShaderOption) -> String {
 }
 
 fn is_trait(option: &ShaderOption) -> bool {
-    externals::TRAITS.contains(&&*setting_name(option))
+    scene_bindings::TRAITS.contains(&&*setting_name(option))
 }

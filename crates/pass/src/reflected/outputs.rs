@@ -2,8 +2,8 @@
 
 use super::{Reflected, list, member_of};
 use crate::{
-    Clear, Extent, Format, KindError, OutputContext, OutputDesc, OutputPort, ResourceDesc, Usage, UseContext,
-    Value, interfaces,
+    Clear, Extent, Format, OutputContext, OutputDesc, OutputPort, PassTypeError, ResourceDesc, Usage,
+    UseContext, Value, interfaces,
 };
 use shader_library::{Access, Attributes, Dimension, Entry, GlobalKind, Shader, TypeLayout};
 
@@ -54,7 +54,7 @@ pub(super) fn written(
     attributes: &Attributes,
     entries: &[Entry],
     linked: &[String],
-) -> Result<Vec<Written>, KindError> {
+) -> Result<Vec<Written>, PassTypeError> {
     let mut all = Vec::new();
     for (index, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.workgroup_size[0] == 0) {
         let scratch = attributes.entries.iter().any(|said| said.name == entry.name && said.scratch);
@@ -63,7 +63,7 @@ pub(super) fn written(
             let unnamed = if entries.len() == 1 { RESULT } else { &entry.name };
             let name = if location.name.is_empty() { unnamed.to_owned() } else { location.name };
             if all.iter().any(|other: &Written| other.name == name) {
-                return Err(KindError::new(format!("two entry points have a result `{name}`")));
+                return Err(PassTypeError::new(format!("two entry points have a result `{name}`")));
             }
             all.push(Written { name, form: Form::Target(location.ty), scratch, entry: Some(index) });
         }
@@ -84,7 +84,7 @@ pub(super) fn written(
         let place = shader.place(said.place.clone()).map_or_else(String::new, |place| format!("{place}: "));
         let is_written = all.iter().any(|written| written.name == said.name);
         if said.scratch && !is_written {
-            return Err(KindError::new(format!(
+            return Err(PassTypeError::new(format!(
                 "{place}`{}` is scratch, but the shader does not write it",
                 said.name
             )));
@@ -92,12 +92,12 @@ pub(super) fn written(
         let Some(read) = &said.reads else { continue };
         if is_written {
             let message = format!("{place}`{}` is written itself, and cannot read `{read}`", said.name);
-            return Err(KindError::new(message));
+            return Err(PassTypeError::new(message));
         }
         if !all.iter().any(|written| written.name == *read) {
             let message = format!("{place}`{}` reads `{read}`, which the shader does not write", said.name);
             let names = all.iter().map(|written| &*written.name);
-            return Err(KindError::new(message).help(match frame_graph::nearest(read, names.clone()) {
+            return Err(PassTypeError::new(message).help(match frame_graph::nearest(read, names.clone()) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("it writes {}", list(names)),
             }));
@@ -107,31 +107,30 @@ pub(super) fn written(
 }
 
 /// The results of a fragment entry point, in the order of their locations.
-fn results(entry: &Entry) -> Result<Vec<shader_library::Location>, KindError> {
+fn results(entry: &Entry) -> Result<Vec<shader_library::Location>, PassTypeError> {
     let name = &entry.name;
     if let Some(input) = entry.inputs.first() {
         let message =
             format!("`{name}` takes `{}` from the vertex stage, which hands nothing on", input.name);
-        return Err(KindError::new(message).help("the pixel is @builtin(position)"));
+        return Err(PassTypeError::new(message).help("the pixel is @builtin(position)"));
     }
     if entry.outputs.is_empty() {
-        return Err(
-            KindError::new(format!("`{name}` has no result to draw")).help("let it return a @location(0)")
-        );
+        return Err(PassTypeError::new(format!("`{name}` has no result to draw"))
+            .help("let it return a @location(0)"));
     }
     let mut outputs = entry.outputs.clone();
     outputs.sort_by_key(|output| output.location);
     let gap = outputs.iter().enumerate().find(|(i, output)| output.location as usize != *i);
     if let Some((expected, output)) = gap {
         let message = format!("`{name}` writes @location({}) but not @location({expected})", output.location);
-        return Err(KindError::new(message).help("locations count from 0 without gaps"));
+        return Err(PassTypeError::new(message).help("locations count from 0 without gaps"));
     }
     Ok(outputs)
 }
 
 impl Reflected {
     /// The output ports.
-    pub(super) fn output_ports(&self, cx: &UseContext<'_>) -> Result<Vec<OutputPort>, KindError> {
+    pub(super) fn output_ports(&self, cx: &UseContext<'_>) -> Result<Vec<OutputPort>, PassTypeError> {
         let groups = self.groups(cx)?;
         let ports: Vec<OutputPort> = groups
             .iter()
@@ -143,7 +142,7 @@ impl Reflected {
             })
             .collect();
         if ports.is_empty() {
-            return Err(KindError::new("the shader writes nothing that another pass could read"));
+            return Err(PassTypeError::new("the shader writes nothing that another pass could read"));
         }
         Ok(ports)
     }
@@ -156,7 +155,7 @@ impl Reflected {
         &self,
         cx: &UseContext<'_>,
         outputs: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, KindError> {
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let like = outputs.inputs.iter().find(|input| input.size().is_some());
         let layers = outputs
             .inputs
@@ -209,7 +208,7 @@ impl Reflected {
     }
 
     /// `port` or `port.member` of each target that an entry point draws to, in order.
-    pub(super) fn targets(&self, cx: &UseContext<'_>, entry: usize) -> Result<Vec<String>, KindError> {
+    pub(super) fn targets(&self, cx: &UseContext<'_>, entry: usize) -> Result<Vec<String>, PassTypeError> {
         let groups = self.groups(cx)?;
         let resource = |one: &Written| {
             groups.iter().find_map(|group| {
@@ -222,7 +221,7 @@ impl Reflected {
     }
 
     /// What is written, by output port: `out:` gathers members of an interface under one name.
-    fn groups<'a>(&'a self, cx: &UseContext<'a>) -> Result<Vec<Group<'a>>, KindError> {
+    fn groups<'a>(&'a self, cx: &UseContext<'a>) -> Result<Vec<Group<'a>>, PassTypeError> {
         let written = &self.written;
         let mut groups: Vec<Group<'a>> = Vec::new();
         for (port, said) in cx.use_.outputs {
@@ -232,18 +231,18 @@ impl Reflected {
             let members: Vec<(&str, &Written)> = written.iter().filter_map(of_port).collect();
             if members.is_empty() {
                 let message = format!("`out:` speaks of `{port}`, which the shader does not write");
-                return Err(KindError::new(message)
+                return Err(PassTypeError::new(message)
                     .help(format!("it writes {}", list(written.iter().map(|w| &w.name)))));
             }
             let scratch = members[0].1.scratch;
             if let Some((_, other)) = members.iter().find(|(_, w)| w.scratch != scratch) {
                 let message =
                     format!("of the members of `{port}`, `{}` alone is scratch or alone is not", other.name);
-                return Err(KindError::new(message));
+                return Err(PassTypeError::new(message));
             }
             if scratch && said.interface.is_some() {
                 let message = format!("`{port}` is scratch, which no other pass sees: it has no interface");
-                return Err(KindError::new(message));
+                return Err(PassTypeError::new(message));
             }
             let sort = sort(members[0].1);
             let interface = said.interface.as_deref().unwrap_or(sort);
@@ -263,18 +262,18 @@ impl Reflected {
 }
 
 /// Checks that what is written as a port is what its interface wants.
-fn check_members(port: &str, interface: &str, members: &[(&str, &Written)]) -> Result<(), KindError> {
+fn check_members(port: &str, interface: &str, members: &[(&str, &Written)]) -> Result<(), PassTypeError> {
     let Some(known) = interfaces::INTERFACES.iter().find(|known| known.name == interface) else {
         if interface == "Texture" || interface == "Buffer" {
             return match members {
                 [("", _)] => Ok(()),
-                _ => Err(KindError::new(format!(
+                _ => Err(PassTypeError::new(format!(
                     "the output `{port}` has several members, so `out:` must name its interface"
                 ))),
             };
         }
         let all = list(interfaces::INTERFACES.iter().map(|known| known.name));
-        return Err(KindError::new(format!(
+        return Err(PassTypeError::new(format!(
             "`out:` offers `{port}` as `{interface}`, which is no interface"
         ))
         .help(format!("there are {all}")));
@@ -283,13 +282,13 @@ fn check_members(port: &str, interface: &str, members: &[(&str, &Written)]) -> R
     for (member, written) in members {
         if !known.members.iter().any(|m| m.name == *member) {
             let names = list(known.members.iter().map(|m| global(m.name)));
-            return Err(KindError::new(format!("`{}` is no member of a `{interface}`", written.name))
+            return Err(PassTypeError::new(format!("`{}` is no member of a `{interface}`", written.name))
                 .help(format!("its members would be written as {names}")));
         }
     }
     for member in known.members.iter().filter(|m| !m.optional) {
         if !members.iter().any(|(name, _)| *name == member.name) {
-            return Err(KindError::new(format!(
+            return Err(PassTypeError::new(format!(
                 "`{port}` lacks a member of a `{interface}`: the shader does not write `{}`",
                 global(member.name)
             )));
@@ -304,7 +303,7 @@ fn sort(written: &Written) -> &'static str {
 }
 
 /// The format of a target: as said, or the widest that every GPU can blend for the type of its texels.
-fn target_format(name: &str, ty: &str, said: Option<Format>) -> Result<Format, KindError> {
+fn target_format(name: &str, ty: &str, said: Option<Format>) -> Result<Format, PassTypeError> {
     let whole = ty.contains("u32");
     let Some(format) = said else {
         return Ok(match ty {
@@ -317,7 +316,7 @@ fn target_format(name: &str, ty: &str, said: Option<Format>) -> Result<Format, K
         });
     };
     if format.name().ends_with("uint") != whole || format == Format::Depth32Float {
-        return Err(KindError::new(format!(
+        return Err(PassTypeError::new(format!(
             "`{name}` is {ty}, which a texture of {} does not hold",
             format.name()
         )));
@@ -326,16 +325,16 @@ fn target_format(name: &str, ty: &str, said: Option<Format>) -> Result<Format, K
 }
 
 /// The format of a storage texture, which the shader says.
-fn storage_format(name: &str, declared: &str, said: Option<Format>) -> Result<Format, KindError> {
+fn storage_format(name: &str, declared: &str, said: Option<Format>) -> Result<Format, PassTypeError> {
     let Some(format) = Format::from_name(declared) else {
         let known = list(Format::ALL.iter().map(|format| format.name()));
-        return Err(KindError::new(format!(
+        return Err(PassTypeError::new(format!(
             "`{name}` is of the format {declared}, which no texture here has"
         ))
         .help(format!("there are {known}")));
     };
     match said.filter(|said| *said != format) {
-        Some(said) => Err(KindError::new(format!(
+        Some(said) => Err(PassTypeError::new(format!(
             "`out:` says {} of `{name}`, but the shader says {declared}",
             said.name()
         ))),
@@ -350,13 +349,13 @@ fn fixed_count(layout: &TypeLayout) -> Option<u32> {
 }
 
 /// Bytes of a buffer of `count` elements.
-fn bytes(name: &str, port: &str, layout: &TypeLayout, count: Option<u32>) -> Result<u64, KindError> {
+fn bytes(name: &str, port: &str, layout: &TypeLayout, count: Option<u32>) -> Result<u64, PassTypeError> {
     let Some((_, stride)) = layout.element.as_ref().filter(|_| layout.runtime_sized) else {
         return Ok(layout.size.into());
     };
     let count = count.ok_or_else(|| {
         let message = format!("nothing says how many elements `{name}: {}` has", layout.ty);
-        KindError::new(message)
+        PassTypeError::new(message)
             .help(format!("say it in the pipeline: out: {{ \"{port}\": Out(count: 1024) }}"))
     })?;
     Ok(u64::from(layout.size) + u64::from(count.max(1)) * u64::from(*stride))

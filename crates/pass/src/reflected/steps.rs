@@ -3,7 +3,7 @@
 use super::outputs::Form;
 use super::{Reflected, UserShader, list, member_of, options};
 use crate::{
-    Compute, Draw, KindError, PortDesc, Ports, Raster, RecordContext, Recording, ResourceDesc, Settings,
+    Compute, Draw, PassTypeError, PortDesc, Ports, Raster, RecordContext, Recording, ResourceDesc, Settings,
     Step, Target, Threads, UseContext, Value,
 };
 use frame_graph::nearest;
@@ -21,14 +21,14 @@ impl Reflected {
     }
 
     /// An error in the attributes of an entry point.
-    fn wrong(&self, said: &EntryAttributes, message: String) -> KindError {
+    fn wrong(&self, said: &EntryAttributes, message: String) -> PassTypeError {
         let place =
             self.shader.place(said.place.clone()).map_or_else(String::new, |place| format!("{place}: "));
-        KindError::new(format!("{place}`{}`: {message}", said.name))
+        PassTypeError::new(format!("{place}`{}`: {message}", said.name))
     }
 
     /// Checks that what attributes name is there.
-    pub(super) fn check_steps(&self, ports: &Ports, settings: &Settings) -> Result<(), KindError> {
+    pub(super) fn check_steps(&self, ports: &Ports, settings: &Settings) -> Result<(), PassTypeError> {
         for entry in &self.entries {
             self.check_aliases(entry)?;
             let Some(said) = self.said(entry) else { continue };
@@ -68,7 +68,7 @@ impl Reflected {
     }
 
     /// Checks that an entry point does not read what it writes under another name.
-    fn check_aliases(&self, entry: &Entry) -> Result<(), KindError> {
+    fn check_aliases(&self, entry: &Entry) -> Result<(), PassTypeError> {
         let uses = |name: &str| {
             entry.globals.iter().any(|&global| self.shader.interface.globals[global].name == name)
         };
@@ -79,14 +79,21 @@ impl Reflected {
             {
                 let message =
                     format!("`{}` reads `{}`, which it writes itself as `{read}`", entry.name, said.name);
-                return Err(KindError::new(message).help("let an entry point before it write what it reads"));
+                return Err(
+                    PassTypeError::new(message).help("let an entry point before it write what it reads")
+                );
             }
         }
         Ok(())
     }
 
     /// The number that an attribute gives.
-    fn amount(&self, said: &EntryAttributes, amount: &Amount, settings: &Settings) -> Result<u32, KindError> {
+    fn amount(
+        &self,
+        said: &EntryAttributes,
+        amount: &Amount,
+        settings: &Settings,
+    ) -> Result<u32, PassTypeError> {
         let name = match amount {
             Amount::Number(number) => return Ok(*number),
             Amount::Setting(name) => name,
@@ -110,7 +117,7 @@ impl Reflected {
     ///
     /// # Errors
     /// Thread counts that nothing gives.
-    pub fn record(&self, cx: &RecordContext<'_>, user: &UserShader<'_>) -> Result<Recording, KindError> {
+    pub fn record(&self, cx: &RecordContext<'_>, user: &UserShader<'_>) -> Result<Recording, PassTypeError> {
         let use_cx = UseContext { use_: cx.use_, shaders: cx.shaders };
         // First what the use says, then what the modules of producers add.
         let request = options::select(cx.shaders, cx.with_modules(user.request.clone()), cx.settings);
@@ -165,7 +172,7 @@ impl Reflected {
     }
 
     /// How many threads an entry point is dispatched with.
-    fn threads(&self, cx: &RecordContext<'_>, entry: &Entry) -> Result<Threads, KindError> {
+    fn threads(&self, cx: &RecordContext<'_>, entry: &Entry) -> Result<Threads, PassTypeError> {
         let said = self.said(entry).and_then(|said| Some((said, said.threads.as_ref()?)));
         let Some((said, threads)) = said else { return Ok(self.threads_of_outputs(cx, entry)) };
         let port = |name: &str| {

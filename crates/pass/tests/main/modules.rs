@@ -1,12 +1,12 @@
-//! Modules bring all that they need: a uniform of their own, options, and the host's data.
+//! Modules bring all that they need: a uniform of their own, options, and the scene bindings.
 
 use frame_graph::plan::{PassId, Plan};
-use frame_graph::port::{Kinds, Use};
+use frame_graph::port::{PassTypes, Use};
 use frame_graph::{CompileOptions, Interface, LinkContext, Member, Overrides};
 use pass::{
-    Compute, Extent, Externals, Format, Info, KindError, Library, LinkedStep, Module, OutputContext,
-    OutputDesc, Pass, Ports, RecordContext, Recording, ResourceDesc, Setting, Settings, Source, Threads,
-    Traits, UseContext, Value,
+    Compute, Extent, Format, Info, Library, LinkedStep, Module, OutputContext, OutputDesc, Pass,
+    PassTypeError, Ports, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Source,
+    Threads, Traits, UseContext, Value,
 };
 use shader_library::{GlobalKind, MemoryFiles};
 use std::sync::Arc;
@@ -21,22 +21,22 @@ impl Pass for Maps {
         Info { kind: "maps", about: "", paper: "", shaders: &[] }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(Vec::new())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports { outputs: vec![pass::output("answer", "Answer", "")], ..Ports::default() })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let module = Module::new("answer.wgsl").option("DOUBLED", Value::Bool(true));
         let buffer = OutputDesc::one("answer", ResourceDesc::<Extent>::buffer(16)).module(module);
         let facts = self.facts.iter();
         Ok(vec![facts.fold(buffer, |output, (name, value)| output.fact(name, Value::U32(*value)))])
     }
 
-    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         Ok(Recording::default())
     }
 }
@@ -49,30 +49,30 @@ impl Pass for Reader {
         Info { kind: "reader", about: "", paper: "", shaders: &[] }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(Vec::new())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![pass::input("answer", "Answer", "")],
             outputs: vec![pass::output("image", "Texture", "")],
-            externals: Externals::NONE,
+            scene_bindings: SceneBindings::NONE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let size = Extent::Fixed(8, 8);
         Ok(vec![OutputDesc::one("image", ResourceDesc::texture_2d(Format::R32Float, size))])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let step = Compute::new(cx.shader("reader.wgsl", &[]), "answer_all", Threads::Grid([8, 8, 1]));
         Ok(Recording::one(step.value("first.count", Value::U32(7))))
     }
 }
 
-/// The two kinds, as a catalog offers them.
+/// The two pass types, as a catalog offers them.
 struct Both {
     maps: Maps,
     library: Library,
@@ -87,7 +87,7 @@ impl Both {
 static INTERFACES: &[Interface] =
     &[Interface { name: "Answer", doc: "", members: &[Member { name: "", optional: false, doc: "" }] }];
 
-impl Kinds for Both {
+impl PassTypes for Both {
     fn names(&self) -> Vec<String> {
         vec!["maps".into(), "reader".into()]
     }
@@ -100,18 +100,18 @@ impl Kinds for Both {
         Some(false)
     }
 
-    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
         Ok(self.find(use_.kind).settings(&UseContext { use_, shaders: &self.library })?.into())
     }
 
-    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, KindError> {
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
         self.find(use_.kind).ports(&UseContext { use_, shaders: &self.library }, settings).map(Arc::new)
     }
 
-    fn outputs(&self, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let context = UseContext { use_: cx.use_, shaders: &self.library };
         let mut outputs = self.find(cx.use_.kind).outputs(&context, cx)?;
-        pass::externals::find_of_modules(&mut outputs, &self.library);
+        pass::scene_bindings::find_of_modules(&mut outputs, &self.library);
         Ok(outputs)
     }
 }
@@ -154,7 +154,7 @@ fn answer_all(@builtin(global_invocation_id) id: vec3<u32>) {
 const ANSWER: &str = r#"
 #option DOUBLED false
 
-#import "host.wgsl"
+#import "bindings.wgsl"
 
 struct AnswerFacts {
     seed: u32,
@@ -175,7 +175,7 @@ fn answer_at(index: u32) -> u32 {
 }
 "#;
 
-const HOST: &str = r#"
+const BINDINGS: &str = r#"
 struct Camera { width: f32 }
 struct Frame { index: u32 }
 
@@ -193,7 +193,7 @@ fn number() -> u32 {
 "#;
 
 fn linked(facts: &'static [(&'static str, u32)]) -> (Plan, Result<Vec<LinkedStep>, String>) {
-    let files = [("answer.wgsl", ANSWER), ("reader.wgsl", READER), ("host.wgsl", HOST)];
+    let files = [("answer.wgsl", ANSWER), ("reader.wgsl", READER), ("bindings.wgsl", BINDINGS)];
     let library = Library::new(Arc::new(MemoryFiles::new(files)));
     let kinds = Both { maps: Maps { facts }, library };
     let pipelines = MemoryFiles::new([("p.ron", PIPELINE)]);
@@ -232,10 +232,11 @@ fn a_module_has_a_uniform_filled_from_the_facts_of_its_port() {
 fn a_reader_depends_on_the_hosts_data_that_the_module_reads() {
     let (plan, steps) = linked(&[("tile", 5)]);
     steps.unwrap_or_else(|error| panic!("{error}"));
-    let of = |kind: &str| plan.passes.iter().find(|pass| pass.kind == kind).expect("it is there").externals;
+    let of =
+        |kind: &str| plan.passes.iter().find(|pass| pass.kind == kind).expect("it is there").scene_bindings;
     // Not on the frame's number: what could ask for it is imported and not called.
-    assert_eq!(of("reader"), Externals::CAMERA.and(Externals::LIGHTS));
-    assert_eq!(of("maps"), Externals::NONE, "who makes the module does not run for it");
+    assert_eq!(of("reader"), SceneBindings::CAMERA.and(SceneBindings::LIGHTS));
+    assert_eq!(of("maps"), SceneBindings::NONE, "who makes the module does not run for it");
 }
 
 #[test]
@@ -247,7 +248,7 @@ fn a_missing_fact_names_the_module_the_producer_and_the_nearest() {
         "answer.wgsl:8:5",
         "nothing gives `answer_facts.tile` a value",
         "did you mean `tiles`?",
-        "`maps` of the kind `maps`",
+        "`maps` of the pass type `maps`",
         "linked to `answer`",
     ] {
         assert!(error.contains(part), "no `{part}` in\n{error}");

@@ -1,4 +1,4 @@
-//! The shader against its twin.
+//! The shader against its CPU reference.
 
 use crate::shared::{Mesh, Random, Ray};
 use bytemuck::{Pod, Zeroable};
@@ -51,7 +51,7 @@ fn follow(scene: &Scene, time: f32, way: &str, rays: &[Ray]) -> Option<Vec<Found
     let out = OutputOverride { count: Some(rays.len() as u32), ..OutputOverride::default() };
     let outputs = Harness::new(compute::PASS)
         .shader("crates/ray-tracing/tests/rays.wgsl")
-        // The kind gives options the values of traits of their names.
+        // The pass type gives options the values of traits of their names.
         .scene_trait("rays", way)
         .out("hits", out)
         .input("rays", "Buffer", &[], vec![("", pass_test::buffer(bytes.len() as u64), bytes)])
@@ -61,16 +61,16 @@ fn follow(scene: &Scene, time: f32, way: &str, rays: &[Ray]) -> Option<Vec<Found
     Some(outputs.read("hits"))
 }
 
-/// The shader has the hits that the twin has of the mesh, by either way of tracing.
+/// The shader has the hits that the CPU reference has of the mesh, by either way of tracing.
 fn assert_twins(scene: &Scene, time: f32, mesh: &Mesh, rays: &[Ray]) {
     let bvh = mesh.bvh();
     for way in ways() {
         let what = format!("{}, {way}", scene.name);
         let Some(found) = follow(scene, time, way, rays) else { return };
         for (ray, found) in rays.iter().zip(found) {
-            let twin = bvh.intersect(ray.origin, ray.direction, ray.nearest, ray.farthest);
-            assert_eq!(found.occluded == 1, twin.is_some(), "{what}: any hit of {ray:?}");
-            let Some(hit) = twin else {
+            let expected = bvh.intersect(ray.origin, ray.direction, ray.nearest, ray.farthest);
+            assert_eq!(found.occluded == 1, expected.is_some(), "{what}: any hit of {ray:?}");
+            let Some(hit) = expected else {
                 assert_eq!(found.triangle, u32::MAX, "{what}: {found:?} of {ray:?}");
                 continue;
             };

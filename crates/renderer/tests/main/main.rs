@@ -1,4 +1,4 @@
-//! The facade as a host program sees it: what it keeps when something is refused, what ends the past, and what it tells.
+//! The facade as an application sees it: what it keeps when something is refused, what ends the past, and what it tells.
 
 mod facade;
 mod outputs;

@@ -61,7 +61,7 @@ fn frames_run_until_the_pipeline_says_that_it_is_done() {
             ControlFlow::Break(())
         })
         .unwrap();
-    assert_eq!(frames, 1, "the host broke off");
+    assert_eq!(frames, 1, "the application broke off");
 }
 
 #[test]

@@ -432,7 +432,7 @@ impl Grammar<'_, '_> {
             if name.value.trim().is_empty() {
                 self.error(&codes::EMPTY, name.span.clone(), "a phase needs a name");
             }
-            Phase { name, passes: self.names(node, "a pass or part") }
+            Phase { name, passes: self.names(node, "a pass or sub-graph") }
         };
         entries.into_iter().map(phase).collect()
     }

@@ -305,10 +305,10 @@ impl<'a> Checker<'a> {
             if !known.contains(&pass.value.as_str()) {
                 let error = Diagnostic::new(
                     &codes::PHASE,
-                    format!("no pipeline has a pass or part `{}`", pass.value),
+                    format!("no pipeline has a pass or sub-graph `{}`", pass.value),
                 )
                 .label(pass.span.clone(), "")
-                .suggest("passes and parts", &pass.value, known.iter().copied());
+                .suggest("passes and sub-graphs", &pass.value, known.iter().copied());
                 self.errors.push(error);
             }
         }

@@ -60,7 +60,7 @@ impl Browser {
 
     /// Loads a page and waits until it is there. What an earlier page told is forgotten.
     pub(super) fn open(&mut self, url: &str) {
-        // The same address with another fragment would not load anew.
+        // The same address with another fragment would not load again.
         self.call("Page.navigate", json!({ "url": "about:blank" }));
         self.wait("document.readyState === 'complete' && location.href === 'about:blank'");
         self.events.clear();

@@ -107,7 +107,7 @@ fn other_claims_run_nothing() {
     assert_eq!((claims.len(), claims[5].at["map"].clone()), (9, AxisValue::Number(32.0)));
 }
 
-/// A run that is asked for other values leaves claims about those of the file unmeasured.
+/// A run with other values leaves claims about those of the file unmeasured.
 #[test]
 fn what_was_not_run_is_not_measured() {
     let claim = "Ratio(measure: \"gpu-ms\", of: \"fast\", to: \"slow\", at_most: 1, at: { \"lights\": 64 })";

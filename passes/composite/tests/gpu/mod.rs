@@ -1,6 +1,6 @@
-//! The pass on a GPU, against the twin.
+//! The pass on a GPU, against the CPU reference.
 
-use composite::twin::{Rgb, composite, displayed};
+use composite::cpu_reference::{Rgb, composite, displayed};
 use half::f16;
 use pass::{Format, ResourceDesc};
 use pass_test::Harness;

@@ -1,7 +1,7 @@
 //! The pass on a GPU, on a floor and maps made here. With the maps that lights really see, it is a test of the whole
 //! program: tests/direct.rs.
 
-use direct_light::twin::{Map, ggx};
+use direct_light::cpu_reference::{Map, ggx};
 use glam::{DVec3, Vec3, dvec3, vec3};
 use half::f16;
 use pass::{Format, ResourceDesc};
@@ -104,7 +104,7 @@ fn each_kind_of_light_shines_on_a_floor() {
     }
 }
 
-/// A disc half way below a spot: lit, dark and in between, as the twin says.
+/// A disc half way below a spot: lit, dark and in between, as the CPU reference says.
 #[test]
 fn shadows_are_those_of_the_twin() {
     let outer = 40f32.to_radians();

@@ -1,6 +1,6 @@
 //! The pass on a GPU, against rays through the same pixels.
 
-use gbuffer::twin::{Camera, Vec3, cross, dot, unit};
+use gbuffer::cpu_reference::{Camera, Vec3, cross, dot, unit};
 use half::f16;
 use pass_test::Harness;
 use scene::Scene;

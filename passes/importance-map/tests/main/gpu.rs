@@ -1,8 +1,8 @@
-//! The shaders against the twin, on a GPU.
+//! The shaders against the CPU reference, on a GPU.
 
 use glam::{DVec3, Vec3};
 use importance_map::PASS;
-use importance_map::twin::{ViewSample, contribution, luminance, mix_with_flux, pixel, response};
+use importance_map::cpu_reference::{ViewSample, contribution, luminance, mix_with_flux, pixel, response};
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash2, unit_float};
 use pass_test::{Harness, Outputs};

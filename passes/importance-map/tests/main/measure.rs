@@ -1,4 +1,6 @@
-use importance_map::twin::{ViewSample, contribution, geometry, luminance, mix_with_flux, pixel, response};
+use importance_map::cpu_reference::{
+    ViewSample, contribution, geometry, luminance, mix_with_flux, pixel, response,
+};
 use std::f64::consts::PI;
 
 const UP: [f64; 3] = [0.0, 0.0, 1.0];

@@ -1,6 +1,6 @@
 //! How many points a triangle has.
 
-use points_on_the_fly::twin::{
+use points_on_the_fly::cpu_reference::{
     ANY_NUMBER, WHOLE, Wanted, level, place, starts, tessellated_points, triangle_at, weights,
 };
 

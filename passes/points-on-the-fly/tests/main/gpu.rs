@@ -1,10 +1,10 @@
-//! The shaders against the twin, on a GPU.
+//! The shaders against the CPU reference, on a GPU.
 
 use crate::probe::{Amplification, SurfaceSample};
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use points_on_the_fly::PASS;
-use points_on_the_fly::twin::{
+use points_on_the_fly::cpu_reference::{
     ANY_NUMBER, Vec3, WHOLE, place, sample, scramble, starts, triangle_at, weights,
 };
 use scene::Scene;
@@ -44,9 +44,13 @@ fn compare(scene: &Scene, time: f32, rule: &str) -> Option<Amplification> {
         let slack = share * wanted + if at_the_end { 200.0 } else { 2.0 };
         assert!((found - wanted).abs() <= slack, "triangle {i}: {found} {wanted}");
     }
-    let asked = if factors.is_some() { weights.iter().sum::<f64>() } else { f64::from(ANY_NUMBER) };
-    assert!((f64::from(found.asked) - asked).abs() < 1e-3 * asked, "{} asked for, not {asked}", found.asked);
-    assert_eq!(found.step, (1 << 63) / u64::from(found.asked));
+    let requested = if factors.is_some() { weights.iter().sum::<f64>() } else { f64::from(ANY_NUMBER) };
+    assert!(
+        (f64::from(found.requested) - requested).abs() < 1e-3 * requested,
+        "{} asked for, not {requested}",
+        found.requested
+    );
+    assert_eq!(found.step, (1 << 63) / u64::from(found.requested));
     let (last, entries) = (corners.len() as u32 - 1, found.guide.len() as u64 - 1);
     for (entry, triangle) in (0..).zip(&found.guide) {
         let at =
@@ -89,7 +93,7 @@ fn samples_are_those_of_the_twin() {
     let scene = pass_test::scene("cornell-box");
     let corners = triangles(&scene, 0.0);
     let seed = pass::pass_seed(0, "probe");
-    // Fewer samples than are asked for, and more; blocks of maps that are not full.
+    // Fewer samples than are requested, and more; blocks of maps that are not full.
     for (rule, maps, per_map) in
         [("area", 3, 700), ("area", 70, 33), ("tessellation", 40, 50), ("tessellation", 5, 20_000)]
     {
@@ -104,23 +108,26 @@ fn samples_are_those_of_the_twin() {
             };
             made += 1;
             let second = unit_float(scramble(place.stratum.reverse_bits(), hash2(seed, place.map)));
-            let twin = sample(&place, maps, second, &found.starts, |triangle, k| {
+            let expected = sample(&place, maps, second, &found.starts, |triangle, k| {
                 corners[triangle as usize][k as usize]
             });
             assert_eq!(got.map, place.map, "sample {index}");
-            assert!((f64::from(got.area) / twin.area - 1.0).abs() < 1e-4, "sample {index}: {got:?} {twin:?}");
+            assert!(
+                (f64::from(got.area) / expected.area - 1.0).abs() < 1e-4,
+                "sample {index}: {got:?} {expected:?}"
+            );
             for c in 0..3 {
                 assert!(
-                    (f64::from(got.position[c]) - twin.position[c]).abs() < 1e-4,
-                    "sample {index}: {got:?} {twin:?}"
+                    (f64::from(got.position[c]) - expected.position[c]).abs() < 1e-4,
+                    "sample {index}: {got:?} {expected:?}"
                 );
                 assert!(
-                    (f64::from(got.normal[c]) - twin.normal[c]).abs() < 1e-4,
-                    "sample {index}: {got:?} {twin:?}"
+                    (f64::from(got.normal[c]) - expected.normal[c]).abs() < 1e-4,
+                    "sample {index}: {got:?} {expected:?}"
                 );
             }
         }
-        assert_eq!(made, found.asked.min(maps * per_map));
+        assert_eq!(made, found.requested.min(maps * per_map));
     }
 }
 

@@ -1,4 +1,4 @@
-//! Triangles amplified into points: shares by hand, the GPU against the twin, evenness.
+//! Triangles amplified into points: shares by hand, the GPU against the CPU reference, evenness.
 
 mod counts;
 mod gpu;

@@ -2,11 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 use pass::{
-    Compute, Externals, Info, KindError, OutputContext, OutputDesc, Pass, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, SurfaceSamples, Threads, UseContext, setting,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, SceneBindings, Setting, Settings, SurfaceSamples, Threads, UseContext, setting,
 };
 use pass_test::{Harness, Outputs};
-use points_on_the_fly::twin::{BLOCK, Wanted};
+use points_on_the_fly::cpu_reference::{BLOCK, Wanted};
 use scene::Scene;
 
 /// struct SurfaceSample.
@@ -28,24 +28,24 @@ impl Pass for Probe {
         Info { kind: "probe", about: "", paper: "", shaders: &[SHADER] }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, KindError> {
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         Ok(["maps", "per_map"].map(|name| setting::u32(name, 1, "")).to_vec())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, KindError> {
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![pass::input("points", "Points", "")],
             outputs: vec![pass::output("samples", "Samples", "")],
-            externals: Externals::SCENE,
+            scene_bindings: SceneBindings::SCENE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let threads = wanted(cx.settings).threads();
         Ok(vec![OutputDesc::one("samples", ResourceDesc::buffer(32 * u64::from(threads)))])
     }
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, KindError> {
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let [maps, per_map] = ["maps", "per_map"].map(|name| cx.settings.u32(name));
         let samples = SurfaceSamples::new(cx, maps, per_map);
         let probe = Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(samples.threads()));
@@ -60,7 +60,7 @@ fn wanted(settings: &Settings) -> Wanted {
 /// struct Amplification.
 #[derive(Clone, Debug)]
 pub(crate) struct Amplification {
-    pub(crate) asked: u32,
+    pub(crate) requested: u32,
     pub(crate) step: u64,
     pub(crate) starts: Vec<u32>,
     pub(crate) guide: Vec<u32>,
@@ -71,7 +71,7 @@ impl Amplification {
     pub(crate) fn read(outputs: &Outputs, triangles: usize) -> Amplification {
         let words: Vec<u32> = outputs.read("points");
         Amplification {
-            asked: words[0],
+            requested: words[0],
             step: (u64::from(words[2]) << 32) | u64::from(words[3]),
             starts: words[4..triangles + 5].to_vec(),
             guide: words[triangles + 5..triangles + 6 + (1 << words[1])].to_vec(),
@@ -104,6 +104,6 @@ impl Amplification {
     }
 
     pub(crate) fn wanted(&self, maps: u32, per_map: u32) -> Wanted {
-        Wanted::new(maps, per_map, self.asked)
+        Wanted::new(maps, per_map, self.requested)
     }
 }

@@ -1,9 +1,9 @@
-//! The pass on a GPU, against closed forms and the twin.
+//! The pass on a GPU, against closed forms and the CPU reference.
 
 use glam::{Vec3, Vec4Swizzles, vec3};
 use half::f16;
 use pass_test::{Harness, Outputs};
-use reflective_shadow_map::twin::{Layer, incident_flux};
+use reflective_shadow_map::cpu_reference::{Layer, incident_flux};
 use scene::{Light, LightKind, Scene};
 use std::f64::consts::PI;
 
@@ -65,7 +65,7 @@ fn a_square_reflects_its_area_of_parallel_light() {
     assert!(seen.iter().all(|p| (p.xyz().dot(direction) - p.w - origin).abs() < 1e-4));
 }
 
-/// Spot, point and directional light at once: each texel's position lies on its ray, and its flux is the twin's.
+/// Spot, point and directional light at once: each texel's position lies on its ray, and its flux is the CPU reference's.
 #[test]
 fn every_texel_of_several_lights_agrees_with_the_twin() {
     let scene = pass_test::scene("cornell-box-lights");

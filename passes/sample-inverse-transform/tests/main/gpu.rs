@@ -1,4 +1,4 @@
-//! The shaders against the twin, on a GPU.
+//! The shaders against the CPU reference, on a GPU.
 
 use crate::distribution::{SIZE, importance};
 use gpu_algorithms::reference::workgroup_prefix_sum;
@@ -6,7 +6,7 @@ use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::{Harness, Outputs, VirtualLight};
 use sample_inverse_transform::PASS;
-use sample_inverse_transform::twin::Cdf;
+use sample_inverse_transform::cpu_reference::Cdf;
 
 /// Flux of a texel: 1 W in red, so that Φ is 1 / (N p) there, and some other in green.
 fn flux(texel: u32) -> [f32; 3] {

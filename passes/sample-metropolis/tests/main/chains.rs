@@ -2,7 +2,7 @@
 
 use pass_test::random::{halton3, hash, hash2, radical_inverse, unit_float};
 use pass_test::statistics::{assert_follows, chi_squared, chi_squared_limit};
-use sample_metropolis::twin::{Chain, element, importance_of};
+use sample_metropolis::cpu_reference::{Chain, element, importance_of};
 
 pub(crate) const SIZE: (u32, u32) = (12, 7);
 

@@ -1,4 +1,4 @@
-//! The shaders against the twin, on a GPU.
+//! The shaders against the CPU reference, on a GPU.
 
 use crate::chains::{Map, SIZE, distribution, halton, histogram, importance, times};
 use pass::{Format, ResourceDesc};
@@ -6,7 +6,7 @@ use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::statistics::assert_follows;
 use pass_test::{Harness, Outputs, VirtualLight};
 use sample_metropolis::PASS;
-use sample_metropolis::twin::{Chain, Weights};
+use sample_metropolis::cpu_reference::{Chain, Weights};
 
 const WEIGHTS: [(&str, Weights); 3] =
     [("local-mean", Weights::LocalMean), ("single", Weights::Single), ("none", Weights::None)];
@@ -49,7 +49,7 @@ fn draw(map: &[f32], size: (u32, u32), settings: Run) -> Option<Vec<VirtualLight
     Some(run(map, size, settings)?.read_counted("lights"))
 }
 
-/// The chains of the twin, with the numbers of the shader.
+/// The chains of the CPU reference, with the numbers of the shader.
 fn chains(map: &[f32], size: (u32, u32), run: Run) -> Vec<Chain> {
     let seed = pass::pass_seed(run.seed, "sample-metropolis");
     let map = Map { importance: map, size };

@@ -1,4 +1,4 @@
-//! Independent Metropolis-Hastings: proposals, distribution, weights, the shader against its twin, extremes.
+//! Independent Metropolis-Hastings: proposals, distribution, weights, the shader against its CPU reference, extremes.
 
 mod chains;
 mod expectation;

@@ -1,7 +1,7 @@
 use crate::chains::keys;
 use pass_test::random::radical_inverse;
 use pass_test::statistics::assert_follows;
-use sample_metropolis::twin::{element, shuffled};
+use sample_metropolis::cpu_reference::{element, shuffled};
 
 #[test]
 fn shuffles_are_permutations() {

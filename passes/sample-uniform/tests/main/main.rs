@@ -2,7 +2,7 @@
 
 use pass::{Format, ResourceDesc};
 use pass_test::{Harness, VirtualLight, random};
-use sample_uniform::{PASS, twin};
+use sample_uniform::{PASS, cpu_reference};
 
 const SIZE: (u32, u32) = (16, 10);
 
@@ -17,7 +17,7 @@ fn every_texel_is_drawn_alike() {
         let texels = SIZE.0 * SIZE.1 * layers;
         let mut seen = vec![0_u32; texels as usize];
         for i in 0..100 * texels {
-            let (layer, x, y) = twin::texel(random::halton3(i + 1, 3), SIZE, layers);
+            let (layer, x, y) = cpu_reference::texel(random::halton3(i + 1, 3), SIZE, layers);
             seen[((layer * SIZE.1 + y) * SIZE.0 + x) as usize] += 1;
         }
         // A sequence of low discrepancy: far within the ±30 of independent numbers.
@@ -27,8 +27,8 @@ fn every_texel_is_drawn_alike() {
 
 #[test]
 fn numbers_next_to_one_stay_in_the_map() {
-    assert_eq!(twin::texel([1.0_f64.next_down(); 3], SIZE, 6), (5, SIZE.0 - 1, SIZE.1 - 1));
-    assert_eq!(twin::texel([1.0; 3], (1, 1), 1), (0, 0, 0));
+    assert_eq!(cpu_reference::texel([1.0_f64.next_down(); 3], SIZE, 6), (5, SIZE.0 - 1, SIZE.1 - 1));
+    assert_eq!(cpu_reference::texel([1.0; 3], (1, 1), 1), (0, 0, 0));
 }
 
 #[test]
@@ -43,8 +43,8 @@ fn virtual_lights_carry_the_flux_of_the_map() {
         for seed in [0, 9] {
             let carried: f64 = (0..COUNT)
                 .map(|i| {
-                    let (layer, x, y) = twin::texel(random::halton3(i + 1, seed), SIZE, layers);
-                    flux((layer * SIZE.1 + y) * SIZE.0 + x) * twin::weight(SIZE, layers, COUNT)
+                    let (layer, x, y) = cpu_reference::texel(random::halton3(i + 1, seed), SIZE, layers);
+                    flux((layer * SIZE.1 + y) * SIZE.0 + x) * cpu_reference::weight(SIZE, layers, COUNT)
                 })
                 .sum();
             let error = (carried - reflected).abs();
@@ -81,11 +81,11 @@ fn lights_are_those_of_the_twin_and_carry_the_flux_of_the_map() {
         for seed in [0, 4] {
             let Some(lights) = draw(SIZE, layers, COUNT, seed) else { return };
             assert_eq!(lights.len(), COUNT as usize);
-            let weight = twin::weight(SIZE, layers, COUNT) as f32;
+            let weight = cpu_reference::weight(SIZE, layers, COUNT) as f32;
             let mut elsewhere = 0;
             for (j, light) in (0..).zip(&lights) {
                 let numbers = random::halton3(j + 1, pass::pass_seed(seed, "sample-uniform"));
-                let (layer, x, y) = twin::texel(numbers, SIZE, layers);
+                let (layer, x, y) = cpu_reference::texel(numbers, SIZE, layers);
                 elsewhere += u32::from(light.texel != (layer * SIZE.1 + y) * SIZE.0 + x);
                 let texel = light.texel;
                 if texel.is_multiple_of(3) {

@@ -1,4 +1,6 @@
-use scene_points::twin::{Point, normal_and_area, numbers, place, sobol2, triangle_at, triangle_from_square};
+use scene_points::cpu_reference::{
+    Point, normal_and_area, numbers, place, sobol2, triangle_at, triangle_from_square,
+};
 
 const SEEDS: [u32; 2] = [0x1234_5678, 0x9abc_def0];
 

@@ -1,10 +1,10 @@
-//! The shader against the twin, on a GPU.
+//! The shader against the CPU reference, on a GPU.
 
 use bytemuck::{Pod, Zeroable};
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use scene::Scene;
-use scene_points::{PASS, twin};
+use scene_points::{PASS, cpu_reference};
 
 /// struct Point.
 #[repr(C)]
@@ -20,7 +20,7 @@ fn run(scene: Scene, count: u32, seed: u32) -> Option<Vec<Point>> {
     Some(Harness::new(PASS).with_scene(scene).set("count", count).seed(seed).run()?.read("points"))
 }
 
-/// Compares with the twin; lengths relative to the largest coordinate.
+/// Compares with the CPU reference; lengths relative to the largest coordinate.
 fn compare(scene: Scene, count: u32, seed: u32) {
     let Some(points) = run(scene.clone(), count, seed) else { return };
     assert_eq!(points.len(), count as usize);
@@ -32,19 +32,20 @@ fn compare(scene: Scene, count: u32, seed: u32) {
         scene.vertices[scene.indices[(3 * triangle + k) as usize] as usize].position.map(f64::from)
     };
     for (i, point) in (0..).zip(&points) {
-        let twin = twin::place(twin::numbers(i, [hash2(seed, 0), hash2(seed, 1)]), &table, corner);
-        assert_eq!(point.triangle, twin.triangle, "point {i}");
+        let expected =
+            cpu_reference::place(cpu_reference::numbers(i, [hash2(seed, 0), hash2(seed, 1)]), &table, corner);
+        assert_eq!(point.triangle, expected.triangle, "point {i}");
         let barycentric = [point.barycentric & 0xffff, point.barycentric >> 16];
         assert!(barycentric[0] + barycentric[1] <= 65535, "point {i}: {barycentric:?}");
-        for (found, expected) in std::iter::zip(barycentric, twin.barycentric) {
+        for (found, expected) in std::iter::zip(barycentric, expected.barycentric) {
             // Single precision may round to the neighbour.
-            assert!(found.abs_diff(expected) <= 1, "point {i}: {point:?} {twin:?}");
+            assert!(found.abs_diff(expected) <= 1, "point {i}: {point:?} {expected:?}");
         }
         for c in 0..3 {
-            let off = (f64::from(point.position[c]) - twin.position[c]).abs();
-            assert!(off < 4e-5 * largest, "point {i}: {point:?} {twin:?}");
-            let off = (f64::from(point.normal[c]) - twin.normal[c]).abs();
-            assert!(off < 1e-4, "point {i}: {point:?} {twin:?}");
+            let off = (f64::from(point.position[c]) - expected.position[c]).abs();
+            assert!(off < 4e-5 * largest, "point {i}: {point:?} {expected:?}");
+            let off = (f64::from(point.normal[c]) - expected.normal[c]).abs();
+            assert!(off < 1e-4, "point {i}: {point:?} {expected:?}");
         }
     }
 }

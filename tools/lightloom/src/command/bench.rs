@@ -56,7 +56,7 @@ enum Figure {
     Samplers,
     /// How much faster 4 million points made on the fly are splatted than as many stored ones
     Points,
-    /// GPU time of a frame of `ism`: 1,024 lights, maps of 64², 256² pixels, everything run anew
+    /// GPU time of a frame of `ism`: 1,024 lights, maps of 64², 256² pixels, everything run again
     IsmFrame,
     /// CPU time from the text of a pipeline of 1,000 passes to a plan, without shaders
     Compile,

@@ -118,7 +118,7 @@ fn check_pipeline(
 ) -> Result<String, Diagnostics> {
     let resolved = resolve(name, catalog.pipelines(), &Overrides::default())?;
     if resolved.is_part() {
-        return Ok("a part, proved where it is used".to_owned());
+        return Ok("a sub-graph, proved where it is used".to_owned());
     }
     let options = renderer::compile_options();
     let (mut passes, mut shaders) = (0, 0);

@@ -59,7 +59,7 @@ fn pipeline(context: &Context, name: &str) -> Result<()> {
     let (about, paper) = (resolved.about().unwrap_or_default(), resolved.paper().unwrap_or_default());
     let outputs: Vec<&str> = resolved.outputs().map(|name| name.as_str()).collect();
     let settable = resolved.settable(&*context.catalog);
-    // Parameters of parts and settings of passes have paths with a dot.
+    // Parameters of sub-graphs and settings of passes have paths with a dot.
     let parameters = settable.iter().filter(|settable| !settable.path.contains('.'));
     if context.json {
         let parameters: Vec<Value> =

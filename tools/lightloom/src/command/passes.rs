@@ -1,18 +1,18 @@
-//! `lightloom passes`: the kinds there are.
+//! `lightloom passes`: the pass types there are.
 
 use crate::context::Context;
 use crate::output::{self, say};
 use anyhow::{Result, bail};
-use frame_graph::port::Kinds;
+use frame_graph::port::PassTypes;
 use frame_graph::{Ports, Setting, Settings, Use, nearest};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// List the kinds of passes, or show one.
+/// List the pass types, or show one.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  lightloom passes gather")]
 pub(crate) struct Args {
-    /// A kind
+    /// A pass type
     kind: Option<String>,
 }
 
@@ -32,8 +32,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let Some(pass) = catalog::find(name) else {
         let names = context.catalog.names();
         match nearest(name, names.iter().map(String::as_str)) {
-            Some(near) => bail!("there is no kind `{name}`; did you mean `{near}`?"),
-            None => bail!("there is no kind `{name}`; there are {}", names.join(", ")),
+            Some(near) => bail!("there is no pass type `{name}`; did you mean `{near}`?"),
+            None => bail!("there is no pass type `{name}`; there are {}", names.join(", ")),
         }
     };
     let info = pass.info();

@@ -100,7 +100,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     }
 }
 
-/// Renders the frames that are asked for, writes their pictures, and says what came of it.
+/// Renders the frames that are requested, writes their pictures, and says what came of it.
 fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequence) -> Result<()> {
     let frames = args.frames;
     renderer.set_frame_index(args.first_frame);
@@ -206,7 +206,7 @@ fn report(
         plan.passes.iter().enumerate().map(|(i, pass)| (pass.name.to_string(), median(times, i))).collect();
     let clamped = clamped_share(renderer);
     let progress = renderer.progress()?;
-    let tallies = renderer.tallies()?;
+    let counters = renderer.counters()?;
     if context.json {
         output::json(&json!({
             "pictures": written,
@@ -216,7 +216,7 @@ fn report(
             "passes": rows.iter().map(|(name, ms)| json!({ "pass": name, "gpu_ms": if args.time { Some(*ms) } else { None } })).collect::<Vec<_>>(),
             "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
             "clamped_energy": clamped,
-            "tallies": tallies.iter().map(|(name, tally)| json!({ "of": name.as_str(), "asked": tally.asked, "made": tally.made })).collect::<Vec<_>>(),
+            "counters": counters.iter().map(|(name, counters)| json!({ "of": name.as_str(), "requested": counters.requested, "produced": counters.produced })).collect::<Vec<_>>(),
             "progress": progress.map(|progress| json!({ "step": progress.step, "steps": progress.steps, "error": progress.error, "done": progress.done })),
         }));
         return Ok(());
@@ -238,8 +238,8 @@ fn report(
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
         say!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
     }
-    for (name, tally) in tallies.iter().filter(|(_, tally)| tally.made < tally.asked) {
-        say!("{name}: {} made of {} that were asked for", tally.made, tally.asked);
+    for (name, counters) in counters.iter().filter(|(_, counters)| counters.produced < counters.requested) {
+        say!("{name}: {} produced of {} requested", counters.produced, counters.requested);
     }
     if let Some(progress) = progress {
         let state = if progress.done { "done" } else { "not done" };

@@ -77,7 +77,7 @@ enum Other {
         #[arg(short, long = "out", value_name = "DIR")]
         out: PathBuf,
     },
-    /// Write tables and report of a folder anew
+    /// Write tables and report of a folder again
     Report {
         /// The folder
         folder: PathBuf,

@@ -28,8 +28,14 @@ fn a_new_pass_is_the_template_renamed() {
     let root = folder.path();
     let made = create(root, "cross-bilateral").unwrap();
     let names: Vec<String> = made.iter().map(|path| path.to_string_lossy().replace('\\', "/")).collect();
-    let below =
-        ["Cargo.toml", "README.md", "cross-bilateral.wgsl", "src/lib.rs", "src/twin.rs", "tests/main.rs"];
+    let below = [
+        "Cargo.toml",
+        "README.md",
+        "cross-bilateral.wgsl",
+        "src/lib.rs",
+        "src/cpu_reference.rs",
+        "tests/main.rs",
+    ];
     for file in below {
         assert!(names.contains(&format!("passes/cross-bilateral/{file}")), "{file} is not among {names:?}");
     }
@@ -53,7 +59,7 @@ fn names_that_hold_the_templates_name_are_replaced_once() {
     let folder = fixture();
     let root = folder.path();
     create(root, "a-new-pass-b").unwrap();
-    for file in ["Cargo.toml", "src/lib.rs", "src/twin.rs", "tests/main.rs"] {
+    for file in ["Cargo.toml", "src/lib.rs", "src/cpu_reference.rs", "tests/main.rs"] {
         let back = read(root, &format!("passes/a-new-pass-b/{file}"))
             .replace("passes/a-new-pass-b", "tools/new-pass")
             .replace("a-new-pass-b", "new-pass")

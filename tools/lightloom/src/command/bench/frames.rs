@@ -67,7 +67,7 @@ fn in_turn<const PHASES: usize>(
     Ok(times.map(|pair| pair.map(Spread::of)))
 }
 
-/// The pass `shadows`, or those of the part of that name.
+/// The pass `shadows`, or those of the sub-graph of that name.
 fn makes_maps(pass: &str) -> bool {
     pass == "shadows" || pass.starts_with("shadows/")
 }
@@ -144,7 +144,7 @@ pub(super) fn points(bench: &Bench<'_>) -> Result<Section> {
         Row::new(format!("points on the fly against stored, {what}"), stored.over(made_on_the_fly), "×")
             .goal(Goal::AtLeast(2.5), "TCAS Tab. 3, on a GPU"),
         Row::new(
-            format!("the same where stored ones are made anew, {what}"),
+            format!("the same where stored ones are made again, {what}"),
             made_and_stored.over(made_on_the_fly),
             "×",
         ),
@@ -173,7 +173,7 @@ pub(super) fn ism_frame(bench: &Bench<'_>) -> Result<Section> {
         rows.push(Row::new(format!("ism: {pass}"), times, "ms"));
     }
     let note = format!(
-        "on {} ({} triangles); GPU time, every pass run anew in each frame.",
+        "on {} ({} triangles); GPU time, every pass run again in each frame.",
         label(scene(bench)),
         timed.triangles()
     );

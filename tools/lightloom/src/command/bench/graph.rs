@@ -77,7 +77,7 @@ pub(super) fn compiling(bench: &Bench<'_>) -> Result<Section> {
         planning.push(milliseconds(start));
         drop(kept);
     }
-    // In the first, kinds are asked for their settings.
+    // In the first, pass types are asked for their settings.
     let [parsing, planning] = [parsing, planning].map(|times| Spread::of(times[1..].to_vec()));
     let rows = vec![
         Row::new(format!("{passes} passes, parsed file to plan"), planning, "ms")

@@ -8,7 +8,7 @@ use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, Value};
 use pass::LinkedStep;
 use renderer::{Catalog, Compiled};
 use scene::Scene;
-use scene_upload::{Frame, Host};
+use scene_upload::{Frame, SceneView};
 use std::sync::Arc;
 
 /// Scenes that are always measured.
@@ -84,7 +84,7 @@ fn pipeline(rays: u32) -> String {
 /// executor is driven here.
 struct Stand<'a> {
     executor: Executor,
-    host: Host,
+    view: SceneView,
     scene: &'a Scene,
     plan: Arc<Plan>,
     side: u32,
@@ -100,25 +100,25 @@ impl Stand<'_> {
         way: &str,
     ) -> Result<Stand<'a>> {
         let mut traits = scene.traits();
-        // The kind `compute` gives options the values of traits of their names.
+        // The pass type `compute` gives options the values of traits of their names.
         traits.0.insert("rays".to_owned(), Value::Text(way.into()));
         let context = LinkContext { frame: (side, side), traits };
         let compiled =
             Compiled::new(catalog, pipeline, &Overrides::default(), &context, &CompileOptions::default())?;
         let mut executor = Executor::new(gpu);
-        let mut host = Host::upload(&mut executor, scene);
-        let externals = compiled.steps.iter().flatten().flat_map(LinkedStep::externals);
-        host.provide(&mut executor, scene, externals)?;
+        let mut view = SceneView::upload(&mut executor, scene);
+        let scene_bindings = compiled.steps.iter().flatten().flat_map(LinkedStep::scene_bindings);
+        view.provide(&mut executor, scene, scene_bindings)?;
         executor.load(Arc::clone(&compiled.plan), compiled.steps)?;
-        Ok(Stand { executor, host, scene, plan: compiled.plan, side })
+        Ok(Stand { executor, view, scene, plan: compiled.plan, side })
     }
 
     /// Milliseconds of each pass.
     fn frame(&mut self) -> Result<Vec<f64>> {
         let frame = Frame { index: 0, time: 0.0, step: 0.0, pad: 0.0 };
         let (pose, size) = (self.scene.at(0.0), (self.side, self.side));
-        let externals = self.host.update(&mut self.executor, self.scene, &pose, size, frame)?;
-        let change = Change { externals, all: true, ..Change::default() };
+        let scene_bindings = self.view.update(&mut self.executor, self.scene, &pose, size, frame)?;
+        let change = Change { scene_bindings, all: true, ..Change::default() };
         Ok(self.executor.frame(change, FrameOptions { timed: true, poison: false })?.times)
     }
 

@@ -64,7 +64,7 @@ fn take_in(renderer: &mut Renderer, watcher: &mut Watcher) -> Result<()> {
         match renderer.reload(&watcher.changed()) {
             Reload::Nothing => std::thread::sleep(Duration::from_millis(1)),
             Reload::Done(report) if report.pipelines > 0 => return Ok(()),
-            Reload::Done(_) => bail!("{SHADER} was saved, and no GPU pipeline was made anew"),
+            Reload::Done(_) => bail!("{SHADER} was saved, and no GPU pipeline was made again"),
             Reload::Failed(error) => return Err(error.into()),
         }
     }

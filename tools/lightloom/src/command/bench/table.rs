@@ -229,7 +229,7 @@ impl Table {
 
     /// On what, and how.
     fn machine(&self) -> String {
-        let adapter = self.adapter.as_deref().unwrap_or("no adapter was asked for");
+        let adapter = self.adapter.as_deref().unwrap_or("no adapter was requested");
         let build = if OPTIMISED { "" } else { ", built without full optimisation" };
         let quick = if self.quick { "; a quick look, to which the goals do not apply" } else { "" };
         format!(

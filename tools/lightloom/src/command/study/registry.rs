@@ -63,7 +63,7 @@ impl Registry for CatalogRegistry {
         let resolved: Resolved = resolve(name, self.catalog.pipelines(), &Overrides::default())
             .map_err(|errors| errors.to_string())?;
         if resolved.is_part() {
-            return Err("it is a part, to be used within pipelines".to_owned());
+            return Err("it is a sub-graph, to be used within pipelines".to_owned());
         }
         Ok(PipelineFacts {
             about: resolved.about().unwrap_or_default().to_owned(),

@@ -23,7 +23,7 @@ const ARRIVED: f64 = 0.1;
 const RECEIVERS: usize = 256;
 
 /// Takes in the frames of one cell.
-pub(crate) struct Judge<'a> {
+pub(crate) struct Evaluator<'a> {
     measures: &'a [Measure],
     facts: &'a SceneFacts,
     /// Frame of the jump, counted from the first measured one.
@@ -64,15 +64,15 @@ pub(crate) struct Verdict {
     pub(crate) failure: Option<String>,
 }
 
-impl<'a> Judge<'a> {
+impl<'a> Evaluator<'a> {
     pub(crate) fn new(
         measures: &'a [Measure],
         phases: &'a [Phase],
         facts: &'a SceneFacts,
         jump: Option<usize>,
         truth: Option<Truth>,
-    ) -> Judge<'a> {
-        Judge {
+    ) -> Evaluator<'a> {
+        Evaluator {
             measures,
             facts,
             jump,
@@ -221,7 +221,7 @@ impl<'a> Judge<'a> {
         Ok(())
     }
 
-    /// What all of it comes to. `occluded` is asked for where lights that reach the image are counted.
+    /// Returns the verdict on all frames. `occluded` is called where lights that reach the image are counted.
     pub(crate) fn finish(
         mut self,
         run: &CellRun,

@@ -1,18 +1,18 @@
 //! What the frame graph asks of passes, answered by the catalog.
 
 use crate::assets::{Assets, PipelineFiles, ShaderAssets};
-use frame_graph::port::{Kinds, OutputContext, OutputDesc};
-use frame_graph::{Interface, KindError, Ports, Setting, Settings, Use};
+use frame_graph::port::{OutputContext, OutputDesc, PassTypes};
+use frame_graph::{Interface, PassTypeError, Ports, Setting, Settings, Use};
 use pass::{Library, Pass, UseContext};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// All kinds of passes with the shaders by which they know their ports.
+/// All pass types with the shaders by which they know their ports.
 pub struct Catalog {
     assets: Assets,
     pipelines: PipelineFiles,
     shaders: Arc<Library>,
-    /// Schemas of kinds that take no shader: asked for at every link, and never different.
+    /// Schemas of pass types that take no shader: asked for at every link, and never different.
     settings: Mutex<HashMap<String, Arc<[Setting]>>>,
 }
 
@@ -54,8 +54,8 @@ impl Catalog {
         &self.shaders
     }
 
-    fn find(&self, kind: &str) -> Result<&'static dyn Pass, KindError> {
-        crate::find(kind).ok_or_else(|| KindError::new(format!("there is no kind `{kind}`")))
+    fn find(&self, kind: &str) -> Result<&'static dyn Pass, PassTypeError> {
+        crate::find(kind).ok_or_else(|| PassTypeError::new(format!("there is no pass type `{kind}`")))
     }
 }
 
@@ -70,7 +70,7 @@ impl std::fmt::Debug for Catalog {
     }
 }
 
-impl Kinds for Catalog {
+impl PassTypes for Catalog {
     fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = crate::PASSES.iter().map(|pass| pass.info().kind.to_owned()).collect();
         names.sort();
@@ -85,7 +85,7 @@ impl Kinds for Catalog {
         crate::find(kind).map(Pass::takes_shader)
     }
 
-    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, KindError> {
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
         let pass = self.find(use_.kind)?;
         let context = UseContext { use_, shaders: &self.shaders };
         if pass.takes_shader() {
@@ -100,14 +100,14 @@ impl Kinds for Catalog {
         Ok(settings)
     }
 
-    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, KindError> {
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
         self.find(use_.kind)?.ports(&UseContext { use_, shaders: &self.shaders }, settings).map(Arc::new)
     }
 
-    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, KindError> {
+    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let cx = UseContext { use_: context.use_, shaders: &self.shaders };
         let mut outputs = self.find(context.use_.kind)?.outputs(&cx, context)?;
-        pass::externals::find_of_modules(&mut outputs, &self.shaders);
+        pass::scene_bindings::find_of_modules(&mut outputs, &self.shaders);
         Ok(outputs)
     }
 }

@@ -84,7 +84,7 @@ pub struct Wanted {
     /// Samples for each.
     pub per_map: u32,
     /// What the triangles ask for, or [`ANY_NUMBER`].
-    pub asked: u32,
+    pub requested: u32,
     /// Binary logarithm of how many maps take turns.
     pub block_bits: u32,
 }
@@ -94,8 +94,8 @@ pub const BLOCK: u32 = 32;
 
 impl Wanted {
     /// Blocks are as large as they may be without being much larger than all maps.
-    pub fn new(maps: u32, per_map: u32, asked: u32) -> Wanted {
-        Wanted { maps, per_map, asked, block_bits: BLOCK.min(maps.next_power_of_two()).ilog2() }
+    pub fn new(maps: u32, per_map: u32, requested: u32) -> Wanted {
+        Wanted { maps, per_map, requested, block_bits: BLOCK.min(maps.next_power_of_two()).ilog2() }
     }
 
     /// Returns the samples of all maps, where their number is filled up to whole blocks.
@@ -127,7 +127,7 @@ pub fn place(index: u32, wanted: &Wanted) -> Option<Place> {
         return None;
     }
     let place = stratum * wanted.maps + map;
-    let made = wanted.asked.min(wanted.maps * wanted.per_map);
+    let made = wanted.requested.min(wanted.maps * wanted.per_map);
     if place >= made {
         return None;
     }

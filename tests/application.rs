@@ -1,4 +1,4 @@
-//! A host program hands in its own device, and draws with the texture of an output.
+//! An application hands in its own device, and draws with the texture of an output.
 
 use crate::adapter::{SMALL, bits, gpu, root, set};
 use executor::wgpu;

@@ -1,4 +1,4 @@
-//! Twin of the geometry in shaders/surface.wgsl, motion.wgsl and shaders/camera.wgsl, in `f64`.
+//! The CPU reference of the geometry in shaders/surface.wgsl, motion.wgsl and shaders/camera.wgsl, in `f64`.
 
 /// A vector of the world.
 pub type Vec3 = [f64; 3];

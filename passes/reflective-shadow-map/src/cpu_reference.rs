@@ -1,4 +1,4 @@
-//! Twin of flux.wgsl and of the lights of shaders/lights.wgsl, in `f64`.
+//! The CPU reference of flux.wgsl and of the lights of shaders/lights.wgsl, in `f64`.
 
 /// How a layer spreads the light.
 #[derive(Clone, Copy, Debug, PartialEq)]

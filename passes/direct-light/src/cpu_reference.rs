@@ -1,4 +1,4 @@
-//! Twin of direct-light.wgsl in `f64`: one light, one receiver.
+//! The CPU reference of direct-light.wgsl in `f64`: one light, one receiver.
 
 /// A vector, here in the space of a layer: x right, y up, the light looks along −z.
 pub type Vec3 = [f64; 3];

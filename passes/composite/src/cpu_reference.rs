@@ -1,4 +1,4 @@
-//! Twin of composite.wgsl and shaders/tonemap.wgsl, in `f64`.
+//! The CPU reference of composite.wgsl and shaders/tonemap.wgsl, in `f64`.
 
 use std::f64::consts::PI;
 

@@ -1,0 +1,70 @@
+//! The scene bindings by the names of its WGSL globals, and which part of it each belongs to.
+
+use crate::record::request_of_module;
+use frame_graph::{Module, OutputDesc, SceneBindings};
+use shader_library::Library;
+
+/// Every global that is bound without a link, and what a change of it counts as.
+pub static GLOBALS: &[(&str, SceneBindings)] = &[
+    ("camera", SceneBindings::CAMERA),
+    ("frame", SceneBindings::FRAME),
+    ("scene_info", SceneBindings::SCENE),
+    ("scene_vertices", SceneBindings::SCENE),
+    ("scene_indices", SceneBindings::SCENE),
+    ("scene_materials", SceneBindings::SCENE),
+    ("scene_area_table", SceneBindings::SCENE),
+    ("scene_bvh", SceneBindings::SCENE),
+    ("scene_bvh_triangles", SceneBindings::SCENE),
+    // Only on adapters that have ray queries.
+    ("scene_acceleration", SceneBindings::SCENE),
+    ("scene_textures", SceneBindings::SCENE),
+    ("scene_textures_linear", SceneBindings::SCENE),
+    ("scene_sampler", SceneBindings::SCENE),
+    ("scene_lights", SceneBindings::LIGHTS),
+    ("scene_light_layers", SceneBindings::LIGHTS),
+    // Constant: for shaders of users that sample textures. Edges are clamped.
+    ("linear_sampler", SceneBindings::NONE),
+    ("nearest_sampler", SceneBindings::NONE),
+];
+
+/// Returns what a global of that name belongs to; `None` where it is no scene bindings.
+pub fn of_global(name: &str) -> Option<SceneBindings> {
+    GLOBALS.iter().find(|(global, _)| *global == name).map(|(_, scene_bindings)| *scene_bindings)
+}
+
+/// The names of what a scene says of itself: [`RecordContext::traits`](crate::RecordContext) has each of them. An
+/// `#option` of a user's shader that is named so, in capitals, is set by the scene.
+pub const TRAITS: [&str; 14] = [
+    "textured",
+    "glossy",
+    "emissive",
+    "masked",
+    "environment",
+    "moving_camera",
+    "moving_lights",
+    "moving_geometry",
+    "lights",
+    "spot_lights",
+    "point_lights",
+    "directional_lights",
+    "light_layers",
+    "triangles",
+];
+
+/// Fills in the scene bindings of the modules that outputs bring: what the functions of each module's file read.
+///
+/// A module that cannot be loaded keeps what it has: the error is told, with its place, where a reader's shader is
+/// loaded.
+pub fn find_of_modules(outputs: &mut [OutputDesc], library: &Library) {
+    for output in outputs {
+        if let Some(module) = output.facts.module_mut() {
+            module.scene_bindings = of_module(module, library).unwrap_or(module.scene_bindings);
+        }
+    }
+}
+
+/// Returns what the functions of a module's file read; `None` where the file cannot be loaded.
+pub fn of_module(module: &Module, library: &Library) -> Option<SceneBindings> {
+    let shader = library.load(&request_of_module(module)).ok()?;
+    Some(shader.used_by_own_functions().filter_map(of_global).fold(SceneBindings::NONE, SceneBindings::and))
+}
