@@ -18,7 +18,7 @@ fn pictures_are_identical_with_sharing_on_off_and_poisoned() {
         let mut pictures = Vec::new();
         for (sharing, poison) in [(true, false), (false, false), (true, true), (false, true)] {
             renderer.set_compile_options(CompileOptions { sharing, ..CompileOptions::default() }).unwrap();
-            renderer.set_frame_options(FrameOptions { timed: false, poison });
+            renderer.set_frame_options(FrameOptions { poison, ..FrameOptions::default() });
             renderer.run_everything();
             renderer.frame().unwrap();
             let outputs = ["image", "indirect", "direct", "irradiance"];
@@ -64,8 +64,8 @@ fn only_what_changed_runs() {
     let Some(mut renderer) = renderer("ism-invtm", "cornell-box", (32, 32), SMALL) else { return };
     let names: Vec<String> =
         renderer.plan().unwrap().passes.iter().map(|pass| pass.name.to_string()).collect();
-    let ran = |report: renderer::FrameReport| -> Vec<String> {
-        names.iter().zip(report.ran).filter(|(_, ran)| *ran).map(|(name, _)| name.clone()).collect()
+    let ran = |report: &renderer::FrameReport| -> Vec<String> {
+        names.iter().zip(&report.ran).filter(|(_, ran)| **ran).map(|(name, _)| name.clone()).collect()
     };
     assert_eq!(ran(renderer.frame().unwrap()), names, "the first frame runs everything");
     assert_eq!(ran(renderer.frame().unwrap()), Vec::<String>::new(), "nothing has changed");
@@ -121,7 +121,7 @@ fn passes_are_timed() {
     if !renderer.gpu().has_timestamps() {
         return;
     }
-    renderer.set_frame_options(FrameOptions { timed: true, poison: false });
+    renderer.set_frame_options(FrameOptions { timed: true, ..FrameOptions::default() });
     let report = renderer.frame().unwrap();
     assert_eq!(report.times.len(), report.ran.len());
     assert!(report.times.iter().sum::<f64>() > 0.0);

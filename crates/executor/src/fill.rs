@@ -1,11 +1,19 @@
 //! Objects filled with one value: cleared, or poisoned with NaN.
 
+use crate::current::LayerViews;
 use crate::gpu::Gpu;
 use crate::object::{Object, ObjectUsage};
+use frame_graph::plan::AllocationId;
 use frame_graph::{Clear, Plan, ResourceDesc};
 
 /// Encodes the filling of a whole object with one value.
-pub(crate) fn fill(encoder: &mut wgpu::CommandEncoder, object: &Object, desc: &ResourceDesc, clear: Clear) {
+pub(crate) fn fill(
+    encoder: &mut wgpu::CommandEncoder,
+    views: &mut LayerViews,
+    (id, object): (AllocationId, &Object),
+    desc: &ResourceDesc,
+    clear: Clear,
+) {
     match (object, desc) {
         (Object::Buffer(buffer), _) => encoder.clear_buffer(buffer, 0, None),
         (Object::Texture { texture, .. }, ResourceDesc::Texture(described)) => {
@@ -16,10 +24,10 @@ pub(crate) fn fill(encoder: &mut wgpu::CommandEncoder, object: &Object, desc: &R
                 }
             };
             for layer in 0..described.layers {
-                let view = layer_view(texture, layer);
+                let view = views.get(id, layer, texture);
                 let is_depth = described.format == frame_graph::Format::Depth32Float;
                 let color_attachment = [Some(wgpu::RenderPassColorAttachment {
-                    view: &view,
+                    view,
                     depth_slice: None,
                     resolve_target: None,
                     ops: wgpu::Operations { load: wgpu::LoadOp::Clear(color), store: wgpu::StoreOp::Store },
@@ -28,7 +36,7 @@ pub(crate) fn fill(encoder: &mut wgpu::CommandEncoder, object: &Object, desc: &R
                     label: Some("clear"),
                     color_attachments: if is_depth { &[] } else { &color_attachment },
                     depth_stencil_attachment: is_depth.then_some(wgpu::RenderPassDepthStencilAttachment {
-                        view: &view,
+                        view,
                         depth_ops: Some(wgpu::Operations {
                             load: wgpu::LoadOp::Clear(color.r as f32),
                             store: wgpu::StoreOp::Store,
@@ -54,16 +62,6 @@ pub(crate) fn copy(encoder: &mut wgpu::CommandEncoder, from: &Object, to: &Objec
         }
         _ => {}
     }
-}
-
-/// One layer of a texture, as an attachment.
-pub(crate) fn layer_view(texture: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2),
-        base_array_layer: layer,
-        array_layer_count: Some(1),
-        ..Default::default()
-    })
 }
 
 /// A buffer of set bits, as large as the largest resource with its rows padded: NaN in every float format.

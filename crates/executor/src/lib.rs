@@ -1,8 +1,9 @@
 //! Runs the plans of the frame graph on wgpu.
 //!
 //! An [`Executor`] takes a plan whose steps are linked, makes the objects and pipelines that it lacks, and
-//! encodes frames. It knows no pass and no scene: the scene bindings comes as [`External`]s by name.
+//! encodes frames. It knows no pass and no scene: its data comes as [`SceneBinding`]s by name.
 
+mod current;
 mod error;
 mod fill;
 mod format;
@@ -13,12 +14,15 @@ mod readback;
 mod run;
 mod step;
 mod timing;
+mod uniforms;
 
 pub use error::ExecutorError;
 pub use format::texture_format;
 pub use gpu::Gpu;
 pub use object::{Object, ObjectUsage, SceneBinding};
 pub use run::{Executor, FrameOptions, FrameReport, LoadReport};
+pub use step::Dispatch;
+pub use timing::Timings;
 
 /// Waits for a future of wgpu's, which are done when they are made on native systems.
 pub use pollster::block_on;

@@ -1,28 +1,32 @@
-//! The executor: encodes frames of the plan that is loaded.
+//! The executor: what it holds, and what a application reads and writes between frames.
 
+mod frame;
 mod load;
 
+use crate::current::LayerViews;
 use crate::error::ExecutorError;
-use crate::fill::{copy, fill, poison_buffer, poison_object};
 use crate::gpu::Gpu;
 use crate::object::{Object, ObjectUsage, Pool, SceneBinding};
 use crate::pipeline::Pipelines;
 use crate::readback;
-use crate::step::{LoadedStep, StepContext};
+use crate::step::LoadedStep;
 use crate::timing::Timers;
-use frame_graph::frame::{FrameSchedule, FrameState};
-use frame_graph::plan::{AllocationId, Begins, HistoryId, PassId, Plan, ResourceId};
-use frame_graph::{Change, ResetCause, ResourceDesc};
-use load::Pending;
-use pass::{LinkedStep, PastFact, Source, pass_seed};
+use crate::uniforms::Uniforms;
+use frame_graph::frame::FrameState;
+use frame_graph::plan::{Begins, PassId, Plan, ResourceId};
+use frame_graph::{Change, ResourceDesc};
+use pass::LinkedStep;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// How frames run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameOptions {
-    /// Time each pass on the GPU.
+    /// Time each pass on the GPU, and wait for the times.
     pub timed: bool,
+    /// Time each pass on the GPU without waiting: [`Executor::timings`] has the times some frames later. Passes that are
+    /// timed in either way do not overlap on the GPU.
+    pub monitored: bool,
     /// Fill what a pass writes with NaN before it runs: pictures must not change.
     pub poison: bool,
 }
@@ -45,6 +49,8 @@ pub struct LoadReport {
 /// What a frame did.
 #[derive(Clone, Debug, Default)]
 pub struct FrameReport {
+    /// Number of the frame, from 0 for the executor's first.
+    pub frame: u64,
     /// One entry a pass: did it run?
     pub ran: Vec<bool>,
     /// Milliseconds on the GPU, one entry a pass; 0 for those that did not run. Empty where not timed.
@@ -61,7 +67,12 @@ pub struct Executor {
     scene_indices: u32,
     seed: u32,
     loaded: Option<Loaded>,
-    pending: Pending,
+    /// What the next frame is to be told: of plans that were loaded, and of another seed.
+    pending: Change,
+    /// What the last frame did.
+    report: FrameReport,
+    /// The number of the next frame.
+    frames: u64,
 }
 
 #[derive(Debug)]
@@ -70,12 +81,11 @@ struct Loaded {
     objects: Vec<(ObjectUsage, Object)>,
     /// One entry a pass.
     steps: Vec<Vec<LoadedStep>>,
-    uniforms: Option<wgpu::Buffer>,
+    uniforms: Option<Uniforms>,
     state: FrameState,
-    /// What the last frame did.
-    schedule: FrameSchedule,
     timers: Option<Timers>,
     poison: Option<wgpu::Buffer>,
+    views: LayerViews,
 }
 
 impl Executor {
@@ -89,7 +99,9 @@ impl Executor {
             scene_indices: 0,
             seed: 0,
             loaded: None,
-            pending: Pending::default(),
+            pending: Change::default(),
+            report: FrameReport::default(),
+            frames: 0,
         }
     }
 
@@ -113,11 +125,11 @@ impl Executor {
         self.pool.most_held
     }
 
-    /// Binds scene bindings. The name is one of [`pass::scene_bindings::GLOBALS`].
-    pub fn set_scene_binding(&mut self, name: &'static str, external: SceneBinding) {
-        self.scene_bindings.insert(name, external);
+    /// Sets a scene binding. The name is one of [`pass::scene_bindings::GLOBALS`].
+    pub fn set_scene_binding(&mut self, name: &'static str, binding: SceneBinding) {
+        self.scene_bindings.insert(name, binding);
         for step in self.loaded.iter_mut().flat_map(|loaded| loaded.steps.iter_mut().flatten()) {
-            step.forget_bindings();
+            step.forget_binding(name);
         }
     }
 
@@ -147,130 +159,6 @@ impl Executor {
             return Err(ExecutorError::NoFirstInstance { pass, adapter: adapter() });
         }
         Ok(())
-    }
-
-    /// Runs a frame: what `change` and what followed from earlier ones ask for, and submits it.
-    ///
-    /// # Errors
-    /// What the driver said of the frame's commands; the device gone; no plan loaded.
-    ///
-    /// # Panics
-    /// Where an external that a shader reads is not set: defects of the application.
-    pub fn frame(&mut self, mut change: Change, options: FrameOptions) -> Result<FrameReport, ExecutorError> {
-        let Some(loaded) = &mut self.loaded else { return Err(ExecutorError::NotLoaded) };
-        change.passes.append(&mut self.pending.changed);
-        change.again.append(&mut self.pending.again);
-        change.all |= std::mem::take(&mut self.pending.all);
-        let plan = Arc::clone(&loaded.plan);
-        let schedule = loaded.state.begin(&plan, &change);
-        loaded.write_uniforms(&self.gpu, &schedule, self.seed);
-        if options.poison && loaded.poison.is_none() {
-            loaded.poison = Some(poison_buffer(&self.gpu, &plan));
-        }
-        let mut encoder =
-            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
-        for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
-            let resource = &plan.resources[history.resource.0 as usize];
-            // Where the past lies in the object that holds the newest version, it ends when the pass runs.
-            let runs = resource.producer.is_some_and(|pass| schedule.runs[pass.0 as usize]);
-            if slot.reset.is_some() && (runs || !history.in_place) {
-                let desc = &resource.desc;
-                fill(
-                    &mut encoder,
-                    &loaded.objects[history.copies[slot.previous].0 as usize].1,
-                    desc,
-                    history.init,
-                );
-            }
-        }
-        let timed = options.timed && loaded.timers.is_some();
-        let Loaded { objects, steps, uniforms, timers, poison, .. } = loaded;
-        let object_of = |source: &Source| -> Option<(AllocationId, &Object)> {
-            let allocation = match source {
-                Source::Resource(id) => current_allocation(&plan, &schedule, *id),
-                Source::Past(id) => past_allocation(&plan, &schedule, *id),
-                Source::SceneBinding(_) | Source::Uniform(_) => return None,
-            };
-            Some((allocation, &objects[allocation.0 as usize].1))
-        };
-        let context = StepContext {
-            gpu: &self.gpu,
-            scene_bindings: &self.scene_bindings,
-            scene_indices: self.scene_indices,
-            uniforms: uniforms.as_ref(),
-            object_of: &object_of,
-        };
-        let timers = timers.as_ref().filter(|_| timed);
-        if let Some(timers) = timers {
-            timers.start(&mut encoder);
-        }
-        let mut open: Option<wgpu::ComputePass<'static>> = None;
-        for (index, pass) in plan.passes.iter().enumerate().filter(|(index, _)| schedule.runs[*index]) {
-            // What has no steps is written by the application, before the frame.
-            let poisoned = poison.as_ref().filter(|_| options.poison && !steps[index].is_empty());
-            if !pass.clears.is_empty() || !pass.continues.is_empty() || poisoned.is_some() {
-                open = None;
-            }
-            if let Some(poison) = poisoned {
-                let written = pass.outputs.iter().flat_map(|output| output.members.iter().map(|(_, id)| *id));
-                for id in written.filter(|id| pass.continues.iter().all(|c| c.resource != *id)) {
-                    let allocation = current_allocation(&plan, &schedule, id);
-                    poison_object(
-                        &mut encoder,
-                        poison,
-                        &plan.resources[id.0 as usize].desc,
-                        &objects[allocation.0 as usize],
-                    );
-                }
-            }
-            for (id, clear) in &pass.clears {
-                let allocation = current_allocation(&plan, &schedule, *id);
-                fill(
-                    &mut encoder,
-                    &objects[allocation.0 as usize].1,
-                    &plan.resources[id.0 as usize].desc,
-                    *clear,
-                );
-            }
-            for continued in &pass.continues {
-                let from = match continued.from {
-                    Begins::InPlace(_) => continue,
-                    Begins::CopyOfPast(history) => past_allocation(&plan, &schedule, history),
-                    Begins::Copy(id) => current_allocation(&plan, &schedule, id),
-                };
-                let to = current_allocation(&plan, &schedule, continued.resource);
-                let (from, to) = (&objects[from.0 as usize].1, &objects[to.0 as usize].1);
-                copy(&mut encoder, from, to, &plan.resources[continued.resource.0 as usize].desc);
-            }
-            let count = steps[index].len();
-            for (i, step) in steps[index].iter_mut().enumerate() {
-                let end = (i + 1 == count).then(|| Timers::end_of(index));
-                let queries = timers.map(|timers| (&timers.queries, end));
-                step.encode(&context, &mut encoder, &mut open, queries);
-            }
-            if let Some(timers) = timers.filter(|_| count > 0) {
-                open = None;
-                timers.settle(&mut encoder);
-            }
-        }
-        drop(open);
-        if let Some(timers) = timers {
-            timers.resolve(&mut encoder);
-        }
-        self.gpu.queue.submit([encoder.finish()]);
-        if let Some(message) = self.gpu.take_fault() {
-            return Err(ExecutorError::Pass { pass: "of this frame".to_owned(), message });
-        }
-        let times = match timers {
-            Some(timers) => {
-                let stamped =
-                    schedule.runs.iter().zip(steps.iter()).map(|(runs, steps)| *runs && !steps.is_empty());
-                timers.read(&self.gpu, &stamped.collect::<Vec<_>>())?
-            }
-            None => Vec::new(),
-        };
-        loaded.schedule = schedule;
-        Ok(FrameReport { ran: loaded.schedule.runs.clone(), times })
     }
 
     /// Returns the bytes of a resource as the last frame left it: rows and layers without padding. Resources that share
@@ -329,51 +217,6 @@ fn write(gpu: &Gpu, object: &Object, desc: &ResourceDesc, bytes: &[u8]) {
     }
 }
 
-impl Loaded {
-    fn write_uniforms(&mut self, gpu: &Gpu, schedule: &FrameSchedule, seed: u32) {
-        let Some(buffer) = &self.uniforms else { return };
-        let runs =
-            self.plan.passes.iter().zip(&mut self.steps).zip(&schedule.runs).filter(|(_, runs)| **runs);
-        for ((pass, steps), _) in runs {
-            let seed = pass_seed(seed, &pass.name);
-            for step in steps {
-                step.write_uniforms(gpu, buffer, seed, |history: HistoryId, fact| {
-                    let slot = &schedule.histories[history.0 as usize];
-                    match fact {
-                        PastFact::Age => slot.age,
-                        PastFact::Reset => slot.reset.map_or(0, reset_code),
-                    }
-                });
-            }
-        }
-    }
-}
-
-fn reset_code(cause: ResetCause) -> u32 {
-    match cause {
-        ResetCause::FirstFrame => 1,
-        ResetCause::Resize => 2,
-        ResetCause::Cut => 3,
-        ResetCause::Scene => 4,
-        ResetCause::Reload => 5,
-        ResetCause::Moved => 6,
-    }
-}
-
-fn current_allocation(plan: &Plan, schedule: &FrameSchedule, id: ResourceId) -> AllocationId {
-    let resource = &plan.resources[id.0 as usize];
-    match resource.history {
-        Some(history) => {
-            plan.histories[history.0 as usize].copies[schedule.histories[history.0 as usize].current]
-        }
-        None => resource.allocation,
-    }
-}
-
-fn past_allocation(plan: &Plan, schedule: &FrameSchedule, id: HistoryId) -> AllocationId {
-    plan.histories[id.0 as usize].copies[schedule.histories[id.0 as usize].previous]
-}
-
 /// What every object is used for, from the steps and clears of the plan.
 fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage> {
     let mut usages = vec![ObjectUsage::default(); plan.allocations.len()];
@@ -405,21 +248,4 @@ fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage>
         }
     }
     usages
-}
-
-/// Gives every uniform of the steps its place in one buffer.
-fn lay_out_uniforms(gpu: &Gpu, steps: &mut [Vec<LoadedStep>]) -> Option<wgpu::Buffer> {
-    let alignment = u64::from(gpu.limits().min_uniform_buffer_offset_alignment);
-    let mut size = 0;
-    for step in steps.iter_mut().flatten() {
-        size = step.place_uniforms(size, alignment);
-    }
-    (size > 0).then(|| {
-        gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("uniforms"),
-            size,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
-    })
 }

@@ -1,40 +1,74 @@
 //! One step of a pass, ready to be encoded.
 
+use crate::current::{FrameObjects, LayerViews};
 use crate::error::ExecutorError;
-use crate::fill::layer_view;
 use crate::gpu::Gpu;
 use crate::object::{Object, ObjectUsage, SceneBinding};
 use crate::pipeline::{Pipeline, PipelineKind, Pipelines, TargetFormats};
-use frame_graph::plan::{AllocationId, HistoryId, Plan, PlannedPass, ResourceId};
-use pass::{Draw, LinkedStep, Load, PastFact, Source, Step, Threads};
+use frame_graph::plan::{AllocationId, Plan, PlannedPass, ResourceId};
+use pass::{Draw, LinkedStep, Load, Raster, Source, Step, Threads, UniformFill};
 use shader_library::GlobalKind;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A linked step with its pipeline, bind groups and place in the uniform buffer.
+/// A linked step with its pipeline, bind groups and places in the uniform buffer.
 #[derive(Debug)]
 pub(crate) struct LoadedStep {
     label: String,
     linked: LinkedStep,
     pipeline: Arc<Pipeline>,
-    /// Offset and bytes of each uniform, as last written.
-    uniforms: Vec<(u64, Vec<u8>)>,
-    /// Bind groups by the objects that they hold: histories make two of them change places.
+    workgroups: Workgroups,
+    /// Offset of each uniform.
+    uniforms: Vec<u64>,
+    /// What is bound to resources with a history: their objects change places.
+    alternating: Vec<Source>,
+    /// Bind groups by the objects of `alternating`.
     groups: Vec<(Vec<AllocationId>, wgpu::BindGroup)>,
-    views: HashMap<(AllocationId, u32), wgpu::TextureView>,
+    /// The bind group used last.
+    group: usize,
+}
+
+/// How many workgroups a dispatch has.
+#[derive(Clone, Copy, Debug)]
+enum Workgroups {
+    Known([u32; 3]),
+    /// Written by the GPU, at this offset of a buffer.
+    Indirect(u64),
 }
 
 /// What encoding a step needs to know.
+#[derive(Clone, Copy)]
 pub(crate) struct StepContext<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) scene_bindings: &'a HashMap<&'static str, SceneBinding>,
     pub(crate) scene_indices: u32,
     pub(crate) uniforms: Option<&'a wgpu::Buffer>,
-    pub(crate) object_of: &'a dyn Fn(&Source) -> Option<(AllocationId, &'a Object)>,
+    pub(crate) objects: FrameObjects<'a>,
 }
 
 /// Where a frame is timed: the queries, and for the last step of a pass the one that it writes at its end.
 pub(crate) type StepQueries<'a> = Option<(&'a wgpu::QuerySet, Option<u32>)>;
+
+/// A compute pass that further dispatches can join.
+pub(crate) struct OpenPass {
+    pass: wgpu::ComputePass<'static>,
+    /// The pipeline that is set, to set none twice.
+    pipeline: Option<Arc<Pipeline>>,
+}
+
+/// A dispatch as an executor encoded it.
+#[derive(Clone, Copy, Debug)]
+pub struct Dispatch<'a> {
+    /// The pipeline.
+    pub pipeline: &'a wgpu::ComputePipeline,
+    /// The bind group, at index 0.
+    pub bind_group: &'a wgpu::BindGroup,
+    /// The workgroups in each dimension.
+    pub workgroups: [u32; 3],
+}
+
+/// More colour attachments no pipeline has: wgpu allows as many on every adapter.
+const MAX_COLOR_ATTACHMENTS: usize = 8;
 
 impl LoadedStep {
     /// Makes the pipeline; the flag says whether it was not there before.
@@ -54,14 +88,21 @@ impl LoadedStep {
         let (pipeline, made) = pipelines.get(gpu, &pass.name, &linked, formats)?;
         let entry =
             linked.entries.first().map_or("", |&entry| linked.shader.interface.entries[entry].name.as_str());
-        let label = format!("{}: {entry}", pass.name);
+        let alternates = |source: &Source| match source {
+            Source::Resource(id) => plan.resources[id.0 as usize].history.is_some(),
+            Source::Past(_) => true,
+            Source::SceneBinding(_) | Source::Uniform(_) => false,
+        };
+        let bound = linked.bindings.iter().map(|bound| &bound.source);
         let step = LoadedStep {
-            label,
+            label: format!("{}: {entry}", pass.name),
+            workgroups: workgroups(&linked, gpu.limits().max_compute_workgroups_per_dimension),
+            alternating: bound.filter(|source| alternates(source)).cloned().collect(),
             linked,
             pipeline,
             uniforms: Vec::new(),
             groups: Vec::new(),
-            views: HashMap::new(),
+            group: 0,
         };
         Ok((step, made))
     }
@@ -96,47 +137,36 @@ impl LoadedStep {
         if !same {
             return Err(Box::new(new));
         }
-        self.linked = new.linked;
+        (self.linked, self.workgroups) = (new.linked, new.workgroups);
         Ok(())
     }
 
+    /// Forgets the bind groups, which hold objects of the plan.
     pub(crate) fn forget_bindings(&mut self) {
         self.groups.clear();
     }
 
-    /// Forgets all that holds objects of the plan.
-    pub(crate) fn forget_objects(&mut self) {
-        self.groups.clear();
-        self.views.clear();
+    /// Forgets the bind groups where they hold this scene binding.
+    pub(crate) fn forget_binding(&mut self, name: &str) {
+        if self.linked.scene_bindings().any(|read| read == name) {
+            self.groups.clear();
+        }
     }
 
     /// Reserves places for the uniforms from `offset` on, each aligned; gives the end of the last.
     pub(crate) fn place_uniforms(&mut self, mut offset: u64, alignment: u64) -> u64 {
         self.uniforms.clear();
         for fill in &self.linked.uniforms {
-            self.uniforms.push((offset, Vec::new()));
+            self.uniforms.push(offset);
             offset += fill.size().next_multiple_of(alignment);
         }
         self.groups.clear();
         offset
     }
 
-    /// Writes the uniforms that are not what was written last.
-    pub(crate) fn write_uniforms(
-        &mut self,
-        gpu: &Gpu,
-        buffer: &wgpu::Buffer,
-        seed: u32,
-        past: impl Fn(HistoryId, PastFact) -> u32,
-    ) {
-        for (fill, (offset, written)) in self.linked.uniforms.iter().zip(&mut self.uniforms) {
-            let mut bytes = fill.bytes(seed, &past);
-            bytes.resize(bytes.len().next_multiple_of(16), 0);
-            if bytes != *written {
-                gpu.queue.write_buffer(buffer, *offset, &bytes);
-                *written = bytes;
-            }
-        }
+    /// The uniforms, each with its place in the buffer.
+    pub(crate) fn uniforms(&self) -> impl Iterator<Item = (&UniformFill, u64)> {
+        self.linked.uniforms.iter().zip(self.uniforms.iter().copied())
     }
 
     /// Tells what each resource of the plan is used for.
@@ -166,18 +196,20 @@ impl LoadedStep {
     /// Encodes the step. Dispatches that follow each other share one compute pass unless they are timed.
     pub(crate) fn encode(
         &mut self,
-        context: &StepContext<'_>,
+        context: StepContext<'_>,
+        views: &mut LayerViews,
         encoder: &mut wgpu::CommandEncoder,
-        open: &mut Option<wgpu::ComputePass<'static>>,
+        open: &mut Option<OpenPass>,
         queries: StepQueries<'_>,
     ) {
-        let group = self.bind_group(context);
+        self.find_group(context);
+        let (_, group) = &self.groups[self.group];
+        if queries.is_some() {
+            *open = None;
+        }
         match &self.pipeline.kind {
             PipelineKind::Compute(pipeline) => {
-                if queries.is_some() {
-                    *open = None;
-                }
-                let mut pass = open.take().unwrap_or_else(|| {
+                let joined = open.get_or_insert_with(|| {
                     let descriptor = wgpu::ComputePassDescriptor {
                         label: Some(&self.label),
                         timestamp_writes: queries.filter(|(_, end)| end.is_some()).map(|(query_set, end)| {
@@ -188,107 +220,94 @@ impl LoadedStep {
                             }
                         }),
                     };
-                    encoder.begin_compute_pass(&descriptor).forget_lifetime()
+                    let pass = encoder.begin_compute_pass(&descriptor).forget_lifetime();
+                    OpenPass { pass, pipeline: None }
                 });
-                pass.push_debug_group(&self.label);
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, &group, &[]);
-                self.dispatch(context, &mut pass);
-                pass.pop_debug_group();
-                if queries.is_none() {
-                    *open = Some(pass);
+                if joined.pipeline.as_ref().is_none_or(|set| !Arc::ptr_eq(set, &self.pipeline)) {
+                    joined.pass.set_pipeline(pipeline);
+                    joined.pipeline = Some(Arc::clone(&self.pipeline));
+                }
+                joined.pass.set_bind_group(0, group, &[]);
+                match self.workgroups {
+                    Workgroups::Known([x, y, z]) => joined.pass.dispatch_workgroups(x, y, z),
+                    Workgroups::Indirect(offset) => {
+                        joined.pass.dispatch_workgroups_indirect(self.indirect_buffer(context), offset);
+                    }
+                }
+                if queries.is_some() {
+                    *open = None;
                 }
             }
             PipelineKind::Render(pipeline) => {
                 *open = None;
-                let pipeline = pipeline.clone();
-                self.draw(context, encoder, &pipeline, &group, queries);
+                if let Step::Raster(raster) = &self.linked.step {
+                    self.draw(context, views, encoder, (pipeline, group, raster), queries);
+                }
             }
         }
     }
 
-    fn dispatch(&self, context: &StepContext<'_>, pass: &mut wgpu::ComputePass<'static>) {
-        let Step::Compute(compute) = &self.linked.step else { return };
-        let size = self.linked.shader.interface.entries[self.linked.entries[0]].workgroup_size;
-        let groups = |threads: u32, axis: usize| threads.div_ceil(size[axis].max(1));
-        match &compute.threads {
-            Threads::Grid(threads) => {
-                pass.dispatch_workgroups(groups(threads[0], 0), groups(threads[1], 1), groups(threads[2], 2));
-            }
-            Threads::Row(threads) => {
-                let most = context.gpu.limits().max_compute_workgroups_per_dimension;
-                let all = groups(*threads, 0);
-                let rows = all.div_ceil(most).max(1);
-                pass.dispatch_workgroups(all.div_ceil(rows), rows, 1);
-            }
-            Threads::Indirect { offset, .. } => {
-                pass.dispatch_workgroups_indirect(self.indirect_buffer(context), *offset);
-            }
-        }
+    /// The dispatch as it was encoded last; `None` for draws, for dispatches whose size is on the GPU, and before the first.
+    pub(crate) fn dispatch(&self) -> Option<Dispatch<'_>> {
+        let PipelineKind::Compute(pipeline) = &self.pipeline.kind else { return None };
+        let (_, bind_group) = self.groups.get(self.group)?;
+        let Workgroups::Known(workgroups) = self.workgroups else { return None };
+        Some(Dispatch { pipeline, bind_group, workgroups })
     }
 
     /// The buffer that holds the size of the dispatch or draw.
-    fn indirect_buffer<'a>(&self, context: &StepContext<'a>) -> &'a wgpu::Buffer {
-        match self.linked.indirect.as_ref().and_then(|source| (context.object_of)(source)) {
-            Some((_, Object::Buffer(buffer))) => buffer,
+    fn indirect_buffer<'a>(&self, context: StepContext<'a>) -> &'a wgpu::Buffer {
+        let found = self.linked.indirect.as_ref().and_then(|source| context.objects.of(source));
+        match found.map(|id| context.objects.object(id)) {
+            Some(Object::Buffer(buffer)) => buffer,
             _ => unreachable!("linking gives every indirect step a buffer of the plan"),
         }
     }
 
     fn draw(
-        &mut self,
-        context: &StepContext<'_>,
+        &self,
+        context: StepContext<'_>,
+        views: &mut LayerViews,
         encoder: &mut wgpu::CommandEncoder,
-        pipeline: &wgpu::RenderPipeline,
-        group: &wgpu::BindGroup,
+        (pipeline, group, raster): (&wgpu::RenderPipeline, &wgpu::BindGroup, &Raster),
         queries: StepQueries<'_>,
     ) {
-        let Step::Raster(raster) = &self.linked.step else { return };
-        let layers = raster
-            .targets
-            .iter()
-            .map(|target| target.layer)
-            .chain(raster.depth.iter().map(|depth| depth.layer));
-        let ids = self.linked.targets.iter().chain(&self.linked.depth);
-        let keys: Vec<(AllocationId, u32)> = ids
-            .zip(layers)
-            .filter_map(|(id, layer)| {
-                let (allocation, object) = (context.object_of)(&Source::Resource(*id))?;
-                let Object::Texture { texture, .. } = object else { return None };
-                self.views.entry((allocation, layer)).or_insert_with(|| layer_view(texture, layer));
-                Some((allocation, layer))
-            })
-            .collect();
-        let colors: Vec<Option<wgpu::RenderPassColorAttachment<'_>>> = raster
-            .targets
-            .iter()
-            .zip(&keys)
-            .map(|(target, key)| {
-                let load = match target.load {
-                    Load::Clear([r, g, b, a]) => wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-                    Load::Keep => wgpu::LoadOp::Load,
-                };
-                Some(wgpu::RenderPassColorAttachment {
-                    view: &self.views[key],
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-                })
-            })
-            .collect();
-        let depth = raster.depth.as_ref().zip(keys.get(raster.targets.len())).map(|(target, key)| {
-            wgpu::RenderPassDepthStencilAttachment {
-                view: &self.views[key],
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(target.clear),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }
+        let mut view = |id: &ResourceId, layer: u32| {
+            let id = context.objects.current(*id);
+            let Object::Texture { texture, .. } = context.objects.object(id) else { return None };
+            Some(views.get(id, layer, texture).clone())
+        };
+        // No list on the heap: a frame allocates nothing of its own.
+        let mut color_views = [const { None }; MAX_COLOR_ATTACHMENTS];
+        for ((place, id), target) in color_views.iter_mut().zip(&self.linked.targets).zip(&raster.targets) {
+            *place = view(id, target.layer);
+        }
+        let depth_view = self.linked.depth.as_ref().zip(raster.depth.as_ref());
+        let depth_view = depth_view.and_then(|(id, target)| Some((view(id, target.layer)?, target.clear)));
+        let mut colors = [const { None }; MAX_COLOR_ATTACHMENTS];
+        for ((place, view), target) in colors.iter_mut().zip(&color_views).zip(&raster.targets) {
+            let load = match target.load {
+                Load::Clear([r, g, b, a]) => wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
+                Load::Keep => wgpu::LoadOp::Load,
+            };
+            *place = view.as_ref().map(|view| wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+            });
+        }
+        let depth = depth_view.as_ref().map(|(view, clear)| wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(*clear),
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: None,
         });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(&self.label),
-            color_attachments: &colors,
+            color_attachments: &colors[..raster.targets.len().min(MAX_COLOR_ATTACHMENTS)],
             depth_stencil_attachment: depth,
             timestamp_writes: queries.filter(|(_, end)| end.is_some()).map(|(query_set, end)| {
                 wgpu::RenderPassTimestampWrites {
@@ -318,68 +337,83 @@ impl LoadedStep {
         }
     }
 
-    fn bind_group(&mut self, context: &StepContext<'_>) -> wgpu::BindGroup {
-        let objects: Vec<Option<(AllocationId, &Object)>> =
-            self.linked.bindings.iter().map(|bound| (context.object_of)(&bound.source)).collect();
-        let key: Vec<AllocationId> = objects.iter().flatten().map(|(allocation, _)| *allocation).collect();
-        if let Some((_, group)) = self.groups.iter().find(|(held, _)| *held == key) {
-            return group.clone();
+    /// Finds the bind group for the objects of this frame, and makes it where it is not there.
+    fn find_group(&mut self, context: StepContext<'_>) {
+        let wanted = || self.alternating.iter().filter_map(|source| context.objects.of(source));
+        match self.groups.iter().position(|(held, _)| held.iter().copied().eq(wanted())) {
+            Some(found) => self.group = found,
+            None => {
+                let made = (wanted().collect(), self.make_group(context));
+                self.group = self.groups.len();
+                self.groups.push(made);
+            }
         }
+    }
+
+    fn make_group(&self, context: StepContext<'_>) -> wgpu::BindGroup {
+        let globals = &self.linked.shader.interface.globals;
         let entries: Vec<wgpu::BindGroupEntry<'_>> = self
             .linked
             .bindings
             .iter()
-            .zip(&objects)
-            .map(|(bound, object)| {
-                let global = &self.linked.shader.interface.globals[bound.global];
-                wgpu::BindGroupEntry {
-                    binding: global.binding,
-                    resource: self.resource(
-                        context,
-                        &bound.source,
-                        object.map(|(_, object)| object),
-                        &global.name,
-                    ),
-                }
+            .map(|bound| {
+                let global = &globals[bound.global];
+                let resource = self.resource(context, &bound.source, &global.name);
+                wgpu::BindGroupEntry { binding: global.binding, resource }
             })
             .collect();
-        let group = context.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        context.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(&self.label),
             layout: &self.pipeline.layout,
             entries: &entries,
-        });
-        self.groups.push((key, group.clone()));
-        group
+        })
     }
 
     fn resource<'a>(
         &self,
-        context: &StepContext<'a>,
+        context: StepContext<'a>,
         source: &Source,
-        object: Option<&'a Object>,
         name: &str,
     ) -> wgpu::BindingResource<'a> {
-        match (source, object) {
-            (_, Some(Object::Texture { view, .. })) => wgpu::BindingResource::TextureView(view),
-            (_, Some(Object::Buffer(buffer))) => buffer.as_entire_binding(),
-            (Source::SceneBinding(external), _) => match context.scene_bindings.get(external) {
+        match source {
+            Source::Resource(_) | Source::Past(_) => {
+                match context.objects.of(source).map(|id| context.objects.object(id)) {
+                    Some(Object::Texture { view, .. }) => wgpu::BindingResource::TextureView(view),
+                    Some(Object::Buffer(buffer)) => buffer.as_entire_binding(),
+                    None => unreachable!("loading gives every resource of the plan an object"),
+                }
+            }
+            Source::SceneBinding(global) => match context.scene_bindings.get(global) {
                 Some(SceneBinding::Buffer(buffer)) => buffer.as_entire_binding(),
                 Some(SceneBinding::Texture(view)) => wgpu::BindingResource::TextureView(view),
                 Some(SceneBinding::Sampler(sampler)) => wgpu::BindingResource::Sampler(sampler),
                 Some(SceneBinding::AccelerationStructure(tlas)) => tlas.as_binding(),
-                None => panic!("{}: the application has not set the external `{name}`", self.label),
+                None => panic!("{}: the application has not set the scene binding `{name}`", self.label),
             },
-            (Source::Uniform(index), _) => {
+            Source::Uniform(index) => {
                 let buffer = context.uniforms.expect("a step that has uniforms has a place for them");
                 wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                     buffer,
-                    offset: self.uniforms[*index].0,
+                    offset: self.uniforms[*index],
                     size: std::num::NonZeroU64::new(self.linked.uniforms[*index].size()),
                 })
             }
-            (Source::Resource(_) | Source::Past(_), None) => {
-                unreachable!("loading gives every resource of the plan an object")
-            }
         }
+    }
+}
+
+/// The workgroups of a step, of which there are at most so many in one dimension; none for a draw.
+fn workgroups(linked: &LinkedStep, most: u32) -> Workgroups {
+    let Step::Compute(compute) = &linked.step else { return Workgroups::Known([0; 3]) };
+    let size = linked.shader.interface.entries[linked.entries[0]].workgroup_size;
+    let groups = |threads: u32, axis: usize| threads.div_ceil(size[axis].max(1));
+    match &compute.threads {
+        Threads::Grid(threads) => Workgroups::Known(std::array::from_fn(|axis| groups(threads[axis], axis))),
+        Threads::Row(threads) => {
+            let all = groups(*threads, 0);
+            let rows = all.div_ceil(most).max(1);
+            Workgroups::Known([all.div_ceil(rows), rows, 1])
+        }
+        Threads::Indirect { offset, .. } => Workgroups::Indirect(*offset),
     }
 }

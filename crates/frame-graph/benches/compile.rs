@@ -159,7 +159,7 @@ fn benches(c: &mut Criterion) {
             let change = Change { scene_bindings: SceneBindings::CAMERA, ..Change::default() };
             b.iter_batched_ref(
                 || FrameState::new(&plan),
-                |state| state.begin(&plan, black_box(&change)),
+                |state| state.begin(&plan, black_box(&change)).runs.len(),
                 BatchSize::SmallInput,
             );
         });

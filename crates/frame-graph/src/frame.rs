@@ -56,6 +56,26 @@ pub struct Change {
     pub all: bool,
 }
 
+impl Change {
+    /// Adds what another one says.
+    pub fn add(&mut self, other: &Change) {
+        self.scene_bindings = self.scene_bindings.and(other.scene_bindings);
+        self.passes.extend_from_slice(&other.passes);
+        self.again.extend_from_slice(&other.again);
+        self.events.extend_from_slice(&other.events);
+        self.all |= other.all;
+    }
+
+    /// Takes back all that it says, and keeps its memory for the next frame.
+    pub fn clear(&mut self) {
+        self.scene_bindings = SceneBindings::NONE;
+        self.passes.clear();
+        self.again.clear();
+        self.events.clear();
+        self.all = false;
+    }
+}
+
 /// What a frame does: made by [`FrameState::begin`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameSchedule {
@@ -101,6 +121,10 @@ pub struct FrameState {
     fresh: bool,
     /// Why each history has no past in the next frame, whatever that brings; `None` where it has one.
     lacking: Vec<Option<ResetCause>>,
+    /// Why each history has no past in the frame begun last.
+    resets: Vec<Option<ResetCause>>,
+    /// What the frame begun last does. Its memory is used again by the next one.
+    schedule: FrameSchedule,
 }
 
 /// What is held of a history.
@@ -136,6 +160,8 @@ impl FrameState {
             clock: CONSTANT,
             fresh: true,
             lacking: vec![Some(ResetCause::FirstFrame); plan.histories.len()],
+            resets: Vec::new(),
+            schedule: FrameSchedule::default(),
         }
     }
 
@@ -170,50 +196,62 @@ impl FrameState {
         self.histories[history.0 as usize].current
     }
 
-    /// Decides what the next frame runs, and takes it as run.
+    /// Returns what the frame begun last does; nothing before the first.
+    pub fn schedule(&self) -> &FrameSchedule {
+        &self.schedule
+    }
+
+    /// Decides what the next frame runs, and takes it as run. Where no pass changed, a frame after the first allocates
+    /// nothing.
     ///
     /// A pass runs if something that it reads has a new version, if it is told to, or if a pass that runs
     /// needs a version of its outputs that no object holds any more. What the outputs of the pipeline need is
     /// all that counts.
-    pub fn begin(&mut self, plan: &Plan, change: &Change) -> FrameSchedule {
+    pub fn begin(&mut self, plan: &Plan, change: &Change) -> &FrameSchedule {
         let fresh = std::mem::take(&mut self.fresh);
-        let reloaded = reached(plan, &change.passes);
-        let resets: Vec<Option<ResetCause>> = plan
-            .histories
-            .iter()
-            .zip(&mut self.lacking)
-            .map(|(history, lacking)| {
-                let lacking = lacking.take().map(|cause| match cause {
-                    // Another scene brought another plan.
-                    ResetCause::Reload if change.events.contains(&ResetCause::Scene) => ResetCause::Scene,
-                    cause => cause,
-                });
-                let producer = plan.resources[history.resource.0 as usize].producer;
-                let reload = || {
-                    let reached = producer.is_some_and(|pass| reloaded.get(pass.0 as usize) == Some(&true));
-                    (reached && history.reset.contains(&ResetCause::Reload)).then_some(ResetCause::Reload)
-                };
-                let event = || change.events.iter().find(|e| history.reset.contains(e)).copied();
-                let moved = || {
-                    let reads = producer
-                        .map_or(SceneBindings::NONE, |pass| plan.passes[pass.0 as usize].scene_bindings);
-                    let changed = reads.0 & change.scene_bindings.0 & !SceneBindings::FRAME.0 != 0;
-                    (changed && history.reset.contains(&ResetCause::Moved)).then_some(ResetCause::Moved)
-                };
-                lacking.or_else(event).or_else(reload).or_else(moved)
-            })
-            .collect();
-        let mut runs = self.renew(plan, change, &resets, fresh);
-        self.restore(plan, &mut runs);
-        for (i, pass) in plan.passes.iter().enumerate().filter(|(i, _)| runs[*i]) {
+        // Taken out, so that they can be read while the state is written.
+        let mut resets = std::mem::take(&mut self.resets);
+        let mut schedule = std::mem::take(&mut self.schedule);
+        self.find_resets(plan, change, &mut resets);
+        self.renew(plan, change, &resets, fresh, &mut schedule.runs);
+        self.restore(plan, &mut schedule.runs);
+        for (i, pass) in plan.passes.iter().enumerate().filter(|(i, _)| schedule.runs[*i]) {
             for (_, id) in pass.outputs.iter().flat_map(|port| &port.members) {
                 let resource = &plan.resources[id.0 as usize];
                 self.holds[resource.allocation.0 as usize] = Some(*id);
             }
             self.see(plan, i, &resets);
         }
-        let histories = self.turn(plan, &runs, &resets);
-        FrameSchedule { runs, histories }
+        self.turn(plan, &resets, &mut schedule);
+        self.resets = resets;
+        self.schedule = schedule;
+        &self.schedule
+    }
+
+    /// Finds why each history has no past in this frame.
+    fn find_resets(&mut self, plan: &Plan, change: &Change, resets: &mut Vec<Option<ResetCause>>) {
+        let reloaded = reached(plan, &change.passes);
+        resets.clear();
+        resets.extend(plan.histories.iter().zip(&mut self.lacking).map(|(history, lacking)| {
+            let lacking = lacking.take().map(|cause| match cause {
+                // Another scene brought another plan.
+                ResetCause::Reload if change.events.contains(&ResetCause::Scene) => ResetCause::Scene,
+                cause => cause,
+            });
+            let producer = plan.resources[history.resource.0 as usize].producer;
+            let reload = || {
+                let reached = producer.is_some_and(|pass| reloaded.get(pass.0 as usize) == Some(&true));
+                (reached && history.reset.contains(&ResetCause::Reload)).then_some(ResetCause::Reload)
+            };
+            let event = || change.events.iter().find(|e| history.reset.contains(e)).copied();
+            let moved = || {
+                let reads =
+                    producer.map_or(SceneBindings::NONE, |pass| plan.passes[pass.0 as usize].scene_bindings);
+                let changed = reads.0 & change.scene_bindings.0 & !SceneBindings::FRAME.0 != 0;
+                (changed && history.reset.contains(&ResetCause::Moved)).then_some(ResetCause::Moved)
+            };
+            lacking.or_else(event).or_else(reload).or_else(moved)
+        }));
     }
 
     /// Returns how long the past of a history had lasted in the frame begun last, in frames.
@@ -257,9 +295,11 @@ impl FrameState {
         change: &Change,
         resets: &[Option<ResetCause>],
         first: bool,
-    ) -> Vec<bool> {
+        runs: &mut Vec<bool>,
+    ) {
         let changed = change.scene_bindings.and(SceneBindings::FRAME);
-        let mut runs = vec![first || change.all; plan.passes.len()];
+        runs.clear();
+        runs.resize(plan.passes.len(), first || change.all);
         for pass in change.passes.iter().chain(&change.again) {
             if let Some(run) = runs.get_mut(pass.0 as usize) {
                 *run = true;
@@ -282,7 +322,6 @@ impl FrameState {
                 self.versions[i] = self.clock;
             }
         }
-        runs
     }
 
     /// Backwards: what must run again because an object no longer holds what a pass reads.
@@ -335,8 +374,9 @@ impl FrameState {
     }
 
     /// Turns the copies of histories whose producers run.
-    fn turn(&mut self, plan: &Plan, runs: &[bool], resets: &[Option<ResetCause>]) -> Vec<HistorySlot> {
-        let mut slots = Vec::with_capacity(plan.histories.len());
+    fn turn(&mut self, plan: &Plan, resets: &[Option<ResetCause>], schedule: &mut FrameSchedule) {
+        let FrameSchedule { runs, histories: slots } = schedule;
+        slots.clear();
         for (i, history) in plan.histories.iter().enumerate() {
             let held = &mut self.histories[i];
             let producer = plan.resources[history.resource.0 as usize].producer;
@@ -352,7 +392,6 @@ impl FrameState {
             held.version = producer.map_or(CONSTANT, |p| self.versions[p.0 as usize]);
             slots.push(HistorySlot { current: held.current, previous, age: held.age, reset: resets[i] });
         }
-        slots
     }
 }
 

@@ -282,7 +282,7 @@ impl<'a> Harness<'a> {
             let scene_bindings = view.update(&mut executor, scene, &pose, self.size, info)?;
             let events = self.events.iter().filter(|(at, _)| *at == frame).map(|(_, cause)| *cause);
             let change = Change { scene_bindings, all: true, events: events.collect(), ..Change::default() };
-            executor.frame(change, FrameOptions { poison: true, ..FrameOptions::default() })?;
+            executor.frame(&change, FrameOptions { poison: true, ..FrameOptions::default() })?;
         }
         Ok(Outputs { executor, plan, pass: self.pass.info().kind, dispatches })
     }

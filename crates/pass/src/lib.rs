@@ -29,7 +29,9 @@ pub use frame_graph::{
     PassTypeError, Ports, ResourceDesc, SceneBindings, Setting, Settings, Traits, Usage, Use, Value,
     ValueType,
 };
-pub use link::{Bound, LinkedStep, PastFact, Source, UniformFill, link_steps, pass_seed};
+pub use link::{
+    Bound, FrameValue, FrameWord, LinkedStep, PastFact, Source, UniformFill, link_steps, pass_seed,
+};
 pub use record::{
     Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target, Threads,
     request, request_of_module,

@@ -15,7 +15,7 @@ mod fit;
 mod names;
 mod uniform;
 
-pub use uniform::{PastFact, UniformFill};
+pub use uniform::{FrameValue, FrameWord, PastFact, UniformFill};
 
 /// What a global is bound to.
 #[derive(Clone, Debug, PartialEq)]

@@ -29,7 +29,7 @@ pub use catalog::{Assets, Catalog};
 pub use compile::{Compiled, compile_options};
 pub use counters::Counters;
 pub use error::RenderError;
-pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, wgpu};
+pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, Timings, wgpu};
 pub use progress::Progress;
 pub use provenance::{Provenance, parse_value};
 pub use reload::Reload;
@@ -38,7 +38,7 @@ pub use shared::SharedScene;
 use executor::Executor;
 use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause, Value};
 use pass::LinkedStep;
-use scene::{Camera, Light, Scene};
+use scene::{Camera, Light, Pose, Scene};
 use scene_upload::{Frame, SceneView};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -72,8 +72,10 @@ pub struct Renderer {
     index: u32,
     /// Seconds between frames; the scene's own where not set.
     step: Option<f32>,
-    events: Vec<ResetCause>,
-    everything: bool,
+    /// What the next frame is to be told.
+    change: Change,
+    /// The scene in the last frame: its memory is used again.
+    pose: Pose,
 }
 
 /// The pipeline that runs.
@@ -117,8 +119,8 @@ impl Renderer {
             seed: 0,
             index: 0,
             step: None,
-            events: Vec::new(),
-            everything: false,
+            change: Change::default(),
+            pose: scene.scene.at(0.0),
         }
     }
 
@@ -146,7 +148,7 @@ impl Renderer {
             return Ok(());
         }
         self.relink().inspect_err(|_| self.size = before)?;
-        self.events.push(ResetCause::Resize);
+        self.change.events.push(ResetCause::Resize);
         Ok(())
     }
 
@@ -156,7 +158,7 @@ impl Renderer {
     /// As [`Renderer::set_pipeline`]; the options before stay then.
     pub fn set_compile_options(&mut self, options: CompileOptions) -> Result<(), RenderError> {
         let before = std::mem::replace(&mut self.options, options);
-        self.relink().inspect_err(|_| self.options = before)
+        self.relink().inspect_err(|_| self.options = before).map(|_| ())
     }
 
     /// Sets the value of a parameter (`lights`) or of a pass's setting (`composite.exposure`), beside those that were
@@ -183,34 +185,38 @@ impl Renderer {
         if self.link_context().traits == traits {
             return Ok(());
         }
-        self.relink().inspect_err(|_| self.lights = before)
+        self.relink().inspect_err(|_| self.lights = before).map(|_| ())
     }
 
-    /// Replaces the scene.
+    /// Replaces the scene. The report is of the pipeline, which is linked for it again and runs whole in the next frame; it
+    /// is empty where none is set.
     ///
     /// # Errors
     /// As [`Renderer::set_pipeline`]: a pipeline may ask of a scene what another has not. The scene before stays then.
-    pub fn set_scene(&mut self, scene: Scene) -> Result<(), RenderError> {
+    pub fn set_scene(&mut self, scene: Scene) -> Result<LoadReport, RenderError> {
         let scene = SharedScene::new(self.gpu(), scene)?;
         self.set_shared_scene(&scene)
     }
 
-    /// Replaces the scene by one that is on this renderer's device already.
+    /// Replaces the scene by one that is on this renderer's device already, as [`Renderer::set_scene`] does.
     ///
     /// # Errors
     /// As [`Renderer::set_scene`].
-    pub fn set_shared_scene(&mut self, scene: &SharedScene) -> Result<(), RenderError> {
+    pub fn set_shared_scene(&mut self, scene: &SharedScene) -> Result<LoadReport, RenderError> {
         let view = SceneView::new(&mut self.executor, Arc::clone(&scene.on_gpu), &scene.scene);
         let before = std::mem::replace(&mut self.scene, scene.clone());
         let mut view_before = std::mem::replace(&mut self.view, view);
-        if let Err(error) = self.relink() {
-            view_before.take_over(&mut self.executor, &before.scene);
-            (self.scene, self.view) = (before, view_before);
-            return Err(error);
-        }
-        self.events.push(ResetCause::Scene);
-        self.everything = true;
-        Ok(())
+        let report = match self.relink() {
+            Ok(report) => report,
+            Err(error) => {
+                view_before.take_over(&mut self.executor, &before.scene);
+                (self.scene, self.view) = (before, view_before);
+                return Err(error);
+            }
+        };
+        self.change.events.push(ResetCause::Scene);
+        self.change.all = true;
+        Ok(report)
     }
 
     /// Returns the scene as it is on the device, for another renderer.
@@ -228,7 +234,7 @@ impl Renderer {
     pub fn set_camera(&mut self, camera: Option<Camera>, cut: bool) {
         self.camera = camera;
         if cut {
-            self.events.push(ResetCause::Cut);
+            self.change.events.push(ResetCause::Cut);
         }
     }
 
@@ -250,40 +256,42 @@ impl Renderer {
 
     /// Runs every pass in the next frame, whatever has changed: for measurements.
     pub fn run_everything(&mut self) {
-        self.everything = true;
+        self.change.all = true;
     }
 
     /// Runs one frame.
     ///
     /// # Errors
     /// [`RenderError::NoPipeline`], or what the GPU said.
-    pub fn frame(&mut self) -> Result<FrameReport, RenderError> {
+    pub fn frame(&mut self) -> Result<&FrameReport, RenderError> {
         if self.pipeline.is_none() {
             return Err(RenderError::NoPipeline);
         }
-        let time =
-            self.step.map_or_else(|| self.scene().frame_time(self.index), |step| step * self.index as f32);
-        let mut pose = self.scene().at(time);
+        let scene = &self.scene.scene;
+        let time = self.step.map_or_else(|| scene.frame_time(self.index), |step| step * self.index as f32);
+        scene.pose(time, &mut self.pose);
         if let Some(camera) = self.camera {
-            pose.camera = camera;
+            self.pose.camera = camera;
         }
         if let Some(lights) = &self.lights {
-            pose.lights.clone_from(lights);
+            self.pose.lights.clone_from(lights);
         }
-        let step = self.step.unwrap_or_else(|| self.scene().frame_time(1));
+        let step = self.step.unwrap_or_else(|| scene.frame_time(1));
         let frame = Frame { index: self.index, time, step, pad: 0.0 };
-        let scene_bindings =
-            self.view.update(&mut self.executor, &self.scene.scene, &pose, self.size, frame)?;
-        let change = Change {
-            scene_bindings,
-            passes: Vec::new(),
-            again: Vec::new(),
-            events: std::mem::take(&mut self.events),
-            all: std::mem::take(&mut self.everything),
-        };
-        let report = self.executor.frame(change, self.frame_options)?;
+        let changed = self.view.update(&mut self.executor, scene, &self.pose, self.size, frame)?;
+        self.change.scene_bindings = changed;
+        let result = self.executor.frame(&self.change, self.frame_options);
+        self.change.clear();
+        let report = result?;
         self.index += 1;
         Ok(report)
+    }
+
+    /// Returns the GPU times of the newest frame that was [timed](FrameOptions::timed), or was
+    /// [monitored](FrameOptions::monitored) and is done. Never waits. `None` before there is one, and where the adapter
+    /// has no timestamps.
+    pub fn timings(&mut self) -> Option<&Timings> {
+        self.executor.timings()
     }
 
     /// Runs frames of the same number, and so of the same time, until the pipeline says that its picture is done;
@@ -294,15 +302,15 @@ impl Renderer {
     pub fn frame_until_done(
         &mut self,
         mut told: impl FnMut(&FrameReport, Option<Progress>) -> ControlFlow<()>,
-    ) -> Result<FrameReport, RenderError> {
+    ) -> Result<&FrameReport, RenderError> {
         let index = self.index;
         loop {
             self.index = index;
-            let report = self.frame()?;
+            self.frame()?;
             let progress = self.progress()?;
-            let broken_off = told(&report, progress).is_break();
+            let broken_off = told(self.executor.report(), progress).is_break();
             if broken_off || progress.is_none_or(|progress| progress.done) {
-                return Ok(report);
+                return Ok(self.executor.report());
             }
         }
     }
@@ -348,13 +356,14 @@ impl Renderer {
         LinkContext { frame: self.size, traits: scene.traits_with(lights) }
     }
 
-    fn relink(&mut self) -> Result<(), RenderError> {
+    /// Loads the pipeline again, for another scene or size; nothing where none is set.
+    fn relink(&mut self) -> Result<LoadReport, RenderError> {
         match &self.pipeline {
             Some(Loaded { name, overrides, .. }) => {
                 let (name, overrides) = (name.clone(), overrides.clone());
-                self.set_pipeline(&name, &overrides).map(|_| ())
+                self.set_pipeline(&name, &overrides)
             }
-            None => Ok(()),
+            None => Ok(LoadReport::default()),
         }
     }
 }

@@ -43,9 +43,9 @@ impl Renderer {
     /// Loads the scene again by what it was loaded by.
     fn reload_scene(&mut self) -> Result<LoadReport, RenderError> {
         let scene = load_scene(&self.catalog, &self.scene().spec)?;
-        self.set_scene(scene)?;
+        let report = self.set_scene(scene)?;
         self.scene_stale = false;
-        Ok(LoadReport::default())
+        Ok(report)
     }
 
     /// Returns the folders to watch, with all that is in them, for [`Renderer::reload`]: those of the tree that files come

@@ -32,6 +32,8 @@ pub struct SceneView {
     /// Bytes as last written, so that what is the same counts as unchanged.
     camera_bytes: Vec<u8>,
     lights_bytes: (Vec<u8>, Vec<u8>),
+    /// The lights as last seen: where they are the same, their bytes are.
+    seen_lights: Vec<scene::Light>,
     previous_camera: Option<scene::Camera>,
     /// What the steps of this view's pipeline trace rays through.
     wanted: Wanted,
@@ -77,6 +79,7 @@ impl SceneView {
             layers: buffer(&device, "scene light layers", &layer_bytes, storage),
             camera_bytes: Vec::new(),
             lights_bytes: (light_bytes, layer_bytes),
+            seen_lights: scene.lights.clone(),
             previous_camera: None,
             wanted: Wanted::default(),
             bound: 0,
@@ -136,7 +139,7 @@ impl SceneView {
         size: (u32, u32),
         frame: gpu_data::Frame,
     ) -> Result<SceneBindings, ExecutorError> {
-        let queue = executor.gpu().queue.clone();
+        let queue = &executor.gpu().queue;
         let mut changed = SceneBindings::FRAME;
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
         let previous = self.previous_camera.replace(pose.camera);
@@ -144,15 +147,19 @@ impl SceneView {
         let bytes = bytemuck::bytes_of(&camera);
         if bytes != self.camera_bytes {
             queue.write_buffer(&self.camera, 0, bytes);
-            self.camera_bytes = bytes.to_vec();
+            self.camera_bytes.clear();
+            self.camera_bytes.extend_from_slice(bytes);
             changed = changed.and(SceneBindings::CAMERA);
         }
-        let (lights, layers) = gpu_data::lights(&pose.lights, scene.bounds());
-        let written = (lights, cast_slice(&layers).to_vec());
-        if written != self.lights_bytes {
-            self.write_lights(executor, &written);
-            self.lights_bytes = written;
-            changed = changed.and(SceneBindings::LIGHTS);
+        if pose.lights != self.seen_lights {
+            self.seen_lights.clone_from(&pose.lights);
+            let (lights, layers) = gpu_data::lights(&pose.lights, scene.bounds());
+            let written = (lights, cast_slice(&layers).to_vec());
+            if written != self.lights_bytes {
+                self.write_lights(executor, &written);
+                self.lights_bytes = written;
+                changed = changed.and(SceneBindings::LIGHTS);
+            }
         }
         let moves = self.shared.follow(executor.gpu(), scene, &pose.moved, self.wanted)?;
         self.bind(executor);

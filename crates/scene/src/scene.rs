@@ -153,18 +153,55 @@ pub struct Changes {
     pub geometry: bool,
 }
 
+/// A light at one time, without a copy of its name.
+#[derive(Clone, Copy, PartialEq)]
+struct PosedLight<'a> {
+    /// The light at rest.
+    rest: &'a Light,
+    position: Vec3,
+    direction: Vec3,
+    intensity: Vec3,
+}
+
+impl PosedLight<'_> {
+    fn to_light(self) -> Light {
+        let PosedLight { rest, position, direction, intensity } = self;
+        Light { name: rest.name.clone(), kind: rest.kind, position, direction, intensity }
+    }
+
+    /// Overwrites a light, and allocates nothing where that has the same name.
+    fn put_into(self, held: &mut Light) {
+        held.name.clone_from(&self.rest.name);
+        held.kind = self.rest.kind;
+        (held.position, held.direction, held.intensity) = (self.position, self.direction, self.intensity);
+    }
+}
+
 impl Scene {
     /// Returns the scene at `time` \[s\]. Keys of a scene file hold outside their range unless it says `repeat`; the
     /// animation of a glTF file repeats. Meshes follow their nodes, or are bent by morph targets, then by their skins'
     /// joints. Skips what does not move.
     pub fn at(&self, time: f32) -> Pose {
+        let mut pose = Pose { time, camera: self.camera, lights: Vec::new(), moved: Vec::new() };
+        self.pose(time, &mut pose);
+        pose
+    }
+
+    /// Puts the scene at `time` \[s\] into a pose, whatever that was of, and uses its memory again: see [`Scene::at`].
+    /// Allocates nothing where nothing moves and the pose was of this scene.
+    pub fn pose(&self, time: f32, pose: &mut Pose) {
         let worlds = self.motion.worlds(time);
-        Pose {
-            time,
-            camera: self.camera_at(time, &worlds),
-            lights: self.lights_at(time, &worlds),
-            moved: self.moved_at(time, &worlds).collect(),
+        pose.time = time;
+        pose.camera = self.camera_at(time, &worlds);
+        pose.lights.truncate(self.lights.len());
+        for (i, light) in self.lights_at(time, &worlds).enumerate() {
+            match pose.lights.get_mut(i) {
+                Some(held) => light.put_into(held),
+                None => pose.lights.push(light.to_light()),
+            }
         }
+        pose.moved.clear();
+        pose.moved.extend(self.moved_at(time, &worlds));
     }
 
     /// Returns what differs between two times, without making vertices.
@@ -172,7 +209,7 @@ impl Scene {
         let (a, b) = (self.motion.worlds(from), self.motion.worlds(to));
         Changes {
             camera: self.camera_at(from, &a) != self.camera_at(to, &b),
-            lights: self.lights_at(from, &a) != self.lights_at(to, &b),
+            lights: self.lights_at(from, &a).ne(self.lights_at(to, &b)),
             geometry: self.motion.meshes.iter().any(|mesh| {
                 self.motion.placement(mesh.node, from, &a) != self.motion.placement(mesh.node, to, &b)
             }),
@@ -285,25 +322,33 @@ impl Scene {
         if finite { camera } else { self.camera }
     }
 
-    fn lights_at(&self, time: f32, worlds: &[Affine3A]) -> Vec<Light> {
+    fn lights_at<'a>(
+        &'a self,
+        time: f32,
+        worlds: &'a [Affine3A],
+    ) -> impl Iterator<Item = PosedLight<'a>> + 'a {
         let pairs = self.lights.iter().zip(&self.motion.lights);
-        pairs
-            .map(|(rest, driver)| {
-                let mut light = rest.clone();
-                if let Some(world) = driver.node.and_then(|node| worlds.get(node)) {
-                    (light.position, light.direction) = place_and_direction(world);
-                }
-                light.position = driver.position.as_ref().map_or(light.position, |track| track.at(time));
-                if let Some(track) = &driver.aim {
-                    light.direction = track.at(time).normalize_or(light.direction);
-                }
-                // A cubic track can dip below zero between its keys.
-                let intensity = driver.intensity.as_ref().map_or(light.intensity, |track| track.at(time));
-                light.intensity = intensity.max(Vec3::ZERO);
-                let finite = light.position.is_finite() && light.direction.is_finite();
-                if finite { light } else { rest.clone() }
-            })
-            .collect()
+        pairs.map(move |(rest, driver)| {
+            let still = PosedLight {
+                rest,
+                position: rest.position,
+                direction: rest.direction,
+                intensity: rest.intensity,
+            };
+            let mut light = still;
+            if let Some(world) = driver.node.and_then(|node| worlds.get(node)) {
+                (light.position, light.direction) = place_and_direction(world);
+            }
+            light.position = driver.position.as_ref().map_or(light.position, |track| track.at(time));
+            if let Some(track) = &driver.aim {
+                light.direction = track.at(time).normalize_or(light.direction);
+            }
+            // A cubic track can dip below zero between its keys.
+            let intensity = driver.intensity.as_ref().map_or(light.intensity, |track| track.at(time));
+            light.intensity = intensity.max(Vec3::ZERO);
+            let finite = light.position.is_finite() && light.direction.is_finite();
+            if finite { light } else { still }
+        })
     }
 
     /// The vertices of every instance that moves.

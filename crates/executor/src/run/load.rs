@@ -1,28 +1,19 @@
 //! Loading a plan in place of another: what goes on, what is made again, and what is left where that fails.
 
-use super::{Executor, LoadReport, Loaded, allocation_usages, lay_out_uniforms};
+use super::{Executor, LoadReport, Loaded, allocation_usages};
+use crate::current::LayerViews;
 use crate::error::ExecutorError;
 use crate::fill::{copy, fill};
 use crate::object::{Object, ObjectUsage, check_limits};
 use crate::step::LoadedStep;
 use crate::timing::Timers;
-use frame_graph::frame::{FrameSchedule, FrameState};
+use crate::uniforms::Uniforms;
+use frame_graph::frame::FrameState;
 use frame_graph::plan::{AllocationId, PassId, Plan};
-use frame_graph::{Name, Succession};
+use frame_graph::{Change, Name, Succession};
 use pass::LinkedStep;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-
-/// What the next frame is to be told of plans that were loaded.
-#[derive(Debug, Default)]
-pub(super) struct Pending {
-    /// Passes whose settings, shaders or links changed.
-    pub(super) changed: Vec<PassId>,
-    /// Passes that are to run again for another reason.
-    pub(super) again: Vec<PassId>,
-    /// Whether all passes are to run.
-    pub(super) all: bool,
-}
 
 /// An object that goes on in another plan, with what is in it.
 struct Carried {
@@ -75,7 +66,7 @@ impl Executor {
                 self.exchange(plan, steps, &usages, succession.as_ref())?;
             }
         }
-        self.pending.changed.extend(differs.reloaded);
+        self.pending.passes.extend(differs.reloaded);
         self.pending.again.extend(&differs.changed);
         report.changed = differs.changed;
         let loaded = self.loaded.iter().flat_map(|loaded| loaded.steps.iter().flatten());
@@ -153,7 +144,9 @@ impl Executor {
             }
         }
         if renewed > 0 {
-            loaded.uniforms = lay_out_uniforms(&self.gpu, &mut loaded.steps);
+            loaded.uniforms = Uniforms::new(&self.gpu, &plan, &mut loaded.steps);
+        } else if let Some(uniforms) = &mut loaded.uniforms {
+            uniforms.fill(&loaded.steps);
         }
         loaded.plan = plan;
         renewed
@@ -178,8 +171,9 @@ impl Executor {
         let mut before: Objects = Vec::new();
         let mut before_usages = Vec::new();
         if let Some(old) = &mut old {
-            // Bind groups hold objects too.
-            old.steps.iter_mut().flatten().for_each(LoadedStep::forget_objects);
+            // Bind groups and views hold objects too.
+            old.steps.iter_mut().flatten().for_each(LoadedStep::forget_bindings);
+            old.views.clear();
             before_usages.extend(old.objects.iter().map(|(usage, _)| *usage));
             before.extend(old.objects.drain(..).map(Some));
             for (i, (object, allocation)) in before.iter_mut().zip(&old.plan.allocations).enumerate() {
@@ -203,8 +197,9 @@ impl Executor {
             Ok(objects) => objects,
             Err(error) => return Err(self.restore(old, before, &before_usages, error)),
         };
-        self.write_contents(&plan, &objects, &before, &carried);
-        let uniforms = lay_out_uniforms(&self.gpu, &mut steps);
+        let mut views = LayerViews::default();
+        self.write_contents(&plan, &objects, &mut views, &before, &carried);
+        let uniforms = Uniforms::new(&self.gpu, &plan, &mut steps);
         let timers = Timers::new(&self.gpu, plan.passes.len() as u32);
         let state = match (&old, succession) {
             (Some(old), Some(succession)) => old.state.succeed(&plan, succession),
@@ -218,10 +213,9 @@ impl Executor {
                 }
             }
             self.pool.trim();
-            self.pending.follow(&old.plan, &plan);
+            follow(&mut self.pending, &old.plan, &plan);
         }
-        let schedule = FrameSchedule::default();
-        self.loaded = Some(Loaded { plan, objects, steps, uniforms, state, schedule, timers, poison: None });
+        self.loaded = Some(Loaded { plan, objects, steps, uniforms, state, timers, poison: None, views });
         Ok(())
     }
 
@@ -291,7 +285,7 @@ impl Executor {
             .sum();
         match self.complete(&old.plan, usages, before) {
             Ok(objects) => {
-                self.write_contents(&old.plan, &objects, &Vec::new(), &[]);
+                self.write_contents(&old.plan, &objects, &mut old.views, &Vec::new(), &[]);
                 old.objects = objects;
                 old.state.forget_objects();
                 self.loaded = Some(old);
@@ -311,6 +305,7 @@ impl Executor {
         &self,
         plan: &Plan,
         objects: &[(ObjectUsage, Object)],
+        views: &mut LayerViews,
         before: &Objects,
         carried: &[Carried],
     ) {
@@ -318,7 +313,8 @@ impl Executor {
         let mut encoder = self.gpu.device.create_command_encoder(&descriptor);
         for resource in &plan.resources {
             if let Some(clear) = resource.constant {
-                fill(&mut encoder, &objects[resource.allocation.0 as usize].1, &resource.desc, clear);
+                let object = &objects[resource.allocation.0 as usize].1;
+                fill(&mut encoder, views, (resource.allocation, object), &resource.desc, clear);
             }
         }
         for carried in carried.iter().filter(|carried| carried.copied) {
@@ -340,14 +336,12 @@ struct Differences {
     changed: Vec<PassId>,
 }
 
-impl Pending {
-    /// Finds the passes again, by name, in a plan that takes the place of another.
-    fn follow(&mut self, old: &Plan, new: &Plan) {
-        // All passes run anyway.
-        self.again.clear();
-        let found = self.changed.iter().filter_map(|id| new.pass(&old.passes[id.0 as usize].name));
-        self.changed = found.collect();
-    }
+/// Finds the passes of a change again, by name, in a plan that takes the place of another.
+fn follow(pending: &mut Change, old: &Plan, new: &Plan) {
+    // All passes run anyway.
+    pending.again.clear();
+    let found = pending.passes.iter().filter_map(|id| new.pass(&old.passes[id.0 as usize].name));
+    pending.passes = found.collect();
 }
 
 /// The objects of histories that go on. Only the newest version of each has a meaning.

@@ -9,7 +9,7 @@ use pass::{
     Usage, Value,
 };
 
-const POISON: FrameOptions = FrameOptions { timed: false, poison: true };
+const POISON: FrameOptions = FrameOptions { timed: false, monitored: false, poison: true };
 
 /// One thread that runs this body, with these globals.
 fn compute(globals: &str, body: &str) -> String {
@@ -305,7 +305,7 @@ fn what_runs_is_timed() {
         (format!(r#"{passes}, "still": Pass(kind: "still")"#), format!(r#"{outputs}, "still": "still.out""#));
     let Some(mut running) = workshop.start(&passes, &outputs) else { return };
     assert!(running.frame().times.is_empty(), "not asked for");
-    let report = running.frame_of_all(FrameOptions { timed: true, poison: false });
+    let report = running.frame_of_all(FrameOptions { timed: true, ..FrameOptions::default() }).clone();
     assert_eq!(report.ran, [true; 4]);
     assert_eq!(report.times.len(), 4);
     let still = running.0.plan().unwrap().pass("still").unwrap().0 as usize;

@@ -226,26 +226,26 @@ impl Running {
     }
 
     /// Runs a frame in which nothing has changed but the frame's number.
-    pub(crate) fn frame(&mut self) -> FrameReport {
-        self.frame_with(Change::default(), FrameOptions::default())
+    pub(crate) fn frame(&mut self) -> &FrameReport {
+        self.frame_with(&Change::default(), FrameOptions::default())
     }
 
     /// Runs a frame that begins with an event.
-    pub(crate) fn frame_after(&mut self, event: ResetCause) -> FrameReport {
-        self.frame_with(Change { events: vec![event], ..Change::default() }, FrameOptions::default())
+    pub(crate) fn frame_after(&mut self, event: ResetCause) -> &FrameReport {
+        self.frame_with(&Change { events: vec![event], ..Change::default() }, FrameOptions::default())
     }
 
     /// Runs a frame in which nothing has changed, and fills what passes write with NaN before they run.
-    pub(crate) fn frame_with_poison(&mut self) -> FrameReport {
-        self.frame_with(Change::default(), FrameOptions { timed: false, poison: true })
+    pub(crate) fn frame_with_poison(&mut self) -> &FrameReport {
+        self.frame_with(&Change::default(), FrameOptions { poison: true, ..FrameOptions::default() })
     }
 
     /// Runs every pass.
-    pub(crate) fn frame_of_all(&mut self, options: FrameOptions) -> FrameReport {
-        self.frame_with(Change { all: true, ..Change::default() }, options)
+    pub(crate) fn frame_of_all(&mut self, options: FrameOptions) -> &FrameReport {
+        self.frame_with(&Change { all: true, ..Change::default() }, options)
     }
 
-    fn frame_with(&mut self, change: Change, options: FrameOptions) -> FrameReport {
+    pub(crate) fn frame_with(&mut self, change: &Change, options: FrameOptions) -> &FrameReport {
         self.0.frame(change, options).unwrap_or_else(|error| panic!("{error}"))
     }
 

@@ -73,7 +73,7 @@ fn versions_are_those_of_what_is_handed_on() {
     let mut state = FrameState::new(&plan);
     let mut run = |scene_bindings| {
         let schedule = state.begin(&plan, &Change { scene_bindings, ..Change::default() });
-        let ran = plan.passes.iter().zip(schedule.runs).filter(|(_, ran)| *ran);
+        let ran = plan.passes.iter().zip(&schedule.runs).filter(|(_, ran)| **ran);
         ran.map(|(pass, _)| pass.name.to_string()).collect::<Vec<_>>()
     };
     assert_eq!(run(SceneBindings::NONE), ["view", "second", "lights", "gather"]);

@@ -452,7 +452,7 @@ proptest! {
                 prop_assert_eq!(slot.age == 0, *reset);
             }
             let expected = naive.frame(&plan, &revisions, &resets);
-            let found = scheduled(&plan, &schedule, &revisions, &mut objects);
+            let found = scheduled(&plan, schedule, &revisions, &mut objects);
             for (i, reads) in found.iter().enumerate() {
                 if let Some(reads) = reads {
                     prop_assert_eq!(reads, &expected[i], "{} in frame {}", &plan.passes[i].name, number);

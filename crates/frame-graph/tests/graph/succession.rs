@@ -160,7 +160,7 @@ fn links_kinds_and_initial_values_are_part_of_what_a_past_is() {
 fn the_first_frame_is_the_first_frame() {
     let base = plan(&[]);
     let larger = plan_of(LOOP, &[], (65, 64), &CompileOptions::default());
-    let state = FrameState::new(&base).succeed(&larger, &Succession::between(&base, &larger));
-    let schedule = state.clone().begin(&larger, &Change::default());
+    let mut state = FrameState::new(&base).succeed(&larger, &Succession::between(&base, &larger));
+    let schedule = state.begin(&larger, &Change::default());
     assert!(schedule.histories.iter().all(|slot| slot.reset == Some(ResetCause::FirstFrame)));
 }

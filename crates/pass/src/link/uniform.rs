@@ -22,6 +22,33 @@ pub struct UniformFill {
     pub seeded: bool,
 }
 
+/// A word of a uniform that can have another value in another frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameWord {
+    /// Where it lies in the uniform \[bytes\].
+    pub offset: usize,
+    /// What it holds.
+    pub value: FrameValue,
+    /// Whether the shader declares it as `f32`.
+    float: bool,
+}
+
+/// What a [`FrameWord`] holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameValue {
+    /// The seed of the pass.
+    Seed,
+    /// What a shader asks of a past version.
+    Past(HistoryId, PastFact),
+}
+
+impl FrameWord {
+    /// Returns a value as the bytes of the word.
+    pub fn bytes(self, value: u32) -> [u8; 4] {
+        if self.float { (value as f32).to_le_bytes() } else { value.to_le_bytes() }
+    }
+}
+
 /// What a shader can ask of a past version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PastFact {
@@ -36,6 +63,19 @@ impl UniformFill {
     pub fn bytes(&self, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Vec<u8> {
         // Linking has proved that every member has a value that it can hold.
         shader_library::write_struct(&self.layout, &|name| self.value(name, seed, &past)).unwrap_or_default()
+    }
+
+    /// Returns the words that can have other values in other frames. All else of [`UniformFill::bytes`] stays.
+    pub fn frame_words(&self) -> impl Iterator<Item = FrameWord> + '_ {
+        self.layout.members.iter().filter_map(|member| {
+            let past = self.past.iter().find(|(name, ..)| *name == member.name);
+            let value = match past {
+                Some((_, history, fact)) => FrameValue::Past(*history, *fact),
+                None if self.seeded && member.name == "seed" => FrameValue::Seed,
+                None => return None,
+            };
+            Some(FrameWord { offset: member.offset as usize, value, float: member.ty == "f32" })
+        })
     }
 
     /// Returns the size of the uniform \[bytes\]: that of the struct, rounded up as uniform layouts are.

@@ -91,7 +91,11 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         .set_compile_options(CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() })?;
     renderer.set_pipeline(&args.pipeline, &overrides(&args.set)?)?;
     renderer.keep(&args.output)?;
-    renderer.set_frame_options(FrameOptions { timed: args.time, poison: args.poison });
+    renderer.set_frame_options(FrameOptions {
+        timed: args.time,
+        poison: args.poison,
+        ..FrameOptions::default()
+    });
     render(context, args, &mut renderer, &out)?;
     if args.watch {
         watch::watch(&mut renderer, |renderer| render(context, args, renderer, &out))

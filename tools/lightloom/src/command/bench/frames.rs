@@ -22,7 +22,7 @@ impl Timed {
         let mut renderer = Renderer::new(gpu, Arc::clone(bench.catalog), loaded, frame)?;
         let values = values.iter().map(|(name, value)| ((*name).to_owned(), Value::U32(*value)));
         renderer.set_pipeline(pipeline, &Overrides(values.collect()))?;
-        renderer.set_frame_options(FrameOptions { timed: true, poison: false });
+        renderer.set_frame_options(FrameOptions { timed: true, ..FrameOptions::default() });
         let mut timed = Timed(renderer);
         timed.frame()?;
         Ok(timed)
@@ -31,7 +31,7 @@ impl Timed {
     /// Milliseconds of each pass.
     fn frame(&mut self) -> Result<Vec<f64>> {
         self.0.run_everything();
-        Ok(self.0.frame()?.times)
+        Ok(self.0.frame()?.times.clone())
     }
 
     fn passes(&self) -> Vec<String> {

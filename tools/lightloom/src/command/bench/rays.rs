@@ -119,7 +119,8 @@ impl Stand<'_> {
         let (pose, size) = (self.scene.at(0.0), (self.side, self.side));
         let scene_bindings = self.view.update(&mut self.executor, self.scene, &pose, size, frame)?;
         let change = Change { scene_bindings, all: true, ..Change::default() };
-        Ok(self.executor.frame(change, FrameOptions { timed: true, poison: false })?.times)
+        let options = FrameOptions { timed: true, ..FrameOptions::default() };
+        Ok(self.executor.frame(&change, options)?.times.clone())
     }
 
     fn rows(&mut self, runs: u32, way: &str, scene: &str) -> Result<Vec<Row>> {

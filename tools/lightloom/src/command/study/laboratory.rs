@@ -64,7 +64,7 @@ impl GpuLaboratory {
         if !request.until_done {
             converge(&mut renderer, request)?;
         }
-        renderer.set_frame_options(FrameOptions { timed: request.timed, poison: false });
+        renderer.set_frame_options(FrameOptions { timed: request.timed, ..FrameOptions::default() });
         renderer.set_frame_index(request.first_frame);
         let noise = if request.until_done {
             accumulate(&mut renderer, request, &extras, observe)?
@@ -208,14 +208,14 @@ fn sequence(
         if request.timed {
             renderer.run_everything();
         }
-        let report = renderer.frame().map_err(text)?;
+        let times = renderer.frame().map_err(text)?.times.clone();
         if offset < request.warm_up {
             continue;
         }
-        spent += report.times.iter().sum::<f64>();
-        observe(observed(renderer, request, extras, request.first_frame + offset, &report.times)?)?;
+        spent += times.iter().sum::<f64>();
+        observe(observed(renderer, request, extras, request.first_frame + offset, &times)?)?;
         match request.stop_after_ms {
-            Some(_) if report.times.is_empty() => {
+            Some(_) if times.is_empty() => {
                 return Err("this adapter cannot time passes, which a budget of time needs".to_owned());
             }
             Some(most) if spent >= most => break,

@@ -1,0 +1,186 @@
+//! Encoding a frame.
+
+use super::{Executor, FrameOptions, FrameReport, Loaded};
+use crate::current::{FrameObjects, LayerViews};
+use crate::error::ExecutorError;
+use crate::fill::{copy, fill, poison_buffer, poison_object};
+use crate::gpu::Gpu;
+use crate::step::{Dispatch, LoadedStep, OpenPass, StepContext};
+use crate::timing::{Timers, TimingTarget, Timings};
+use frame_graph::Change;
+use frame_graph::plan::{Begins, Plan, PlannedPass};
+
+impl Executor {
+    /// Runs a frame: what `change` and what followed from earlier ones ask for, and submits it. A frame like the one
+    /// before allocates no memory, but what wgpu does.
+    ///
+    /// # Errors
+    /// What the driver said of the frame's commands; the device gone; no plan loaded.
+    ///
+    /// # Panics
+    /// Where a scene binding that a shader reads is not set: defects of the application.
+    pub fn frame(&mut self, change: &Change, options: FrameOptions) -> Result<&FrameReport, ExecutorError> {
+        let Executor { gpu, scene_bindings, scene_indices, seed, loaded, pending, report, frames, .. } = self;
+        let Some(loaded) = loaded else { return Err(ExecutorError::NotLoaded) };
+        let Loaded { plan, objects, steps, uniforms, state, timers, poison, views } = loaded;
+        let (gpu, plan): (&Gpu, &Plan) = (gpu, plan);
+        pending.add(change);
+        let schedule = state.begin(plan, pending);
+        pending.clear();
+        if let Some(uniforms) = uniforms {
+            uniforms.write(gpu, plan, schedule, *seed);
+        }
+        if options.poison && poison.is_none() {
+            *poison = Some(poison_buffer(gpu, plan));
+        }
+        let target = timers.as_mut().and_then(|timers| match options {
+            FrameOptions { timed: true, .. } => Some(TimingTarget::Exact),
+            FrameOptions { monitored: true, .. } => timers.free_slot(gpu),
+            _ => None,
+        });
+        let context = StepContext {
+            gpu,
+            scene_bindings,
+            scene_indices: *scene_indices,
+            uniforms: uniforms.as_ref().map(|uniforms| &uniforms.buffer),
+            objects: FrameObjects { plan, schedule, objects },
+        };
+        let descriptor = wgpu::CommandEncoderDescriptor { label: Some("frame") };
+        let mut frame = FrameEncoder {
+            context,
+            views,
+            encoder: gpu.device.create_command_encoder(&descriptor),
+            open: None,
+            timers: timers.as_ref().filter(|_| target.is_some()),
+            poison: poison.as_ref().filter(|_| options.poison),
+        };
+        frame.begin_pasts();
+        if let Some(timers) = frame.timers {
+            timers.start(&mut frame.encoder);
+        }
+        let passes = plan.passes.iter().zip(steps.iter_mut()).enumerate();
+        for (index, (pass, steps)) in passes.filter(|(index, _)| schedule.runs[*index]) {
+            frame.encode_pass(index, pass, steps);
+        }
+        // A compute pass is ended by dropping it, before its encoder is finished.
+        frame.open = None;
+        if let (Some(timers), Some(target)) = (frame.timers, target) {
+            timers.resolve(&mut frame.encoder, target);
+        }
+        gpu.queue.submit([frame.encoder.finish()]);
+        if let Some(message) = gpu.take_fault() {
+            return Err(ExecutorError::Pass { pass: "of this frame".to_owned(), message });
+        }
+        report.frame = *frames;
+        *frames += 1;
+        report.ran.clone_from(&schedule.runs);
+        report.times.clear();
+        let stamped =
+            || schedule.runs.iter().zip(steps.iter()).map(|(runs, steps)| *runs && !steps.is_empty());
+        match (timers, target) {
+            (Some(timers), Some(TimingTarget::Exact)) => {
+                timers.read(gpu, report.frame, stamped(), &mut report.times)?;
+            }
+            (Some(timers), Some(TimingTarget::Slot(slot))) => timers.request(slot, report.frame, stamped()),
+            _ => {}
+        }
+        Ok(report)
+    }
+
+    /// Returns what the last frame did; empty before the first.
+    pub fn report(&self) -> &FrameReport {
+        &self.report
+    }
+
+    /// Returns the GPU times of the newest frame of the loaded plan that was [timed](FrameOptions::timed), or was
+    /// [monitored](FrameOptions::monitored) and is done: as a rule one to three frames ago. Never waits. `None` before
+    /// there is one, and where the adapter has no timestamps.
+    pub fn timings(&mut self) -> Option<&Timings> {
+        let timers = self.loaded.as_mut()?.timers.as_mut()?;
+        timers.newest(&self.gpu)
+    }
+
+    /// Returns the dispatches of the passes that the last frame ran, without those whose size is on the GPU: to measure
+    /// what encoding them costs otherwise.
+    pub fn dispatches(&self) -> impl Iterator<Item = Dispatch<'_>> {
+        let passes =
+            self.loaded.iter().flat_map(|loaded| loaded.state.schedule().runs.iter().zip(&loaded.steps));
+        passes.filter(|(ran, _)| **ran).flat_map(|(_, steps)| steps).filter_map(LoadedStep::dispatch)
+    }
+}
+
+/// A frame that is being encoded.
+struct FrameEncoder<'a> {
+    context: StepContext<'a>,
+    views: &'a mut LayerViews,
+    encoder: wgpu::CommandEncoder,
+    /// The compute pass that the next dispatch joins.
+    open: Option<OpenPass>,
+    timers: Option<&'a Timers>,
+    poison: Option<&'a wgpu::Buffer>,
+}
+
+impl FrameEncoder<'_> {
+    /// Fills pasts that have ended with what they begin as.
+    fn begin_pasts(&mut self) {
+        let FrameObjects { plan, schedule, .. } = self.context.objects;
+        for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
+            let resource = &plan.resources[history.resource.0 as usize];
+            // Where the past lies in the object that holds the newest version, it ends when the pass runs.
+            let runs = resource.producer.is_some_and(|pass| schedule.runs[pass.0 as usize]);
+            if slot.reset.is_some() && (runs || !history.in_place) {
+                let id = history.copies[slot.previous];
+                let object = self.context.objects.object(id);
+                fill(&mut self.encoder, self.views, (id, object), &resource.desc, history.init);
+            }
+        }
+    }
+
+    fn encode_pass(&mut self, index: usize, pass: &PlannedPass, steps: &mut [LoadedStep]) {
+        // What has no steps is written by the host, before the frame.
+        let poison = self.poison.filter(|_| !steps.is_empty());
+        if !pass.clears.is_empty() || !pass.continues.is_empty() || poison.is_some() {
+            self.open = None;
+        }
+        if let Some(poison) = poison {
+            self.poison(poison, pass);
+        }
+        let objects = self.context.objects;
+        for (resource, clear) in &pass.clears {
+            let id = objects.current(*resource);
+            let desc = &objects.plan.resources[resource.0 as usize].desc;
+            fill(&mut self.encoder, self.views, (id, objects.object(id)), desc, *clear);
+        }
+        for continued in &pass.continues {
+            let from = match continued.from {
+                Begins::InPlace(_) => continue,
+                Begins::CopyOfPast(history) => objects.past(history),
+                Begins::Copy(id) => objects.current(id),
+            };
+            let to = objects.current(continued.resource);
+            let desc = &objects.plan.resources[continued.resource.0 as usize].desc;
+            copy(&mut self.encoder, objects.object(from), objects.object(to), desc);
+        }
+        let count = steps.len();
+        for (i, step) in steps.iter_mut().enumerate() {
+            let end = (i + 1 == count).then(|| Timers::end_of(index));
+            let queries = self.timers.map(|timers| (&timers.queries, end));
+            step.encode(self.context, self.views, &mut self.encoder, &mut self.open, queries);
+        }
+        if let Some(timers) = self.timers.filter(|_| count > 0) {
+            self.open = None;
+            timers.settle(&mut self.encoder);
+        }
+    }
+
+    /// Fills what a pass writes with NaN.
+    fn poison(&mut self, poison: &wgpu::Buffer, pass: &PlannedPass) {
+        let objects = self.context.objects;
+        let written = pass.outputs.iter().flat_map(|output| output.members.iter().map(|(_, id)| *id));
+        for id in written.filter(|id| pass.continues.iter().all(|c| c.resource != *id)) {
+            let desc = &objects.plan.resources[id.0 as usize].desc;
+            let object = &objects.objects[objects.current(id).0 as usize];
+            poison_object(&mut self.encoder, poison, desc, object);
+        }
+    }
+}

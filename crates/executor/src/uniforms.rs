@@ -1,0 +1,122 @@
+//! The uniforms of all steps in one buffer. What can differ between frames is known when a plan is loaded: a frame looks at
+//! those words alone, and writes all that differ at once.
+
+use crate::gpu::Gpu;
+use crate::step::LoadedStep;
+use frame_graph::ResetCause;
+use frame_graph::frame::{FrameSchedule, HistorySlot};
+use frame_graph::plan::Plan;
+use pass::{FrameValue, FrameWord, PastFact, pass_seed};
+use std::ops::Range;
+
+/// The buffer of a plan's uniforms, and what it holds.
+#[derive(Debug)]
+pub(crate) struct Uniforms {
+    pub(crate) buffer: wgpu::Buffer,
+    bytes: Vec<u8>,
+    /// The bytes that differ from those in the buffer lie in here.
+    unwritten: Range<usize>,
+    words: Vec<PlacedWord>,
+    /// The run's seed for which `seeds` are; `None` before the first frame.
+    run_seed: Option<u32>,
+    /// One entry a pass.
+    seeds: Vec<u32>,
+}
+
+/// A word that can differ between frames.
+#[derive(Debug)]
+struct PlacedWord {
+    /// Where it lies in the buffer.
+    at: usize,
+    pass: usize,
+    word: FrameWord,
+}
+
+impl Uniforms {
+    /// Gives every uniform of the steps its place in a new buffer; `None` where there is none.
+    pub(crate) fn new(gpu: &Gpu, plan: &Plan, steps: &mut [Vec<LoadedStep>]) -> Option<Uniforms> {
+        let alignment = u64::from(gpu.limits().min_uniform_buffer_offset_alignment);
+        let mut size = 0;
+        for step in steps.iter_mut().flatten() {
+            size = step.place_uniforms(size, alignment);
+        }
+        if size == 0 {
+            return None;
+        }
+        let mut uniforms = Uniforms {
+            buffer: gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("uniforms"),
+                size,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            bytes: vec![0; size as usize],
+            unwritten: 0..0,
+            words: Vec::new(),
+            run_seed: None,
+            seeds: vec![0; plan.passes.len()],
+        };
+        uniforms.fill(steps);
+        Some(uniforms)
+    }
+
+    /// Takes the values of steps whose uniforms have the same places.
+    pub(crate) fn fill(&mut self, steps: &[Vec<LoadedStep>]) {
+        self.words.clear();
+        for (pass, steps) in steps.iter().enumerate() {
+            for (fill, offset) in steps.iter().flat_map(LoadedStep::uniforms) {
+                let offset = offset as usize;
+                let bytes = fill.bytes(0, |_, _| 0);
+                self.bytes[offset..][..bytes.len()].copy_from_slice(&bytes);
+                let place = |word: FrameWord| PlacedWord { at: offset + word.offset, pass, word };
+                self.words.extend(fill.frame_words().map(place));
+            }
+        }
+        self.unwritten = 0..self.bytes.len();
+    }
+
+    /// Writes what differs for the passes that run.
+    pub(crate) fn write(&mut self, gpu: &Gpu, plan: &Plan, schedule: &FrameSchedule, seed: u32) {
+        if self.run_seed != Some(seed) {
+            self.run_seed = Some(seed);
+            let seeds = self.seeds.iter_mut().zip(&plan.passes);
+            seeds.for_each(|(held, pass)| *held = pass_seed(seed, &pass.name));
+        }
+        for PlacedWord { at, pass, word } in self.words.iter().filter(|word| schedule.runs[word.pass]) {
+            let value = match word.value {
+                FrameValue::Seed => self.seeds[*pass],
+                FrameValue::Past(history, fact) => past(&schedule.histories[history.0 as usize], fact),
+            };
+            let (range, bytes) = (*at..at + 4, word.bytes(value));
+            if self.bytes[range.clone()] != bytes {
+                self.bytes[range.clone()].copy_from_slice(&bytes);
+                self.unwritten = match self.unwritten.is_empty() {
+                    true => range,
+                    false => self.unwritten.start.min(range.start)..self.unwritten.end.max(range.end),
+                };
+            }
+        }
+        if !self.unwritten.is_empty() {
+            let range = std::mem::take(&mut self.unwritten);
+            gpu.queue.write_buffer(&self.buffer, range.start as u64, &self.bytes[range]);
+        }
+    }
+}
+
+fn past(slot: &HistorySlot, fact: PastFact) -> u32 {
+    match fact {
+        PastFact::Age => slot.age,
+        PastFact::Reset => slot.reset.map_or(0, reset_code),
+    }
+}
+
+fn reset_code(cause: ResetCause) -> u32 {
+    match cause {
+        ResetCause::FirstFrame => 1,
+        ResetCause::Resize => 2,
+        ResetCause::Cut => 3,
+        ResetCause::Scene => 4,
+        ResetCause::Reload => 5,
+        ResetCause::Moved => 6,
+    }
+}
