@@ -22,6 +22,9 @@ struct Settings {
     interleave_y: u32,
     /// 1 where a subset is a run of the lights, 0 where it is every n·m-th.
     runs: u32,
+    /// Distance below which a light's geometry term grows no more, as a fraction of the scene's extent; 0 is no bound.
+    /// Bright spots near lights shrink with it, and energy near corners is lost: alpha says how much. 0.01 is of the order
+    /// of the distance between 1,024 lights on a lit tenth of the scene. [default: 0.01, min: 0.0, max: 1.0]
     clamp: f32,
     /// The part of each subset that this dispatch takes: lights `begin` to `end`.
     begin: u32,

@@ -14,6 +14,8 @@ struct Settings {
     coarse_begin: u32,
     /// 2^l of the finer level.
     scale: f32,
+    /// Distances are averaged where they differ by less than this fraction of the scene's extent, doubled with each level;
+    /// else the coarser texel is a hole. More closes holes at silhouettes and mixes surfaces. [default: 0.05, min: 0.0]
     pull_threshold: f32,
 }
 

@@ -17,8 +17,11 @@
 struct Settings {
     depth_count: u32,
     depth_tile: u32,
-    max_splat: f32,
+    /// Factor on the side of a splat. Holes close and shadows thicken with it. [default: 1.0, min: 0.0, max: 16.0]
     splat_scale: f32,
+    /// Greatest side of a splat: a bound on the time that points near a light take. Holes near the light close with it.
+    /// [default: 8.0, min: 1.0, max: 512.0, unit: "px"]
+    max_splat: f32,
     /// Splats of all maps that were requested.
     wanted: u32,
     /// Samples of all maps, where their number is filled up to whole blocks.

@@ -57,6 +57,9 @@ pub struct Setting {
     pub unit: String,
     /// What it does, and what rises and falls with it.
     pub doc: String,
+    /// Where it is declared, `passes/splat/src/lib.rs:40` or `FILE:LINE:COLUMN`; empty for a parameter of a pipeline,
+    /// whose place is known there.
+    pub declared: String,
 }
 
 /// Why a [`Setting`] does not take a value.
@@ -255,35 +258,5 @@ impl Settings {
     /// Returns the value of `name`, if there is such a setting.
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.0.get(name)
-    }
-
-    /// Returns the truth value of a setting that the pass type declares.
-    ///
-    /// # Panics
-    /// If the pass type declares no such setting or one of another type: a defect of the pass, not of its user.
-    pub fn bool(&self, name: &str) -> bool {
-        self.typed(name, Value::as_bool)
-    }
-
-    /// Returns the whole number of a setting that the pass type declares. Panics as [`Settings::bool`] does.
-    pub fn u32(&self, name: &str) -> u32 {
-        self.typed(name, Value::as_u32)
-    }
-
-    /// Returns the real number of a setting that the pass type declares. Panics as [`Settings::bool`] does.
-    pub fn f32(&self, name: &str) -> f32 {
-        self.typed(name, Value::as_f32)
-    }
-
-    /// Returns the text of a setting that the pass type declares. Panics as [`Settings::bool`] does.
-    pub fn text(&self, name: &str) -> &str {
-        self.typed(name, Value::as_text)
-    }
-
-    fn typed<'a, T>(&'a self, name: &str, read: impl Fn(&'a Value) -> Option<T>) -> T {
-        let value = self.0.get(name);
-        value.and_then(read).unwrap_or_else(|| {
-            panic!("the pass asks for a setting `{name}` that it does not declare so (found {value:?})")
-        })
     }
 }

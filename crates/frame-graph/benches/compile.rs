@@ -33,6 +33,7 @@ impl Two {
             one_of: Vec::new(),
             unit: String::new(),
             doc: String::new(),
+            declared: String::new(),
         };
         let input = |name: &str, optional| InputPort {
             name: name.into(),

@@ -1,7 +1,6 @@
 //! Maps of one size in the layers of a texture array.
 
-use crate::setting::{self, SettingExt};
-use frame_graph::{Extent, Facts, Format, ResourceDesc, Setting, Value};
+use frame_graph::{Extent, Facts, Format, ResourceDesc, Value};
 use std::ops::Range;
 
 /// How square maps of one size lie in an atlas: row by row, layer after layer. `tile_origin` of
@@ -14,16 +13,14 @@ pub struct AtlasLayout {
     rows: u32,
 }
 
-/// Declares the setting `depth_bias` of a pass that makes maps: the factor on what they need, which goes with them as the
-/// fact `depth_bias`.
-pub fn depth_bias() -> Setting {
-    setting::f32(
-        "depth_bias",
-        1.0,
-        "Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light leaks \
-         more with it.",
-    )
-    .at_least(0.0)
+crate::settings! {
+    /// The setting that every pass has which makes maps: what they need, times this factor, goes with them as the fact
+    /// `depth_bias`.
+    pub struct DepthBiasSettings {
+        /// Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light leaks
+        /// more with it.
+        depth_bias: f32 = 1.0, min: 0.0;
+    }
 }
 
 impl AtlasLayout {

@@ -23,7 +23,7 @@ pub mod setting;
 mod surface_samples;
 pub mod triangle_samples;
 
-pub use atlas::{AtlasLayout, depth_bias};
+pub use atlas::{AtlasLayout, DepthBiasSettings};
 pub use frame_graph::{
     Clear, Extent, Facts, Format, InputPort, Module, Name, OutputContext, OutputDesc, OutputPort,
     PassTypeError, Ports, ResourceDesc, SceneBindings, Setting, Settings, Traits, Usage, Use, Value,

@@ -417,8 +417,12 @@ impl StepLinker<'_> {
         place: Option<Span>,
         mut notes: Vec<String>,
     ) -> Diagnostics {
-        notes.push(format!("in pass `{}` of pass type `{}`", self.planned.name, self.planned.kind));
+        notes.push(self.in_pass());
         let labels = place.into_iter().map(|span| Label { span, message: String::new() }).collect();
         Diagnostic { labels, notes, ..Diagnostic::new(code, message) }.into()
+    }
+
+    fn in_pass(&self) -> String {
+        format!("in pass `{}` of pass type `{}`", self.planned.name, self.planned.kind)
     }
 }

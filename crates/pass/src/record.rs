@@ -98,8 +98,8 @@ impl<'a> RecordContext<'a> {
     /// that a shader's options declare (see [`of_options`](crate::setting::of_options)). An option that is no setting
     /// is told when the shader is loaded.
     pub fn option<'n>(&self, name: &'n str) -> (&'n str, Define) {
-        let value = self.settings.get(&name.to_lowercase()).and_then(|value| Define::try_from(value).ok());
-        (name, value.unwrap_or_else(|| Define::Text(String::new())))
+        let value = crate::setting::value_of_option(self.settings, name);
+        (name, Define::try_from(&value).unwrap_or_else(|_| Define::Text(String::new())))
     }
 
     /// The request with the modules that the connected inputs bring, and values for the modules' options.

@@ -82,10 +82,22 @@ impl SettingValue for bool {
     }
 }
 
-/// Creates a setting with its type's choices, without bounds and unit. `doc` holds the lines of a doc comment.
-pub fn new<T: SettingValue>(name: &str, default: &T, doc: &[&str]) -> Setting {
+/// Creates a setting with its type's choices, without bounds and unit. `doc` holds the lines of a doc comment, `declared`
+/// the place.
+pub fn new<T: SettingValue>(name: &str, default: &T, doc: &[&str], declared: &str) -> Setting {
     let lines: Vec<&str> = doc.iter().map(|line| line.trim()).filter(|line| !line.is_empty()).collect();
-    Setting { one_of: T::all(), ..plain(name, default.to_value(), &lines.join(" ")) }
+    let default = default.to_value();
+    Setting {
+        name: name.into(),
+        ty: default.ty(),
+        default,
+        min: None,
+        max: None,
+        one_of: T::all(),
+        unit: String::new(),
+        doc: lines.join(" "),
+        declared: declared.into(),
+    }
 }
 
 /// Reads a setting of a use. The default stands where a test gives none; the graph gives all.
@@ -120,6 +132,12 @@ pub fn of_options(library: &Library, path: &str, names: &[&str]) -> Result<Vec<S
     names.iter().map(named).collect()
 }
 
+/// Returns the value of a setting that [`of_options`] made of the option `name`. An option that is no setting gives empty
+/// text, which is told when the shader is loaded.
+pub fn value_of_option(settings: &Settings, name: &str) -> Value {
+    settings.get(&name.to_lowercase()).cloned().unwrap_or_else(|| Value::Text(String::new()))
+}
+
 /// Declares the settings that a pass reads in Rust: a struct with a public field for each, `schema()`, which gives
 /// their [`Setting`]s, and `read(&Settings)`. Each name is also a constant of the struct, for errors about a
 /// setting: `PassTypeError::setting(MySettings::size, …)`. See [the module](crate::setting).
@@ -152,7 +170,12 @@ macro_rules! settings {
                 ::std::vec![$({
                     let default: $type = $default;
                     #[allow(unused_mut, reason = "a setting may have nothing but a default")]
-                    let mut setting = $crate::setting::new(stringify!($field), &default, &[$($doc),*]);
+                    let mut setting = $crate::setting::new(
+                        stringify!($field),
+                        &default,
+                        &[$($doc),*],
+                        concat!(file!(), ":", line!()),
+                    );
                     $($crate::settings!(@ setting $type, $key, $value);)*
                     setting
                 }),*]
@@ -220,62 +243,4 @@ macro_rules! choice {
             }
         }
     };
-}
-
-fn plain(name: &str, default: Value, doc: &str) -> Setting {
-    Setting {
-        name: name.into(),
-        ty: default.ty(),
-        default,
-        min: None,
-        max: None,
-        one_of: Vec::new(),
-        unit: String::new(),
-        doc: doc.into(),
-    }
-}
-
-/// Declares a whole number that is not negative.
-pub fn u32(name: &str, default: u32, doc: &str) -> Setting {
-    plain(name, Value::U32(default), doc)
-}
-
-/// Declares a real number.
-pub fn f32(name: &str, default: f32, doc: &str) -> Setting {
-    plain(name, Value::F32(default), doc)
-}
-
-/// Declares a setting that is on or off.
-pub fn bool(name: &str, default: bool, doc: &str) -> Setting {
-    plain(name, Value::Bool(default), doc)
-}
-
-/// Declares one of several names; the first is the default.
-pub fn choice(name: &str, choices: &[&str], doc: &str) -> Setting {
-    let values: Vec<Value> = choices.iter().map(|choice| Value::Text((*choice).into())).collect();
-    Setting { one_of: values.clone(), ..plain(name, values[0].clone(), doc) }
-}
-
-/// What can be added to a [`Setting`].
-pub trait SettingExt {
-    /// The least and the greatest value.
-    fn range(self, min: f64, max: f64) -> Setting;
-    /// The least value.
-    fn at_least(self, min: f64) -> Setting;
-    /// The unit.
-    fn unit(self, unit: &str) -> Setting;
-}
-
-impl SettingExt for Setting {
-    fn range(self, min: f64, max: f64) -> Setting {
-        Setting { min: Some(min), max: Some(max), ..self }
-    }
-
-    fn at_least(self, min: f64) -> Setting {
-        Setting { min: Some(min), ..self }
-    }
-
-    fn unit(self, unit: &str) -> Setting {
-        Setting { unit: unit.into(), ..self }
-    }
 }

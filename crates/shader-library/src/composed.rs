@@ -59,6 +59,7 @@ impl ShaderOption {
             one_of: one_of.iter().map(value).collect(),
             unit: String::new(),
             doc: self.doc.clone(),
+            declared: self.place.to_string(),
         }
     }
 

@@ -32,7 +32,10 @@ pub(crate) fn read(composed: &Composed, layout: Option<&StructLayout>) -> Result
         let Some(ty) = layout.map_or_else(|| Some(member.ty.clone()), laid_out) else { continue };
         let ty = ty.as_str();
         match declaration(member, ty) {
-            Ok(setting) => declared.extend(setting),
+            Ok(setting) => declared.extend(setting.map(|setting| {
+                let place = composed.map.span(member.range.start as u32..member.range.end as u32);
+                Setting { declared: place.map_or_else(String::new, |place| place.to_string()), ..setting }
+            })),
             Err(problem) => {
                 let place = if problem.range.is_empty() {
                     member.range.start as u32..member.range.end as u32
@@ -223,7 +226,17 @@ fn setting(
     if !one_of.is_empty() && !one_of.contains(&default) {
         return Err(Problem::new(default_range, "the default is not in `one_of`"));
     }
-    Ok(Setting { name: name.to_owned(), ty: value_type, default, min, max, one_of, unit, doc })
+    Ok(Setting {
+        name: name.to_owned(),
+        ty: value_type,
+        default,
+        min,
+        max,
+        one_of,
+        unit,
+        doc,
+        declared: String::new(),
+    })
 }
 
 /// A literal as a value of a type; `None` where it is none.

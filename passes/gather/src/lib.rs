@@ -3,10 +3,10 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::{LOOP_ITERATIONS, Part};
-use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
     RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
+    setting,
 };
 
 /// The pass type `gather`.
@@ -19,6 +19,31 @@ pub struct Gather;
 const SPAN: u32 = 2;
 
 const SHADER: &str = "passes/gather/gather.wgsl";
+
+pass::choice! {
+    /// Which lights a sub-image takes.
+    pub enum Subsets {
+        /// Neighbours in their order.
+        Runs = "runs",
+        /// Every n·m-th.
+        Strides = "strides",
+    }
+}
+
+pass::settings! {
+    /// The settings of the pass type `gather` that are not the shader's alone.
+    pub struct GatherSettings {
+        /// Sub-images along a row; each pixel takes one of interleave_x · interleave_y subsets of the lights. Time falls,
+        /// and the noise that a filter must remove rises with it; 1 × 1 takes all lights. ISM Tab. 1 uses 4 and 8.
+        interleave_x: u32 = 4, min: 1, max: 16;
+        /// Sub-images along a column; each pixel takes one of interleave_x · interleave_y subsets of the lights. Time
+        /// falls, and the noise that a filter must remove rises with it; 1 × 1 takes all lights. ISM Tab. 1 uses 4 and 8.
+        interleave_y: u32 = 4, min: 1, max: 16;
+        /// Which lights a sub-image takes: a run of neighbours in their order, or every n·m-th. Runs of a Halton sequence
+        /// are even; strides of it share digits, and so lie in strips. Strides suit lights that are sorted by place.
+        subsets: Subsets = Subsets::Runs;
+    }
+}
 
 /// Lights of a subset that one dispatch takes, where a lookup of visibility makes so many loop iterations.
 fn lights_of_part(lookup_iterations: u32) -> u32 {
@@ -36,38 +61,10 @@ impl Pass for Gather {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        let interleave = |name, along| {
-            setting::u32(
-                name,
-                4,
-                &format!(
-                    "Sub-images {along}; each pixel takes one of interleave_x · interleave_y subsets of the lights. \
-                     Time falls, and the noise that a filter must remove rises with it; 1 × 1 takes all lights. ISM \
-                     Tab. 1 uses 4 and 8."
-                ),
-            )
-            .range(1.0, 16.0)
-        };
-        Ok(vec![
-            interleave("interleave_x", "along a row"),
-            interleave("interleave_y", "along a column"),
-            setting::choice(
-                "subsets",
-                &["runs", "strides"],
-                "Which lights a sub-image takes: a run of neighbours in their order, or every n·m-th. Runs of a \
-                 Halton sequence are even; strides of it share digits, and so lie in strips. Strides suit lights \
-                 that are sorted by place.",
-            ),
-            setting::f32(
-                "clamp",
-                0.01,
-                "Distance below which a light's geometry term grows no more, as a fraction of the scene's extent; 0 \
-                 is no bound. Bright spots near lights shrink with it, and energy near corners is lost: alpha says \
-                 how much. 0.01 is of the order of the distance between 1,024 lights on a lit tenth of the scene.",
-            )
-            .range(0.0, 1.0),
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        let mut all = GatherSettings::schema();
+        all.extend(setting::of_shader(cx.shaders, SHADER)?);
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -87,17 +84,17 @@ impl Pass for Gather {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let interleave = |name| Value::U32(cx.settings.u32(name));
+        let settings = GatherSettings::read(cx.settings);
         let mut outputs = vec![
             OutputDesc::one(
                 "irradiance",
                 ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")),
             )
-            .fact("interleave_x", interleave("interleave_x"))
-            .fact("interleave_y", interleave("interleave_y")),
+            .fact("interleave_x", Value::U32(settings.interleave_x))
+            .fact("interleave_y", Value::U32(settings.interleave_y)),
         ];
         let fact = |input, name| cx.fact(input, name).and_then(Value::as_u32).unwrap_or(0);
-        if parts(cx.settings, fact("lights", "count"), fact("visibility", "loop_iterations")).len() > 1 {
+        if parts(&settings, fact("lights", "count"), fact("visibility", "loop_iterations")).len() > 1 {
             let (width, height) = cx.input("view").and_then(|view| view.size()).unwrap_or(cx.frame);
             let bytes = u64::from(width) * u64::from(height) * 16;
             outputs.push(OutputDesc::scratch("sums", ResourceDesc::buffer(bytes)));
@@ -107,11 +104,12 @@ impl Pass for Gather {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let size = cx.size("view");
-        let [n, m] = ["interleave_x", "interleave_y"].map(|name| cx.settings.u32(name));
+        let settings = GatherSettings::read(cx.settings);
+        let (n, m) = (settings.interleave_x, settings.interleave_y);
         let groups = |pixels: u32, sub_images: u32| pixels.div_ceil(sub_images).div_ceil(SPAN * 8);
         let grid = [groups(size.0, n) * 8, groups(size.1, m) * n * m * 8, 1];
         let (count, iterations) = (cx.fact("lights", "count"), cx.fact("visibility", "loop_iterations"));
-        let parts = parts(cx.settings, count, iterations);
+        let parts = parts(&settings, count, iterations);
         let shader = cx.shader(
             SHADER,
             &[
@@ -119,7 +117,7 @@ impl Pass for Gather {
                 ("VISIBILITY", Define::Bool(cx.connected("visibility"))),
             ],
         );
-        let runs = u32::from(cx.settings.text("subsets") == "runs");
+        let runs = u32::from(settings.subsets == Subsets::Runs);
         let gather = |part: Part| {
             Compute::new(shader.clone(), "gather", Threads::Grid(grid))
                 .value("runs", Value::U32(runs))
@@ -133,10 +131,10 @@ impl Pass for Gather {
 
 /// The dispatches that the lights of the largest subset take.
 fn parts(
-    settings: &Settings,
+    settings: &GatherSettings,
     lights: u32,
     lookup_iterations: u32,
 ) -> impl ExactSizeIterator<Item = Part> + use<> {
-    let subsets = settings.u32("interleave_x") * settings.u32("interleave_y");
+    let subsets = settings.interleave_x * settings.interleave_y;
     gpu_algorithms::parts(lights.div_ceil(subsets.max(1)), lights_of_part(lookup_iterations))
 }

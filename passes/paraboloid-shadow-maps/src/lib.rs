@@ -2,11 +2,10 @@
 
 pub mod cpu_reference;
 
-use pass::setting::{self, SettingExt};
 use pass::{
-    AtlasLayout, DepthTarget, Draw, Format, Info, Load, Module, OutputContext, OutputDesc, Pass,
-    PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
-    Step, Target, UseContext, Value,
+    AtlasLayout, DepthBiasSettings, DepthTarget, Draw, Format, Info, Load, Module, OutputContext, OutputDesc,
+    Pass, PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting,
+    Settings, Step, Target, UseContext, Value,
 };
 
 /// The pass type `paraboloid-shadow-maps`.
@@ -27,6 +26,14 @@ const DEPTH_BIAS: f32 = 0.7;
 /// `NOTHING` of shaders/paraboloid.wgsl.
 const NOTHING: f64 = 3.0e38;
 
+pass::settings! {
+    /// The settings of the pass type `paraboloid-shadow-maps`, beside the bias of its maps.
+    pub struct ParaboloidShadowMapsSettings {
+        /// Side of a map (ISM compares with 256). Shadows sharpen and time grows with it.
+        map: u32 = 64, min: 1, max: 8192, unit: "px";
+    }
+}
+
 impl Pass for ParaboloidShadowMaps {
     fn info(&self) -> Info {
         Info {
@@ -38,16 +45,9 @@ impl Pass for ParaboloidShadowMaps {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(vec![
-            setting::u32(
-                "map",
-                64,
-                "Side of a map (ISM compares with 256). Shadows sharpen and time grows with it.",
-            )
-            .range(1.0, 8192.0)
-            .unit("px"),
-            pass::depth_bias(),
-        ])
+        let mut all = ParaboloidShadowMapsSettings::schema();
+        all.extend(DepthBiasSettings::schema());
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -63,12 +63,12 @@ impl Pass for ParaboloidShadowMaps {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let tile = cx.settings.u32("map");
+        let tile = ParaboloidShadowMapsSettings::read(cx.settings).map;
         let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(1).max(1);
         let Some(layout) = AtlasLayout::new(count, tile, self.side) else {
             let (side, layers) = (self.side, AtlasLayout::LAYERS);
             return Err(PassTypeError::setting(
-                "map",
+                ParaboloidShadowMapsSettings::map,
                 format!("{count} maps of {tile}² do not fit in {layers} layers of {side}² texels"),
             )
             .help(format!(
@@ -76,9 +76,10 @@ impl Pass for ParaboloidShadowMaps {
                 AtlasLayout::most(tile, side)
             )));
         };
+        let depth_bias = DepthBiasSettings::read(cx.settings).depth_bias * DEPTH_BIAS;
         let mut visibility = OutputDesc::one("visibility", layout.texture(Format::R32Float))
             .module(Module::new("shaders/visibility-atlas.wgsl"))
-            .fact("depth_bias", Value::F32(cx.settings.f32("depth_bias") * DEPTH_BIAS));
+            .fact("depth_bias", Value::F32(depth_bias));
         visibility.members[0].0 = "atlas".into();
         for (name, value) in layout.facts() {
             visibility = visibility.fact(name, value);

@@ -2,7 +2,6 @@
 
 pub mod cpu_reference;
 
-use pass::setting::{self, SettingExt};
 use pass::{
     Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
     SceneBindings, Setting, Settings, UseContext, Value,
@@ -16,6 +15,16 @@ pub struct PercentageCloserFiltering;
 
 const MODULE: &str = "passes/percentage-closer-filtering/percentage-closer-filtering.wgsl";
 
+pass::settings! {
+    /// The settings of the pass type `percentage-closer-filtering`.
+    pub struct PercentageCloserFilteringSettings {
+        /// Bilinear taps along each side of the window, a texel apart. Edges of shadows soften with it, contact shadows
+        /// fade, since the bias of the depth test grows as the window does, and time grows with its square. 1 is bilinear
+        /// filtering of four texels.
+        taps: u32 = 1, min: 1, max: 16;
+    }
+}
+
 impl Pass for PercentageCloserFiltering {
     fn info(&self) -> Info {
         Info {
@@ -27,16 +36,7 @@ impl Pass for PercentageCloserFiltering {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(vec![
-            setting::u32(
-                "taps",
-                1,
-                "Bilinear taps along each side of the window, a texel apart. Edges of shadows soften with it, contact \
-                 shadows fade, since the bias of the depth test grows as the window does, and time grows with its \
-                 square. 1 is bilinear filtering of four texels.",
-            )
-            .range(1.0, 16.0),
-        ])
+        Ok(PercentageCloserFilteringSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -60,7 +60,7 @@ impl Pass for PercentageCloserFiltering {
                 PassTypeError::input("maps", format!("the maps do not tell their fact `{name}`"))
             })
         };
-        let taps = cx.settings.u32("taps");
+        let taps = PercentageCloserFilteringSettings::read(cx.settings).taps;
         // The farthest texel is as much further from the receiver as the window is wider than that of one tap.
         let reach = (taps + 1) as f32 / 2.0;
         let bias = fact("depth_bias")?.as_f32().unwrap_or_default() * reach;

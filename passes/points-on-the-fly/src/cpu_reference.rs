@@ -2,6 +2,7 @@
 
 pub use pass::triangle_samples::{Vec3, normal_and_area, scramble, triangle_at, triangle_from_square};
 
+use crate::BLOCK;
 use pass::triangle_samples::edges;
 
 /// All that is shared out.
@@ -88,9 +89,6 @@ pub struct Wanted {
     /// Binary logarithm of how many maps take turns.
     pub block_bits: u32,
 }
-
-/// The most maps that take turns: as many neighbouring threads stand on near triangles.
-pub const BLOCK: u32 = 32;
 
 impl Wanted {
     /// Blocks are as large as they may be without being much larger than all maps.

@@ -3,10 +3,9 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::{reduce, scan};
-use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Define, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
-    Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, output,
+    Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, output, setting,
 };
 
 /// The pass, for the catalog.
@@ -28,6 +27,30 @@ const BOUNDS_BYTES: u64 = 16;
 /// Bytes of a weight.
 const WEIGHT_BYTES: u64 = 4;
 
+/// The most maps whose samples neighbouring threads make in turns: as many threads stand on triangles near each other. A
+/// power of two.
+pub const BLOCK: u32 = 32;
+
+pass::choice! {
+    /// How many points a triangle has.
+    pub enum Rule {
+        /// Its share of the area.
+        Area = "area",
+        /// The vertices of its tessellation.
+        Tessellation = "tessellation",
+    }
+}
+
+pass::settings! {
+    /// The settings of the pass type `points-on-the-fly` that are not the shaders' alone.
+    pub struct PointsOnTheFlySettings {
+        /// How many points a triangle has. `area`: its share of the area, of any number. `tessellation`: those of a
+        /// tessellator whose levels rise with edges and area (ACRSM Eq. 5.3-5.4), so small triangles have more than their
+        /// share; a number of its own, of which no more are made than fit.
+        rule: Rule = Rule::Area;
+    }
+}
+
 impl Pass for PointsOnTheFly {
     fn info(&self) -> Info {
         Info {
@@ -38,22 +61,10 @@ impl Pass for PointsOnTheFly {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        let rule = "How many points a triangle has. `area`: its share of the area, of any number. `tessellation`: \
-                    those of a tessellator whose levels rise with edges and area (ACRSM Eq. 5.3-5.4), so small \
-                    triangles have more than their share; a number of its own, of which no more are made than fit.";
-        let factor = |which: &str, more: &str| {
-            format!(
-                "{which} level of edges and inside, with the rule `tessellation` (ACRSM Alg. 5.2). {more}"
-            )
-        };
-        let least = factor("Least", "Points of small triangles, and so of all, rise with it.");
-        let greatest = factor("Greatest", "Points of large triangles rise with its square.");
-        Ok(vec![
-            setting::choice("rule", &["area", "tessellation"], rule),
-            setting::u32("min_factor", 5, &least).range(1.0, 64.0),
-            setting::u32("max_factor", 64, &greatest).range(1.0, 64.0),
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        let mut all = PointsOnTheFlySettings::schema();
+        all.extend(setting::of_shader(cx.shaders, SUM)?);
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -76,7 +87,7 @@ impl Pass for PointsOnTheFly {
             OutputDesc::one("points", ResourceDesc::buffer(bytes.next_multiple_of(16)))
                 .module(Module::new(MODULE))
                 .fact("count", Value::U32(if triangles > 0 { u32::MAX } else { 0 }))
-                .fact("block", Value::U32(cpu_reference::BLOCK)),
+                .fact("block", Value::U32(BLOCK)),
             OutputDesc::scratch("total_weight", ResourceDesc::buffer(WEIGHT_BYTES)),
             reduce::scratch("weight_blocks", triangles, WEIGHT_BYTES),
         ];
@@ -108,7 +119,7 @@ impl Pass for PointsOnTheFly {
 }
 
 fn tessellates(settings: &Settings) -> bool {
-    settings.text("rule") == "tessellation"
+    PointsOnTheFlySettings::read(settings).rule == Rule::Tessellation
 }
 
 /// Binary logarithm of the entries of the guide: about as many as triangles.

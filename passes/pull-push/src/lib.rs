@@ -2,11 +2,10 @@
 
 pub mod cpu_reference;
 
-use pass::setting::{self, SettingExt};
 use pass::{
     AtlasLayout, Compute, Define, Draw, Format, Info, Load, Module, OutputContext, OutputDesc, Pass,
     PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
-    Step, Target, Threads, UseContext, Value,
+    Step, Target, Threads, UseContext, Value, setting,
 };
 
 /// The pass type `pull-push`.
@@ -27,6 +26,15 @@ const MAX_GROUPS: u32 = 65_535;
 
 /// `NOTHING` of shaders/paraboloid.wgsl.
 const NOTHING: f64 = 3.0e38;
+
+pass::settings! {
+    /// The settings of the pass type `pull-push` that are not the shaders' alone.
+    pub struct PullPushSettings {
+        /// Levels of the pyramid above the maps. 0 leaves holes as they are. Larger holes close, and small openings with
+        /// them.
+        levels: u32 = 2, min: 0, max: 4;
+    }
+}
 
 /// The levels of the maps' pyramids: one buffer, level 1 first.
 #[derive(Clone, Copy)]
@@ -69,31 +77,11 @@ impl Pass for PullPush {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(vec![
-            setting::u32(
-                "levels",
-                2,
-                "Levels of the pyramid above the maps. 0 leaves holes as they are. Larger holes close, and small \
-                 openings with them.",
-            )
-            .range(0.0, 4.0),
-            setting::f32(
-                "pull_threshold",
-                0.05,
-                "Distances are averaged where they differ by less than this fraction of the scene's extent, doubled \
-                 with each level; else the coarser texel is a hole. More closes holes at silhouettes and mixes \
-                 surfaces.",
-            )
-            .at_least(0.0),
-            setting::f32(
-                "push_threshold",
-                0.05,
-                "Distances that differ from the coarser level by more than this fraction of the scene's extent, \
-                 doubled with each level, are replaced. Less closes more leaks and thickens thin occluders.",
-            )
-            .at_least(0.0),
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        let mut all = PullPushSettings::schema();
+        all.extend(setting::of_shader(cx.shaders, PULL)?);
+        all.extend(setting::of_shader(cx.shaders, PUSH)?);
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -120,13 +108,13 @@ impl Pass for PullPush {
         for (name, value) in layout.facts() {
             visibility = visibility.fact(name, value);
         }
-        let texels = Pyramid { tile, count }.begin(cx.settings.u32("levels") + 1);
+        let texels = Pyramid { tile, count }.begin(PullPushSettings::read(cx.settings).levels + 1);
         let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));
         Ok(vec![visibility, pyramid])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let levels = cx.settings.u32("levels");
+        let levels = PullPushSettings::read(cx.settings).levels;
         let pyramid =
             Pyramid { tile: cx.fact("depth", "tile").max(1), count: cx.fact("depth", "count").max(1) };
         let mut recording = Recording::default();

@@ -2,7 +2,6 @@
 
 pub mod cpu_reference;
 
-use pass::setting::{self, SettingExt};
 use pass::{
     Compute, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
     ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, output,
@@ -17,6 +16,15 @@ pub struct ScenePoints;
 /// Bytes of struct Point.
 const POINT_BYTES: u64 = 32;
 
+pass::settings! {
+    /// The settings of the pass type `scene-points`.
+    pub struct ScenePointsSettings {
+        /// Number of points, 32 bytes each; all maps share them. More: fewer holes in the shadow maps; time and memory rise
+        /// with it. Beyond 4,194,304 the adapter must bind buffers of more than 128 MiB.
+        count: u32 = 262_144, min: 1, max: 8_388_608;
+    }
+}
+
 impl Pass for ScenePoints {
     fn info(&self) -> Info {
         Info {
@@ -28,9 +36,7 @@ impl Pass for ScenePoints {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        let count = "Number of points, 32 bytes each; all maps share them. More: fewer holes in the shadow maps; time \
-                     and memory rise with it. Beyond 4,194,304 the adapter must bind buffers of more than 128 MiB.";
-        Ok(vec![setting::u32("count", 262_144, count).range(1.0, 8_388_608.0)])
+        Ok(ScenePointsSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -46,7 +52,7 @@ impl Pass for ScenePoints {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let count = cx.settings.u32("count");
+        let count = ScenePointsSettings::read(cx.settings).count;
         let desc = ResourceDesc::buffer(POINT_BYTES * u64::from(count));
         Ok(vec![
             OutputDesc::one("points", desc)
@@ -57,6 +63,7 @@ impl Pass for ScenePoints {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let shader = cx.shader("passes/scene-points/scene-points.wgsl", &[]);
-        Ok(Recording::one(Compute::new(shader, "place", Threads::Row(cx.settings.u32("count")))))
+        let count = ScenePointsSettings::read(cx.settings).count;
+        Ok(Recording::one(Compute::new(shader, "place", Threads::Row(count))))
     }
 }

@@ -7,11 +7,6 @@ use paraboloid::{
     paraboloid_from_direction, scale, sub, texel_area, tile_position,
 };
 
-/// Points a map by ISM §5.2: P ≈ ¼ N_res N_vpl with N_res = π/4 n² (ISM §3.3), for each of the N_vpl maps.
-pub fn points_per_map(tile: u32) -> u32 {
-    (std::f64::consts::PI / 16.0 * f64::from(tile).powi(2)).round().max(1.0) as u32
-}
-
 /// What a point leaves in a map: a square of one distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {

@@ -2,11 +2,12 @@
 
 pub mod cpu_reference;
 
-use pass::setting::{self, SettingExt};
 use pass::{
-    Compute, Define, Extent, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
-    Recording, ResourceDesc, SceneBindings, Setting, Settings, SurfaceSamples, Threads, UseContext, Value,
+    Compute, Define, DepthBiasSettings, Extent, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, SurfaceSamples, Threads,
+    UseContext, Value, setting,
 };
+use std::f64::consts::PI;
 
 /// The pass type `splat`.
 pub const PASS: &dyn Pass = &Splat;
@@ -25,6 +26,39 @@ const MAX_SPLATS: u32 = 1 << 30;
 /// Bytes of struct Counters.
 const TALLY_BYTES: u64 = 8;
 
+pass::choice! {
+    /// What a splat stores.
+    pub enum Kernel {
+        /// One distance.
+        Box = "box",
+        /// The distance of the point's tangent plane in each texel.
+        Surfel = "surfel",
+    }
+}
+
+pass::settings! {
+    /// The settings of the pass type `splat` that are not the shader's alone.
+    pub struct SplatSettings {
+        /// Side of a map (ISM uses 128 and 256). Shadows sharpen and time grows with it.
+        map: u32 = 64, min: 1, max: 512, unit: "px";
+        /// Points splatted into each map. 0 takes ISM §5.2's guideline, a quarter of the texels of the hemisphere. Error
+        /// falls and time grows with it.
+        points_per_map: u32 = 0;
+        /// The most points of all maps together. Where more are requested, all maps lose alike, and the port `counters` says
+        /// how many were left out. Time is bounded by it.
+        budget: u32 = 33_554_432, min: 1, max: MAX_SPLATS;
+        /// What a splat stores: one distance (ISM §3.2), or in each texel the distance of the point's tangent plane, which
+        /// shadows less of the surface itself and takes longer.
+        kernel: Kernel = Kernel::Box;
+    }
+}
+
+/// Returns the points of a map by the guideline of ISM §5.2: a quarter of the texels of the hemisphere, which are π/4 of
+/// those of its map (ISM §3.3).
+pub fn points_of_guideline(tile: u32) -> u32 {
+    (PI / 16.0 * f64::from(tile).powi(2)).round().max(1.0) as u32
+}
+
 impl Pass for Splat {
     fn info(&self) -> Info {
         Info {
@@ -35,42 +69,11 @@ impl Pass for Splat {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(vec![
-            setting::u32("map", 64, "Side of a map (ISM uses 128 and 256). Shadows sharpen and time grows with it.")
-                .range(1.0, 512.0)
-                .unit("px"),
-            setting::u32(
-                "points_per_map",
-                0,
-                "Points splatted into each map. 0 takes ISM §5.2's guideline, a quarter of the texels of the \
-                 hemisphere. Error falls and time grows with it.",
-            ),
-            setting::u32(
-                "budget",
-                33_554_432,
-                "The most points of all maps together. Where more are requested, all maps lose alike, and the port \
-                 `counters` says how many were left out. Time is bounded by it.",
-            )
-            .range(1.0, f64::from(MAX_SPLATS)),
-            setting::f32("splat_scale", 1.0, "Factor on the side of a splat. Holes close and shadows thicken with it.")
-                .range(0.0, 16.0),
-            setting::f32(
-                "max_splat",
-                8.0,
-                "Greatest side of a splat: a bound on the time that points near a light take. Holes near the light \
-                 close with it.",
-            )
-            .range(1.0, 512.0)
-            .unit("px"),
-            setting::choice(
-                "kernel",
-                &["box", "surfel"],
-                "What a splat stores: one distance (ISM §3.2), or in each texel the distance of the point's tangent \
-                 plane, which shadows less of the surface itself and takes longer.",
-            ),
-            pass::depth_bias(),
-        ])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        let mut all = SplatSettings::schema();
+        all.extend(setting::of_shader(cx.shaders, SHADER)?);
+        all.extend(DepthBiasSettings::schema());
+        Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -96,38 +99,44 @@ impl Pass for Splat {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let tile = cx.settings.u32("map");
+        let settings = SplatSettings::read(cx.settings);
+        let tile = settings.map;
         let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(0).max(1);
         let texels = u64::from(count) * u64::from(tile).pow(2);
         if texels > MAX_TEXELS {
             let most = MAX_TEXELS / u64::from(tile).pow(2);
             return Err(PassTypeError::setting(
-                "map",
+                SplatSettings::map,
                 format!("{count} maps of {tile}² have more than 2³² texels"),
             )
             .help(format!("take smaller maps, or at most {most} virtual lights")));
         }
         // How far a receiver may be from where its distance was taken, in texels along the receiver's plane: within a
         // texel, or within a splat of the usual two to four.
-        let needed = if cx.settings.text("kernel") == "surfel" { 1.0 } else { 2.0 };
+        let needed = match settings.kernel {
+            Kernel::Surfel => 1.0,
+            Kernel::Box => 2.0,
+        };
+        let depth_bias = DepthBiasSettings::read(cx.settings).depth_bias * needed;
         Ok(vec![
             OutputDesc::one("counters", ResourceDesc::<Extent>::buffer(TALLY_BYTES)),
             OutputDesc::one("depth", ResourceDesc::<Extent>::buffer(texels * 4))
                 .fact("tile", Value::U32(tile))
                 .fact("count", Value::U32(count))
-                .fact("depth_bias", Value::F32(cx.settings.f32("depth_bias") * needed)),
+                .fact("depth_bias", Value::F32(depth_bias)),
         ])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let [tile, maps] = ["tile", "count"].map(|fact| cx.fact("depth", fact));
-        let wanted = match cx.settings.u32("points_per_map") {
-            0 => cpu_reference::points_per_map(tile),
+        let settings = SplatSettings::read(cx.settings);
+        let wanted = match settings.points_per_map {
+            0 => points_of_guideline(tile),
             given => given,
         };
-        let within_budget = (cx.settings.u32("budget") / maps.max(1)).max(1);
+        let within_budget = (settings.budget / maps.max(1)).max(1);
         let samples = SurfaceSamples::new(cx, maps, wanted.min(within_budget));
-        let shader = cx.shader(SHADER, &[("KERNEL", Define::from(cx.settings.text("kernel")))]);
+        let shader = cx.shader(SHADER, &[("KERNEL", Define::from(settings.kernel))]);
         let dispatch = |entry: &str, threads: u32| {
             samples
                 .fill(Compute::new(shader.clone(), entry, Threads::Row(threads)), "samples")

@@ -5,7 +5,8 @@ use splat::cpu_reference::paraboloid::{
     Vec3, direction_from_paraboloid, dot, frame_from_normal, paraboloid_density, paraboloid_from_direction,
     scale, texel_area, texel_centre, texel_in_hemisphere,
 };
-use splat::cpu_reference::{Shape, map, points_per_map, splat};
+use splat::cpu_reference::{Shape, map, splat};
+use splat::points_of_guideline;
 use std::f64::consts::PI;
 
 /// Points spread evenly over the unit sphere, by the golden angle.
@@ -67,9 +68,16 @@ fn a_map_of_one_texel_looks_along_the_normal() {
 
 #[test]
 fn points_a_map_follow_the_papers_guideline() {
-    // ISM §5.2 with π/4 · 64² = 3217 texels of the hemisphere.
-    assert_eq!(points_per_map(64), 804);
-    assert_eq!(points_per_map(1), 1);
+    // ISM §5.2: P ≈ ¼ N_res N_vpl for all maps, with N_res the texels of the hemisphere, which are counted here.
+    for tile in [64, 128, 256] {
+        let centres = (0..tile * tile).map(|i| texel_centre([i % tile, i / tile], tile));
+        let texels = centres.filter(|at| at[0] * at[0] + at[1] * at[1] < 1.0).count() as f64;
+        let points = f64::from(points_of_guideline(tile));
+        // The counted disc is one of whole texels: by Gauss's circle problem it is off by a fraction of its edge.
+        assert!((points - 0.25 * texels).abs() < 0.01 * points, "{points} for {texels} texels");
+    }
+    assert_eq!(points_of_guideline(64), 804);
+    assert_eq!(points_of_guideline(1), 1, "a map has a point");
 }
 
 fn shape(tile: u32, area: f64) -> Shape {

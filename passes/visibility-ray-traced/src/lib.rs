@@ -14,6 +14,9 @@ pub struct VisibilityRayTraced;
 
 const MODULE: &str = "shaders/visibility-ray-traced.wgsl";
 
+/// The option of the module that says how rays are traced, and in small letters the setting.
+const RAYS: &str = "RAYS";
+
 /// Loop iterations of a ray, for consumers that must not make too many at once. Threads that go together make those of
 /// any of them: of eight rays through 10⁵ triangles that were seen to be up to this many.
 const LOOP_ITERATIONS: u32 = 400;
@@ -28,12 +31,8 @@ impl Pass for VisibilityRayTraced {
         }
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(vec![setting::choice(
-            "rays",
-            &["bvh", "query"],
-            "How rays are traced: by shaders, or by the adapter's ray queries, where it has them.",
-        )])
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        setting::of_options(cx.shaders, MODULE, &[RAYS])
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -55,7 +54,7 @@ impl Pass for VisibilityRayTraced {
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let masked = cx.traits.0.get("masked").and_then(Value::as_bool).unwrap_or(false);
         let module = Module::new(MODULE)
-            .option("RAYS", Value::Text(cx.settings.text("rays").into()))
+            .option(RAYS, setting::value_of_option(cx.settings, RAYS))
             .option("MASKED", Value::Bool(masked));
         Ok(vec![
             OutputDesc::of("visibility", Vec::new())

@@ -21,6 +21,7 @@ fn number(name: &str) -> Setting {
         one_of: Vec::new(),
         unit: String::new(),
         doc: String::new(),
+        declared: String::new(),
     }
 }
 

@@ -180,6 +180,7 @@ impl<'a> Resolver<'a> {
                 one_of: decl.one_of.unwrap_or_default(),
                 unit: decl.unit.unwrap_or_default(),
                 doc: decl.doc.unwrap_or_default(),
+                declared: String::new(),
             };
             let value = default.map(|default| self.checked(&setting, default, place, None));
             scope.push(Parameter { setting, value, place, outer: None });

@@ -36,6 +36,11 @@ struct Kind {
 
 pub(super) struct TestPassTypes(Vec<Kind>);
 
+/// The value of a setting that the pass type declares.
+fn given<'a>(cx: &OutputContext<'a>, name: &str) -> &'a Value {
+    cx.settings.get(name).unwrap()
+}
+
 fn setting(name: &str, default: Value, min: f64, max: f64, one_of: &[&str]) -> Setting {
     let numeric = matches!(default, Value::U32(_) | Value::I32(_) | Value::F32(_));
     Setting {
@@ -47,6 +52,7 @@ fn setting(name: &str, default: Value, min: f64, max: f64, one_of: &[&str]) -> S
         one_of: one_of.iter().map(|s| Value::Text((*s).into())).collect(),
         unit: String::new(),
         doc: String::new(),
+        declared: String::new(),
     }
 }
 
@@ -99,7 +105,7 @@ impl TestPassTypes {
                     };
                     let mut members =
                         vec![texture("depth", Format::Depth32Float), texture("normal", Format::Rgba16Float)];
-                    if c.settings.bool("motion") {
+                    if given(c, "motion").as_bool() == Some(true) {
                         members.push(texture("motion", Format::Rg16Float));
                     }
                     Ok(vec![OutputDesc::of("view", members)])
@@ -113,7 +119,7 @@ impl TestPassTypes {
                 ],
                 ports(&["view: GBuffer"], &["lights: Lights"], SceneBindings::LIGHTS),
                 |c| {
-                    let count = c.settings.u32("count");
+                    let count = given(c, "count").as_u32().unwrap();
                     let lights = OutputDesc::one("lights", ResourceDesc::buffer(u64::from(count) * 48));
                     let scan = OutputDesc::scratch("scan", ResourceDesc::buffer(u64::from(count) * 4));
                     Ok(vec![lights.fact("count", Value::U32(count)), scan])
@@ -127,7 +133,7 @@ impl TestPassTypes {
                     let Some(count) = c.fact("lights", "count").and_then(Value::as_u32) else {
                         return Err(PassTypeError::input("lights", "the lights do not say their count"));
                     };
-                    let map = c.settings.u32("map");
+                    let map = given(c, "map").as_u32().unwrap();
                     if map * count > 1 << 20 {
                         let error =
                             PassTypeError::setting("map", format!("{count} maps of {map} do not fit"));
@@ -212,7 +218,7 @@ impl TestPassTypes {
                 vec![setting("bias", Value::F32(0.5), 0.0, 1.0, &[])],
                 ports(&["view: GBuffer"], &["seen: GBuffer"], none),
                 |c| {
-                    let bias = Value::F32(c.settings.f32("bias"));
+                    let bias = given(c, "bias").clone();
                     Ok(vec![OutputDesc::hand_on("seen", "view").fact("bias", bias)])
                 },
             ),

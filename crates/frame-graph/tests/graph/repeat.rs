@@ -67,7 +67,9 @@ fn read(plan: &Plan, pass: &str, input: &str) -> String {
 
 fn radii(plan: &Plan) -> Vec<f32> {
     let blurs = plan.passes.iter().filter(|pass| pass.name.ends_with("/blur"));
-    blurs.map(|pass| pass.settings.f32("radius")).collect()
+    blurs
+        .map(|pass| pass.settings.get("radius").and_then(Value::as_f32).expect("a blur has a radius"))
+        .collect()
 }
 
 #[test]

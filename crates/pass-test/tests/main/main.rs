@@ -3,11 +3,17 @@
 use frame_graph::{Clear, Usage};
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, setting,
+    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext,
 };
 use pass_test::{Harness, ResetCause};
 
 const SHADER: &str = "crates/pass-test/tests/main/passes.wgsl";
+
+pass::settings! {
+    struct SmallSettings {
+        step: u32 = 1, max: 100;
+    }
+}
 
 /// A pass of one entry point that writes one buffer, named after it.
 struct Small {
@@ -42,7 +48,7 @@ impl Pass for Small {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(vec![Setting { max: Some(100.0), ..setting::u32("step", 1, "") }])
+        Ok(SmallSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {

@@ -4,7 +4,7 @@ use super::StepLinker;
 use crate::record::PortDesc;
 use frame_graph::codes::link as codes;
 use frame_graph::plan::HistoryId;
-use frame_graph::{Diagnostics, Value, nearest};
+use frame_graph::{Diagnostic, Diagnostics, Setting, Value, ValueType, nearest};
 use shader_library::{GlobalKind, MemberLayout, Request, Shader, StructLayout};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -96,12 +96,14 @@ impl UniformFill {
 
 /// What the names of members can mean.
 #[derive(Default)]
-struct Known {
+struct Known<'a> {
     values: BTreeMap<String, Value>,
+    /// Those of the values that are settings.
+    settings: BTreeMap<&'a str, &'a Setting>,
     past: Vec<(String, HistoryId, PastFact)>,
 }
 
-impl Known {
+impl Known<'_> {
     /// Adds what is known of a port under these names: size and layers of its first texture, and its facts.
     fn add_port(&mut self, prefix: &str, port: &PortDesc) {
         if let Some(texture) = port.members.iter().find_map(|(_, desc)| desc.texture()) {
@@ -146,7 +148,11 @@ impl StepLinker<'_> {
         }
         let settings = self.planned.settings.0.iter();
         known.values.extend(settings.map(|(name, value)| (name.clone(), self.in_shader(name, value))));
-        known.values.extend(values.iter().cloned());
+        known.settings = self.schema.iter().map(|setting| (setting.name.as_str(), setting)).collect();
+        for (name, value) in values {
+            known.settings.remove(name.as_str());
+            known.values.insert(name.clone(), value.clone());
+        }
         for input in &self.planned.inputs {
             known.add_past(&format!("{}_", input.port), input.history.as_ref());
         }
@@ -195,7 +201,7 @@ impl StepLinker<'_> {
         shader: &Shader,
         path: &str,
         global: usize,
-        mut known: Known,
+        mut known: Known<'_>,
         note: String,
     ) -> Result<UniformFill, Diagnostics> {
         let place = shader.global_place(global);
@@ -222,6 +228,13 @@ impl StepLinker<'_> {
             let outer = member.name.split('.').next().unwrap_or_default();
             return Err(self.error(&codes::VALUE, message, shader.member_place(&layout.name, outer), notes));
         }
+        for member in &flat.members {
+            if let Some(setting) = known.settings.get(member.name.as_str())
+                && member.ty != type_in_shader(setting)
+            {
+                return Err(self.wrong_type(shader, path, (&global.name, &layout.name), member, setting));
+            }
+        }
         known.values.retain(|name, _| flat.members.iter().any(|member| member.name == *name));
         // Padding has no meaning, and so no value.
         for member in flat.members.iter().filter(|member| is_padding(&member.name)) {
@@ -232,6 +245,30 @@ impl StepLinker<'_> {
             Ok(_) => Ok(fill),
             Err(refused) => Err(self.error(&codes::VALUE, format!("{path}: {refused}"), place, Vec::new())),
         }
+    }
+
+    /// What is wrong with a member that has a setting's name and another type. Whether it could hold a value would depend on
+    /// the value.
+    fn wrong_type(
+        &self,
+        shader: &Shader,
+        path: &str,
+        (global, structure): (&str, &str),
+        member: &MemberLayout,
+        setting: &Setting,
+    ) -> Diagnostics {
+        let (name, found, expected) = (&setting.name, &member.ty, type_in_shader(setting));
+        let message = format!("{path}: `{global}.{name}` is of another type than the setting `{name}`");
+        let mut declared = format!("the setting is {}", setting.ty.with_article());
+        if !setting.declared.is_empty() {
+            declared.push_str(&format!(", declared in {}", setting.declared));
+        }
+        let error = Diagnostic::new(&codes::VALUE, message).note(declared).note(self.in_pass());
+        match shader.member_place(structure, name) {
+            Some(place) => error.label(place, format!("expected {expected}, found {found}")),
+            None => error.note(format!("expected {expected}, found {found}")),
+        }
+        .into()
     }
 
     /// The value of a setting as a shader sees it: one of several words is its position among them.
@@ -245,6 +282,15 @@ impl StepLinker<'_> {
             (Value::Text(_), Some(index)) => Value::U32(index as u32),
             _ => value.clone(),
         }
+    }
+}
+
+/// The type in WGSL of the member that takes a setting's values: truths are 0 and 1, words their positions.
+fn type_in_shader(setting: &Setting) -> String {
+    match setting.ty {
+        ValueType::Bool | ValueType::Text => ValueType::U32.to_string(),
+        ValueType::U32 | ValueType::I32 | ValueType::F32 => setting.ty.to_string(),
+        ValueType::Vector(_) => format!("{}<f32>", setting.ty),
     }
 }
 

@@ -1,5 +1,7 @@
-//! Atlases, the interfaces, and linking of what passes record.
+//! Atlases, the interfaces, settings, and linking of what passes record.
 
 mod atlas;
 mod interfaces;
 mod modules;
+mod pass_types;
+mod settings;

@@ -1,12 +1,11 @@
 //! Modules bring all that they need: a uniform of their own, options, and the scene bindings.
 
-use frame_graph::plan::{PassId, Plan};
-use frame_graph::port::{PassTypes, Use};
-use frame_graph::{CompileOptions, Interface, LinkContext, Member, Overrides};
+use crate::pass_types::TestPassTypes;
+use frame_graph::plan::Plan;
 use pass::{
     Compute, Extent, Format, Info, Library, LinkedStep, Module, OutputContext, OutputDesc, Pass,
     PassTypeError, Ports, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Source,
-    Threads, Traits, UseContext, Value,
+    Threads, UseContext, Value,
 };
 use shader_library::{GlobalKind, MemoryFiles};
 use std::sync::Arc;
@@ -69,50 +68,6 @@ impl Pass for Reader {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let step = Compute::new(cx.shader("reader.wgsl", &[]), "answer_all", Threads::Grid([8, 8, 1]));
         Ok(Recording::one(step.value("first.count", Value::U32(7))))
-    }
-}
-
-/// The two pass types, as a catalog offers them.
-struct Both {
-    maps: Maps,
-    library: Library,
-}
-
-impl Both {
-    fn find(&self, kind: &str) -> &dyn Pass {
-        if kind == "maps" { &self.maps } else { &Reader }
-    }
-}
-
-static INTERFACES: &[Interface] =
-    &[Interface { name: "Answer", doc: "", members: &[Member { name: "", optional: false, doc: "" }] }];
-
-impl PassTypes for Both {
-    fn names(&self) -> Vec<String> {
-        vec!["maps".into(), "reader".into()]
-    }
-
-    fn interfaces(&self) -> &[Interface] {
-        INTERFACES
-    }
-
-    fn takes_shader(&self, _: &str) -> Option<bool> {
-        Some(false)
-    }
-
-    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
-        Ok(self.find(use_.kind).settings(&UseContext { use_, shaders: &self.library })?.into())
-    }
-
-    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
-        self.find(use_.kind).ports(&UseContext { use_, shaders: &self.library }, settings).map(Arc::new)
-    }
-
-    fn outputs(&self, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let context = UseContext { use_: cx.use_, shaders: &self.library };
-        let mut outputs = self.find(cx.use_.kind).outputs(&context, cx)?;
-        pass::scene_bindings::find_of_modules(&mut outputs, &self.library);
-        Ok(outputs)
     }
 }
 
@@ -195,15 +150,8 @@ fn number() -> u32 {
 fn linked(facts: &'static [(&'static str, u32)]) -> (Plan, Result<Vec<LinkedStep>, String>) {
     let files = [("answer.wgsl", ANSWER), ("reader.wgsl", READER), ("bindings.wgsl", BINDINGS)];
     let library = Library::new(Arc::new(MemoryFiles::new(files)));
-    let kinds = Both { maps: Maps { facts }, library };
-    let pipelines = MemoryFiles::new([("p.ron", PIPELINE)]);
-    let resolved = frame_graph::resolve("p.ron", &pipelines, &Overrides::default()).expect("it is read");
-    let context = LinkContext { frame: (8, 8), traits: Traits::default() };
-    let graph = frame_graph::link(&resolved, &kinds, &context).unwrap_or_else(|error| panic!("{error}"));
-    let plan = frame_graph::compile(&graph, &CompileOptions::default()).expect("it is compiled");
-    let reader = plan.passes.iter().position(|pass| pass.kind == "reader").expect("it is needed");
-    let steps = pass::link_steps(&plan, PassId(reader as u32), &Reader, &Traits::default(), &kinds.library);
-    (plan, steps.map_err(|error| error.to_string()))
+    let maps = Maps { facts };
+    TestPassTypes { passes: &[&maps, &Reader], library }.linked(PIPELINE, "reader")
 }
 
 #[test]

@@ -32,7 +32,7 @@ var<uniform> settings: Settings;
 
 #[test]
 fn declarations_are_read() {
-    let setting = |name: &str, ty, default, doc: &str| Setting {
+    let setting = |name: &str, ty, default, doc: &str, declared: &str| Setting {
         name: name.to_owned(),
         ty,
         default,
@@ -41,6 +41,7 @@ fn declarations_are_read() {
         one_of: Vec::new(),
         unit: String::new(),
         doc: doc.to_owned(),
+        declared: declared.to_owned(),
     };
     let doc = "Brightness of the picture; more is brighter, and values in [0, 1] are dark [sic].";
     let text = |text: &str| Value::Text(text.to_owned());
@@ -49,24 +50,30 @@ fn declarations_are_read() {
             min: Some(0.0),
             max: Some(4.0),
             unit: "EV".to_owned(),
-            ..setting("exposure", ValueType::F32, Value::F32(1.0), doc)
+            ..setting("exposure", ValueType::F32, Value::F32(1.0), doc, "main.wgsl:9:5")
         },
         Setting {
             one_of: [1, 4, 9].map(Value::U32).to_vec(),
-            ..setting("taps", ValueType::U32, Value::U32(4), "Taps.")
+            ..setting("taps", ValueType::U32, Value::U32(4), "Taps.", "main.wgsl:13:16")
         },
         Setting {
             min: Some(-8.0),
-            ..setting("shift", ValueType::I32, Value::I32(-2), "Shift in texels [px].")
+            ..setting("shift", ValueType::I32, Value::I32(-2), "Shift in texels [px].", "main.wgsl:15:5")
         },
-        setting("on", ValueType::Bool, Value::Bool(true), "Whether it is on."),
+        setting("on", ValueType::Bool, Value::Bool(true), "Whether it is on.", "main.wgsl:17:5"),
         Setting {
             one_of: ["none", "reinhard", "aces"].map(text).to_vec(),
-            ..setting("curve", ValueType::Text, text("reinhard"), "How.")
+            ..setting("curve", ValueType::Text, text("reinhard"), "How.", "main.wgsl:19:5")
         },
         Setting {
             min: Some(0.0),
-            ..setting("tint", ValueType::Vector(3), Value::Vector(vec![1.0, 0.5, 1e-3]), "Tint.")
+            ..setting(
+                "tint",
+                ValueType::Vector(3),
+                Value::Vector(vec![1.0, 0.5, 1e-3]),
+                "Tint.",
+                "main.wgsl:20:5",
+            )
         },
     ];
     assert_eq!(shader(SETTINGS).settings().unwrap(), expected);

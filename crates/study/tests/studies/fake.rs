@@ -28,6 +28,7 @@ fn whole(name: &str, default: u32, one_of: &[u32]) -> Settable {
         one_of,
         unit: String::new(),
         doc: format!("Number of {name}"),
+        declared: String::new(),
     };
     Settable { path: name.to_owned(), setting, value: Value::U32(default) }
 }

@@ -3,10 +3,11 @@
 use bytemuck::{Pod, Zeroable};
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, SurfaceSamples, Threads, UseContext, setting,
+    ResourceDesc, SceneBindings, Setting, Settings, SurfaceSamples, Threads, UseContext,
 };
 use pass_test::{Harness, Outputs};
-use points_on_the_fly::cpu_reference::{BLOCK, Wanted};
+use points_on_the_fly::BLOCK;
+use points_on_the_fly::cpu_reference::Wanted;
 use scene::Scene;
 
 /// struct SurfaceSample.
@@ -19,6 +20,13 @@ pub(crate) struct SurfaceSample {
     pub(crate) area: f32,
 }
 
+pass::settings! {
+    struct ProbeSettings {
+        maps: u32 = 1;
+        per_map: u32 = 1;
+    }
+}
+
 struct Probe;
 
 const SHADER: &str = "passes/points-on-the-fly/tests/main/probe.wgsl";
@@ -29,7 +37,7 @@ impl Pass for Probe {
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(["maps", "per_map"].map(|name| setting::u32(name, 1, "")).to_vec())
+        Ok(ProbeSettings::schema())
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
@@ -46,15 +54,16 @@ impl Pass for Probe {
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let [maps, per_map] = ["maps", "per_map"].map(|name| cx.settings.u32(name));
-        let samples = SurfaceSamples::new(cx, maps, per_map);
+        let settings = ProbeSettings::read(cx.settings);
+        let samples = SurfaceSamples::new(cx, settings.maps, settings.per_map);
         let probe = Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(samples.threads()));
         Ok(Recording::one(samples.fill(probe, "samples")))
     }
 }
 
 fn wanted(settings: &Settings) -> Wanted {
-    Wanted::new(settings.u32("maps"), settings.u32("per_map"), u32::MAX)
+    let ProbeSettings { maps, per_map } = ProbeSettings::read(settings);
+    Wanted::new(maps, per_map, u32::MAX)
 }
 
 /// struct Amplification.

@@ -1,0 +1,70 @@
+//! A few pass types as a catalog offers them, and a pipeline of them linked.
+
+use frame_graph::plan::{PassId, Plan};
+use frame_graph::port::{PassTypes, Use};
+use frame_graph::{CompileOptions, Interface, LinkContext, Member, Overrides};
+use pass::{
+    Library, LinkedStep, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Setting, Settings, Traits,
+    UseContext,
+};
+use shader_library::MemoryFiles;
+use std::sync::Arc;
+
+pub(crate) struct TestPassTypes<'a> {
+    pub(crate) passes: &'a [&'a dyn Pass],
+    pub(crate) library: Library,
+}
+
+impl TestPassTypes<'_> {
+    fn find(&self, kind: &str) -> &dyn Pass {
+        *self
+            .passes
+            .iter()
+            .find(|pass| pass.info().kind == kind)
+            .expect("pipelines of tests name what there is")
+    }
+
+    /// The plan of a pipeline, and the steps of its only pass of a type, or what is wrong with them.
+    pub(crate) fn linked(&self, pipeline: &str, kind: &str) -> (Plan, Result<Vec<LinkedStep>, String>) {
+        let pipelines = MemoryFiles::new([("p.ron", pipeline)]);
+        let resolved = frame_graph::resolve("p.ron", &pipelines, &Overrides::default()).expect("it is read");
+        let context = LinkContext { frame: (8, 8), traits: Traits::default() };
+        let graph = frame_graph::link(&resolved, self, &context).unwrap_or_else(|error| panic!("{error}"));
+        let plan = frame_graph::compile(&graph, &CompileOptions::default()).expect("it is compiled");
+        let id = PassId(plan.passes.iter().position(|pass| pass.kind == kind).expect("it is needed") as u32);
+        let steps = pass::link_steps(&plan, id, self.find(kind), &Traits::default(), &self.library);
+        (plan, steps.map_err(|error| error.to_string()))
+    }
+}
+
+static INTERFACES: &[Interface] =
+    &[Interface { name: "Answer", doc: "", members: &[Member { name: "", optional: false, doc: "" }] }];
+
+impl PassTypes for TestPassTypes<'_> {
+    fn names(&self) -> Vec<String> {
+        self.passes.iter().map(|pass| pass.info().kind.into()).collect()
+    }
+
+    fn interfaces(&self) -> &[Interface] {
+        INTERFACES
+    }
+
+    fn takes_shader(&self, _: &str) -> Option<bool> {
+        Some(false)
+    }
+
+    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
+        Ok(self.find(use_.kind).settings(&UseContext { use_, shaders: &self.library })?.into())
+    }
+
+    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
+        self.find(use_.kind).ports(&UseContext { use_, shaders: &self.library }, settings).map(Arc::new)
+    }
+
+    fn outputs(&self, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+        let context = UseContext { use_: cx.use_, shaders: &self.library };
+        let mut outputs = self.find(cx.use_.kind).outputs(&context, cx)?;
+        pass::scene_bindings::find_of_modules(&mut outputs, &self.library);
+        Ok(outputs)
+    }
+}
