@@ -120,6 +120,6 @@ pub use port::{
     PassTypeError, PassTypes, Ports, SceneBindings, Usage, Use,
 };
 pub use resolve::{Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description};
-pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc};
+pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc, human_bytes};
 pub use succession::Succession;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

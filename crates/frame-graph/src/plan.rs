@@ -6,7 +6,7 @@ mod svg;
 mod text;
 
 use crate::port::{Facts, OutputOverride, SceneBindings};
-use crate::resource::{Clear, ResourceDesc};
+use crate::resource::{Clear, ResourceDesc, human_bytes};
 use crate::value::Settings;
 use data_file::Name;
 use std::collections::BTreeMap;
@@ -362,29 +362,17 @@ impl fmt::Display for Fate {
     }
 }
 
-/// Bytes as people read them.
-fn bytes(n: u64) -> String {
-    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
-    let mut value = n as f64;
-    let mut unit = 0;
-    while value >= 1024.0 && unit + 1 < UNITS.len() {
-        value /= 1024.0;
-        unit += 1;
-    }
-    if unit == 0 { format!("{n} B") } else { format!("{value:.1} {}", UNITS[unit]) }
-}
-
 impl fmt::Display for Memory {
     /// One line: unshared, shared, bound, persistent.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
             "transient {} in {} objects (unshared {}, lower bound {}); persistent {}",
-            bytes(self.shared),
+            human_bytes(self.shared),
             self.objects,
-            bytes(self.unshared),
-            bytes(self.bound),
-            bytes(self.persistent)
+            human_bytes(self.unshared),
+            human_bytes(self.bound),
+            human_bytes(self.persistent)
         )
     }
 }

@@ -1,6 +1,7 @@
 //! What passes read and write: textures and buffers, described without a GPU.
 
 use std::fmt;
+use unit_prefix::NumberPrefix;
 
 /// The format of a texture's texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -160,6 +161,14 @@ pub enum Clear {
     Zero,
     /// This colour in every texel; for textures of floats.
     Color([f32; 4]),
+}
+
+/// Returns a number of bytes as people read it: `512 B`, `1.5 KiB`, `46.1 MiB`.
+pub fn human_bytes(bytes: u64) -> String {
+    match NumberPrefix::binary(bytes as f64) {
+        NumberPrefix::Standalone(_) => format!("{bytes} B"),
+        NumberPrefix::Prefixed(prefix, number) => format!("{number:.1} {prefix}B"),
+    }
 }
 
 impl ResourceDesc<(u32, u32)> {

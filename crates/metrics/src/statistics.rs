@@ -33,6 +33,13 @@ impl Summary {
     }
 }
 
+/// Sorts values and returns their median: the middle one, or the mean of the two in the middle; `None` of nothing.
+pub fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    Some(0.5 * (values[last / 2] + values[last.div_ceil(2)]))
+}
+
 /// The t that |T| stays below with a probability of 0.95, T having Student's distribution with `freedom`
 /// degrees of freedom, at least 1. Found by halving an interval of θ = atan(t / √freedom).
 fn student_t_975(freedom: usize) -> f64 {
@@ -75,6 +82,15 @@ mod tests {
         assert_eq!(Summary::of(&[1.0]), None);
         assert_eq!(Summary::of(&[]), None);
         assert_eq!(Summary::of(&[1.0, f64::NAN]), None);
+    }
+
+    #[test]
+    fn the_median_is_the_middle_or_the_mean_of_two() {
+        let mut values = [3.0, 10.0, 2.0];
+        assert_eq!(median(&mut values), Some(3.0));
+        assert_eq!(values, [2.0, 3.0, 10.0]);
+        assert_eq!(median(&mut [4.0, 1.0, 9.0, 2.0]), Some(3.0));
+        assert_eq!(median(&mut []), None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Maps of one size in the layers of a texture array.
 
-use frame_graph::{Extent, Facts, Format, ResourceDesc, Value};
+use frame_graph::{Extent, Facts, Format, Module, OutputDesc, ResourceDesc, Usage, Value};
 use std::ops::Range;
 
 /// How square maps of one size lie in an atlas: row by row, layer after layer. `tile_origin` of
@@ -26,6 +26,8 @@ crate::settings! {
 impl AtlasLayout {
     /// The greatest side of a layer \[px\] that every adapter allows: WebGPU's default.
     pub const SIDE: u32 = 8192;
+    /// The distance of a texel that nothing lies in, for the clear value of a layer: `NOTHING` of `shaders/paraboloid.wgsl`.
+    pub const NOTHING: f64 = 3.0e38;
     /// The most layers that every adapter allows: WebGPU's default.
     pub const LAYERS: u32 = 256;
 
@@ -57,6 +59,16 @@ impl AtlasLayout {
     pub fn facts(&self) -> [(&'static str, Value); 3] {
         [("tile", self.tile), ("columns", self.columns), ("rows", self.rows)]
             .map(|(name, value)| (name, Value::U32(value)))
+    }
+
+    /// Returns the output `visibility` of a pass that makes maps of distances: its member `atlas`, the module that looks
+    /// lights up in it, and the facts by which the module does. `depth_bias` is in widths of a texel.
+    pub fn visibility(&self, depth_bias: Value) -> OutputDesc {
+        let atlas = ("atlas".to_owned(), self.texture(Format::R32Float), Usage::Overwrites);
+        let output = OutputDesc::of("visibility", vec![atlas])
+            .module(Module::new("shaders/visibility-atlas.wgsl"))
+            .fact("depth_bias", depth_bias);
+        self.facts().into_iter().fold(output, |output, (name, value)| output.fact(name, value))
     }
 
     /// Returns the texture array.

@@ -3,9 +3,9 @@
 pub mod cpu_reference;
 
 use pass::{
-    AtlasLayout, DepthBiasSettings, DepthTarget, Draw, Format, Info, Load, Module, OutputContext, OutputDesc,
-    Pass, PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting,
-    Settings, Step, Target, UseContext, Value,
+    AtlasLayout, DepthBiasSettings, DepthTarget, Draw, Format, Info, Load, OutputContext, OutputDesc, Pass,
+    PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
+    Step, Target, UseContext, Value,
 };
 
 /// The pass type `paraboloid-shadow-maps`.
@@ -22,9 +22,6 @@ const SHADER: &str = "passes/paraboloid-shadow-maps/paraboloid-shadow-maps.wgsl"
 /// Bias that the depth test needs, in widths of a texel along the receiver's plane: half a diagonal, which is how
 /// far a receiver may be from the ray of its texel.
 const DEPTH_BIAS: f32 = 0.7;
-
-/// `NOTHING` of shaders/paraboloid.wgsl.
-const NOTHING: f64 = 3.0e38;
 
 pass::settings! {
     /// The settings of the pass type `paraboloid-shadow-maps`, beside the bias of its maps.
@@ -77,17 +74,10 @@ impl Pass for ParaboloidShadowMaps {
             )));
         };
         let depth_bias = DepthBiasSettings::read(cx.settings).depth_bias * DEPTH_BIAS;
-        let mut visibility = OutputDesc::one("visibility", layout.texture(Format::R32Float))
-            .module(Module::new("shaders/visibility-atlas.wgsl"))
-            .fact("depth_bias", Value::F32(depth_bias));
-        visibility.members[0].0 = "atlas".into();
-        for (name, value) in layout.facts() {
-            visibility = visibility.fact(name, value);
-        }
         // One layer after the other.
         let nearness = ResourceDesc::texture_2d(Format::Depth32Float, layout.layer_size());
         let nearness = OutputDesc::scratch("nearness", nearness);
-        Ok(vec![visibility, nearness])
+        Ok(vec![layout.visibility(Value::F32(depth_bias)), nearness])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
@@ -105,7 +95,7 @@ impl Pass for ParaboloidShadowMaps {
                 targets: vec![Target {
                     resource: "visibility.atlas".into(),
                     layer,
-                    load: Load::Clear([NOTHING; 4]),
+                    load: Load::Clear([AtlasLayout::NOTHING; 4]),
                 }],
                 depth: Some(DepthTarget { resource: "nearness".into(), layer: 0, clear: 0.0 }),
                 draw: Draw::Vertices { vertices, instances: layout.maps(layer).len() as u32 },

@@ -3,9 +3,9 @@
 pub mod cpu_reference;
 
 use pass::{
-    AtlasLayout, Compute, Define, Draw, Format, Info, Load, Module, OutputContext, OutputDesc, Pass,
-    PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
-    Step, Target, Threads, UseContext, Value, setting,
+    AtlasLayout, Compute, Define, Draw, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, Threads,
+    UseContext, Value, setting,
 };
 
 /// The pass type `pull-push`.
@@ -23,9 +23,6 @@ const FILL: &str = "passes/pull-push/fill.wgsl";
 
 /// The most workgroups along a dimension: WebGPU's default.
 const MAX_GROUPS: u32 = 65_535;
-
-/// `NOTHING` of shaders/paraboloid.wgsl.
-const NOTHING: f64 = 3.0e38;
 
 pass::settings! {
     /// The settings of the pass type `pull-push` that are not the shaders' alone.
@@ -101,16 +98,10 @@ impl Pass for PullPush {
             PassTypeError::input("depth", format!("{count} maps of {tile}² are more than an atlas holds"))
                 .help(format!("take smaller maps, or at most {most} virtual lights"))
         })?;
-        let mut visibility = OutputDesc::one("visibility", layout.texture(Format::R32Float))
-            .module(Module::new("shaders/visibility-atlas.wgsl"))
-            .fact("depth_bias", cx.fact("depth", "depth_bias").cloned().unwrap_or(Value::F32(1.0)));
-        visibility.members[0].0 = "atlas".into();
-        for (name, value) in layout.facts() {
-            visibility = visibility.fact(name, value);
-        }
+        let depth_bias = cx.fact("depth", "depth_bias").cloned().unwrap_or(Value::F32(1.0));
         let texels = Pyramid { tile, count }.begin(PullPushSettings::read(cx.settings).levels + 1);
         let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));
-        Ok(vec![visibility, pyramid])
+        Ok(vec![layout.visibility(depth_bias), pyramid])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
@@ -135,7 +126,7 @@ impl Pass for PullPush {
                 targets: vec![Target {
                     resource: "visibility.atlas".into(),
                     layer,
-                    load: Load::Clear([NOTHING; 4]),
+                    load: Load::Clear([AtlasLayout::NOTHING; 4]),
                 }],
                 depth: None,
                 draw: Draw::Vertices { vertices: 6, instances: layout.maps(layer).len() as u32 },

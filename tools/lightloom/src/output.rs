@@ -51,13 +51,3 @@ pub(crate) use say;
 pub(crate) fn json(value: &serde_json::Value) {
     say!("{value:#}");
 }
-
-/// Bytes for people.
-pub(crate) fn bytes(n: u64) -> String {
-    match n {
-        0..1024 => format!("{n} B"),
-        1024..0x10_0000 => format!("{:.1} KiB", n as f64 / 1024.0),
-        0x10_0000..0x4000_0000 => format!("{:.1} MiB", n as f64 / f64::from(0x10_0000)),
-        _ => format!("{:.2} GiB", n as f64 / f64::from(0x4000_0000)),
-    }
-}

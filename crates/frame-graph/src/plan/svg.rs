@@ -1,7 +1,7 @@
 //! The plan as a drawing.
 
-use super::{Fate, Plan, bytes};
-use crate::resource::Clear;
+use super::{Fate, Plan};
+use crate::resource::{Clear, human_bytes};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -91,8 +91,8 @@ fn tiles(plan: &Plan) -> (Vec<Tile>, Vec<Edge>) {
         let hands = pass.outputs.iter().any(|port| !port.handed.is_empty());
         let holds = match (written, hands) {
             (0, true) => "hands on".to_owned(),
-            (written, true) => format!("{}, hands on", bytes(written)),
-            (written, false) => bytes(written),
+            (written, true) => format!("{}, hands on", human_bytes(written)),
+            (written, false) => human_bytes(written),
         };
         let lines = [pass.name.to_string(), pass.kind.to_string(), holds];
         let title = fate.unwrap_or_default();
@@ -102,7 +102,7 @@ fn tiles(plan: &Plan) -> (Vec<Tile>, Vec<Edge>) {
     for (id, resource) in plan.constants() {
         constants[id.0 as usize] = Some(tiles.len());
         let value = resource.constant.unwrap_or(Clear::Zero).to_string();
-        let lines = [resource.name.to_string(), value, bytes(resource.desc.bytes())];
+        let lines = [resource.name.to_string(), value, human_bytes(resource.desc.bytes())];
         tiles.push(Tile::new(lines, "in place of a pass that is off".into(), OFF));
     }
     for (to, pass) in plan.passes.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! The plan as text.
 
-use super::{Begins, Fate, Plan, PlannedPass, bytes};
+use super::{Begins, Fate, Plan, PlannedPass};
+use crate::resource::human_bytes;
 use std::fmt::Write as _;
 
 pub(super) fn text(plan: &Plan) -> String {
@@ -54,7 +55,7 @@ fn write_pass(out: &mut String, plan: &Plan, at: usize, pass: &PlannedPass) {
                 "       {verb} {}: {}, {}, object {}{object}",
                 resource.name,
                 resource.desc,
-                bytes(resource.desc.bytes()),
+                human_bytes(resource.desc.bytes()),
                 resource.allocation.0
             );
         }

@@ -1,8 +1,8 @@
 //! GPU time of passes, phases and frames.
 
-use super::median;
 use crate::description::Phase;
 use crate::record::PassTime;
+use metrics::statistics::median;
 
 /// Takes in the times of one frame after another.
 pub(super) struct Times<'a> {

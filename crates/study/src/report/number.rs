@@ -101,12 +101,6 @@ pub(super) fn short(value: f64, significant: i32) -> String {
     format!("{value:.*}", (significant - 1 - order).max(0) as usize)
 }
 
-/// Bytes in the largest unit that leaves at least 1.
-pub(super) fn bytes(bytes: f64) -> String {
-    let (divisor, unit) = byte_unit(bytes);
-    format!("{} {unit}", short(bytes / divisor, 3))
-}
-
 /// The unit in which a number of bytes reads well, and its size.
 pub(super) fn byte_unit(bytes: f64) -> (f64, &'static str) {
     let units = [(1024.0 * 1024.0 * 1024.0, "GiB"), (1024.0 * 1024.0, "MiB"), (1024.0, "KiB")];
@@ -168,14 +162,10 @@ mod tests {
     }
 
     #[test]
-    fn plain_numbers_and_bytes() {
+    fn plain_numbers() {
         assert_eq!([plain(0.25), plain(4096.0), plain(1e-7), plain(0.0)], ["0.25", "4096", "1e-7", "0"]);
         assert_eq!([short(0.123_46, 4), short(1234.56, 3), short(2.0, 4)], ["0.1235", "1235", "2"]);
         assert_eq!([short(1.799_9, 3), short(1.23e-7, 2), short(f64::NAN, 3)], ["1.80", "1.2e-7", "NaN"]);
-        assert_eq!(
-            [bytes(512.0), bytes(1536.0), bytes(5.0 * 1024.0 * 1024.0)],
-            ["512 B", "1.50 KiB", "5 MiB"]
-        );
         assert_eq!(superscript(-105), "⁻¹⁰⁵");
     }
 }

@@ -3,9 +3,10 @@
 mod watch;
 
 use crate::context::{Context, overrides, parse_size};
-use crate::output::{self, bytes, progress, say};
+use crate::output::{self, progress, say};
 use anyhow::{Context as _, Result, bail};
-use frame_graph::CompileOptions;
+use frame_graph::{CompileOptions, human_bytes};
+use metrics::statistics::median;
 use metrics::{Display, FileFormat, Image, Tonemap};
 use renderer::{Catalog, FrameOptions, Gpu, Provenance, Renderer};
 use serde_json::json;
@@ -206,8 +207,12 @@ fn report(
     seconds: f64,
 ) -> Result<()> {
     let Some(plan) = renderer.plan() else { return Ok(()) };
-    let rows: Vec<(String, f64)> =
-        plan.passes.iter().enumerate().map(|(i, pass)| (pass.name.to_string(), median(times, i))).collect();
+    let rows: Vec<(String, f64)> = plan
+        .passes
+        .iter()
+        .enumerate()
+        .map(|(i, pass)| (pass.name.to_string(), median_after_the_first(times, i)))
+        .collect();
     let clamped = clamped_share(renderer);
     let progress = renderer.progress()?;
     let counters = renderer.counters()?;
@@ -234,9 +239,9 @@ fn report(
         say!(
             "on {}; transients {} (unshared {}, bound {})",
             renderer.gpu().describe(),
-            bytes(plan.memory.shared),
-            bytes(plan.memory.unshared),
-            bytes(plan.memory.bound)
+            human_bytes(plan.memory.shared),
+            human_bytes(plan.memory.unshared),
+            human_bytes(plan.memory.bound)
         );
     }
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
@@ -264,12 +269,11 @@ fn report(
     Ok(())
 }
 
-/// The median over the frames after the first, in which drivers compile shaders.
-fn median(times: &[Vec<f64>], pass: usize) -> f64 {
+/// The median of a pass's times over the frames after the first, in which drivers compile shaders.
+fn median_after_the_first(times: &[Vec<f64>], pass: usize) -> f64 {
     let skip = usize::from(times.len() > 1);
     let mut column: Vec<f64> = times.iter().skip(skip).filter_map(|row| row.get(pass).copied()).collect();
-    column.sort_by(f64::total_cmp);
-    column.get(column.len() / 2).copied().unwrap_or(0.0)
+    median(&mut column).unwrap_or(0.0)
 }
 
 /// The share of the irradiance that clamping removed, where the pipeline has an output `irradiance`.

@@ -5,6 +5,7 @@ use crate::Memory;
 use crate::report::chart::{BarChart, BarRow, Ink, MOST_PARTS, Segment};
 use crate::report::digest::{Digest, Row};
 use crate::report::number;
+use frame_graph::human_bytes;
 
 /// Rows of one chart at most; the next ones have a chart of their own.
 const MOST_ROWS: usize = 32;
@@ -72,10 +73,10 @@ pub(super) fn memory(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
         .filter(|(_, memory)| bytes(memory) > 0)
         .map(|(row, memory)| {
             let bar = |(name, ink, bytes): (&str, Ink, u64)| {
-                let tip = format!("{name}: {} ({})", number::bytes(bytes as f64), digest.row_text(row));
+                let tip = format!("{name}: {} ({})", human_bytes(bytes), digest.row_text(row));
                 vec![Segment { ink, value: bytes as f64 / divisor, tip }]
             };
-            let total = number::bytes(memory.shared as f64);
+            let total = human_bytes(memory.shared);
             (bar_row(digest, row, kinds(memory).map(bar).into(), total), Vec::new())
         })
         .collect();

@@ -3,6 +3,7 @@
 use super::{Args, Figure};
 use crate::output::say;
 use clap::ValueEnum as _;
+use metrics::statistics::median;
 use renderer::Gpu;
 use serde_json::{Value, json};
 
@@ -17,13 +18,9 @@ pub(super) struct Spread {
 impl Spread {
     /// Of at least one value; of two in the middle, their mean.
     pub(super) fn of(mut values: Vec<f64>) -> Spread {
-        values.sort_by(f64::total_cmp);
-        let last = values.len() - 1;
-        Spread {
-            median: 0.5 * (values[last / 2] + values[last.div_ceil(2)]),
-            least: values[0],
-            greatest: values[last],
-        }
+        // Sorted by it.
+        let median = median(&mut values).unwrap_or(f64::NAN);
+        Spread { median, least: values[0], greatest: values[values.len() - 1] }
     }
 
     /// Something that is no matter of chance.
