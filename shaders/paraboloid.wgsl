@@ -2,7 +2,8 @@
 //
 // In a light's frame the normal is z. A unit direction d of the hemisphere falls on d.xy / (1 + d.z), a point of
 // the unit disc; the disc is inscribed in the square [-1, 1]², which a tile of the atlas covers. x grows with the
-// column, y with the row. The CPU reference is paraboloid.rs.
+// column, y with the row. The CPU reference is
+// crates/gpu-algorithms/src/reference/paraboloid.rs.
 
 #import "tangent-frame.wgsl"
 

@@ -1,4 +1,4 @@
-// Frames about a normal. The CPU reference is in paraboloid.rs.
+// Frames about a normal. The CPU reference is in crates/gpu-algorithms/src/reference/paraboloid.rs.
 
 /// An orthonormal, right-handed frame whose z is a unit vector (Duff et al. 2017). World from local;
 /// `v * frame` goes back.

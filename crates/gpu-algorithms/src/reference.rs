@@ -1,4 +1,8 @@
-//! CPU references of the algorithms: what their results are compared with, in double precision or whole numbers.
+//! CPU references of the algorithms, and of WGSL that several passes share: what results are compared with, in double
+//! precision or whole numbers.
+
+pub mod paraboloid;
+pub mod triangle_samples;
 
 /// Returns the sum.
 pub fn sum(weights: impl IntoIterator<Item = f64>) -> f64 {

@@ -15,13 +15,11 @@
 mod atlas;
 pub mod interfaces;
 mod link;
-pub mod paraboloid;
 mod record;
 pub mod reflected;
 pub mod scene_bindings;
 pub mod setting;
 mod surface_samples;
-pub mod triangle_samples;
 
 pub use atlas::{AtlasLayout, DepthBiasSettings};
 pub use frame_graph::{

@@ -14,6 +14,7 @@
 
 mod options;
 mod outputs;
+mod shader_pass;
 mod steps;
 
 use crate::{InputPort, PassTypeError, Ports, Request, Setting, Settings, UseContext, scene_bindings};
@@ -23,20 +24,22 @@ use shader_library::{Access, Attributes, Entry, GlobalKind, Shader, Stage};
 use std::fmt::Display;
 use std::sync::Arc;
 
+pub use shader_pass::ShaderPass;
+
 /// The file that a use names, and what a pass type makes of it.
 #[derive(Clone, Debug)]
-pub struct UserShader<'a> {
+struct UserShader<'a> {
     /// The file, as the use names it.
-    pub path: &'a str,
+    path: &'a str,
     /// The shader that is run: the file, or one that imports it.
-    pub request: Request,
+    request: Request,
     /// The stage of its entry points.
-    pub stage: Stage,
+    stage: Stage,
 }
 
 /// A shader of a user, as a pass.
 #[derive(Debug)]
-pub struct Reflected {
+struct Reflected {
     shader: Arc<Shader>,
     /// The entry points of the pass type's stage, in the order of the text.
     entries: Vec<Entry>,
@@ -51,7 +54,7 @@ impl Reflected {
     ///
     /// # Errors
     /// A shader that is refused, one without an entry point of the stage, attributes that cannot be read.
-    pub fn new(
+    fn new(
         cx: &UseContext<'_>,
         user: &UserShader<'_>,
         settings: &Settings,
@@ -76,7 +79,7 @@ impl Reflected {
     ///
     /// # Errors
     /// Links that no global takes, globals that no link can fill, and attributes that name nothing.
-    pub fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
+    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
         let interface = &self.shader.interface;
         let mut ports = Ports::default();
         for &global in self.entries.iter().flat_map(|entry| &entry.globals) {
@@ -174,7 +177,7 @@ impl Reflected {
 ///
 /// # Errors
 /// A shader that is refused, and declarations that cannot be read.
-pub fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
+fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
     options::settings(cx.shaders, user)
 }
 

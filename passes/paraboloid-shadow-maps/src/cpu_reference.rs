@@ -1,6 +1,6 @@
 //! The algorithm in plain f64: same names as paraboloid-shadow-maps.wgsl.
 
-pub use pass::paraboloid;
+pub use gpu_algorithms::reference::paraboloid;
 
 use paraboloid::{
     Vec2, Vec3, above_horizon, direction_from_paraboloid, dot, frame_from_normal, into_frame,

@@ -1,9 +1,11 @@
 //! The WGSL of the pass and `shaders/points-on-the-fly.wgsl` with the same integers, and double precision before them.
 
-pub use pass::triangle_samples::{Vec3, normal_and_area, scramble, triangle_at, triangle_from_square};
+pub use gpu_algorithms::reference::triangle_samples::{
+    Vec3, normal_and_area, scramble, triangle_at, triangle_from_square,
+};
 
 use crate::BLOCK;
-use pass::triangle_samples::edges;
+use gpu_algorithms::reference::triangle_samples::edges;
 
 /// All that is shared out.
 pub const WHOLE: u32 = 0x8000_0000;

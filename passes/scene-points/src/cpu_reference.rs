@@ -1,7 +1,7 @@
 //! `scene-points.wgsl` with the same integers, and double precision after them.
 
-use pass::triangle_samples::edges;
-pub use pass::triangle_samples::{
+use gpu_algorithms::reference::triangle_samples::edges;
+pub use gpu_algorithms::reference::triangle_samples::{
     Vec3, normal_and_area, scramble, sobol2, triangle_at, triangle_from_square,
 };
 

@@ -1,6 +1,6 @@
 //! The algorithm in plain f64: same names and order as splat.wgsl.
 
-pub use pass::paraboloid;
+pub use gpu_algorithms::reference::paraboloid;
 
 use paraboloid::{
     Vec2, Vec3, above_horizon, dot, frame_from_normal, into_frame, paraboloid_density,

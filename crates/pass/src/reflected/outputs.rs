@@ -151,7 +151,7 @@ impl Reflected {
     ///
     /// # Errors
     /// Formats that do not fit, and buffers whose number of elements nothing says.
-    pub fn outputs(
+    pub(super) fn outputs(
         &self,
         cx: &UseContext<'_>,
         outputs: &OutputContext<'_>,

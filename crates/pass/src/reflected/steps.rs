@@ -117,7 +117,11 @@ impl Reflected {
     ///
     /// # Errors
     /// Thread counts that nothing gives.
-    pub fn record(&self, cx: &RecordContext<'_>, user: &UserShader<'_>) -> Result<Recording, PassTypeError> {
+    pub(super) fn record(
+        &self,
+        cx: &RecordContext<'_>,
+        user: &UserShader<'_>,
+    ) -> Result<Recording, PassTypeError> {
         let use_cx = UseContext { use_: cx.use_, shaders: cx.shaders };
         // First what the use says, then what the modules of producers add.
         let request = options::select(cx.shaders, cx.with_modules(user.request.clone()), cx.settings);

@@ -1,5 +1,5 @@
-//! The f64 CPU reference of `shaders/paraboloid.wgsl`, for the CPU reference of passes that share it: the same functions, by the
-//! same names. See there for what they mean.
+//! The f64 CPU reference of `shaders/paraboloid.wgsl`, for those of the passes that share it: the same functions, by the same
+//! names. See there for what they mean.
 
 /// A vector of three.
 pub type Vec3 = [f64; 3];

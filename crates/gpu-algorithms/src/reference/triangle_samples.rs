@@ -1,5 +1,5 @@
-//! The f64 CPU reference of `shaders/triangle-samples.wgsl`, `shaders/triangle.wgsl` and `shaders/sobol.wgsl`, for the CPU reference of
-//! passes that share them: the same functions, by the same names. See there for what they mean.
+//! The f64 CPU reference of `shaders/triangle-samples.wgsl`, `shaders/triangle.wgsl` and `shaders/sobol.wgsl`, for
+//! those of the passes that share them: the same functions, by the same names. See there for what they mean.
 
 /// A position or direction.
 pub type Vec3 = [f64; 3];
