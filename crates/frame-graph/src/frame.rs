@@ -1,6 +1,6 @@
 //! Which passes a frame must run: what changed, what follows from it, and what is still held.
 
-use crate::plan::{HistoryId, PassId, Plan, ResourceId};
+use crate::plan::{AllocationId, HistoryId, PassId, Plan, ResourceId};
 use crate::port::SceneBindings;
 use crate::succession::Succession;
 use std::fmt;
@@ -185,10 +185,17 @@ impl FrameState {
         next
     }
 
-    /// Takes note that no object holds anything any more but those of histories: all passes run in the next frame.
-    pub fn forget_objects(&mut self) {
+    /// Takes note that objects were made again, and hold nothing but for those that are `kept`: all passes run in the next
+    /// frame, and a history whose newest version is gone begins again, for which the cause is [`ResetCause::Reload`].
+    pub fn forget_objects(&mut self, plan: &Plan, kept: impl Fn(AllocationId) -> bool) {
         self.holds.fill(None);
         self.fresh = true;
+        let histories = plan.histories.iter().zip(&self.histories).zip(&mut self.lacking);
+        for ((history, held), lacking) in histories {
+            if !kept(history.copies[held.current]) {
+                lacking.get_or_insert(ResetCause::Reload);
+            }
+        }
     }
 
     /// Returns which of the two objects of a history holds its newest version.

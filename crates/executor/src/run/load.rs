@@ -283,11 +283,12 @@ impl Executor {
             .filter(|(_, object)| object.is_some())
             .map(|(allocation, _)| allocation.desc.bytes())
             .sum();
+        let kept: Vec<bool> = before.iter().map(Option::is_some).collect();
         match self.complete(&old.plan, usages, before) {
             Ok(objects) => {
                 self.write_contents(&old.plan, &objects, &mut old.views, &Vec::new(), &[]);
                 old.objects = objects;
-                old.state.forget_objects();
+                old.state.forget_objects(&old.plan, |id| kept[id.0 as usize]);
                 self.loaded = Some(old);
                 error
             }

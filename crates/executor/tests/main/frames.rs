@@ -151,7 +151,7 @@ fn sharing_leaves_the_same_bits() {
 
 /// Tells the age of the past, why it ended, and what it holds and one more.
 const AGES: &str = "
-    struct Settings { past_age: u32, past_reset: u32 }
+    struct Settings { past_age: f32, past_reset: u32 }
     var<uniform> settings: Settings;
     var<storage, read> past: array<u32>;
     var<storage, read_write> out: array<u32>;";
@@ -164,7 +164,7 @@ fn histories_age_and_end() {
         .steps(|_| vec![Step::Compute(run("ages.wgsl"))]);
     let ages = compute(
         AGES,
-        "out[0] = settings.past_age; out[1] = settings.past_reset; out[2] = past[2] + 1u; out[3] = past[3];",
+        "out[0] = u32(settings.past_age); out[1] = settings.past_reset; out[2] = past[2] + 1u; out[3] = past[3];",
     );
     let workshop = Workshop::new(vec![kind], &[("ages.wgsl", &ages)]);
     let passes = r#""use": Pass(kind: "kind", in: { "past": Prev(port: "use", reset: [Cut]) })"#;
@@ -313,6 +313,47 @@ fn what_runs_is_timed() {
         assert!(time.is_finite() && *time < 1e4, "{:?}", report.times);
         assert_eq!(*time > 0.0, pass != still, "a pass without steps takes no time: {:?}", report.times);
     }
+}
+
+/// Times of monitored frames come without waiting, are those of the frame that they name, and of newer frames as time goes
+/// on. Where nothing is read and the GPU does not finish, frames go on all the same.
+#[test]
+fn monitored_frames_tell_their_times_later() {
+    if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
+        return;
+    }
+    let (kinds, passes, outputs) = chain(3);
+    let Some(mut running) = Workshop::new(kinds, CHAIN).start(&passes, &outputs) else { return };
+    let monitored = FrameOptions { monitored: true, ..FrameOptions::default() };
+    assert_eq!(running.0.timings(), None, "no frame was timed");
+    running.frame();
+    running.0.gpu().wait().unwrap();
+    assert_eq!(running.0.timings(), None, "no frame was timed");
+    let first = running.frame_of_all(monitored).frame;
+    assert_eq!(first, 1, "frames are counted from 0");
+    for _ in 0..20 {
+        let report = running.frame_of_all(monitored);
+        assert!(report.times.is_empty(), "nobody waits");
+    }
+    let last = running.frame_of_all(monitored).frame;
+    running.0.gpu().wait().unwrap();
+    let timings = running.0.timings().unwrap().clone();
+    assert!((first..=last).contains(&timings.frame), "{timings:?}");
+    assert!(timings.times.len() == 3 && timings.times.iter().all(|time| *time > 0.0), "{timings:?}");
+    assert_eq!(running.0.timings(), Some(&timings), "they stay until there are newer ones");
+    // With the GPU idle there is a buffer free for every frame.
+    for _ in 0..6 {
+        let frame = running.frame_of_all(monitored).frame;
+        running.0.gpu().wait().unwrap();
+        assert_eq!(running.0.timings().unwrap().frame, frame);
+    }
+    let timed = running.frame_of_all(FrameOptions { timed: true, ..monitored }).clone();
+    let timings = running.0.timings().unwrap();
+    assert_eq!(
+        (timings.frame, &timings.times),
+        (timed.frame, &timed.times),
+        "what is waited for is the newest"
+    );
 }
 
 #[test]

@@ -188,6 +188,12 @@ impl Workshop {
         Workshop { kinds, shaders, frame: (8, 4), options: CompileOptions::default() }
     }
 
+    /// Adds a type of pass.
+    pub(crate) fn with(mut self, kind: Kind) -> Workshop {
+        self.kinds.push(kind);
+        self
+    }
+
     /// Links and compiles a pipeline: `passes` and `outputs` as in RON.
     ///
     /// # Errors

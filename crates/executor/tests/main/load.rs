@@ -155,6 +155,43 @@ fn a_plan_beyond_the_limits_changes_nothing() {
     assert_eq!(running.read("count.sum"), [2, 1, 0, 0]);
 }
 
+/// What needs more memory than there is leaves the plan before: made again where its objects had been given back, so that
+/// a past that the refused plan has goes on, and one that it has not begins again.
+#[test]
+fn a_plan_beyond_the_memory_restores_the_one_before() {
+    let workshop = || {
+        // 256 GiB, of a size that adapters allow.
+        let layers = ResourceDesc::texture_2d_array(Format::Rgba32Float, Extent::Fixed(16_384, 16_384), 64);
+        let huge = Kind::new("huge").output(OutputDesc::one("out", layers));
+        counter().with(huge)
+    };
+    let huge = r#""huge": Pass(kind: "huge")"#;
+    let with_past = format!("{}, {huge}", passes(1, 1));
+    for (refused, outputs, age) in
+        [(&*with_past, r#""out": "huge", "sum": "count""#, 2), (huge, r#""out": "huge""#, 0)]
+    {
+        let Some(mut running) = workshop().start(&passes(1, 1), OUTPUTS) else { return };
+        running.frame();
+        running.frame();
+        let before = running.0.held_bytes();
+        let linked = workshop().link(refused, outputs).unwrap_or_else(|error| panic!("{error}"));
+        let Err(error) = running.load(linked) else {
+            return; // An adapter that gives memory when it is written.
+        };
+        if matches!(error, ExecutorError::Limit { .. }) {
+            return; // An adapter with smaller textures.
+        }
+        assert!(matches!(error, ExecutorError::OutOfMemory { .. }), "{error}");
+        assert_eq!(running.0.held_bytes(), before);
+        assert_eq!(running.frame_with_poison().ran, [true; 2], "objects that were made again hold nothing");
+        let reset = if age == 0 { 5 } else { 0 };
+        assert_eq!(running.read("count.sum"), [age + 1, age, reset, 0]);
+        assert_eq!(running.read("scale.out")[0], age + 1);
+        running.frame();
+        assert_eq!(running.read("count.sum"), [age + 2, age + 1, 0, 0]);
+    }
+}
+
 /// A pass type `state` that writes one more word of what it continues in each frame, and a pass type `scale` that reads it.
 fn continuing() -> Workshop {
     let state = OutputDesc::one("state", words(8)).continuing("past");

@@ -1,5 +1,6 @@
 //! `lightloom bench`: the performance figures on this machine.
 
+mod encode;
 mod frames;
 mod graph;
 mod rays;
@@ -60,7 +61,8 @@ enum Figure {
     IsmFrame,
     /// CPU time from the text of a pipeline of 1,000 passes to a plan, without shaders
     Compile,
-    /// CPU time of a frame of 1,000 passes of one dispatch, nothing timed: from the call until all is submitted
+    /// CPU time of a frame of 1,000 dispatches, from the call until all is submitted, beside the same calls of wgpu made
+    /// by hand
     Encode,
     /// Memory of shared transient resources of each pipeline, against the largest sum of bytes alive at once: of
     /// each sort that can share an object, and of all
@@ -130,7 +132,7 @@ fn measure(bench: &Bench<'_>, figure: Figure) -> Result<Section> {
         Figure::Points => frames::points(bench),
         Figure::IsmFrame => frames::ism_frame(bench),
         Figure::Compile => graph::compiling(bench),
-        Figure::Encode => graph::encoding(bench),
+        Figure::Encode => encode::measure(bench),
         Figure::Memory => graph::memory(bench),
         Figure::Reload => reload::measure(bench),
     }

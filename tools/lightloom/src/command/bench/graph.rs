@@ -1,4 +1,4 @@
-//! What the frame graph costs: compiling it, encoding it, and the memory that its plans take.
+//! What the frame graph costs: compiling it, and the memory that its plans take.
 
 use super::table::{Goal, Row, Section, Spread};
 use super::{Bench, Figure};
@@ -8,7 +8,7 @@ use frame_graph::{
     CompileOptions, Description, Graph, LinkContext, Overrides, Plan, Resolved, Source, compile, link, parse,
     resolve, resolve_description,
 };
-use renderer::{Catalog, Renderer};
+use renderer::Catalog;
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ const REPEATS: u32 = 20;
 
 /// The text of a pipeline of `count` passes: a short way to an irradiance, and blurs of it one after the other, each a
 /// single dispatch.
-fn chain(count: u32) -> String {
+pub(super) fn chain(count: u32) -> String {
     let mut text = String::from(
         r#"Pipeline(passes: {
     "view": Pass(kind: "gbuffer"),
@@ -39,7 +39,7 @@ fn chain(count: u32) -> String {
     text
 }
 
-fn milliseconds(start: Instant) -> f64 {
+pub(super) fn milliseconds(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 
@@ -89,35 +89,6 @@ pub(super) fn compiling(bench: &Bench<'_>) -> Result<Section> {
         bench.args.runs * REPEATS
     );
     Ok(Section { figure: Figure::Compile, rows, note })
-}
-
-pub(super) fn encoding(bench: &Bench<'_>) -> Result<Section> {
-    let passes = bench.size(1000, 50);
-    let folder = tempfile::tempdir()?;
-    let path = folder.path().join("chain.ron");
-    std::fs::write(&path, chain(passes))?;
-    let scene = renderer::load_scene(bench.catalog, "cornell-box")?;
-    // So few pixels that there is little to do but to encode.
-    let mut renderer = Renderer::new(bench.gpu()?, Arc::clone(bench.catalog), scene, (8, 8))?;
-    renderer.set_pipeline(&path.to_string_lossy(), &Overrides::default())?;
-    let mut times = Vec::new();
-    for _ in 0..=bench.args.runs * REPEATS {
-        renderer.run_everything();
-        let start = Instant::now();
-        renderer.frame()?;
-        times.push(milliseconds(start));
-        renderer.gpu().wait()?;
-    }
-    let times = Spread::of(times[1..].to_vec());
-    let rows = vec![
-        Row::new(format!("{passes} passes, encoded and submitted"), times, "ms")
-            .goal(Goal::Below(0.6), "own, two cores"),
-    ];
-    let note = format!(
-        "the same chain at 8×8 pixels, the GPU idle before each of {} frames. Where the adapter is the CPU, its driver's threads have the same cores.",
-        bench.args.runs * REPEATS
-    );
-    Ok(Section { figure: Figure::Encode, rows, note })
 }
 
 pub(super) fn memory(bench: &Bench<'_>) -> Result<Section> {

@@ -1,0 +1,158 @@
+//! What a frame costs on the CPU, beside the same calls of wgpu made by hand.
+
+use super::graph::{chain, milliseconds};
+use super::table::{Goal, Row, Section, Spread};
+use super::{Bench, Figure};
+use anyhow::{Context as _, Result, ensure};
+use executor::wgpu::{BindGroup, ComputePipeline};
+use executor::{Executor, FrameOptions, Gpu};
+use frame_graph::plan::{PassId, Plan};
+use frame_graph::{Change, CompileOptions, LinkContext, Overrides};
+use pass::LinkedStep;
+use renderer::Compiled;
+use scene::{Pose, Scene};
+use scene_upload::{Frame, SceneView};
+
+/// Frames are short, and so are measured so many times as often as others; not more often, since lavapipe keeps some of the
+/// memory of each dispatch.
+const REPEATS: u32 = 10;
+
+/// Passes of the chain before those that are dispatched here: G-buffer, reflective shadow map, lights.
+const BEFORE: u32 = 3;
+
+/// So few pixels that there is little to do but to encode.
+const SIZE: (u32, u32) = (8, 8);
+
+pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
+    let count = bench.size(1000, 50);
+    let mut framework = Framework::new(bench, count)?;
+    // The first frame runs everything, the second only what is measured, whose bind groups are there then.
+    framework.frame()?;
+    let ran = framework.frame()?;
+    ensure!(ran == count as usize, "{ran} passes ran and not {count}");
+    let hand = Hand::new(&framework.executor);
+    ensure!(hand.dispatches.len() == count as usize, "{} dispatches were encoded", hand.dispatches.len());
+    let gpu = framework.executor.gpu().clone();
+    let mut frames = Vec::new();
+    let (mut recorded, mut finished, mut submitted, mut by_hand) = (vec![], vec![], vec![], vec![]);
+    for run in 0..=bench.args.runs * REPEATS {
+        // In turn, and each first in every second run, so that whatever else the machine does slows both.
+        for of_hand in [run % 2 == 0, run % 2 == 1] {
+            let start = std::time::Instant::now();
+            if of_hand {
+                let [record, finish, submit] = hand.frame(&gpu);
+                recorded.push(record);
+                finished.push(finish);
+                submitted.push(submit);
+                by_hand.push(milliseconds(start));
+            } else {
+                framework.frame()?;
+                frames.push(milliseconds(start));
+            }
+            gpu.wait()?;
+        }
+    }
+    let [frames, recorded, finished, submitted, by_hand] =
+        [frames, recorded, finished, submitted, by_hand].map(|times| Spread::of(times[1..].to_vec()));
+    let rows = vec![
+        Row::new(format!("{count} dispatches, a frame"), frames, "ms"),
+        Row::new(format!("{count} dispatches, by hand"), by_hand, "ms"),
+        Row::new("by hand: recorded", recorded, "ms"),
+        Row::new("by hand: finished", finished, "ms"),
+        Row::new("by hand: submitted", submitted, "ms"),
+        Row::new("a frame over the same by hand", frames.over(by_hand), "×")
+            .goal(Goal::AtMost(1.1), "own, two cores"),
+    ];
+    let note = format!(
+        "a chain of blurs at {}×{} pixels, each a dispatch with three textures to read, one to write and two uniforms. A frame: scene data, what is to run, encoding, submission. By hand: the same pipelines and bind groups in one compute pass, nothing else. {} of each in turn, the GPU idle before. Where the adapter is the CPU, its driver's threads have the same cores.",
+        SIZE.0,
+        SIZE.1,
+        bench.args.runs * REPEATS
+    );
+    Ok(Section { figure: Figure::Encode, rows, note })
+}
+
+/// A plan in the executor, as a renderer has it.
+struct Framework {
+    executor: Executor,
+    view: SceneView,
+    scene: Scene,
+    pose: Pose,
+    change: Change,
+    measured: Vec<PassId>,
+}
+
+impl Framework {
+    fn new(bench: &Bench<'_>, dispatches: u32) -> Result<Framework> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("chain.ron");
+        std::fs::write(&path, chain(dispatches + BEFORE))?;
+        let scene = renderer::load_scene(bench.catalog, "cornell-box")?;
+        let context = LinkContext { frame: SIZE, traits: scene.traits() };
+        let (path, options) = (path.to_string_lossy(), CompileOptions::default());
+        let compiled = Compiled::new(bench.catalog, &path, &Overrides::default(), &context, &options)?;
+        let mut executor = Executor::new(bench.gpu()?);
+        let mut view = SceneView::upload(&mut executor, &scene);
+        let bindings = compiled.steps.iter().flatten().flat_map(LinkedStep::scene_bindings);
+        view.provide(&mut executor, &scene, bindings)?;
+        let measured = measured(&compiled.plan).context("the chain begins with a gather")?;
+        executor.load(compiled.plan, compiled.steps)?;
+        let pose = scene.at(0.0);
+        Ok(Framework { executor, view, scene, pose, change: Change::default(), measured })
+    }
+
+    /// Runs a frame, and returns how many passes it ran.
+    fn frame(&mut self) -> Result<usize> {
+        let frame = Frame { index: 0, time: 0.0, step: 0.0, pad: 0.0 };
+        self.scene.pose(0.0, &mut self.pose);
+        let changed = self.view.update(&mut self.executor, &self.scene, &self.pose, SIZE, frame)?;
+        self.change.clear();
+        self.change.scene_bindings = changed;
+        self.change.again.extend_from_slice(&self.measured);
+        let report = self.executor.frame(&self.change, FrameOptions::default())?;
+        Ok(report.ran.iter().filter(|ran| **ran).count())
+    }
+}
+
+/// The gather and the blurs after it, in the order of the plan.
+fn measured(plan: &Plan) -> Option<Vec<PassId>> {
+    let first = plan.pass("blur-4")?;
+    Some((first.0..plan.passes.len() as u32).map(PassId).collect())
+}
+
+/// The dispatches of a frame, to be encoded without the framework.
+struct Hand {
+    dispatches: Vec<(ComputePipeline, BindGroup, [u32; 3])>,
+}
+
+impl Hand {
+    /// Takes what the executor encoded last.
+    fn new(executor: &Executor) -> Hand {
+        let dispatches = executor
+            .dispatches()
+            .map(|dispatch| (dispatch.pipeline.clone(), dispatch.bind_group.clone(), dispatch.workgroups));
+        Hand { dispatches: dispatches.collect() }
+    }
+
+    /// Runs a frame, and returns the milliseconds for recording, finishing and submitting it.
+    fn frame(&self, gpu: &Gpu) -> [f64; 3] {
+        let start = std::time::Instant::now();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut set = None;
+        for (pipeline, bind_group, [x, y, z]) in &self.dispatches {
+            if set != Some(pipeline) {
+                pass.set_pipeline(pipeline);
+                set = Some(pipeline);
+            }
+            pass.set_bind_group(0, bind_group, &[]);
+            pass.dispatch_workgroups(*x, *y, *z);
+        }
+        drop(pass);
+        let recorded = milliseconds(start);
+        let commands = encoder.finish();
+        let finished = milliseconds(start);
+        gpu.queue.submit([commands]);
+        [recorded, finished - recorded, milliseconds(start) - finished]
+    }
+}
