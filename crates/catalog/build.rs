@@ -23,11 +23,18 @@ fn main() {
     out.push_str("];\n\n/// Path from the root of the tree, and text.\npub(crate) static EMBEDDED: &[(&str, &str)] = &[\n");
     let root = Path::new("../..").canonicalize().expect("the root of the tree");
     for (folder, extension) in EMBEDDED {
-        println!("cargo::rerun-if-changed=../../{folder}");
+        // Of a pass not all: an edit of a test would make the whole program again. A new shader is named by Rust or by
+        // another shader, which changes with it.
+        if *folder == "passes" {
+            sources(&root.join(folder));
+        } else {
+            println!("cargo::rerun-if-changed=../../{folder}");
+        }
         let mut files = Vec::new();
         walk(&root.join(folder), extension, &mut files);
         files.sort();
         for file in files {
+            println!("cargo::rerun-if-changed={}", file.display());
             let relative =
                 file.strip_prefix(&root).expect("a file below the root").to_string_lossy().replace('\\', "/");
             let _ = writeln!(out, "    ({relative:?}, include_str!({:?})),", file.display().to_string());
@@ -39,11 +46,19 @@ fn main() {
     std::fs::write(target, out).expect("the build folder can be written");
 }
 
-/// All files below a folder with that extension; folders of build output apart.
+/// Watches the Rust of each pass.
+fn sources(passes: &Path) {
+    let Ok(entries) = std::fs::read_dir(passes) else { return };
+    for source in entries.flatten().map(|entry| entry.path().join("src")).filter(|source| source.is_dir()) {
+        println!("cargo::rerun-if-changed={}", source.display());
+    }
+}
+
+/// All files below a folder with that extension; those of tests apart.
 fn walk(folder: &Path, extension: &str, files: &mut Vec<PathBuf>) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for path in entries.flatten().map(|entry| entry.path()) {
-        if path.is_dir() {
+        if path.is_dir() && !path.ends_with("tests") {
             walk(&path, extension, files);
         } else if path.extension().is_some_and(|found| found == extension) {
             files.push(path);
