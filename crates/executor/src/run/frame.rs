@@ -38,6 +38,19 @@ impl Executor {
             FrameOptions { monitored: true, .. } => timers.free_slot(gpu),
             _ => None,
         });
+        report.frame = *frames;
+        *frames += 1;
+        report.ran.clone_from(&schedule.runs);
+        report.times.clear();
+        let ends_past = schedule.histories.iter().any(|slot| slot.reset.is_some());
+        if target.is_none() && !ends_past && schedule.runs.iter().all(|runs| !runs) {
+            // What was written into buffers goes to the GPU all the same: else it would pile up.
+            gpu.queue.submit([]);
+            return match gpu.take_fault() {
+                Some(message) => Err(frame_error(message)),
+                None => Ok(report),
+            };
+        }
         let context = StepContext {
             gpu,
             scene_bindings,
@@ -69,12 +82,8 @@ impl Executor {
         }
         gpu.queue.submit([frame.encoder.finish()]);
         if let Some(message) = gpu.take_fault() {
-            return Err(ExecutorError::Pass { pass: "of this frame".to_owned(), message });
+            return Err(frame_error(message));
         }
-        report.frame = *frames;
-        *frames += 1;
-        report.ran.clone_from(&schedule.runs);
-        report.times.clear();
         let stamped =
             || schedule.runs.iter().zip(steps.iter()).map(|(runs, steps)| *runs && !steps.is_empty());
         match (timers, target) {
@@ -107,6 +116,10 @@ impl Executor {
             self.loaded.iter().flat_map(|loaded| loaded.state.schedule().runs.iter().zip(&loaded.steps));
         passes.filter(|(ran, _)| **ran).flat_map(|(_, steps)| steps).filter_map(LoadedStep::dispatch)
     }
+}
+
+fn frame_error(message: String) -> ExecutorError {
+    ExecutorError::Pass { pass: "of this frame".to_owned(), message }
 }
 
 /// A frame that is being encoded.

@@ -4,7 +4,7 @@ use super::graph::{chain, milliseconds};
 use super::table::{Goal, Row, Section, Spread};
 use super::{Bench, Figure};
 use anyhow::{Context as _, Result, ensure};
-use executor::wgpu::{BindGroup, ComputePipeline};
+use executor::wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline};
 use executor::{Executor, FrameOptions, Gpu};
 use frame_graph::plan::{PassId, Plan};
 use frame_graph::{Change, CompileOptions, LinkContext, Overrides};
@@ -64,7 +64,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
             .goal(Goal::AtMost(1.1), "own, two cores"),
     ];
     let note = format!(
-        "a chain of blurs at {}×{} pixels, each a dispatch with three textures to read, one to write and two uniforms. A frame: scene data, what is to run, encoding, submission. By hand: the same pipelines and bind groups in one compute pass, nothing else. {} of each in turn, the GPU idle before. Where the adapter is the CPU, its driver's threads have the same cores.",
+        "a chain of blurs at {}×{} pixels, each a dispatch with three textures to read, one to write and two uniforms. A frame: scene data, what is to run, encoding, submission. By hand: the same calls of wgpu, which write the number of the frame and dispatch with the same pipelines and bind groups in one compute pass. {} of each in turn, the GPU idle before. Where the adapter is the CPU, its driver's threads have the same cores.",
         SIZE.0,
         SIZE.1,
         bench.args.runs * REPEATS
@@ -120,9 +120,11 @@ fn measured(plan: &Plan) -> Option<Vec<PassId>> {
     Some((first.0..plan.passes.len() as u32).map(PassId).collect())
 }
 
-/// The dispatches of a frame, to be encoded without the framework.
+/// What a frame calls of wgpu, to be called without the framework.
 struct Hand {
     dispatches: Vec<(ComputePipeline, BindGroup, [u32; 3])>,
+    /// In place of the buffer that holds the frame's number.
+    frame: Buffer,
 }
 
 impl Hand {
@@ -131,12 +133,19 @@ impl Hand {
         let dispatches = executor
             .dispatches()
             .map(|dispatch| (dispatch.pipeline.clone(), dispatch.bind_group.clone(), dispatch.workgroups));
-        Hand { dispatches: dispatches.collect() }
+        let frame = executor.gpu().device.create_buffer(&BufferDescriptor {
+            label: Some("frame by hand"),
+            size: size_of::<Frame>() as u64,
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Hand { dispatches: dispatches.collect(), frame }
     }
 
     /// Runs a frame, and returns the milliseconds for recording, finishing and submitting it.
     fn frame(&self, gpu: &Gpu) -> [f64; 3] {
         let start = std::time::Instant::now();
+        gpu.queue.write_buffer(&self.frame, 0, &[0; size_of::<Frame>()]);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         let mut set = None;
