@@ -56,7 +56,7 @@ fn it_stops_at_the_error_it_estimates() {
     let Some(mut renderer) = renderer("reference", "cornell-box", (16, 16), &values) else { return };
     done(&mut renderer);
     let progress = renderer.progress().unwrap().unwrap();
-    assert!(progress.done && progress.error <= 0.1 && progress.step < 4096, "{progress:?}");
+    assert!(progress.is_done() && progress.error <= 0.1 && progress.step < 4096, "{progress:?}");
     assert!(progress.error > 0.01, "one frame fewer would not have done: {progress:?}");
 }
 

@@ -5,8 +5,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Folders whose files are embedded, with the extension wanted.
-const EMBEDDED: &[(&str, &str)] =
-    &[("shaders", "wgsl"), ("passes", "wgsl"), ("pipelines", "ron"), ("scenes", "ron"), ("studies", "ron")];
+const EMBEDDED: &[(&str, &str)] = &[
+    ("shaders", "wgsl"),
+    ("interfaces", "wgsl"),
+    ("passes", "wgsl"),
+    ("pipelines", "ron"),
+    ("scenes", "ron"),
+    ("studies", "ron"),
+];
 
 fn main() {
     let manifest = std::fs::read_to_string("Cargo.toml").expect("this crate's manifest");

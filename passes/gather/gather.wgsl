@@ -91,10 +91,13 @@ struct Receiver {
     sum: vec4<f32>,
 }
 
-/// Pixels of a thread along each side of a square, 8 apart: each light is read once for all of them.
+/// Pixels of a thread along each side of a square, GROUP_SIDE apart: each light is read once for all of them.
 const SPAN: u32 = 2u;
 
-@compute @workgroup_size(8, 8)
+/// Side of a workgroup.
+const GROUP_SIDE: u32 = 8u;
+
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn gather(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_id) local: vec3<u32>,
@@ -104,14 +107,14 @@ fn gather(
     let subsets = interleave.x * interleave.y;
     // Workgroups along a sub-image; those of the widest, for all alike. One sub-image is done after the other, so
     // that the maps of one subset of the lights are in the caches.
-    let side = 8u * SPAN;
+    let side = GROUP_SIDE * SPAN;
     let groups = ((settings.view_size + interleave - 1u) / interleave + side - 1u) / side;
     let image = group.y / groups.y;
     let first = vec2(image % interleave.x, image / interleave.x);
     let corner = vec2(group.x, group.y % groups.y) * side + local.xy;
     var receivers: array<Receiver, SPAN * SPAN>;
     for (var r = 0u; r < SPAN * SPAN; r++) {
-        let pixel = (corner + 8u * vec2(r % SPAN, r / SPAN)) * interleave + first;
+        let pixel = (corner + GROUP_SIDE * vec2(r % SPAN, r / SPAN)) * interleave + first;
         receivers[r].pixel = pixel;
         let inside = min(pixel, settings.view_size - 1u);
         let depth = textureLoad(view_depth, inside, 0).x;

@@ -34,7 +34,10 @@ var importance: texture_storage_2d_array<r32float, write>;
 var<storage, read_write> partial_sums: array<Sums>;
 #endif
 
-@compute @workgroup_size(16, 16)
+/// Side of a workgroup.
+const GROUP_SIDE: u32 = 16u;
+
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn measure(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(workgroup_id) group: vec3<u32>,

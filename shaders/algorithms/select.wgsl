@@ -6,21 +6,9 @@
 //   fn select_key(i: u32) -> u32        of element i; called four times
 //   fn select_store(key: u32)           takes the key of that rank, 0xffffffff where there is no element; called once
 
+#import "algorithms/selection.wgsl"
 #import "algorithms/workgroup.wgsl"
 #import "dispatch.wgsl"
-
-const SELECT_DIGITS: u32 = 256u;
-
-struct Selection {
-    /// The digits that are known.
-    key: u32,
-    /// First bit of the digit that is looked for.
-    shift: u32,
-    /// Rank among the elements that share the digits that are known.
-    rank: u32,
-    /// [digits] How many of those have a digit.
-    counts: array<atomic<u32>, SELECT_DIGITS>,
-}
 
 var<storage, read_write> selection: Selection;
 

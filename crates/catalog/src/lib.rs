@@ -8,8 +8,3 @@ pub use assets::{Assets, PipelineFiles, SceneAssets, ShaderAssets};
 pub use pass_types::Catalog;
 
 include!(concat!(env!("OUT_DIR"), "/catalog.rs"));
-
-/// Returns the kind of that name.
-pub fn find(kind: &str) -> Option<&'static dyn pass::Pass> {
-    PASSES.iter().copied().find(|pass| pass.info().kind == kind)
-}

@@ -3,6 +3,7 @@
 use crate::assets::{Assets, PipelineFiles, ShaderAssets};
 use frame_graph::port::{OutputContext, OutputDesc, PassTypes};
 use frame_graph::{Interface, PassTypeError, Ports, Setting, Settings, Use};
+use interfaces::NameTaken;
 use pass::{Library, Pass, UseContext};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,6 +12,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Catalog {
     assets: Assets,
     pipelines: PipelineFiles,
+    passes: Vec<&'static dyn Pass>,
+    interfaces: Vec<Interface>,
     shaders: Arc<Library>,
     /// Schemas of pass types that take no shader: asked for at every link, and never different.
     settings: Mutex<HashMap<String, Arc<[Setting]>>>,
@@ -19,24 +22,41 @@ pub struct Catalog {
 impl Catalog {
     /// Creates the catalog of these files.
     pub fn new(assets: Assets) -> Catalog {
-        let shaders = library(&assets);
-        Catalog::with_shaders(assets, shaders)
+        Catalog::build(assets, crate::PASSES.to_vec(), None).unwrap_or_else(|taken| panic!("{taken}"))
+    }
+
+    /// Creates the catalog of these files with further passes, which may bring interfaces: for applications that
+    /// have passes of their own.
+    ///
+    /// # Errors
+    /// Where two interfaces that differ have one name.
+    pub fn with_passes(
+        assets: Assets,
+        passes: impl IntoIterator<Item = &'static dyn Pass>,
+    ) -> Result<Catalog, NameTaken> {
+        Catalog::build(assets, crate::PASSES.iter().copied().chain(passes).collect(), None)
     }
 
     /// Creates the catalog of these files whose compute shaders run their threads in another order, which `seed`
     /// chooses ([`Library::with_thread_order`]): for tests that pictures depend on no order.
     pub fn with_thread_order(assets: Assets, seed: u32) -> Catalog {
-        let shaders = library(&assets).with_thread_order(seed);
-        Catalog::with_shaders(assets, shaders)
+        Catalog::build(assets, crate::PASSES.to_vec(), Some(seed)).unwrap_or_else(|taken| panic!("{taken}"))
     }
 
-    fn with_shaders(assets: Assets, shaders: Library) -> Catalog {
-        Catalog {
-            pipelines: PipelineFiles(assets.clone()),
-            assets,
-            shaders: Arc::new(shaders),
-            settings: Mutex::default(),
-        }
+    fn build(
+        assets: Assets,
+        passes: Vec<&'static dyn Pass>,
+        thread_order: Option<u32>,
+    ) -> Result<Catalog, NameTaken> {
+        let interfaces = interfaces::with_those_of(passes.iter().copied())?;
+        let library = Library::new(Arc::new(ShaderAssets(assets.clone())));
+        let library = interfaces::import_from(library, &interfaces);
+        let shaders = Arc::new(match thread_order {
+            Some(seed) => library.with_thread_order(seed),
+            None => library,
+        });
+        let pipelines = PipelineFiles(assets.clone());
+        Ok(Catalog { assets, pipelines, passes, interfaces, shaders, settings: Mutex::default() })
     }
 
     /// Returns the files.
@@ -55,13 +75,27 @@ impl Catalog {
     }
 
     fn find(&self, kind: &str) -> Result<&'static dyn Pass, PassTypeError> {
-        crate::find(kind).ok_or_else(|| PassTypeError::new(format!("there is no pass type `{kind}`")))
+        self.pass(kind).ok_or_else(|| PassTypeError::new(format!("there is no pass type `{kind}`")))
     }
-}
 
-fn library(assets: &Assets) -> Library {
-    // Imports are looked for beside the importing file, then among the shared modules.
-    Library::new(Arc::new(ShaderAssets(assets.clone()))).with_roots(["shaders", ""])
+    /// Returns the pass type of that name.
+    pub fn pass(&self, kind: &str) -> Option<&'static dyn Pass> {
+        self.passes.iter().copied().find(|pass| pass.info().kind == kind)
+    }
+
+    /// Returns the pass types, in the order of the documentation.
+    pub fn passes(&self) -> &[&'static dyn Pass] {
+        &self.passes
+    }
+
+    /// Returns the interfaces of the tree, and those that the passes bring.
+    pub fn interfaces(&self) -> &[Interface] {
+        &self.interfaces
+    }
+
+    fn context<'a>(&'a self, use_: Use<'a>) -> UseContext<'a> {
+        UseContext { use_, shaders: &self.shaders, interfaces: &self.interfaces }
+    }
 }
 
 impl std::fmt::Debug for Catalog {
@@ -72,22 +106,22 @@ impl std::fmt::Debug for Catalog {
 
 impl PassTypes for Catalog {
     fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = crate::PASSES.iter().map(|pass| pass.info().kind.to_owned()).collect();
+        let mut names: Vec<String> = self.passes.iter().map(|pass| pass.info().kind.to_owned()).collect();
         names.sort();
         names
     }
 
     fn interfaces(&self) -> &[Interface] {
-        pass::interfaces::INTERFACES
+        &self.interfaces
     }
 
     fn takes_shader(&self, kind: &str) -> Option<bool> {
-        crate::find(kind).map(Pass::takes_shader)
+        self.pass(kind).map(Pass::takes_shader)
     }
 
     fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
         let pass = self.find(use_.kind)?;
-        let context = UseContext { use_, shaders: &self.shaders };
+        let context = self.context(use_);
         if pass.takes_shader() {
             return Ok(pass.settings(&context)?.into());
         }
@@ -101,11 +135,11 @@ impl PassTypes for Catalog {
     }
 
     fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
-        self.find(use_.kind)?.ports(&UseContext { use_, shaders: &self.shaders }, settings).map(Arc::new)
+        self.find(use_.kind)?.ports(&self.context(use_), settings).map(Arc::new)
     }
 
     fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let cx = UseContext { use_: context.use_, shaders: &self.shaders };
+        let cx = self.context(context.use_);
         let mut outputs = self.find(context.use_.kind)?.outputs(&cx, context)?;
         pass::scene_bindings::find_of_modules(&mut outputs, &self.shaders);
         Ok(outputs)

@@ -103,6 +103,7 @@ pub mod shader {
         SETTING = "S020": "The declaration of a setting cannot be read.";
         ATTRIBUTE = "S021": "An attribute of a function or a global cannot be read.";
         LAYOUT = "S030": "The CPU declares a struct otherwise than the shader does.";
+        NO_DECLARATION = "S031": "A struct or constant that Rust takes from a shader is not declared there.";
     }
 }
 

@@ -125,6 +125,30 @@ pub struct Settings(pub BTreeMap<String, Value>);
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Traits(pub BTreeMap<String, Value>);
 
+impl From<bool> for Value {
+    fn from(value: bool) -> Value {
+        Value::Bool(value)
+    }
+}
+
+impl From<u32> for Value {
+    fn from(value: u32) -> Value {
+        Value::U32(value)
+    }
+}
+
+impl From<f32> for Value {
+    fn from(value: f32) -> Value {
+        Value::F32(value)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(value: &str) -> Value {
+        Value::Text(value.to_owned())
+    }
+}
+
 impl Value {
     /// Returns the type of this value.
     pub fn ty(&self) -> ValueType {

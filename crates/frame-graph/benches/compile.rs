@@ -1,19 +1,19 @@
 //! How long it takes from a parsed file to a plan, and to decide what a frame runs.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use frame_graph::port::{Member, OutputContext, OutputDesc, PassTypes, Use};
+use frame_graph::port::{OutputContext, OutputDesc, PassTypes, Use};
 use frame_graph::resolve::Files;
 use frame_graph::{
-    Change, CompileOptions, Description, Extent, Format, FrameState, Graph, InputPort, Interface,
-    LinkContext, OutputPort, Overrides, PassTypeError, Plan, Ports, Resolved, ResourceDesc, SceneBindings,
-    Setting, Settings, Source, Value, ValueType, compile, link, parse, resolve_description,
+    Change, CompileOptions, Content, Description, Extent, Format, FrameState, Graph, InputPort, Interface,
+    LinkContext, Member, OutputPort, Overrides, PassTypeError, Plan, Ports, Resolved, ResourceDesc,
+    SceneBindings, Setting, Settings, Source, Value, ValueType, compile, link, parse, resolve_description,
 };
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
 
 const INTERFACES: &[Interface] =
-    &[Interface { name: "Irradiance", members: &[Member { name: "", optional: false, doc: "" }], doc: "" }];
+    &[Interface::new("Irradiance", "", &[Member::required("", Content::Texture(Format::Rgba16Float), "")])];
 
 /// Two kinds: one that makes light from nothing, and one that mixes two.
 struct Two {

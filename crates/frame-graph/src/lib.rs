@@ -99,6 +99,7 @@ pub mod compile;
 pub mod description;
 mod expression;
 pub mod frame;
+pub mod interface;
 pub mod link;
 pub mod plan;
 pub mod port;
@@ -113,11 +114,12 @@ pub use data_file::Name;
 pub use description::{Description, parse};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Source, Span, nearest};
 pub use frame::{Change, FrameState, ResetCause};
+pub use interface::{Content, Fact, FactDecl, FactValue, Interface, Member, Struct};
 pub use link::{Graph, LinkContext, link};
 pub use plan::{Plan, PlanId};
 pub use port::{
-    Facts, HandedOn, InputPort, Interface, Member, Module, OutputContext, OutputDesc, OutputPort,
-    PassTypeError, PassTypes, Ports, SceneBindings, Usage, Use,
+    Facts, HandedOn, InputPort, Module, OutputContext, OutputDesc, OutputPort, PassTypeError, PassTypes,
+    Ports, SceneBindings, Usage, Use,
 };
 pub use resolve::{Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description};
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc, human_bytes};

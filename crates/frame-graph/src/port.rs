@@ -1,5 +1,6 @@
 //! What a pass type offers to the graph: interfaces, ports, and the trait through which the core asks.
 
+use crate::interface::{Fact, FactValue, Interface};
 use crate::resource::{Clear, Extent, ResourceDesc};
 use crate::value::{Setting, Settings, Traits, Value};
 use std::collections::BTreeMap;
@@ -85,28 +86,6 @@ impl Module {
         self.options.insert(name.into(), value);
         self
     }
-}
-
-/// A set of resources that travel as one link: where algorithms are swapped.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Interface {
-    /// The name, in CamelCase: `GBuffer`.
-    pub name: &'static str,
-    /// Its resources, in order.
-    pub members: &'static [Member],
-    /// What it holds, with units.
-    pub doc: &'static str,
-}
-
-/// One resource of an [`Interface`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Member {
-    /// Name, unique within the interface; empty for the only resource of an interface with one.
-    pub name: &'static str,
-    /// Whether a producer may leave it out.
-    pub optional: bool,
-    /// What it holds: shape and unit.
-    pub doc: &'static str,
 }
 
 /// An input of a pass.
@@ -246,8 +225,12 @@ impl<'a> OutputContext<'a> {
     }
 
     /// Returns a fact of a connected input.
-    pub fn fact(&self, input: &str, fact: &str) -> Option<&'a Value> {
-        self.input(input).and_then(|input| input.facts.get(fact))
+    ///
+    /// # Errors
+    /// Where the input is not connected, or its producer gives no such fact.
+    pub fn fact<T: FactValue>(&self, input: &str, fact: Fact<T>) -> Result<T, PassTypeError> {
+        let found = self.input(input).and_then(|input| fact.of(&input.facts));
+        found.ok_or_else(|| PassTypeError::no_fact(input, fact.name))
     }
 }
 
@@ -351,8 +334,8 @@ impl OutputDesc {
     }
 
     /// Adds a fact.
-    pub fn fact(mut self, name: &str, value: Value) -> OutputDesc {
-        self.facts.insert(name, value);
+    pub fn fact<T: FactValue>(mut self, fact: Fact<T>, value: T) -> OutputDesc {
+        self.facts.insert(fact.name, value.into());
         self
     }
 
@@ -380,6 +363,11 @@ impl PassTypeError {
     /// Creates an error of the use as a whole.
     pub fn new(message: impl Into<String>) -> PassTypeError {
         PassTypeError { message: message.into(), ..PassTypeError::default() }
+    }
+
+    /// Creates the error that what is linked to an input gives no fact of that name.
+    pub fn no_fact(input: &str, fact: &str) -> PassTypeError {
+        PassTypeError::input(input, format!("what is linked to `{input}` does not tell `{fact}`"))
     }
 
     /// Creates an error of one setting.

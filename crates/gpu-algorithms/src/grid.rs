@@ -1,7 +1,7 @@
 //! Elements sorted into cells: `shaders/algorithms/grid.wgsl`.
 
 use crate::RadixSort;
-use pass::{Compute, OutputDesc, Request, ResourceDesc, Threads};
+use pass::{Compute, OutputDesc, PassTypeError, Request, ResourceDesc, Threads, UseContext};
 
 /// The elements of a grid's cells, or of a hash table's: a table of where each cell begins, and the elements' numbers
 /// cell after cell. Elements of a cell keep their order, so the result does not depend on the order of threads.
@@ -50,21 +50,27 @@ impl Grid<'_> {
     }
 
     /// Returns the scratch memory: 12 bytes an element, and little more.
-    pub fn scratch(&self) -> Vec<OutputDesc> {
+    ///
+    /// # Errors
+    /// Where the WGSL of the algorithms is refused.
+    pub fn scratch(&self, cx: &UseContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let keys = self.keys();
-        let mut scratch = self.sort(&keys).scratch();
+        let mut scratch = self.sort(&keys).scratch(cx)?;
         scratch.push(OutputDesc::scratch(&keys, ResourceDesc::buffer(self.indices_bytes())));
-        scratch
+        Ok(scratch)
     }
 
     /// Returns the steps, with a shader that imports `algorithms/grid.wgsl`.
-    pub fn steps(&self, shader: &Request) -> Vec<Compute> {
+    ///
+    /// # Errors
+    /// Where the WGSL of the algorithms is refused.
+    pub fn steps(&self, cx: &UseContext<'_>, shader: &Request) -> Result<Vec<Compute>, PassTypeError> {
         let keys = self.keys();
         let make_keys = Compute::new(shader.clone(), "grid_make_keys", Threads::Row(self.length.max(1)));
         let find_starts = Compute::new(shader.clone(), "grid_find_starts", Threads::Row(self.cells + 1));
         let mut steps = vec![make_keys.bind("grid_keys", &keys)];
-        steps.extend(self.sort(&keys).steps());
+        steps.extend(self.sort(&keys).steps(cx)?);
         steps.push(find_starts.bind("grid_sorted", &keys).bind("grid_starts", self.starts));
-        steps
+        Ok(steps)
     }
 }

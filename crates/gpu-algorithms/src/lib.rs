@@ -18,13 +18,14 @@
 //!
 //! All of them give the same bits in every run: sums of floating-point numbers have one order, and atomic operations are
 //! on whole numbers alone. No workgroup waits for another. Lengths are upper bounds: a shader may read the true one from
-//! a buffer. Zero elements are allowed everywhere, and at most 2³¹.
+//! a buffer. Zero elements are allowed everywhere, and at most 2³¹. Sizes of workgroups and of structs are those of the
+//! WGSL, so every function that depends on them fails where the WGSL is refused.
 //!
 //! ```no_run
-//! # fn record(cx: &pass::RecordContext<'_>) -> pass::Recording {
+//! # fn record(cx: &pass::RecordContext<'_>, count: u32) -> Result<pass::Recording, pass::PassTypeError> {
 //! use gpu_algorithms::scan;
 //! let shader = cx.shader("passes/my-pass/offsets.wgsl", &[]);
-//! pass::Recording::of(scan::steps(&shader, cx.fact("points", "count"), "offsets_sums"))
+//! Ok(pass::Recording::of(scan::steps(&cx.use_context(), &shader, count, "offsets_sums")?))
 //! # }
 //! ```
 
@@ -40,31 +41,41 @@ pub use grid::Grid;
 pub use parts::{LOOP_ITERATIONS, Part, parts};
 pub use radix_sort::RadixSort;
 
-use pass::{Compute, Request, Threads};
+use pass::{Compute, PassTypeError, Request, Threads, UseContext};
 
-/// Threads of a workgroup: `GROUP_SIZE` of `shaders/algorithms/workgroup.wgsl`.
-const GROUP_SIZE: u32 = 256;
-
-/// Elements of a workgroup: `BLOCK_SIZE` of `shaders/algorithms/workgroup.wgsl`.
-const BLOCK_SIZE: u32 = 8 * GROUP_SIZE;
-
-/// Returns how many blocks hold so many elements, at least one.
-fn blocks(length: u32) -> u32 {
-    length.div_ceil(BLOCK_SIZE).max(1)
+/// How elements are shared among workgroups: the constants of `shaders/algorithms/workgroup.wgsl`.
+#[derive(Clone, Copy)]
+struct Blocks {
+    /// Threads of a workgroup.
+    group: u32,
+    /// Elements of a workgroup.
+    elements: u32,
 }
 
-/// Returns a dispatch of a workgroup for each block.
-fn per_block(shader: &Request, entry: &str, length: u32) -> Compute {
-    Compute::new(shader.clone(), entry, Threads::Row(GROUP_SIZE * blocks(length)))
+impl Blocks {
+    fn of(cx: &UseContext<'_>) -> Result<Blocks, PassTypeError> {
+        let constant = |name| cx.constant("shaders/algorithms/workgroup.wgsl", name);
+        Ok(Blocks { group: constant("GROUP_SIZE")?, elements: constant("BLOCK_SIZE")? })
+    }
+
+    /// How many blocks hold so many elements, at least one.
+    fn count(self, length: u32) -> u32 {
+        length.div_ceil(self.elements).max(1)
+    }
+
+    /// A dispatch of a workgroup for each block.
+    fn dispatch(self, shader: &Request, entry: &str, length: u32) -> Compute {
+        Compute::new(shader.clone(), entry, Threads::Row(self.group * self.count(length)))
+    }
 }
 
 /// Returns a dispatch of one workgroup.
 fn one_group(shader: &Request, entry: &str) -> Compute {
-    Compute::new(shader.clone(), entry, Threads::Row(GROUP_SIZE))
+    Compute::new(shader.clone(), entry, Threads::Row(1))
 }
 
 /// Returns the scan of segments of equal length, a workgroup for each: `rows` times `layers` segments, whose number the
 /// shader gets as `segment.y` and `segment.z`. At most 65,535 of each.
 pub fn segmented_scan(shader: &Request, rows: u32, layers: u32) -> Compute {
-    Compute::new(shader.clone(), "scan_segments", Threads::Grid([GROUP_SIZE, rows, layers]))
+    Compute::new(shader.clone(), "scan_segments", Threads::Grid([1, rows, layers]))
 }

@@ -1,13 +1,10 @@
 //! A stable sort of keys and values: `shaders/algorithms/radix-sort.wgsl`.
 
-use crate::{blocks, per_block, scan};
-use pass::{Compute, Define, OutputDesc, Request, ResourceDesc, Value};
+use crate::{Blocks, scan};
+use pass::{Compute, Define, OutputDesc, PassTypeError, Request, ResourceDesc, UseContext, Value};
 
 const SORT: &str = "shaders/algorithms/radix-sort.wgsl";
 const OFFSETS: &str = "shaders/algorithms/radix-offsets.wgsl";
-
-/// Digits of the sort: `DIGITS` of the shader, of four bits each.
-const DIGITS: u32 = 16;
 
 /// A stable sort of keys, each a u32, with a value of 32 bits each. Elements with equal keys keep their order.
 ///
@@ -34,8 +31,8 @@ pub struct RadixSort<'a> {
 }
 
 impl RadixSort<'_> {
-    fn offsets(&self) -> u32 {
-        DIGITS * blocks(self.length)
+    fn offsets(&self, cx: &UseContext<'_>) -> Result<u32, PassTypeError> {
+        Ok(digits(cx)? * Blocks::of(cx)?.count(self.length))
     }
 
     fn scratch_name(&self, part: &str) -> String {
@@ -43,26 +40,32 @@ impl RadixSort<'_> {
     }
 
     /// Returns the scratch memory: 8 bytes an element, and little more.
-    pub fn scratch(&self) -> Vec<OutputDesc> {
+    ///
+    /// # Errors
+    /// Where the WGSL of the algorithms is refused.
+    pub fn scratch(&self, cx: &UseContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+        let offsets = self.offsets(cx)?;
         let buffer = |part, words: u32| {
             OutputDesc::scratch(&self.scratch_name(part), ResourceDesc::buffer(4 * u64::from(words.max(1))))
         };
-        let mut scratch = vec![
-            buffer("keys", self.length),
-            buffer("values", self.length),
-            buffer("offsets", self.offsets()),
-        ];
-        scratch.extend(scan::scratch(&self.scratch_name("sums"), self.offsets()));
-        scratch
+        let mut scratch =
+            vec![buffer("keys", self.length), buffer("values", self.length), buffer("offsets", offsets)];
+        scratch.extend(scan::scratch(cx, &self.scratch_name("sums"), offsets)?);
+        Ok(scratch)
     }
 
     /// Returns the steps.
-    pub fn steps(&self) -> Vec<Compute> {
+    ///
+    /// # Errors
+    /// Where the WGSL of the algorithms is refused.
+    pub fn steps(&self, cx: &UseContext<'_>) -> Result<Vec<Compute>, PassTypeError> {
+        let (blocks, bits_of_digit) = (Blocks::of(cx)?, digits(cx)?.ilog2());
+        let count_of_offsets = self.offsets(cx)?;
         let [keys, values, offsets, sums] =
             ["keys", "values", "offsets", "sums"].map(|part| self.scratch_name(part));
         // The passes go to and fro between scratch and result. Their number is even, so that the last writes the result
         // and the first may read it.
-        let passes = 2 * self.bits.clamp(1, 32).div_ceil(8);
+        let passes = 2 * self.bits.clamp(1, 32).div_ceil(2 * bits_of_digit);
         let mut steps = Vec::new();
         for pass in 0..passes {
             let (from, to) = match pass {
@@ -72,10 +75,11 @@ impl RadixSort<'_> {
             };
             let shader = self.shader(from.1.is_none());
             let sort = |entry| {
-                let step = per_block(&shader, entry, self.length)
+                let step = blocks
+                    .dispatch(&shader, entry, self.length)
                     .value("sort_length", Value::U32(self.length))
-                    .value("sort_blocks", Value::U32(blocks(self.length)))
-                    .value("sort_shift", Value::U32(4 * pass))
+                    .value("sort_blocks", Value::U32(blocks.count(self.length)))
+                    .value("sort_shift", Value::U32(bits_of_digit * pass))
                     .bind("sort_offsets", &offsets)
                     .bind("sort_keys", from.0);
                 match self.count {
@@ -88,18 +92,23 @@ impl RadixSort<'_> {
                 moved = moved.bind("sort_values", values);
             }
             steps.push(sort("count_digits"));
-            steps.extend(scan::steps(&pass::request(OFFSETS, &[]), self.offsets(), &sums).into_iter().map(
-                |step| {
-                    step.value("sort_blocks", Value::U32(blocks(self.length))).bind("sort_offsets", &offsets)
-                },
-            ));
+            let scan = scan::steps(cx, &pass::request(OFFSETS, &[]), count_of_offsets, &sums)?;
+            steps.extend(scan.into_iter().map(|step| {
+                step.value("sort_blocks", Value::U32(blocks.count(self.length)))
+                    .bind("sort_offsets", &offsets)
+            }));
             steps.push(moved);
         }
-        steps
+        Ok(steps)
     }
 
     fn shader(&self, indices: bool) -> Request {
         let counted = Define::Bool(self.count.is_some());
         pass::request(SORT, &[("INDICES", Define::Bool(indices)), ("COUNTED", counted)])
     }
+}
+
+/// How many values a digit of the sort has, a power of two.
+fn digits(cx: &UseContext<'_>) -> Result<u32, PassTypeError> {
+    cx.constant(SORT, "DIGITS")
 }

@@ -1,17 +1,35 @@
 //! Combining all elements into one: `shaders/algorithms/reduce.wgsl`.
 
-use crate::{blocks, one_group, per_block};
-use pass::{Compute, OutputDesc, Request, ResourceDesc};
+use crate::{Blocks, one_group};
+use pass::{Compute, OutputDesc, PassTypeError, Request, ResourceDesc, UseContext};
 
 /// Returns the scratch memory for at most `length` elements. `bytes` is the size of `Reduced` in WGSL.
-pub fn scratch(name: &str, length: u32, bytes: u64) -> OutputDesc {
-    OutputDesc::scratch(name, ResourceDesc::buffer(bytes * u64::from(blocks(length))))
+///
+/// # Errors
+/// Where the WGSL of the algorithms is refused.
+pub fn scratch(
+    cx: &UseContext<'_>,
+    name: &str,
+    length: u32,
+    bytes: u64,
+) -> Result<OutputDesc, PassTypeError> {
+    let blocks = u64::from(Blocks::of(cx)?.count(length));
+    Ok(OutputDesc::scratch(name, ResourceDesc::buffer(bytes * blocks)))
 }
 
 /// Returns the steps for at most `length` elements.
-pub fn steps(shader: &Request, length: u32, scratch: &str) -> Vec<Compute> {
-    let steps = [per_block(shader, "reduce_blocks", length), one_group(shader, "reduce_parts")];
-    steps.into_iter().map(|step| step.bind("reduced_blocks", scratch)).collect()
+///
+/// # Errors
+/// Where the WGSL of the algorithms is refused.
+pub fn steps(
+    cx: &UseContext<'_>,
+    shader: &Request,
+    length: u32,
+    scratch: &str,
+) -> Result<Vec<Compute>, PassTypeError> {
+    let blocks = Blocks::of(cx)?;
+    let steps = [blocks.dispatch(shader, "reduce_blocks", length), one_group(shader, "reduce_parts")];
+    Ok(steps.into_iter().map(|step| step.bind("reduced_blocks", scratch)).collect())
 }
 
 /// Returns the step for a few elements, such as what workgroups of another shader have summed: one workgroup, whose

@@ -1,22 +1,35 @@
 //! Prefix sums of whole numbers, `shaders/algorithms/scan.wgsl`, and compactions, `shaders/algorithms/compact.wgsl`.
 
-use crate::{BLOCK_SIZE, blocks, one_group, per_block};
-use pass::{Compute, OutputDesc, Request, ResourceDesc, Threads};
+use crate::{Blocks, one_group};
+use pass::{Compute, OutputDesc, PassTypeError, Request, ResourceDesc, Threads, UseContext};
 
 /// Returns the scratch memory for at most `length` elements, where there is more than one block of them.
-pub fn scratch(name: &str, length: u32) -> Option<OutputDesc> {
-    let words = u64::from(blocks(length)) * u64::from(BLOCK_SIZE + 1);
-    (length > BLOCK_SIZE).then(|| OutputDesc::scratch(name, ResourceDesc::buffer(4 * words)))
+///
+/// # Errors
+/// Where the WGSL of the algorithms is refused.
+pub fn scratch(cx: &UseContext<'_>, name: &str, length: u32) -> Result<Option<OutputDesc>, PassTypeError> {
+    let blocks = Blocks::of(cx)?;
+    let words = u64::from(blocks.count(length)) * u64::from(blocks.elements + 1);
+    Ok((length > blocks.elements).then(|| OutputDesc::scratch(name, ResourceDesc::buffer(4 * words))))
 }
 
 /// Returns the steps for at most `length` elements.
-pub fn steps(shader: &Request, length: u32, scratch: &str) -> Vec<Compute> {
-    if length <= BLOCK_SIZE {
-        return vec![one_group(shader, "scan_block")];
+///
+/// # Errors
+/// Where the WGSL of the algorithms is refused.
+pub fn steps(
+    cx: &UseContext<'_>,
+    shader: &Request,
+    length: u32,
+    scratch: &str,
+) -> Result<Vec<Compute>, PassTypeError> {
+    let blocks = Blocks::of(cx)?;
+    if length <= blocks.elements {
+        return Ok(vec![one_group(shader, "scan_block")]);
     }
-    vec![
-        per_block(shader, "scan_blocks", length).bind("scan_sums", scratch),
+    Ok(vec![
+        blocks.dispatch(shader, "scan_blocks", length).bind("scan_sums", scratch),
         one_group(shader, "scan_offsets").bind("scan_sums", scratch),
         Compute::new(shader.clone(), "scan_place", Threads::Row(length)).bind("scan_sums", scratch),
-    ]
+    ])
 }

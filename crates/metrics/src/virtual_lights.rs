@@ -6,10 +6,6 @@ use rayon::prelude::*;
 use crate::Image;
 use crate::image::{is_finite, luminance};
 
-/// Bytes before the first light, and bytes of a light, as `shaders/virtual-lights.wgsl` lays them out.
-const HEADER: usize = 16;
-const STRIDE: usize = 48;
-
 /// A light on a surface that stands for light reflected there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualLight {
@@ -30,26 +26,6 @@ pub struct Receiver {
     pub position: [f32; 3],
     /// Unit, towards the viewer's side.
     pub normal: [f32; 3],
-}
-
-/// Reads the buffer of the interface `VirtualLights`: a header of 16 bytes with the count, then 48
-/// bytes for each light, little-endian. What lies beyond the counted lights has no meaning.
-///
-/// `None` where the buffer is too short for its header or for the lights that it counts.
-pub fn read_virtual_lights(bytes: &[u8]) -> Option<Vec<VirtualLight>> {
-    let (header, lights) = bytes.split_at_checked(HEADER)?;
-    let [count, ..] = *header.as_chunks::<4>().0 else { return None };
-    let count = usize::try_from(u32::from_le_bytes(count)).ok()?;
-    let lights = lights.get(..count.checked_mul(STRIDE)?)?;
-    let light = |bytes: &[u8; STRIDE]| {
-        let words: [f32; STRIDE / 4] = std::array::from_fn(|word| {
-            f32::from_le_bytes(std::array::from_fn(|byte| bytes[4 * word + byte]))
-        });
-        // Word 7 is the texel, word 11 padding.
-        let [x, y, z, area, nx, ny, nz, _, r, g, b, _] = words;
-        VirtualLight { position: [x, y, z], normal: [nx, ny, nz], flux: [r, g, b], area }
-    };
-    Some(lights.as_chunks::<STRIDE>().0.iter().map(light).collect())
 }
 
 /// Counts the lights that moved by more than `tolerance_m` \[m\] between two frames. Lights are matched by their place
@@ -130,26 +106,6 @@ mod tests {
 
     fn light(x: f32, normal: [f32; 3]) -> VirtualLight {
         VirtualLight { position: [x, 0.0, 0.0], normal, flux: [1.0; 3], area: 0.0 }
-    }
-
-    /// One light as `virtual-lights.wgsl` lays it out: words 0 to 11 with the texel as an integer.
-    fn buffer(count: u32) -> Vec<u8> {
-        let words = [1.0_f32, 2.0, 3.0, 0.25, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
-        let flux = [5.0_f32, 6.0, 7.0, 0.0].map(f32::to_le_bytes);
-        let header = [count, 0, 0, 0].map(u32::to_le_bytes);
-        [&header[..], &words, &[77_u32.to_le_bytes()], &flux].concat().concat()
-    }
-
-    #[test]
-    fn lights_come_out_of_their_buffer() {
-        let expected =
-            VirtualLight { position: [1.0, 2.0, 3.0], normal: UP, flux: [5.0, 6.0, 7.0], area: 0.25 };
-        assert_eq!(read_virtual_lights(&buffer(1)), Some(vec![expected]));
-        assert_eq!(read_virtual_lights(&buffer(0)), Some(vec![]), "what lies beyond has no meaning");
-        assert_eq!(read_virtual_lights(&buffer(2)), None, "one is missing");
-        assert_eq!(read_virtual_lights(&buffer(u32::MAX)), None);
-        assert_eq!(read_virtual_lights(&buffer(1)[..63]), None, "a byte is missing");
-        assert_eq!(read_virtual_lights(&buffer(0)[..15]), None, "no header");
     }
 
     #[test]

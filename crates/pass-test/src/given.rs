@@ -5,7 +5,8 @@ use frame_graph::{
     Extent, Facts, Interface, OutputDesc, OutputPort, PassTypeError, Ports, ResourceDesc, Setting, Settings,
     TextureDesc, Usage, Use,
 };
-use pass::{Library, Pass, UseContext};
+use interfaces::INTERFACES;
+use pass::{Content, Library, Pass, UseContext};
 use std::sync::Arc;
 
 /// An input that a test gives: a pass of one output port, of the input's name, whose resources hold given bytes.
@@ -40,22 +41,19 @@ impl Given {
     /// Adds the members that the interface requires and the test leaves out, as large as the first texture and full of
     /// NaN: no producer would leave them out.
     pub(crate) fn add_required_members(&mut self) {
-        let known = pass::interfaces::INTERFACES.iter().find(|known| known.name == self.interface);
+        let known = INTERFACES.iter().find(|known| known.name == self.interface);
         let size = self.members.iter().find_map(|member| member.desc.texture()).cloned();
         let members = known.into_iter().flat_map(|known| known.members);
         for member in members.filter(|member| !member.optional) {
             if self.members.iter().any(|given| given.name == member.name) {
                 continue;
             }
-            let format = pass::interfaces::FORMATS
-                .iter()
-                .find(|(interface, name, _)| *interface == self.interface && *name == member.name);
-            let desc = match (format, &size) {
-                (None, _) => ResourceDesc::buffer(16),
-                (Some((.., format)), Some(like)) => {
-                    ResourceDesc::Texture(TextureDesc { format: *format, ..like.clone() })
+            let desc = match (member.content, &size) {
+                (Content::Struct(_) | Content::Buffer, _) => ResourceDesc::buffer(16),
+                (Content::Texture(format), Some(like)) => {
+                    ResourceDesc::Texture(TextureDesc { format, ..like.clone() })
                 }
-                (Some((.., format)), None) => ResourceDesc::texture_2d(*format, (1, 1)),
+                (Content::Texture(format), None) => ResourceDesc::texture_2d(format, (1, 1)),
             };
             let bytes = vec![0xff; desc.bytes() as usize];
             self.members.push(GivenMember { name: member.name.to_owned(), desc, bytes });
@@ -113,7 +111,7 @@ impl PassTypes for TestPassTypes<'_> {
     }
 
     fn interfaces(&self) -> &[Interface] {
-        pass::interfaces::INTERFACES
+        INTERFACES
     }
 
     fn takes_shader(&self, kind: &str) -> Option<bool> {
@@ -128,12 +126,15 @@ impl PassTypes for TestPassTypes<'_> {
         if !self.is_tested(use_.kind) {
             return Ok(Arc::new([]));
         }
-        Ok(self.pass.settings(&UseContext { use_, shaders: self.shaders })?.into())
+        Ok(self.pass.settings(&UseContext { use_, shaders: self.shaders, interfaces: INTERFACES })?.into())
     }
 
     fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
         if self.is_tested(use_.kind) {
-            return self.pass.ports(&UseContext { use_, shaders: self.shaders }, settings).map(Arc::new);
+            return self
+                .pass
+                .ports(&UseContext { use_, shaders: self.shaders, interfaces: INTERFACES }, settings)
+                .map(Arc::new);
         }
         let given = self.given(use_.kind)?;
         let output =
@@ -144,7 +145,7 @@ impl PassTypes for TestPassTypes<'_> {
     fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let use_ = context.use_;
         let mut outputs = if self.is_tested(use_.kind) {
-            self.pass.outputs(&UseContext { use_, shaders: self.shaders }, context)?
+            self.pass.outputs(&UseContext { use_, shaders: self.shaders, interfaces: INTERFACES }, context)?
         } else {
             vec![self.given(use_.kind)?.describe()]
         };

@@ -1,7 +1,7 @@
 //! A test of one pass: what it is given, its pipeline, and its frames.
 
 use crate::given::{Given, GivenMember, TestPassTypes};
-use crate::{IntoValue, Outputs, gpu, library, scene};
+use crate::{Outputs, gpu, library, scene};
 use executor::{Executor, ExecutorError, FrameOptions, Gpu};
 use frame_graph::plan::{PassId, Plan};
 use frame_graph::port::{OutputOverride, PassTypes};
@@ -10,6 +10,7 @@ use frame_graph::{
     Change, CompileOptions, Diagnostics, Facts, LinkContext, Module, ResetCause, ResourceDesc, Settings,
     Source, Traits, Use, Value,
 };
+use interfaces::INTERFACES;
 use pass::{Library, LinkedStep, Pass, Step};
 use scene::{Camera, Scene};
 use scene_upload::{Frame, SceneView};
@@ -73,8 +74,8 @@ impl<'a> Harness<'a> {
     }
 
     /// Gives a setting a value.
-    pub fn set(mut self, name: &str, value: impl IntoValue) -> Self {
-        self.set.insert(name.to_owned(), value.into_value());
+    pub fn set(mut self, name: &str, value: impl Into<Value>) -> Self {
+        self.set.insert(name.to_owned(), value.into());
         self
     }
 
@@ -147,8 +148,8 @@ impl<'a> Harness<'a> {
     }
 
     /// Sets a trait of the scene, in place of the scene's own.
-    pub fn scene_trait(mut self, name: &str, value: impl IntoValue) -> Self {
-        self.traits.insert(name.to_owned(), value.into_value());
+    pub fn scene_trait(mut self, name: &str, value: impl Into<Value>) -> Self {
+        self.traits.insert(name.to_owned(), value.into());
         self
     }
 
@@ -210,9 +211,9 @@ impl<'a> Harness<'a> {
     }
 
     /// Adds a fact to the input added last.
-    pub fn fact(mut self, name: &str, value: impl IntoValue) -> Self {
+    pub fn fact(mut self, name: &str, value: impl Into<Value>) -> Self {
         if let Some(input) = self.given.last_mut() {
-            input.facts.insert(name, value.into_value());
+            input.facts.insert(name, value.into());
         }
         self
     }
@@ -316,7 +317,7 @@ impl<'a> Harness<'a> {
             // What a test gives has no steps: its bytes are written before each frame.
             steps.push(if pass.kind.as_str() == kind {
                 let id = PassId(index as u32);
-                pass::link_steps(&plan, id, self.pass, &context.traits, library)?
+                pass::link_steps(&plan, id, self.pass, &context.traits, library, INTERFACES)?
             } else {
                 Vec::new()
             });

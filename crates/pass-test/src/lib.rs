@@ -13,11 +13,13 @@
 //! let irradiance: Vec<[f32; 4]> = outputs.read("irradiance");
 //! ```
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use executor::{Executor, Gpu};
 use frame_graph::plan::{Plan, PlannedPass, ResourceId};
+use frame_graph::port::OutputOverride;
 use frame_graph::{ResourceDesc, Source, Value};
-use pass::{Library, Pass};
+use interfaces::INTERFACES;
+use pass::{Library, Pass, Use, UseContext};
 use scene::Scene;
 use shader_library::DiskFiles;
 use std::collections::BTreeMap;
@@ -48,24 +50,6 @@ pub fn buffer(bytes: u64) -> ResourceDesc {
     ResourceDesc::buffer(bytes)
 }
 
-/// `struct VirtualLight` of shaders/virtual-lights.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct VirtualLight {
-    /// World space \[m\].
-    pub position: [f32; 3],
-    /// Of the surface that it stands for \[m²\]: 0 for a point.
-    pub area: f32,
-    /// Unit.
-    pub normal: [f32; 3],
-    /// Index of the texel that it was drawn from.
-    pub texel: u32,
-    /// Reflected \[W\].
-    pub flux: [f32; 3],
-    /// Unused; zero.
-    pub pad: f32,
-}
-
 /// Describes a buffer with these elements after a header of four words whose first is their number: VirtualLights.
 pub fn counted<T: Pod>(elements: &[T]) -> (ResourceDesc, Vec<u8>) {
     let mut bytes = bytemuck::cast_slice(&[elements.len() as u32, 0, 0, 0]).to_vec();
@@ -93,7 +77,8 @@ pub fn root() -> PathBuf {
 
 /// Returns all WGSL of the tree.
 pub fn shaders() -> Library {
-    Library::new(Arc::new(DiskFiles::new(root()))).with_roots(["shaders", ""])
+    let library = Library::new(Arc::new(DiskFiles::new(root())));
+    interfaces::import_from(library, INTERFACES)
 }
 
 /// Returns the WGSL of the tree that all tests of a process share, with threads in the order that a seed chooses.
@@ -106,6 +91,14 @@ fn library(order: Option<u32>) -> &'static Library {
             None => shaders(),
         }))
     })
+}
+
+/// Returns a use of a pass that says nothing but which shaders and interfaces there are: for functions that ask for the
+/// layouts of structs.
+pub fn use_context() -> UseContext<'static> {
+    static OUTPUTS: BTreeMap<String, OutputOverride> = BTreeMap::new();
+    let use_ = Use { kind: "", shader: None, inputs: &[], outputs: &OUTPUTS };
+    UseContext { use_, shaders: library(None), interfaces: INTERFACES }
 }
 
 /// Returns a scene by name or path.
@@ -248,41 +241,5 @@ impl Outputs {
         let found = self.planned().outputs.iter().find(|output| output.port.as_str() == port);
         let fact = found.and_then(|output| output.facts.get(name));
         fact.unwrap_or_else(|| panic!("no fact `{name}` of an output `{port}`"))
-    }
-}
-
-/// What can be given as a setting or trait.
-pub trait IntoValue {
-    /// As a value.
-    fn into_value(self) -> Value;
-}
-
-impl IntoValue for u32 {
-    fn into_value(self) -> Value {
-        Value::U32(self)
-    }
-}
-
-impl IntoValue for f32 {
-    fn into_value(self) -> Value {
-        Value::F32(self)
-    }
-}
-
-impl IntoValue for bool {
-    fn into_value(self) -> Value {
-        Value::Bool(self)
-    }
-}
-
-impl IntoValue for &str {
-    fn into_value(self) -> Value {
-        Value::Text(self.to_owned())
-    }
-}
-
-impl IntoValue for Value {
-    fn into_value(self) -> Value {
-        self
     }
 }

@@ -1,4 +1,4 @@
-//! What a pass is. A crate under `passes/` needs this one and nothing else.
+//! What a pass is. A crate under `passes/` needs this one, and `interfaces` for what its ports are.
 //!
 //! A pass says four things, all of them pure: its settings, its ports, the resources of its outputs, and the
 //! steps that make them. The steps are a plain list of dispatches and draws; an executor runs them. A shader's
@@ -12,20 +12,16 @@
 //! | `view_facts` | a uniform of the module that comes with the port `view`, filled with the facts of the port |
 //! | `camera`, `frame`, `scene_…` | the scene bindings: see [`scene_bindings`] |
 
-mod atlas;
-pub mod interfaces;
 mod link;
 mod record;
 pub mod reflected;
 pub mod scene_bindings;
 pub mod setting;
-mod surface_samples;
 
-pub use atlas::{AtlasLayout, DepthBiasSettings};
 pub use frame_graph::{
-    Clear, Extent, Facts, Format, InputPort, Module, Name, OutputContext, OutputDesc, OutputPort,
-    PassTypeError, Ports, ResourceDesc, SceneBindings, Setting, Settings, Traits, Usage, Use, Value,
-    ValueType,
+    Clear, Content, Extent, Fact, FactDecl, FactValue, Facts, Format, InputPort, Interface, Member, Module,
+    Name, OutputContext, OutputDesc, OutputPort, PassTypeError, Ports, ResourceDesc, SceneBindings, Setting,
+    Settings, Struct, Traits, Usage, Use, Value, ValueType,
 };
 pub use link::{
     Bound, FrameValue, FrameWord, LinkedStep, PastFact, Source, UniformFill, link_steps, pass_seed,
@@ -35,7 +31,6 @@ pub use record::{
     request, request_of_module,
 };
 pub use shader_library::{Define, Library, Request};
-pub use surface_samples::SurfaceSamples;
 
 /// What the documentation says of a pass type.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +71,11 @@ pub trait Pass: Send + Sync {
         outputs: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError>;
 
+    /// The interfaces that the pass brings, beside those of the tree: for the ports of passes outside it.
+    fn interfaces(&self) -> &'static [&'static Interface] {
+        &[]
+    }
+
     /// The steps that make the outputs.
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError>;
 }
@@ -87,6 +87,38 @@ pub struct UseContext<'a> {
     pub use_: Use<'a>,
     /// All WGSL.
     pub shaders: &'a Library,
+    /// All interfaces.
+    pub interfaces: &'a [Interface],
+}
+
+impl UseContext<'_> {
+    /// Describes a buffer of a struct: with `elements` elements in the array of no fixed size that ends the struct, or,
+    /// of a struct of fixed size, with as many structs one after the other. The layout is that of the WGSL.
+    ///
+    /// # Errors
+    /// Where the file of the struct is refused, or has no such struct.
+    pub fn buffer(&self, structure: Struct, elements: u64) -> Result<ResourceDesc<Extent>, PassTypeError> {
+        let content = self.shaders.content(structure.file, structure.name);
+        let content = content.map_err(|errors| PassTypeError::new(errors.to_string()))?;
+        Ok(ResourceDesc::buffer(content.bytes(elements)))
+    }
+
+    /// Returns the size of a struct of fixed size in bytes, by the layout of the WGSL.
+    ///
+    /// # Errors
+    /// As [`UseContext::buffer`].
+    pub fn size_of(&self, structure: Struct) -> Result<u64, PassTypeError> {
+        let content = self.shaders.content(structure.file, structure.name);
+        content.map(|content| content.bytes(1)).map_err(|errors| PassTypeError::new(errors.to_string()))
+    }
+
+    /// Returns a `const` of the type u32 that a WGSL file declares or imports.
+    ///
+    /// # Errors
+    /// Where the file is refused with its options at their defaults, or has no such constant.
+    pub fn constant(&self, file: &str, name: &str) -> Result<u32, PassTypeError> {
+        self.shaders.constant(file, name).map_err(|errors| PassTypeError::new(errors.to_string()))
+    }
 }
 
 /// Declares an input port that must be linked.

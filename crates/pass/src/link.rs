@@ -2,7 +2,7 @@
 //! checked, uniforms laid out. All of it without a GPU, so that `check` proves what an executor will run.
 
 use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step};
-use crate::{Pass, UseContext, scene_bindings};
+use crate::{Interface, Pass, scene_bindings};
 use fit::{describe, describe_global, mismatch};
 use frame_graph::codes::{Code, link as codes};
 use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId};
@@ -120,6 +120,7 @@ pub fn link_steps(
     kind: &dyn Pass,
     traits: &Traits,
     library: &Library,
+    interfaces: &[Interface],
 ) -> Result<Vec<LinkedStep>, Diagnostics> {
     let planned = &plan.passes[id.0 as usize];
     let names = Names::new(plan, planned);
@@ -141,14 +142,14 @@ pub fn link_steps(
         frame: plan.frame,
         traits,
         shaders: library,
+        interfaces,
     };
     let recording: Recording = kind.record(&context).map_err(|error| {
         let mut notes: Vec<String> = error.help.into_iter().collect();
         notes.push(format!("in pass `{}` of pass type `{}`", planned.name, planned.kind));
         Diagnostics::from(Diagnostic { notes, ..Diagnostic::new(&codes::REFUSED, error.message) })
     })?;
-    let cx = UseContext { use_, shaders: library };
-    let schema = kind.settings(&cx).unwrap_or_default();
+    let schema = kind.settings(&context.use_context()).unwrap_or_default();
     let linker =
         StepLinker { planned, plan, names: &names, inputs: &inputs, outputs: &outputs, schema: &schema };
     let steps = recording

@@ -1,6 +1,10 @@
 //! The steps of a pass: dispatches and draws as plain data.
 
-use frame_graph::{Facts, Module, Name, ResourceDesc, Settings, TextureDesc, Traits, Use, Value};
+use crate::UseContext;
+use frame_graph::{
+    Fact, FactValue, Facts, Interface, Module, Name, PassTypeError, ResourceDesc, Settings, TextureDesc,
+    Traits, Use, Value,
+};
 use shader_library::{Define, Library, Request};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,6 +28,8 @@ pub struct RecordContext<'a> {
     pub traits: &'a Traits,
     /// All WGSL.
     pub shaders: &'a Library,
+    /// All interfaces.
+    pub interfaces: &'a [Interface],
 }
 
 /// A port with its worked-out resources.
@@ -73,9 +79,18 @@ impl<'a> RecordContext<'a> {
         self.port(port)?.members.iter().find_map(|(_, desc)| desc.texture())
     }
 
-    /// Returns a whole number that goes with a port: `count`, `tile`, `layers`. 0 where there is none.
-    pub fn fact(&self, port: &str, fact: &str) -> u32 {
-        self.port(port).and_then(|port| port.facts.get(fact)).and_then(Value::as_u32).unwrap_or(0)
+    /// Returns a fact that goes with a port.
+    ///
+    /// # Errors
+    /// Where the port is not connected, or its producer gives no such fact.
+    pub fn fact<T: FactValue>(&self, port: &str, fact: Fact<T>) -> Result<T, PassTypeError> {
+        let found = self.port(port).and_then(|port| fact.of(&port.facts));
+        found.ok_or_else(|| PassTypeError::no_fact(port, fact.name))
+    }
+
+    /// Returns the use and what it may depend on.
+    pub fn use_context(&self) -> UseContext<'a> {
+        UseContext { use_: self.use_, shaders: self.shaders, interfaces: self.interfaces }
     }
 
     /// Returns a count of the scene: `light_layers`, `triangles`. 0 where there is none.

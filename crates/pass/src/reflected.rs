@@ -60,7 +60,7 @@ impl Reflected {
         settings: &Settings,
     ) -> Result<Reflected, PassTypeError> {
         let path = user.path;
-        let (request, imported) = options::stand_in(cx.shaders, user)?;
+        let (request, imported) = options::stand_in(cx, user)?;
         let request = options::select(cx.shaders, request, settings);
         let refused = |errors| PassTypeError::new(format!("`{path}` is refused\n{errors}"));
         let shader = cx.shaders.load(&request).map_err(refused)?;
@@ -178,7 +178,7 @@ impl Reflected {
 /// # Errors
 /// A shader that is refused, and declarations that cannot be read.
 fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
-    options::settings(cx.shaders, user)
+    options::settings(cx, user)
 }
 
 /// The part of a global's name behind `port_`.

@@ -1,18 +1,18 @@
 //! From the name of a pipeline to linked steps, without a GPU: what `check` proves and an executor runs.
 
-use crate::counters::Counters;
 use catalog::Catalog;
 use frame_graph::codes::link as codes;
 use frame_graph::plan::PassId;
 use frame_graph::{
     CompileOptions, Diagnostic, Diagnostics, LinkContext, Overrides, Plan, Resolved, compile, link, resolve,
 };
+use interfaces::counters;
 use pass::{LinkedStep, link_steps};
 use std::sync::Arc;
 
 /// Returns how a renderer compiles: what passes tell of themselves is kept.
 pub fn compile_options() -> CompileOptions {
-    CompileOptions { keep_interfaces: vec![Counters::INTERFACE.to_owned()], ..CompileOptions::default() }
+    CompileOptions { keep_interfaces: vec![counters::INTERFACE.name.to_owned()], ..CompileOptions::default() }
 }
 
 /// A pipeline as far as it goes without a GPU.
@@ -65,8 +65,15 @@ fn steps(
     let mut errors: Vec<Diagnostic> = Vec::new();
     let mut steps = Vec::with_capacity(plan.passes.len());
     for (index, pass) in plan.passes.iter().enumerate() {
-        let Some(kind) = catalog::find(&pass.kind) else { continue };
-        match link_steps(plan, PassId(index as u32), kind, &context.traits, catalog.shaders()) {
+        let Some(kind) = catalog.pass(&pass.kind) else { continue };
+        match link_steps(
+            plan,
+            PassId(index as u32),
+            kind,
+            &context.traits,
+            catalog.shaders(),
+            catalog.interfaces(),
+        ) {
             Ok(linked) => {
                 for step in &linked {
                     if let Err(Diagnostics(found)) = step.shader.check_layout(&layouts, "the renderer") {

@@ -36,7 +36,7 @@ pub enum RenderError {
     },
     /// The output `progress` is something else.
     #[error(
-        "the output `progress` is `{resource}`, of {bytes} bytes; expected 16: struct Progress of shaders/progress.wgsl"
+        "the output `progress` is `{resource}`, of {bytes} bytes; expected 16: struct Progress of interfaces/progress"
     )]
     NoProgress {
         /// `pass.port`

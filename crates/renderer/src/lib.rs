@@ -16,10 +16,8 @@
 //! texture that [`Renderer::output_texture`] gives.
 
 mod compile;
-mod counters;
 mod error;
 mod picture;
-mod progress;
 mod provenance;
 mod reload;
 mod results;
@@ -27,10 +25,10 @@ mod shared;
 
 pub use catalog::{Assets, Catalog};
 pub use compile::{Compiled, compile_options};
-pub use counters::Counters;
 pub use error::RenderError;
 pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, Timings, wgpu};
-pub use progress::Progress;
+pub use interfaces::counters::Counters;
+pub use interfaces::progress::Progress;
 pub use provenance::{Provenance, parse_value};
 pub use reload::Reload;
 pub use shared::SharedScene;
@@ -309,7 +307,7 @@ impl Renderer {
             self.frame()?;
             let progress = self.progress()?;
             let broken_off = told(self.executor.report(), progress).is_break();
-            if broken_off || progress.is_none_or(|progress| progress.done) {
+            if broken_off || progress.is_none_or(|progress| progress.is_done()) {
                 return Ok(self.executor.report());
             }
         }

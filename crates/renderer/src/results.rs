@@ -104,7 +104,7 @@ impl Renderer {
     /// it has none, and so is done with every frame. Waits for the GPU.
     ///
     /// # Errors
-    /// Where the output is no buffer of a struct Progress (shaders/progress.wgsl), or the device is gone.
+    /// Where the output is no buffer of a struct Progress (interfaces/progress), or the device is gone.
     pub fn progress(&self) -> Result<Option<Progress>, RenderError> {
         let Some(output) = self.plan().and_then(|plan| plan.output("progress")) else { return Ok(None) };
         let Some((_, resource)) = output.members.first() else { return Ok(None) };
@@ -114,8 +114,7 @@ impl Renderer {
             .ok_or_else(|| RenderError::NoProgress { resource: output.from.to_string(), bytes: bytes.len() })
     }
 
-    /// Returns what the counters of passes, by `pass.port`: all that the plan has of the interface
-    /// Counters. Waits for the GPU.
+    /// Returns the counters of passes, by `pass.port`: all that the plan has of the interface `Counters`. Waits for the GPU.
     ///
     /// # Errors
     /// Where the device is gone.
@@ -123,7 +122,7 @@ impl Renderer {
         let Some(plan) = self.plan() else { return Ok(Vec::new()) };
         let ports = plan.passes.iter().flat_map(|pass| &pass.outputs);
         let members = ports
-            .filter(|port| port.interface.as_str() == Counters::INTERFACE)
+            .filter(|port| port.interface.as_str() == interfaces::counters::INTERFACE.name)
             .flat_map(|port| &port.members);
         let mut counters = Vec::new();
         for (_, id) in members {

@@ -16,6 +16,10 @@ pub struct ShaderInterface {
     pub overrides: Vec<Override>,
     /// All structs that have a layout in memory, in the order of the text.
     pub structs: Vec<StructLayout>,
+    /// The same structs, each as what is in a buffer.
+    pub contents: Vec<TypeLayout>,
+    /// The named constants that are single numbers or truth values, in the order of the text.
+    pub constants: Vec<(String, Value)>,
 }
 
 impl ShaderInterface {
@@ -32,6 +36,11 @@ impl ShaderInterface {
     /// Returns the struct of this name.
     pub fn layout(&self, name: &str) -> Option<&StructLayout> {
         self.structs.iter().find(|layout| layout.name == name)
+    }
+
+    /// Returns the value of the constant of this name.
+    pub fn constant(&self, name: &str) -> Option<&Value> {
+        self.constants.iter().find(|(constant, _)| constant == name).map(|(_, value)| value)
     }
 }
 
@@ -144,6 +153,15 @@ pub struct TypeLayout {
 }
 
 impl TypeLayout {
+    /// Returns the size in bytes of a buffer with `count` elements in the array sized at run time; of a type of fixed
+    /// size, the size of `count` of them one after the other.
+    pub fn bytes(&self, count: u64) -> u64 {
+        match self.element.as_ref().filter(|_| self.runtime_sized) {
+            Some((_, stride)) => u64::from(self.size) + u64::from(*stride) * count,
+            None => u64::from(self.size) * count,
+        }
+    }
+
     /// Returns the least size of a buffer bound here, in bytes: one element at least.
     pub fn min_size(&self) -> u64 {
         let element = self.element.as_ref().filter(|_| self.runtime_sized).map_or(0, |(_, stride)| *stride);

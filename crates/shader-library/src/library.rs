@@ -4,10 +4,11 @@ use crate::compose::compose;
 use crate::composed::Outline;
 use crate::directive::Define;
 use crate::files::ShaderFiles;
+use crate::interface::TypeLayout;
 use crate::settings;
 use crate::shader::Shader;
 use data_file::codes::shader as codes;
-use data_file::{Diagnostic, Diagnostics, Setting};
+use data_file::{Diagnostic, Diagnostics, Setting, Value};
 use naga::valid::Capabilities;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -145,6 +146,35 @@ impl Library {
         settings::read(&composed, None)
     }
 
+    /// Returns what is in a buffer of a struct that a file declares or imports, for those who size buffers. Options of
+    /// the file have their defaults.
+    ///
+    /// # Errors
+    /// As [`Library::load`]; and where there is no such struct.
+    pub fn content(&self, file: &str, name: &str) -> Result<TypeLayout, Diagnostics> {
+        let shader = self.load(&Request::new(file))?;
+        let found = shader.interface.contents.iter().find(|content| content.ty == name).cloned();
+        found.ok_or_else(|| {
+            let names = shader.interface.contents.iter().map(|content| content.ty.as_str());
+            absent(&shader, "struct", name, names)
+        })
+    }
+
+    /// Returns a constant that a file declares or imports, for those who size dispatches and buffers. Options of the
+    /// file have their defaults.
+    ///
+    /// # Errors
+    /// As [`Library::load`]; and where there is no such constant, or it is no whole number.
+    pub fn constant(&self, file: &str, name: &str) -> Result<u32, Diagnostics> {
+        let shader = self.load(&Request::new(file))?;
+        let found = shader.interface.constant(name).and_then(Value::as_u32);
+        found.ok_or_else(|| {
+            let constants = shader.interface.constants.iter();
+            let whole = constants.filter(|(_, value)| value.as_u32().is_some());
+            absent(&shader, "u32 constant", name, whole.map(|(name, _)| name.as_str()))
+        })
+    }
+
     /// Returns all variants of a request: each combination of the values that make a difference
     /// ([`ShaderOption::values`](crate::ShaderOption::values)) of the options it leaves open. Loading each of them
     /// proves the file.
@@ -202,4 +232,26 @@ impl Library {
     fn lock(&self) -> MutexGuard<'_, BTreeMap<Request, Made>> {
         self.made.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// The error that a shader declares no such thing.
+fn absent<'a>(
+    shader: &Shader,
+    what: &str,
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Diagnostics {
+    let mut notes = Vec::new();
+    if let Some(near) = data_file::nearest(name, known) {
+        notes.push(format!("did you mean `{near}`?"));
+    }
+    Diagnostics(vec![Diagnostic {
+        code: codes::NO_DECLARATION.code,
+        message: format!("there is no {what} `{name}`"),
+        labels: vec![data_file::Label {
+            span: shader.start(),
+            message: "in this file and its imports".to_owned(),
+        }],
+        notes,
+    }])
 }

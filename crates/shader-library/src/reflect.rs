@@ -77,9 +77,20 @@ pub(crate) fn reflect(
     }
     let structs: Vec<StructLayout> =
         module.types.iter().filter_map(|(handle, ty)| reflector.struct_layout(handle, ty)).collect();
+    let contents = module
+        .types
+        .iter()
+        .filter(|(_, ty)| matches!(ty.inner, TypeInner::Struct { .. }))
+        .map(|(handle, _)| reflector.type_layout(handle))
+        .collect();
+    let constants = module
+        .constants
+        .iter()
+        .filter_map(|(_, constant)| Some((constant.name.clone()?, reflector.evaluate(constant.init)?)));
+    let constants = constants.collect();
     let overrides = module.overrides.iter().map(|(handle, _)| reflector.override_(handle)).collect();
     let settings = structs.iter().find(|layout| layout.name == crate::settings::STRUCT).cloned();
-    Ok(ShaderInterface { globals, entries, settings, overrides, structs })
+    Ok(ShaderInterface { globals, entries, settings, overrides, structs, contents, constants })
 }
 
 struct Reflector<'a> {

@@ -9,7 +9,7 @@ use crate::measure::Measure;
 use crate::record::{FrameSeries, PassTime};
 use crate::reference::Truth;
 use metrics::temporal::{self, ErrorSeries, TRACKED_PIXELS, Tid, View};
-use metrics::virtual_lights::{self, Receiver, VirtualLight};
+use metrics::virtual_lights::{self, Receiver};
 use metrics::{DEFAULT_TRIM, Display, Epsilon, Image, PIXELS_PER_DEGREE, Pair, flip, hdr_flip, luminance};
 use series::Series;
 use std::collections::BTreeMap;
@@ -116,9 +116,10 @@ impl<'a> Evaluator<'a> {
             self.compare(&frame)?;
         }
         if self.wants(Measure::LightsMoved)
-            && let (Some(before), Some(now)) = (self.last.as_ref().and_then(lights), lights(&frame))
+            && let (Some(before), Some(now)) =
+                (self.last.as_ref().and_then(|last| last.lights.as_ref()), &frame.lights)
         {
-            let moved = virtual_lights::share_of_lights_moved(&before, &now, self.facts.small_length);
+            let moved = virtual_lights::share_of_lights_moved(before, now, self.facts.small_length);
             self.put(Measure::LightsMoved, moved);
             self.moved.extend(moved);
         }
@@ -345,17 +346,13 @@ fn view(frame: &Observed) -> Option<View<'_>> {
     Some(View { image: &frame.image, depth: frame.depth.as_ref()?, camera: frame.camera })
 }
 
-fn lights(frame: &Observed) -> Option<Vec<VirtualLight>> {
-    virtual_lights::read_virtual_lights(frame.lights.as_deref()?)
-}
-
 /// The share of the lights of a frame that reach a sample of its pixels; `None` without lights or G-buffer.
 fn reaching(
     frame: Option<&Observed>,
     occluded: &mut dyn FnMut(u32) -> Result<Occluded, String>,
 ) -> Result<Option<f64>, String> {
     let Some(frame) = frame else { return Ok(None) };
-    let (Some(lights), Some(depth), Some(normal)) = (lights(frame), &frame.depth, &frame.normal) else {
+    let (Some(lights), Some(depth), Some(normal)) = (&frame.lights, &frame.depth, &frame.normal) else {
         return Ok(None);
     };
     if lights.is_empty() {
@@ -373,7 +370,7 @@ fn reaching(
         })
         .collect();
     let occluded = occluded(frame.frame)?;
-    let reach = virtual_lights::lights_that_reach(&lights, &receivers, &*occluded);
+    let reach = virtual_lights::lights_that_reach(lights, &receivers, &*occluded);
     Ok(Some(reach as f64 / lights.len() as f64))
 }
 

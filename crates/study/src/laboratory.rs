@@ -4,6 +4,7 @@ use crate::record::{AxisValue, Memory, SceneRecord};
 use frame_graph::{Settable, Value};
 use metrics::Image;
 use metrics::temporal::Pinhole;
+use metrics::virtual_lights::VirtualLight;
 use std::collections::BTreeMap;
 
 /// What there is to study, asked before anything runs. It needs no GPU.
@@ -149,8 +150,8 @@ pub struct Observed {
     pub normal: Option<Image>,
     /// The camera.
     pub camera: Pinhole,
-    /// Bytes of the first `VirtualLights` of the plan, where asked for and there are any.
-    pub lights: Option<Vec<u8>>,
+    /// The virtual lights, where asked for and the pipeline has any.
+    pub lights: Option<Vec<VirtualLight>>,
     /// Indirect irradiance with the luminance of what clamping removed in alpha, where there is any.
     pub irradiance: Option<Image>,
 }

@@ -26,14 +26,14 @@ impl Case {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let own = MemoryFiles::new([("own.wgsl", wgsl)]);
         let files = Overlay(vec![Arc::new(own), Arc::new(DiskFiles::new(root))]);
-        let library = Library::new(Arc::new(files)).with_roots(["shaders", ""]);
+        let library = interfaces::import_from(Library::new(Arc::new(files)), interfaces::INTERFACES);
         Case { library, inputs: inputs.iter().map(ToString::to_string).collect(), outputs: BTreeMap::new() }
     }
 
     fn cx(&self) -> UseContext<'_> {
         let use_ =
             Use { kind: "compute", shader: Some("own.wgsl"), inputs: &self.inputs, outputs: &self.outputs };
-        UseContext { use_, shaders: &self.library }
+        UseContext { use_, shaders: &self.library, interfaces: interfaces::INTERFACES }
     }
 
     fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, PassTypeError> {
@@ -75,6 +75,7 @@ impl Case {
             frame: (64, 48),
             traits: &traits,
             shaders: &self.library,
+            interfaces: interfaces::INTERFACES,
         })?;
         let dispatch = |step| match step {
             Step::Compute(dispatch) => dispatch,

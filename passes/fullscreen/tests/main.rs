@@ -25,7 +25,7 @@ impl Case {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let own = MemoryFiles::new([("own.wgsl", wgsl)]);
         let files = Overlay(vec![Arc::new(own), Arc::new(DiskFiles::new(root))]);
-        let library = Library::new(Arc::new(files)).with_roots(["shaders", ""]);
+        let library = interfaces::import_from(Library::new(Arc::new(files)), interfaces::INTERFACES);
         Case { library, inputs: inputs.iter().map(ToString::to_string).collect(), outputs: BTreeMap::new() }
     }
 
@@ -43,7 +43,7 @@ impl Case {
             inputs: &self.inputs,
             outputs: &self.outputs,
         };
-        UseContext { use_, shaders: &self.library }
+        UseContext { use_, shaders: &self.library, interfaces: interfaces::INTERFACES }
     }
 
     fn settings(&self) -> Result<Vec<Setting>, PassTypeError> {
@@ -198,6 +198,7 @@ fn it_records_one_draw_of_the_scenes_variant() {
             frame: (64, 48),
             traits: &traits,
             shaders: &case.library,
+            interfaces: interfaces::INTERFACES,
         })
         .unwrap();
     let [Step::Raster(draw)] = recording.steps.as_slice() else { panic!("one draw: {recording:?}") };
@@ -234,6 +235,7 @@ fn entry_points_draw_one_after_the_other() {
             frame: (64, 48),
             traits: &Traits::default(),
             shaders: &case.library,
+            interfaces: interfaces::INTERFACES,
         })
         .unwrap();
     let drawn: Vec<(&str, &str)> = recording

@@ -3,6 +3,7 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::{LOOP_ITERATIONS, Part};
+use interfaces::{irradiance, virtual_lights, visibility};
 use pass::{
     Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
     RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
@@ -15,10 +16,10 @@ pub const PASS: &dyn Pass = &Gather;
 /// Diffuse illumination by virtual lights.
 pub struct Gather;
 
-/// Pixels of a thread along each side; as in the shader.
-const SPAN: u32 = 2;
-
 const SHADER: &str = "passes/gather/gather.wgsl";
+
+/// The constant of the shader that is the pixels of a thread along each side.
+const SPAN: &str = "SPAN";
 
 pass::choice! {
     /// Which lights a sub-image takes.
@@ -46,9 +47,9 @@ pass::settings! {
 }
 
 /// Lights of a subset that one dispatch takes, where a lookup of visibility makes so many loop iterations.
-fn lights_of_part(lookup_iterations: u32) -> u32 {
+fn lights_of_part(span: u32, lookup_iterations: u32) -> u32 {
     // An iteration for the light itself.
-    (LOOP_ITERATIONS / (1 + SPAN * SPAN * (1 + lookup_iterations))).max(1)
+    (LOOP_ITERATIONS / (1 + span * span * (1 + lookup_iterations))).max(1)
 }
 
 impl Pass for Gather {
@@ -83,18 +84,23 @@ impl Pass for Gather {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let settings = GatherSettings::read(cx.settings);
         let mut outputs = vec![
             OutputDesc::one(
                 "irradiance",
                 ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")),
             )
-            .fact("interleave_x", Value::U32(settings.interleave_x))
-            .fact("interleave_y", Value::U32(settings.interleave_y)),
+            .fact(irradiance::INTERLEAVE_X, settings.interleave_x)
+            .fact(irradiance::INTERLEAVE_Y, settings.interleave_y),
         ];
-        let fact = |input, name| cx.fact(input, name).and_then(Value::as_u32).unwrap_or(0);
-        if parts(&settings, fact("lights", "count"), fact("visibility", "loop_iterations")).len() > 1 {
+        let iterations = cx.fact("visibility", visibility::LOOP_ITERATIONS).unwrap_or(0);
+        let span = use_cx.constant(SHADER, SPAN)?;
+        if parts(&settings, span, cx.fact("lights", virtual_lights::COUNT)?, iterations).len() > 1 {
             let (width, height) = cx.input("view").and_then(|view| view.size()).unwrap_or(cx.frame);
             let bytes = u64::from(width) * u64::from(height) * 16;
             outputs.push(OutputDesc::scratch("sums", ResourceDesc::buffer(bytes)));
@@ -106,10 +112,13 @@ impl Pass for Gather {
         let size = cx.size("view");
         let settings = GatherSettings::read(cx.settings);
         let (n, m) = (settings.interleave_x, settings.interleave_y);
-        let groups = |pixels: u32, sub_images: u32| pixels.div_ceil(sub_images).div_ceil(SPAN * 8);
-        let grid = [groups(size.0, n) * 8, groups(size.1, m) * n * m * 8, 1];
-        let (count, iterations) = (cx.fact("lights", "count"), cx.fact("visibility", "loop_iterations"));
-        let parts = parts(&settings, count, iterations);
+        let use_cx = cx.use_context();
+        let constant = |name| use_cx.constant(SHADER, name);
+        let (span, side) = (constant(SPAN)?, constant("GROUP_SIDE")?);
+        let groups = |pixels: u32, sub_images: u32| pixels.div_ceil(sub_images).div_ceil(span * side);
+        let grid = [groups(size.0, n) * side, groups(size.1, m) * n * m * side, 1];
+        let iterations = cx.fact("visibility", visibility::LOOP_ITERATIONS).unwrap_or(0);
+        let parts = parts(&settings, span, cx.fact("lights", virtual_lights::COUNT)?, iterations);
         let shader = cx.shader(
             SHADER,
             &[
@@ -132,9 +141,10 @@ impl Pass for Gather {
 /// The dispatches that the lights of the largest subset take.
 fn parts(
     settings: &GatherSettings,
+    span: u32,
     lights: u32,
     lookup_iterations: u32,
 ) -> impl ExactSizeIterator<Item = Part> + use<> {
     let subsets = settings.interleave_x * settings.interleave_y;
-    gpu_algorithms::parts(lights.div_ceil(subsets.max(1)), lights_of_part(lookup_iterations))
+    gpu_algorithms::parts(lights.div_ceil(subsets.max(1)), lights_of_part(span, lookup_iterations))
 }

@@ -2,6 +2,7 @@
 
 pub mod cpu_reference;
 
+use interfaces::irradiance::{INTERLEAVE_X, INTERLEAVE_Y};
 use pass::setting;
 use pass::{
     Compute, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
@@ -81,11 +82,10 @@ impl Pass for GeometryAwareBlur {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = GeometryAwareBlurSettings::read(cx.settings);
         let window = |setting, fact| match setting {
-            0 => cx.fact("irradiance", fact).max(1),
+            0 => cx.fact("irradiance", fact).unwrap_or(1),
             given => given,
         };
-        let (width, height) =
-            (window(settings.width, "interleave_x"), window(settings.height, "interleave_y"));
+        let (width, height) = (window(settings.width, INTERLEAVE_X), window(settings.height, INTERLEAVE_Y));
         let blur = |width, height| {
             Compute::per_texel(cx.shader(SHADER, &[]), "blur", cx.size("view"))
                 .value("width", Value::U32(width))

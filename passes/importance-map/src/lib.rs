@@ -5,8 +5,8 @@ pub mod cpu_reference;
 use gpu_algorithms::reduce;
 use pass::{
     Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
-    input, output,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext,
+    Value, input, output,
 };
 
 /// The pass, for the catalog.
@@ -20,12 +20,8 @@ const IMPORTANCE_MAP: &str = "passes/importance-map/importance-map.wgsl";
 const SUM: &str = "passes/importance-map/sum.wgsl";
 const MIX: &str = "passes/importance-map/mix.wgsl";
 
-/// Side of the workgroups of importance-map.wgsl.
-const GROUP: u32 = 16;
-/// Bytes of struct ViewSample.
-const VIEW_SAMPLE_BYTES: u64 = 48;
-/// Bytes of struct Sums.
-const SUMS_BYTES: u64 = 16;
+const VIEW_SAMPLE: Struct = Struct::new(VIEW_SAMPLES, "ViewSample");
+const SUMS: Struct = Struct::new("passes/importance-map/sums.wgsl", "Sums");
 
 pass::choice! {
     /// What importance is.
@@ -97,28 +93,28 @@ impl Pass for ImportanceMap {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let texture = cx
             .input("rsm")
             .and_then(|rsm| rsm.member("flux"))
             .and_then(ResourceDesc::texture)
             .ok_or_else(|| PassTypeError::input("rsm", "expected a member `flux`"))?;
         let map = || ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("rsm"), texture.layers);
-        let mut outputs = vec![
-            OutputDesc::one("importance", map())
-                .fact("size", Value::U32(texture.size.0))
-                .fact("layers", Value::U32(texture.layers)),
-        ];
+        let mut outputs = vec![OutputDesc::one("importance", map())];
         let settings = ImportanceMapSettings::read(cx.settings);
         if settings.by_contribution() {
-            let samples = VIEW_SAMPLE_BYTES * u64::from(settings.view_samples);
-            outputs.push(OutputDesc::scratch("samples", ResourceDesc::buffer(samples)));
+            let samples = use_cx.buffer(VIEW_SAMPLE, u64::from(settings.view_samples))?;
+            outputs.push(OutputDesc::scratch("samples", samples));
         }
         if settings.mixes() {
-            let partial = SUMS_BYTES * u64::from(groups(texture.size, texture.layers));
+            let partial = use_cx.buffer(SUMS, u64::from(groups(use_cx, texture.size, texture.layers)?))?;
             outputs.push(OutputDesc::scratch("contribution", map()));
-            outputs.push(OutputDesc::scratch("partial_sums", ResourceDesc::buffer(partial)));
-            outputs.push(OutputDesc::scratch("sums", ResourceDesc::buffer(SUMS_BYTES)));
+            outputs.push(OutputDesc::scratch("partial_sums", partial));
+            outputs.push(OutputDesc::scratch("sums", use_cx.buffer(SUMS, 1)?));
         }
         Ok(outputs)
     }
@@ -139,14 +135,15 @@ impl Pass for ImportanceMap {
         if !mixed {
             return Ok(pick.then(measure));
         }
-        let sum =
-            reduce::few(&cx.shader(SUM, &[])).value("groups", Value::U32(groups((width, height), layers)));
+        let sum = reduce::few(&cx.shader(SUM, &[]))
+            .value("groups", Value::U32(groups(&cx.use_context(), (width, height), layers)?));
         let mix = Compute::new(cx.shader(MIX, &[]), "mix_with_flux", texels);
         Ok(pick.then(measure.bind("importance", "contribution")).then(sum).then(mix))
     }
 }
 
 /// Workgroups of importance-map.wgsl.
-fn groups(size: (u32, u32), layers: u32) -> u32 {
-    size.0.div_ceil(GROUP) * size.1.div_ceil(GROUP) * layers
+fn groups(cx: &UseContext<'_>, size: (u32, u32), layers: u32) -> Result<u32, PassTypeError> {
+    let side = cx.constant(IMPORTANCE_MAP, "GROUP_SIDE")?;
+    Ok(size.0.div_ceil(side) * size.1.div_ceil(side) * layers)
 }

@@ -2,10 +2,12 @@
 
 pub mod cpu_reference;
 
+use interfaces::virtual_lights;
+use interfaces::visibility::{AtlasLayout, DepthBiasSettings};
 use pass::{
-    AtlasLayout, DepthBiasSettings, DepthTarget, Draw, Format, Info, Load, OutputContext, OutputDesc, Pass,
-    PassTypeError, Ports, Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
-    Step, Target, UseContext, Value,
+    DepthTarget, Draw, Format, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Raster,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, UseContext,
+    Value,
 };
 
 /// The pass type `paraboloid-shadow-maps`.
@@ -61,7 +63,7 @@ impl Pass for ParaboloidShadowMaps {
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let tile = ParaboloidShadowMapsSettings::read(cx.settings).map;
-        let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(1).max(1);
+        let count = cx.fact("lights", virtual_lights::COUNT)?;
         let Some(layout) = AtlasLayout::new(count, tile, self.side) else {
             let (side, layers) = (self.side, AtlasLayout::LAYERS);
             return Err(PassTypeError::setting(
@@ -77,14 +79,14 @@ impl Pass for ParaboloidShadowMaps {
         // One layer after the other.
         let nearness = ResourceDesc::texture_2d(Format::Depth32Float, layout.layer_size());
         let nearness = OutputDesc::scratch("nearness", nearness);
-        Ok(vec![layout.visibility(Value::F32(depth_bias)), nearness])
+        Ok(vec![layout.visibility(depth_bias), nearness])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let Some(vertices) = cx.trait_u32("triangles").checked_mul(3) else {
             return Err(PassTypeError::new("a draw has at most 2³² vertices, a third as many triangles"));
         };
-        let count = cx.fact("lights", "count").max(1);
+        let count = cx.fact("lights", virtual_lights::COUNT)?;
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, count));
         let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
         let layer = |layer: u32| {

@@ -40,7 +40,7 @@ fn scene_of(triangles: &[[Vec3; 3]]) -> Scene {
 
 /// The maps of these lights, row by row.
 fn render(scene: Scene, lights: &[(Vec3, Vec3)], tile: u32) -> Option<Vec<Vec<f64>>> {
-    Some(render_in_layers(scene, lights, tile, pass::AtlasLayout::SIDE)?.0)
+    Some(render_in_layers(scene, lights, tile, interfaces::visibility::AtlasLayout::SIDE)?.0)
 }
 
 /// The maps in an atlas whose layers have sides of at most `side`, and how many layers there are.

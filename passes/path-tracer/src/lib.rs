@@ -1,6 +1,7 @@
 //! The truth: paths from the camera with next-event estimation, accumulated from frame to frame.
 
 use gpu_algorithms::reduce;
+use interfaces::progress;
 use pass::{
     Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
     RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Usage, UseContext, Value,
@@ -24,9 +25,6 @@ const SUMS: [&str; 4] = ["image", "direct", "indirect", "irradiance"];
 /// Rays of a pixel in one dispatch, at most. A driver takes a dispatch that goes on for seconds for a hang, and
 /// lavapipe ends all loops of a thread after 65,535 rounds, of which a ray takes up to some hundreds.
 const RAYS: u32 = 128;
-
-/// Bytes of `Progress` in shaders/progress.wgsl.
-const PROGRESS_BYTES: u64 = 16;
 
 pass::choice! {
     /// What a pixel is.
@@ -93,14 +91,18 @@ impl Pass for PathTracer {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let texture = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::FRAME);
         let sums = SUMS.iter().map(|name| ((*name).to_owned(), texture(), Usage::Overwrites));
-        let progress = ("progress".to_owned(), ResourceDesc::buffer(PROGRESS_BYTES), Usage::Overwrites);
+        let progress = ("progress".to_owned(), progress::buffer(use_cx)?, Usage::Overwrites);
         let samples = OutputDesc::of("samples", sums.chain([progress]).collect());
         let means = SUMS.iter().map(|name| OutputDesc::one(name, texture()));
         let pixels = cx.frame.0 * cx.frame.1;
-        let sums = reduce::scratch("estimate_sums", pixels, 4);
+        let sums = reduce::scratch(use_cx, "estimate_sums", pixels, 4)?;
         let luminance = OutputDesc::scratch("luminance_sum", ResourceDesc::buffer(4));
         Ok(means.chain([samples, sums, luminance]).collect())
     }
@@ -127,12 +129,13 @@ impl Pass for PathTracer {
             // What nobody reads is not worth a ray.
             .value("direct", switch(cx.connected("image") || cx.connected("direct")))
             .value("emissive", switch(cx.trait_bool("emissive")));
-        let estimate = ["luminance", "error"].into_iter().flat_map(|sum| {
+        let mut estimate = Vec::new();
+        for sum in ["luminance", "error"] {
             let shader = cx.shader(ESTIMATE, &[past.clone(), ("SUM", Define::from(sum))]);
-            reduce::steps(&shader, size.0 * size.1, "estimate_sums")
-        });
+            estimate.extend(reduce::steps(&cx.use_context(), &shader, size.0 * size.1, "estimate_sums")?);
+        }
         Ok(Recording::one(paths)
-            .then_all(estimate.map(|step| step.value("samples_per_frame", at_once.clone())))
+            .then_all(estimate.into_iter().map(|step| step.value("samples_per_frame", at_once.clone())))
             .then(Compute::per_texel(cx.shader(MEAN, &[]), "mean", size)))
     }
 }

@@ -2,9 +2,10 @@
 
 pub mod cpu_reference;
 
+use interfaces::visibility::{COLUMNS, DEPTH_BIAS, LOOP_ITERATIONS, ROWS, TAPS, TILE};
 use pass::{
     Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    SceneBindings, Setting, Settings, UseContext, Value,
+    SceneBindings, Setting, Settings, UseContext,
 };
 
 /// The pass type `percentage-closer-filtering`.
@@ -55,24 +56,19 @@ impl Pass for PercentageCloserFiltering {
             )
             .help("link what makes depth maps, or take this pass out"));
         }
-        let fact = |name| {
-            cx.fact("maps", name).ok_or_else(|| {
-                PassTypeError::input("maps", format!("the maps do not tell their fact `{name}`"))
-            })
-        };
         let taps = PercentageCloserFilteringSettings::read(cx.settings).taps;
         // The farthest texel is as much further from the receiver as the window is wider than that of one tap.
         let reach = (taps + 1) as f32 / 2.0;
-        let bias = fact("depth_bias")?.as_f32().unwrap_or_default() * reach;
+        let bias = cx.fact("maps", DEPTH_BIAS)? * reach;
         Ok(vec![
             OutputDesc::hand_on("visibility", "maps")
                 .module(Module::new(MODULE))
-                .fact("tile", fact("tile")?.clone())
-                .fact("columns", fact("columns")?.clone())
-                .fact("rows", fact("rows")?.clone())
-                .fact("depth_bias", Value::F32(bias))
-                .fact("taps", Value::U32(taps))
-                .fact("loop_iterations", Value::U32((taps + 1) * (taps + 1))),
+                .fact(TILE, cx.fact("maps", TILE)?)
+                .fact(COLUMNS, cx.fact("maps", COLUMNS)?)
+                .fact(ROWS, cx.fact("maps", ROWS)?)
+                .fact(DEPTH_BIAS, bias)
+                .fact(TAPS, taps)
+                .fact(LOOP_ITERATIONS, (taps + 1) * (taps + 1)),
         ])
     }
 

@@ -155,7 +155,7 @@ fn it_filters_maps_and_nothing_else() {
             frame: (8, 8),
             traits: &pass::Traits::default(),
         };
-        kind.outputs(&UseContext { use_, shaders: &library }, &context)
+        kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
     };
     let atlas = || vec![("atlas".to_owned(), ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8)))];
     let facts = [

@@ -3,9 +3,11 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::{reduce, scan};
+use interfaces::points;
 use pass::{
     Compute, Define, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
-    Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, output, setting,
+    Recording, ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext, Value, output,
+    setting,
 };
 
 /// The pass, for the catalog.
@@ -20,11 +22,9 @@ const SHARE: &str = "passes/points-on-the-fly/share.wgsl";
 const GUIDE: &str = "passes/points-on-the-fly/guide.wgsl";
 const MODULE: &str = "shaders/points-on-the-fly.wgsl";
 
-/// Bytes of struct Amplification without its array.
-const HEADER_BYTES: u64 = 16;
-/// Bytes of struct Bounds.
-const BOUNDS_BYTES: u64 = 16;
-/// Bytes of a weight.
+const AMPLIFICATION: Struct = Struct::new("shaders/amplification.wgsl", "Amplification");
+const BOUNDS_OF_SCENE: Struct = Struct::new(BOUNDS, "Bounds");
+/// Bytes of a weight, a f32.
 const WEIGHT_BYTES: u64 = 4;
 
 /// The most maps whose samples neighbouring threads make in turns: as many threads stand on triangles near each other. A
@@ -79,36 +79,46 @@ impl Pass for PointsOnTheFly {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
         let guide = (1 << guide_bits(triangles)) + 1;
-        let bytes = HEADER_BYTES + 4 * (u64::from(triangles) + 1 + guide);
+        let points = use_cx.buffer(AMPLIFICATION, u64::from(triangles) + 1 + guide)?;
         let mut outputs = vec![
-            OutputDesc::one("points", ResourceDesc::buffer(bytes.next_multiple_of(16)))
+            OutputDesc::one("points", points)
                 .module(Module::new(MODULE))
-                .fact("count", Value::U32(if triangles > 0 { u32::MAX } else { 0 }))
-                .fact("block", Value::U32(BLOCK)),
+                .fact(points::COUNT, if triangles > 0 { u32::MAX } else { 0 })
+                .fact(points::BLOCK, BLOCK),
             OutputDesc::scratch("total_weight", ResourceDesc::buffer(WEIGHT_BYTES)),
-            reduce::scratch("weight_blocks", triangles, WEIGHT_BYTES),
+            reduce::scratch(use_cx, "weight_blocks", triangles, WEIGHT_BYTES)?,
         ];
-        outputs.extend(scan::scratch("share_sums", triangles));
+        outputs.extend(scan::scratch(use_cx, "share_sums", triangles)?);
         if tessellates(cx.settings) {
-            outputs.push(OutputDesc::scratch("bounds", ResourceDesc::buffer(BOUNDS_BYTES)));
-            outputs.push(reduce::scratch("bounds_blocks", triangles, BOUNDS_BYTES));
+            outputs.push(OutputDesc::scratch("bounds", use_cx.buffer(BOUNDS_OF_SCENE, 1)?));
+            outputs.push(reduce::scratch(
+                use_cx,
+                "bounds_blocks",
+                triangles,
+                use_cx.size_of(BOUNDS_OF_SCENE)?,
+            )?);
         }
         Ok(outputs)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let triangles = cx.trait_u32("triangles");
+        let (use_cx, triangles) = (cx.use_context(), cx.trait_u32("triangles"));
         let tessellates = tessellates(cx.settings);
         let defines = [("TESSELLATION", Define::Bool(tessellates))];
         let bounds = tessellates
-            .then(|| reduce::steps(&cx.shader(BOUNDS, &[]), triangles, "bounds_blocks"))
+            .then(|| reduce::steps(&use_cx, &cx.shader(BOUNDS, &[]), triangles, "bounds_blocks"))
+            .transpose()?
             .into_iter()
             .flatten();
-        let sum = reduce::steps(&cx.shader(SUM, &defines), triangles, "weight_blocks");
-        let shares = scan::steps(&cx.shader(SHARE, &defines), triangles, "share_sums");
+        let sum = reduce::steps(&use_cx, &cx.shader(SUM, &defines), triangles, "weight_blocks")?;
+        let shares = scan::steps(&use_cx, &cx.shader(SHARE, &defines), triangles, "share_sums")?;
         let entries = (1 << guide_bits(triangles)) + 1;
         let guide = Compute::new(cx.shader(GUIDE, &[]), "guide", Threads::Row(entries));
         let with_guide = |step: Compute| step.value("guide_bits", Value::U32(guide_bits(triangles)));

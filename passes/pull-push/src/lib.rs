@@ -2,9 +2,11 @@
 
 pub mod cpu_reference;
 
+use interfaces::depth_atlas;
+use interfaces::visibility::AtlasLayout;
 use pass::{
-    AtlasLayout, Compute, Define, Draw, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, Threads,
+    Compute, Define, Draw, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Raster,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, Threads,
     UseContext, Value, setting,
 };
 
@@ -90,15 +92,14 @@ impl Pass for PullPush {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let [tile, count] =
-            ["tile", "count"].map(|fact| cx.fact("depth", fact).and_then(Value::as_u32).unwrap_or(1).max(1));
+        let (tile, count) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
         let most = AtlasLayout::most(tile, self.side).min(u64::from(MAX_GROUPS));
         let layout = AtlasLayout::new(count, tile, self.side).filter(|_| count <= MAX_GROUPS);
         let layout = layout.ok_or_else(|| {
             PassTypeError::input("depth", format!("{count} maps of {tile}² are more than an atlas holds"))
                 .help(format!("take smaller maps, or at most {most} virtual lights"))
         })?;
-        let depth_bias = cx.fact("depth", "depth_bias").cloned().unwrap_or(Value::F32(1.0));
+        let depth_bias = cx.fact("depth", depth_atlas::DEPTH_BIAS)?;
         let texels = Pyramid { tile, count }.begin(PullPushSettings::read(cx.settings).levels + 1);
         let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));
         Ok(vec![layout.visibility(depth_bias), pyramid])
@@ -106,8 +107,8 @@ impl Pass for PullPush {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let levels = PullPushSettings::read(cx.settings).levels;
-        let pyramid =
-            Pyramid { tile: cx.fact("depth", "tile").max(1), count: cx.fact("depth", "count").max(1) };
+        let (tile, count) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
+        let pyramid = Pyramid { tile, count };
         let mut recording = Recording::default();
         for finer in 0..levels {
             let shader = cx.shader(PULL, &[("FINEST", Define::Bool(finer == 0))]);

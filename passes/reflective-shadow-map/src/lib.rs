@@ -72,8 +72,7 @@ impl Pass for ReflectiveShadowMap {
             ("normal".into(), array(Format::Rgba16Float), usage.clone()),
             ("flux".into(), array(Format::Rgba32Float), usage),
         ];
-        let rsm = OutputDesc::of("rsm", members);
-        let mut all = vec![rsm.fact("size", Value::U32(size)).fact("layers", Value::U32(layers))];
+        let mut all = vec![OutputDesc::of("rsm", members)];
         if lit > 0 {
             all.push(OutputDesc::scratch("albedo", array(Format::Rgba16Float)));
             all.push(OutputDesc::scratch("nearest", ResourceDesc::texture_2d(Format::Depth32Float, extent)));

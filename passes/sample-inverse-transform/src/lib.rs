@@ -3,11 +3,11 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::segmented_scan;
+use interfaces::{importance_map, virtual_lights};
 use pass::setting;
 use pass::{
     Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces,
-    output,
+    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, output,
 };
 
 /// The pass, for the catalog.
@@ -58,13 +58,17 @@ impl Pass for SampleInverseTransform {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = SampleInverseTransformSettings::read(cx.settings).count;
-        let ((_, height), layers) = interfaces::importance_shape(cx)?;
+        let ((_, height), layers) = importance_map::shape(cx)?;
         let cdf = |entries: u32| ResourceDesc::buffer(4 * u64::from(entries));
         let totals = |segments: u32| ResourceDesc::buffer(8 * u64::from(segments));
         Ok(vec![
-            OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
+            virtual_lights::output(use_cx, "lights", count)?,
             OutputDesc::scratch(
                 "row_cdf",
                 ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("importance"), layers),

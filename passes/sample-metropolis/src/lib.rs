@@ -3,9 +3,10 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::reduce;
+use interfaces::{importance_map, virtual_lights};
 use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, interfaces, output,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting,
+    Settings, Struct, Threads, UseContext, input, output,
 };
 
 /// The pass, for the catalog.
@@ -17,8 +18,7 @@ pub struct SampleMetropolis;
 const SAMPLE: &str = "passes/sample-metropolis/sample-metropolis.wgsl";
 const MEAN: &str = "passes/sample-metropolis/mean.wgsl";
 
-/// Bytes of `Scaled` in shaders/algorithms/scaled.wgsl.
-const SCALED_BYTES: u64 = 8;
+const SCALED: Struct = Struct::new("shaders/algorithms/scaled.wgsl", "Scaled");
 
 pass::choice! {
     /// What stands for the mean importance in a light's weight; the words are those of the shader's option `WEIGHTS`.
@@ -78,16 +78,18 @@ impl Pass for SampleMetropolis {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        interfaces::importance_shape(cx)?;
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
+        importance_map::shape(cx)?;
         let settings = SampleMetropolisSettings::read(cx.settings);
         let count = settings.count;
-        let mut outputs = vec![
-            OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
-        ];
+        let mut outputs = vec![virtual_lights::output(use_cx, "lights", count)?];
         if settings.weights == Weights::None {
-            outputs.push(reduce::scratch("sums", proposals(&settings), SCALED_BYTES));
-            outputs.push(OutputDesc::scratch("sum", ResourceDesc::buffer(SCALED_BYTES)));
+            outputs.push(reduce::scratch(use_cx, "sums", proposals(&settings), use_cx.size_of(SCALED)?)?);
+            outputs.push(OutputDesc::scratch("sum", use_cx.buffer(SCALED, 1)?));
         }
         Ok(outputs)
     }
@@ -99,7 +101,7 @@ impl Pass for SampleMetropolis {
         if settings.weights != Weights::None {
             return Ok(Recording::one(sample));
         }
-        let sum = reduce::steps(&cx.shader(MEAN, &[]), proposals(&settings), "sums");
+        let sum = reduce::steps(&cx.use_context(), &cx.shader(MEAN, &[]), proposals(&settings), "sums")?;
         Ok(Recording::of(sum).then(sample))
     }
 }

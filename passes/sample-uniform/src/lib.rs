@@ -2,9 +2,10 @@
 
 pub mod cpu_reference;
 
+use interfaces::virtual_lights;
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting,
-    Settings, Threads, UseContext, Value, input, interfaces, output,
+    Settings, Threads, UseContext, input, output,
 };
 
 /// The pass, for the catalog.
@@ -43,11 +44,13 @@ impl Pass for SampleUniform {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = SampleUniformSettings::read(cx.settings).count;
-        Ok(vec![
-            OutputDesc::one("lights", interfaces::virtual_lights(count)).fact("count", Value::U32(count)),
-        ])
+        Ok(vec![virtual_lights::output(use_cx, "lights", count)?])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {

@@ -2,9 +2,10 @@
 
 pub mod cpu_reference;
 
+use interfaces::points;
 use pass::{
     Compute, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, output,
+    SceneBindings, Setting, Settings, Struct, Threads, UseContext, output,
 };
 
 /// The pass, for the catalog.
@@ -13,8 +14,7 @@ pub const PASS: &dyn Pass = &ScenePoints;
 /// See the crate.
 pub struct ScenePoints;
 
-/// Bytes of struct Point.
-const POINT_BYTES: u64 = 32;
+const POINT: Struct = Struct::new("shaders/points.wgsl", "Point");
 
 pass::settings! {
     /// The settings of the pass type `scene-points`.
@@ -51,13 +51,17 @@ impl Pass for ScenePoints {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = ScenePointsSettings::read(cx.settings).count;
-        let desc = ResourceDesc::buffer(POINT_BYTES * u64::from(count));
+        let desc = use_cx.buffer(POINT, u64::from(count))?;
         Ok(vec![
             OutputDesc::one("points", desc)
                 .module(Module::new("shaders/points-stored.wgsl"))
-                .fact("count", Value::U32(count)),
+                .fact(points::COUNT, count),
         ])
     }
 

@@ -2,10 +2,12 @@
 
 pub mod cpu_reference;
 
+use interfaces::points::SurfaceSamples;
+use interfaces::visibility::DepthBiasSettings;
+use interfaces::{counters, depth_atlas, virtual_lights};
 use pass::{
-    Compute, Define, DepthBiasSettings, Extent, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, SurfaceSamples, Threads,
-    UseContext, Value, setting,
+    Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, setting,
 };
 use std::f64::consts::PI;
 
@@ -22,9 +24,6 @@ const MAX_TEXELS: u64 = u32::MAX as u64;
 
 /// The most splats of a frame: each has a place of its own in 0..2³¹, also where maps are filled up to whole blocks.
 const MAX_SPLATS: u32 = 1 << 30;
-
-/// Bytes of struct Counters.
-const TALLY_BYTES: u64 = 8;
 
 pass::choice! {
     /// What a splat stores.
@@ -98,10 +97,14 @@ impl Pass for Splat {
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let settings = SplatSettings::read(cx.settings);
         let tile = settings.map;
-        let count = cx.fact("lights", "count").and_then(Value::as_u32).unwrap_or(0).max(1);
+        let count = cx.fact("lights", virtual_lights::COUNT)?;
         let texels = u64::from(count) * u64::from(tile).pow(2);
         if texels > MAX_TEXELS {
             let most = MAX_TEXELS / u64::from(tile).pow(2);
@@ -119,23 +122,23 @@ impl Pass for Splat {
         };
         let depth_bias = DepthBiasSettings::read(cx.settings).depth_bias * needed;
         Ok(vec![
-            OutputDesc::one("counters", ResourceDesc::<Extent>::buffer(TALLY_BYTES)),
-            OutputDesc::one("depth", ResourceDesc::<Extent>::buffer(texels * 4))
-                .fact("tile", Value::U32(tile))
-                .fact("count", Value::U32(count))
-                .fact("depth_bias", Value::F32(depth_bias)),
+            counters::output(use_cx, "counters")?,
+            OutputDesc::one("depth", ResourceDesc::buffer(texels * 4))
+                .fact(depth_atlas::TILE, tile)
+                .fact(depth_atlas::COUNT, count)
+                .fact(depth_atlas::DEPTH_BIAS, depth_bias),
         ])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let [tile, maps] = ["tile", "count"].map(|fact| cx.fact("depth", fact));
+        let (tile, maps) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
         let settings = SplatSettings::read(cx.settings);
         let wanted = match settings.points_per_map {
             0 => points_of_guideline(tile),
             given => given,
         };
         let within_budget = (settings.budget / maps.max(1)).max(1);
-        let samples = SurfaceSamples::new(cx, maps, wanted.min(within_budget));
+        let samples = SurfaceSamples::new(cx, maps, wanted.min(within_budget))?;
         let shader = cx.shader(SHADER, &[("KERNEL", Define::from(settings.kernel))]);
         let dispatch = |entry: &str, threads: u32| {
             samples

@@ -10,7 +10,7 @@ fn it_names_a_module_and_makes_nothing() {
     let use_ = Use { kind: "visibility-none", shader: None, inputs: &[], outputs: &overrides };
     let outputs = visibility_none::PASS
         .outputs(
-            &UseContext { use_, shaders: &library },
+            &UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES },
             &OutputContext {
                 use_,
                 settings: &Settings::default(),

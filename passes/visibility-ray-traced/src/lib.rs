@@ -1,5 +1,6 @@
 //! Says which virtual lights are seen by a ray to each.
 
+use interfaces::visibility;
 use pass::{
     Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
     SceneBindings, Setting, Settings, UseContext, Value, setting,
@@ -59,7 +60,7 @@ impl Pass for VisibilityRayTraced {
         Ok(vec![
             OutputDesc::of("visibility", Vec::new())
                 .module(module)
-                .fact("loop_iterations", Value::U32(LOOP_ITERATIONS)),
+                .fact(visibility::LOOP_ITERATIONS, LOOP_ITERATIONS),
         ])
     }
 

@@ -12,7 +12,7 @@ fn facts(masked: bool) -> Facts {
     let settings = Settings(BTreeMap::from([("rays".to_owned(), Value::Text("bvh".into()))]));
     let context = OutputContext { use_, settings: &settings, inputs: &[], frame: (8, 8), traits: &traits };
     let outputs = visibility_ray_traced::PASS
-        .outputs(&UseContext { use_, shaders: &library }, &context)
+        .outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
         .expect("it never refuses");
     let [visibility] = &outputs[..] else { panic!("one output: {outputs:?}") };
     assert!(visibility.members.is_empty(), "there is no atlas");
@@ -42,6 +42,7 @@ fn a_consumer_traces_rays() {
             frame: (8, 8),
             traits: &traits,
             shaders: &library,
+            interfaces: interfaces::INTERFACES,
         };
         let consumer = "passes/gather/gather.wgsl";
         let request = context.shader(consumer, &[("VISIBILITY", pass::Define::Bool(true))]);

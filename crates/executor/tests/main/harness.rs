@@ -119,7 +119,7 @@ impl TestPassTypes<'_> {
     }
 
     fn cx<'a>(&'a self, use_: Use<'a>) -> UseContext<'a> {
-        UseContext { use_, shaders: self.shaders }
+        UseContext { use_, shaders: self.shaders, interfaces: &[] }
     }
 }
 
@@ -208,7 +208,7 @@ impl Workshop {
         let plan = compile(&graph, &self.options).unwrap_or_else(|errors| panic!("{errors}"));
         let steps = plan.passes.iter().enumerate().map(|(index, pass)| {
             let (id, kind) = (PassId(index as u32), kinds.find(&pass.kind));
-            pass::link_steps(&plan, id, kind, &Traits::default(), &self.shaders)
+            pass::link_steps(&plan, id, kind, &Traits::default(), &self.shaders, &[])
         });
         let steps = steps.collect::<Result<_, _>>().map_err(|errors| errors.to_string())?;
         Ok((Arc::new(plan), steps))

@@ -5,6 +5,7 @@ use super::{GraphPort, GraphPorts, Linker, Made};
 use crate::codes;
 use crate::description::Body;
 use crate::diagnostic::Diagnostic;
+use crate::interface::check_facts;
 use crate::port::{Facts, InputDesc, OutputContext, OutputDesc, PassTypeError, Usage};
 use crate::resource::{Extent, ResourceDesc, TextureDesc};
 use data_file::Name;
@@ -255,8 +256,11 @@ impl<'a> Linker<'a> {
         whole: bool,
         inputs: &[InputDesc],
     ) -> Result<GraphPort, Unknown> {
-        let facts = if output.facts.is_empty() { Arc::clone(&NO_FACTS) } else { Arc::new(output.facts) };
         let known = self.interfaces.iter().find(|i| i.name == interface.as_str());
+        if let Some(known) = known {
+            check_facts(known, &port, &output.facts).map_err(|what| self.defect(node, what))?;
+        }
+        let facts = if output.facts.is_empty() { Arc::clone(&NO_FACTS) } else { Arc::new(output.facts) };
         // One resource without a name, as most ports have, needs no search.
         let plain = known.is_none_or(|i| matches!(i.members, [only] if only.name.is_empty()));
         let plain = plain && matches!(&output.members[..], [(name, _, _)] if name.is_empty());

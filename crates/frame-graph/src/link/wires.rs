@@ -4,7 +4,7 @@ use super::Linker;
 use crate::codes;
 use crate::description::{At, Body, Group, InputDecl, Link, Off, Past};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::port::Interface;
+use crate::interface::Interface;
 use crate::resource::Clear;
 use data_file::Name;
 use smallvec::SmallVec;

@@ -1,27 +1,33 @@
 //! Pass types for tests: small, and wide enough to reach every rule of linking.
 
-use frame_graph::port::{Member, OutputContext, OutputDesc, PassTypes, Use};
+use frame_graph::port::{OutputContext, OutputDesc, PassTypes, Use};
 use frame_graph::resolve::Files;
 use frame_graph::{
-    Clear, Extent, Format, InputPort, Interface, OutputPort, PassTypeError, Ports, ResourceDesc,
-    SceneBindings, Setting, Settings, Source, Traits, Usage, Value,
+    Clear, Content, Extent, Fact, Format, InputPort, Interface, Member, OutputPort, PassTypeError, Ports,
+    ResourceDesc, SceneBindings, Setting, Settings, Source, Traits, Usage, Value,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// How many lights there are.
+const COUNT: Fact<u32> = Fact::required("count", "how many there are");
+/// A fact that nothing but tests reads.
+const BIAS: Fact<f32> = Fact::optional("bias", "");
+
 pub(super) const INTERFACES: &[Interface] = &[
-    Interface {
-        name: "GBuffer",
-        members: &[
-            Member { name: "depth", optional: false, doc: "" },
-            Member { name: "normal", optional: false, doc: "" },
-            Member { name: "motion", optional: true, doc: "" },
+    Interface::new(
+        "GBuffer",
+        "",
+        &[
+            Member::required("depth", Content::Texture(Format::R32Float), ""),
+            Member::required("normal", Content::Texture(Format::Rgba16Float), ""),
+            Member::optional("motion", Content::Texture(Format::Rg32Float), ""),
         ],
-        doc: "",
-    },
-    Interface { name: "Lights", members: &[Member { name: "", optional: false, doc: "" }], doc: "" },
-    Interface { name: "Visibility", members: &[Member { name: "", optional: false, doc: "" }], doc: "" },
-    Interface { name: "Irradiance", members: &[Member { name: "", optional: false, doc: "" }], doc: "" },
+    )
+    .with_facts(&[BIAS.decl()]),
+    Interface::new("Lights", "", &[Member::required("", Content::Buffer, "")]).with_facts(&[COUNT.decl()]),
+    Interface::new("Visibility", "", &[Member::required("", Content::Buffer, "")]),
+    Interface::new("Irradiance", "", &[Member::required("", Content::Texture(Format::Rgba32Float), "")]),
 ];
 
 /// Makes the outputs of a use.
@@ -122,7 +128,7 @@ impl TestPassTypes {
                     let count = given(c, "count").as_u32().unwrap();
                     let lights = OutputDesc::one("lights", ResourceDesc::buffer(u64::from(count) * 48));
                     let scan = OutputDesc::scratch("scan", ResourceDesc::buffer(u64::from(count) * 4));
-                    Ok(vec![lights.fact("count", Value::U32(count)), scan])
+                    Ok(vec![lights.fact(COUNT, count), scan])
                 },
             ),
             kind(
@@ -130,7 +136,7 @@ impl TestPassTypes {
                 vec![setting("map", Value::U32(64), 1.0, 512.0, &[])],
                 ports(&["lights: Lights"], &["atlas: Visibility"], SceneBindings::SCENE),
                 |c| {
-                    let Some(count) = c.fact("lights", "count").and_then(Value::as_u32) else {
+                    let Ok(count) = c.fact("lights", COUNT) else {
                         return Err(PassTypeError::input("lights", "the lights do not say their count"));
                     };
                     let map = given(c, "map").as_u32().unwrap();
@@ -218,8 +224,8 @@ impl TestPassTypes {
                 vec![setting("bias", Value::F32(0.5), 0.0, 1.0, &[])],
                 ports(&["view: GBuffer"], &["seen: GBuffer"], none),
                 |c| {
-                    let bias = given(c, "bias").clone();
-                    Ok(vec![OutputDesc::hand_on("seen", "view").fact("bias", bias)])
+                    let bias = given(c, "bias").as_f32().unwrap();
+                    Ok(vec![OutputDesc::hand_on("seen", "view").fact(BIAS, bias)])
                 },
             ),
             kind("remotion", vec![], ports(&["view: GBuffer"], &["seen: GBuffer"], none), |_| {
@@ -227,6 +233,17 @@ impl TestPassTypes {
                 let motion = ResourceDesc::texture_2d(Format::Rg16Float, Extent::FRAME);
                 seen.members.push(("motion".into(), motion, Usage::Overwrites));
                 Ok(vec![seen.handed("normal", "view", "normal").handed("depth", "view", "depth")])
+            }),
+            kind("untold", vec![], ports(&[], &["lights: Lights"], none), |_| {
+                Ok(vec![OutputDesc::one("lights", ResourceDesc::buffer(48))])
+            }),
+            kind("mistold", vec![], ports(&["view: GBuffer"], &["seen: GBuffer"], none), |_| {
+                let bais: Fact<f32> = Fact::optional("bais", "");
+                Ok(vec![OutputDesc::hand_on("seen", "view").fact(bais, 0.5)])
+            }),
+            kind("mistyped", vec![], ports(&[], &["lights: Lights"], none), |_| {
+                let count: Fact<f32> = Fact::required("count", "");
+                Ok(vec![OutputDesc::one("lights", ResourceDesc::buffer(48)).fact(count, 1.0)])
             }),
             kind("defect", vec![], ports(&[], &["image: Texture"], none), |_| Ok(vec![image("picture")])),
             kind("sink", vec![], ports(&["image: Texture"], &[], none), |_| Ok(vec![])),

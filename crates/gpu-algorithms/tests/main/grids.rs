@@ -1,7 +1,7 @@
 //! Grids.
 
 use crate::bench::Bench;
-use crate::{LENGTHS, numbers};
+use crate::{LENGTHS, cx, numbers};
 use gpu_algorithms::{Grid, reference};
 
 /// Where cells begin, and the elements of all cells.
@@ -13,7 +13,7 @@ fn grid(cell_of: &[u32], bound: u32, cells: u32) -> Option<(Vec<u32>, Vec<u32>)>
         .input("numbers", cell_of)
         .output("starts", grid.starts_bytes() as usize / 4)
         .output("indices", grid.indices_bytes() as usize / 4)
-        .steps(grid.scratch(), grid.steps(&shader))
+        .steps(grid.scratch(&cx()).unwrap(), grid.steps(&cx(), &shader).unwrap())
         .run()?;
     let mut starts: Vec<u32> = outputs.read("starts");
     // Small buffers are larger than requested.

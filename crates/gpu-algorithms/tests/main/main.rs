@@ -9,7 +9,13 @@ mod selection;
 mod sorts;
 mod workgroups;
 
+use pass::UseContext;
 use pass_test::random::hash2;
+
+/// A use of a pass, for the layouts of the shaders.
+fn cx() -> UseContext<'static> {
+    pass_test::use_context()
+}
 
 /// Numbers of elements: around powers of two, within a thread, a workgroup and a block, and of many blocks.
 const LENGTHS: [u32; 20] = [

@@ -1,7 +1,7 @@
 //! Sums.
 
 use crate::bench::Bench;
-use crate::{LENGTHS, MANY, numbers};
+use crate::{LENGTHS, MANY, cx, numbers};
 use gpu_algorithms::{reduce, reference};
 use pass::Define;
 
@@ -11,12 +11,16 @@ fn sum_of(weights: &[f32], bound: u32, scaled: bool, few: bool) -> Option<Vec<u3
     let shader =
         pass::request("crates/gpu-algorithms/tests/main/sum.wgsl", &[("SCALED", Define::Bool(scaled))]);
     let bytes = if scaled { 8 } else { 4 };
-    let steps = if few { vec![reduce::few(&shader)] } else { reduce::steps(&shader, bound, "scratch") };
+    let steps = if few {
+        vec![reduce::few(&shader)]
+    } else {
+        reduce::steps(&cx(), &shader, bound, "scratch").unwrap()
+    };
     let outputs = Bench::default()
         .input("count", &[weights.len() as u32])
         .input("weights", &words)
         .output("sum", bytes as usize / 4)
-        .steps((!few).then(|| reduce::scratch("scratch", bound, bytes)), steps)
+        .steps((!few).then(|| reduce::scratch(&cx(), "scratch", bound, bytes).unwrap()), steps)
         .run()?;
     Some(outputs.read("sum"))
 }

@@ -1,7 +1,7 @@
 //! Scans, compactions and scans of segments.
 
 use crate::bench::Bench;
-use crate::{LENGTHS, MANY, numbers};
+use crate::{LENGTHS, MANY, cx, numbers};
 use gpu_algorithms::{reference, scan, segmented_scan};
 use pass::Value;
 
@@ -14,7 +14,10 @@ fn scan_of(numbers: &[u32], bound: u32) -> Option<(Vec<(u32, u32)>, u32)> {
         .input("numbers", numbers)
         .output("sums", 2 * length)
         .output("total", 1)
-        .steps(scan::scratch("scratch", bound), scan::steps(&shader, bound, "scratch"))
+        .steps(
+            scan::scratch(&cx(), "scratch", bound).unwrap(),
+            scan::steps(&cx(), &shader, bound, "scratch").unwrap(),
+        )
         .run()?;
     let sums: Vec<u32> = outputs.read("sums");
     let sums = sums.chunks_exact(2).take(length).map(|pair| (pair[0], pair[1])).collect();
@@ -56,7 +59,10 @@ fn compactions_keep_the_order_and_leave_no_gaps() {
                 .input("numbers", &numbers)
                 .output("kept", length as usize)
                 .output("total", 1)
-                .steps(scan::scratch("scratch", length), scan::steps(&shader, length, "scratch"))
+                .steps(
+                    scan::scratch(&cx(), "scratch", length).unwrap(),
+                    scan::steps(&cx(), &shader, length, "scratch").unwrap(),
+                )
                 .run();
             let Some(outputs) = outputs else { return };
             let wanted = reference::compact(length, |i| numbers[i as usize] % 2 == 1);

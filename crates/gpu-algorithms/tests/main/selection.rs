@@ -1,7 +1,7 @@
 //! Selection by rank.
 
 use crate::bench::Bench;
-use crate::{LENGTHS, numbers};
+use crate::{LENGTHS, cx, numbers};
 use gpu_algorithms::{reference, select};
 
 /// `key_of_f32` of shaders/algorithms/sort-keys.wgsl.
@@ -26,7 +26,10 @@ fn the_number_of_each_rank_is_found() {
                 .input("count", &[length, rank])
                 .input("numbers", &words)
                 .output("found", 2)
-                .steps([select::scratch("scratch")], select::steps(&shader, length, "scratch"))
+                .steps(
+                    [select::scratch(&cx(), "scratch").unwrap()],
+                    select::steps(&cx(), &shader, length, "scratch").unwrap(),
+                )
                 .run();
             let Some(outputs) = outputs else { return };
             let wanted = reference::select(&keys, rank);
@@ -52,7 +55,10 @@ fn equal_numbers_share_their_ranks() {
             .input("count", &[5, rank])
             .input("numbers", &words)
             .output("found", 2)
-            .steps([select::scratch("scratch")], select::steps(&shader, 5, "scratch"))
+            .steps(
+                [select::scratch(&cx(), "scratch").unwrap()],
+                select::steps(&cx(), &shader, 5, "scratch").unwrap(),
+            )
             .run();
         let Some(outputs) = outputs else { return };
         assert_eq!(outputs.read::<u32>("found")[1], wanted.to_bits(), "rank {rank}");

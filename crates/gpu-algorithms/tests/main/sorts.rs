@@ -1,7 +1,7 @@
 //! Sorts.
 
 use crate::bench::Bench;
-use crate::{LENGTHS, MANY, numbers};
+use crate::{LENGTHS, MANY, cx, numbers};
 use gpu_algorithms::{RadixSort, reference};
 
 /// How a sort gets what it sorts.
@@ -34,7 +34,7 @@ fn sort(pairs: &[(u32, u32)], bits: u32, form: Form) -> Option<Vec<(u32, u32)>> 
         .input("values", &values)
         .output("sorted_keys", bound as usize)
         .output("sorted_values", bound as usize)
-        .steps(sort.scratch(), sort.steps())
+        .steps(sort.scratch(&cx()).unwrap(), sort.steps(&cx()).unwrap())
         .run()?;
     let [keys, values] = ["sorted_keys", "sorted_values"].map(|name| outputs.read::<u32>(name));
     Some(std::iter::zip(keys, values).take(pairs.len()).collect())

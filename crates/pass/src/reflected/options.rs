@@ -1,7 +1,10 @@
 //! Variants of a shader of a user's: its options as settings, and stand-ins for the modules of interfaces.
 
-use super::{UserShader, member_of};
-use crate::{Define, InputPort, Library, PassTypeError, Request, Setting, Settings, Traits, scene_bindings};
+use super::{UserShader, list, member_of};
+use crate::{
+    Define, InputPort, Interface, Library, PassTypeError, Request, Setting, Settings, Traits, UseContext,
+    scene_bindings,
+};
 use shader_library::ShaderOption;
 
 /// An `#import interface`, which is an input.
@@ -11,11 +14,6 @@ pub(super) struct Imported {
     pub(super) port: String,
     interface: &'static str,
 }
-
-/// Interfaces whose producers bring modules: the name, and the module by which a shader is read before it is known
-/// which one is linked.
-const MODULES: [(&str, &str); 2] =
-    [("Visibility", "shaders/visibility-none.wgsl"), ("Points", "shaders/points-stored.wgsl")];
 
 impl Imported {
     pub(super) fn input(&self) -> InputPort {
@@ -35,9 +33,10 @@ impl Imported {
 
 /// The request with a stand-in for each interface that the shader imports.
 pub(super) fn stand_in(
-    library: &Library,
+    cx: &UseContext<'_>,
     user: &UserShader<'_>,
 ) -> Result<(Request, Vec<Imported>), PassTypeError> {
+    let library = cx.shaders;
     let refused = |errors| PassTypeError::new(format!("`{}` is refused\n{errors}", user.path));
     let outline = library.outline(&user.request).map_err(refused)?;
     let mut request = user.request.clone();
@@ -46,26 +45,45 @@ pub(super) fn stand_in(
         if request.modules.contains_key(&port) {
             continue;
         }
+        // `camera_visibility` is of the interface Visibility, `lit_points` of Points.
         let named = |interface: &str| {
-            let name = interface.to_lowercase();
+            let name = snake_case(interface);
             port == name || port.strip_suffix(&name).is_some_and(|rest| rest.ends_with('_'))
         };
-        let Some((interface, module)) = MODULES.iter().find(|(interface, _)| named(interface)) else {
+        let with_modules = || {
+            let stand_in = |known: &Interface| Some((known.name, known.stand_in?));
+            cx.interfaces.iter().filter_map(stand_in)
+        };
+        let Some((interface, module)) = with_modules().find(|(interface, _)| named(interface)) else {
             let message =
                 format!("`{}` imports the interface \"{port}\", and no producer brings that", user.path);
-            return Err(PassTypeError::new(message).help(
-                "there are \"visibility\" and \"points\", and names that end in `_visibility` or `_points`",
-            ));
+            let names: Vec<String> = with_modules().map(|(name, _)| snake_case(name)).collect();
+            let quoted = list(names.iter().map(|name| format!("\"{name}\"")));
+            let suffixes = list(names.iter().map(|name| format!("`_{name}`")));
+            return Err(PassTypeError::new(message)
+                .help(format!("there are {quoted}, and names that end in {suffixes}")));
         };
-        request.modules.insert(port.clone(), (*module).to_owned());
+        request.modules.insert(port.clone(), module.to_owned());
         imported.push(Imported { port, interface });
     }
     Ok((request, imported))
 }
 
+/// The name of an interface as a port is named: `DepthAtlas` is `depth_atlas`.
+fn snake_case(interface: &str) -> String {
+    let mut name = String::new();
+    for letter in interface.chars() {
+        if letter.is_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.extend(letter.to_lowercase());
+    }
+    name
+}
+
 /// The settings that the options and `struct Settings` of all variants declare.
-pub(super) fn settings(library: &Library, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
-    let (request, _) = stand_in(library, user)?;
+pub(super) fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
+    let (library, (request, _)) = (cx.shaders, stand_in(cx, user)?);
     let refused = |errors| PassTypeError::new(format!("`{}` is refused\n{errors}", user.path));
     let shader = library.load(&request).map_err(refused)?;
     let mut all: Vec<Setting> = shader

@@ -2,8 +2,8 @@
 
 use super::{Reflected, list, member_of};
 use crate::{
-    Clear, Extent, Format, OutputContext, OutputDesc, OutputPort, PassTypeError, ResourceDesc, Usage,
-    UseContext, Value, interfaces,
+    Clear, Content, Extent, Fact, Format, Interface, OutputContext, OutputDesc, OutputPort, PassTypeError,
+    ResourceDesc, Usage, UseContext,
 };
 use shader_library::{Access, Attributes, Dimension, Entry, GlobalKind, Shader, TypeLayout};
 
@@ -43,6 +43,9 @@ struct Group<'a> {
     scratch: bool,
     members: Vec<(&'a str, &'a Written)>,
 }
+
+/// How many elements a buffer has: what a pass in WGSL alone tells of one, and reads of others.
+pub(super) const COUNT: Fact<u32> = Fact::required("count", "the number of elements");
 
 /// What a fragment shader with one result writes, as a port.
 const RESULT: &str = "result";
@@ -171,17 +174,17 @@ impl Reflected {
                 .or_else(|| like.map(|input| Extent::like(&input.name)));
             let size = size.unwrap_or(Extent::FRAME);
             let format = said.and_then(|said| said.format);
+            let interface = cx.interfaces.iter().find(|known| known.name == group.interface);
             let mut desc = OutputDesc { scratch: group.scratch, ..OutputDesc::of(group.port, Vec::new()) };
             for (member, written) in group.members {
                 let resource = match &written.form {
                     Form::Target(ty) => {
-                        let format = format.or_else(|| interfaces::format_of(group.interface, member));
+                        let format = format.or_else(|| format_of(cx.interfaces, group.interface, member));
                         ResourceDesc::texture_2d(target_format(&written.name, ty, format)?, size.clone())
                     }
                     Form::Texture { format: declared, array } => {
                         let declared = storage_format(&written.name, declared, format)?;
                         if *array {
-                            desc = desc.fact("layers", Value::U32(layers));
                             ResourceDesc::texture_2d_array(declared, size.clone(), layers)
                         } else {
                             ResourceDesc::texture_2d(declared, size.clone())
@@ -189,8 +192,10 @@ impl Reflected {
                     }
                     Form::Buffer(layout) => {
                         let count = said.and_then(|said| said.count).or_else(|| fixed_count(layout));
-                        if let Some(count) = count {
-                            desc = desc.fact("count", Value::U32(count));
+                        // Interfaces of buffers tell their length, where they tell anything.
+                        let tells = interface.is_none_or(|known| known.fact(COUNT.name).is_some());
+                        if let Some(count) = count.filter(|_| tells) {
+                            desc = desc.fact(COUNT, count);
                         }
                         ResourceDesc::buffer(bytes(&written.name, group.port, layout, count)?)
                     }
@@ -247,7 +252,7 @@ impl Reflected {
             let sort = sort(members[0].1);
             let interface = said.interface.as_deref().unwrap_or(sort);
             if !scratch || members.len() > 1 {
-                check_members(port, interface, &members)?;
+                check_members(cx.interfaces, port, interface, &members)?;
             }
             groups.push(Group { port, interface, scratch, members });
         }
@@ -262,8 +267,13 @@ impl Reflected {
 }
 
 /// Checks that what is written as a port is what its interface wants.
-fn check_members(port: &str, interface: &str, members: &[(&str, &Written)]) -> Result<(), PassTypeError> {
-    let Some(known) = interfaces::INTERFACES.iter().find(|known| known.name == interface) else {
+fn check_members(
+    interfaces: &[Interface],
+    port: &str,
+    interface: &str,
+    members: &[(&str, &Written)],
+) -> Result<(), PassTypeError> {
+    let Some(known) = interfaces.iter().find(|known| known.name == interface) else {
         if interface == "Texture" || interface == "Buffer" {
             return match members {
                 [("", _)] => Ok(()),
@@ -272,7 +282,7 @@ fn check_members(port: &str, interface: &str, members: &[(&str, &Written)]) -> R
                 ))),
             };
         }
-        let all = list(interfaces::INTERFACES.iter().map(|known| known.name));
+        let all = list(interfaces.iter().map(|known| known.name));
         return Err(PassTypeError::new(format!(
             "`out:` offers `{port}` as `{interface}`, which is no interface"
         ))
@@ -286,6 +296,12 @@ fn check_members(port: &str, interface: &str, members: &[(&str, &Written)]) -> R
                 .help(format!("its members would be written as {names}")));
         }
     }
+    if let Some(fact) = known.facts.iter().find(|fact| !fact.optional && fact.name != COUNT.name) {
+        return Err(PassTypeError::new(format!(
+            "a pass in WGSL alone cannot offer `{port}` as `{interface}`: it cannot tell the fact `{}`, {}",
+            fact.name, fact.doc
+        )));
+    }
     for member in known.members.iter().filter(|m| !m.optional) {
         if !members.iter().any(|(name, _)| *name == member.name) {
             return Err(PassTypeError::new(format!(
@@ -295,6 +311,13 @@ fn check_members(port: &str, interface: &str, members: &[(&str, &Written)]) -> R
         }
     }
     Ok(())
+}
+
+/// The format in which the passes of the tree write a texture of an interface; `None` where the member is a buffer or
+/// there is none of that name.
+fn format_of(interfaces: &[Interface], interface: &str, member: &str) -> Option<Format> {
+    let member = interfaces.iter().find(|known| known.name == interface)?.member(member)?;
+    if let Content::Texture(format) = member.content { Some(format) } else { None }
 }
 
 /// The interface of a single resource.

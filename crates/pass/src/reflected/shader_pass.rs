@@ -56,7 +56,7 @@ impl Pass for ShaderPass {
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let (user, use_cx) = (self.user(&cx.use_)?, UseContext { use_: cx.use_, shaders: cx.shaders });
+        let (user, use_cx) = (self.user(&cx.use_)?, cx.use_context());
         Reflected::new(&use_cx, &user, cx.settings)?.record(cx, &user)
     }
 }

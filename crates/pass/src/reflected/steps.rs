@@ -1,10 +1,10 @@
 //! The steps of a shader of a user's: a dispatch or a draw for each of its entry points.
 
-use super::outputs::Form;
+use super::outputs::{COUNT, Form};
 use super::{Reflected, UserShader, list, member_of, options};
 use crate::{
     Compute, Draw, PassTypeError, PortDesc, Ports, Raster, RecordContext, Recording, ResourceDesc, Settings,
-    Step, Target, Threads, UseContext, Value,
+    Step, Target, Threads, Value,
 };
 use frame_graph::nearest;
 use shader_library::{Amount, Entry, EntryAttributes, GlobalKind, Stage, ThreadCount};
@@ -122,7 +122,7 @@ impl Reflected {
         cx: &RecordContext<'_>,
         user: &UserShader<'_>,
     ) -> Result<Recording, PassTypeError> {
-        let use_cx = UseContext { use_: cx.use_, shaders: cx.shaders };
+        let use_cx = cx.use_context();
         // First what the use says, then what the modules of producers add.
         let request = options::select(cx.shaders, cx.with_modules(user.request.clone()), cx.settings);
         let shader = options::select_for_scene(cx.shaders, request, cx.traits);
@@ -211,7 +211,7 @@ impl Reflected {
 
     /// Elements of a buffer: as its producer says, or as many as its bytes hold.
     fn elements(&self, port: &PortDesc, name: &str) -> Option<u32> {
-        if let Some(count) = port.facts.get("count").and_then(Value::as_u32) {
+        if let Some(count) = COUNT.of(&port.facts) {
             return Some(count);
         }
         let (_, global) = self.shader.interface.global(name)?;
@@ -244,7 +244,7 @@ impl Reflected {
         if let Some(texture) = texture {
             return Threads::Grid([texture.size.0, texture.size.1, texture.layers]);
         }
-        let count = written.iter().find_map(|port| port.facts.get("count").and_then(Value::as_u32));
+        let count = written.iter().find_map(|port| COUNT.of(&port.facts));
         Threads::Row(count.unwrap_or(1))
     }
 }

@@ -1,9 +1,9 @@
 //! Modules bring all that they need: a uniform of their own, options, and the scene bindings.
 
-use crate::pass_types::TestPassTypes;
+use crate::pass_types::{TILE, TILES, TestPassTypes};
 use frame_graph::plan::Plan;
 use pass::{
-    Compute, Extent, Format, Info, Library, LinkedStep, Module, OutputContext, OutputDesc, Pass,
+    Compute, Extent, Fact, Format, Info, Library, LinkedStep, Module, OutputContext, OutputDesc, Pass,
     PassTypeError, Ports, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Source,
     Threads, UseContext, Value,
 };
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Brings the module, and the facts that it has by default.
 struct Maps {
-    facts: &'static [(&'static str, u32)],
+    facts: &'static [(Fact<u32>, u32)],
 }
 
 impl Pass for Maps {
@@ -32,7 +32,7 @@ impl Pass for Maps {
         let module = Module::new("answer.wgsl").option("DOUBLED", Value::Bool(true));
         let buffer = OutputDesc::one("answer", ResourceDesc::<Extent>::buffer(16)).module(module);
         let facts = self.facts.iter();
-        Ok(vec![facts.fold(buffer, |output, (name, value)| output.fact(name, Value::U32(*value)))])
+        Ok(vec![facts.fold(buffer, |output, (fact, value)| output.fact(*fact, *value))])
     }
 
     fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
@@ -147,7 +147,7 @@ fn number() -> u32 {
 }
 "#;
 
-fn linked(facts: &'static [(&'static str, u32)]) -> (Plan, Result<Vec<LinkedStep>, String>) {
+fn linked(facts: &'static [(Fact<u32>, u32)]) -> (Plan, Result<Vec<LinkedStep>, String>) {
     let files = [("answer.wgsl", ANSWER), ("reader.wgsl", READER), ("bindings.wgsl", BINDINGS)];
     let library = Library::new(Arc::new(MemoryFiles::new(files)));
     let maps = Maps { facts };
@@ -156,7 +156,7 @@ fn linked(facts: &'static [(&'static str, u32)]) -> (Plan, Result<Vec<LinkedStep
 
 #[test]
 fn a_module_has_a_uniform_filled_from_the_facts_of_its_port() {
-    let (_, steps) = linked(&[("tile", 5), ("unread", 6)]);
+    let (_, steps) = linked(&[(TILE, 5), (TILES, 6)]);
     let [step] = &steps.unwrap_or_else(|error| panic!("{error}"))[..] else { panic!("one step") };
     let fill = |name: &str| {
         let (index, global) = step.shader.interface.global(name).expect("it is declared");
@@ -177,8 +177,8 @@ fn a_module_has_a_uniform_filled_from_the_facts_of_its_port() {
 }
 
 #[test]
-fn a_reader_depends_on_the_hosts_data_that_the_module_reads() {
-    let (plan, steps) = linked(&[("tile", 5)]);
+fn a_reader_depends_on_the_scene_bindings_that_the_module_reads() {
+    let (plan, steps) = linked(&[(TILE, 5)]);
     steps.unwrap_or_else(|error| panic!("{error}"));
     let of =
         |kind: &str| plan.passes.iter().find(|pass| pass.kind == kind).expect("it is there").scene_bindings;
@@ -189,7 +189,7 @@ fn a_reader_depends_on_the_hosts_data_that_the_module_reads() {
 
 #[test]
 fn a_missing_fact_names_the_module_the_producer_and_the_nearest() {
-    let (_, steps) = linked(&[("tiles", 5)]);
+    let (_, steps) = linked(&[(TILES, 5)]);
     let error = steps.expect_err("`tile` has no value");
     for part in [
         "L006",

@@ -2,7 +2,7 @@
 
 use frame_graph::plan::{PassId, Plan};
 use frame_graph::port::{PassTypes, Use};
-use frame_graph::{CompileOptions, Interface, LinkContext, Member, Overrides};
+use frame_graph::{CompileOptions, Content, Fact, Interface, LinkContext, Member, Overrides};
 use pass::{
     Library, LinkedStep, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Setting, Settings, Traits,
     UseContext,
@@ -32,13 +32,20 @@ impl TestPassTypes<'_> {
         let graph = frame_graph::link(&resolved, self, &context).unwrap_or_else(|error| panic!("{error}"));
         let plan = frame_graph::compile(&graph, &CompileOptions::default()).expect("it is compiled");
         let id = PassId(plan.passes.iter().position(|pass| pass.kind == kind).expect("it is needed") as u32);
-        let steps = pass::link_steps(&plan, id, self.find(kind), &Traits::default(), &self.library);
+        let steps =
+            pass::link_steps(&plan, id, self.find(kind), &Traits::default(), &self.library, INTERFACES);
         (plan, steps.map_err(|error| error.to_string()))
     }
 }
 
+/// What a module's uniform reads.
+pub(crate) const TILE: Fact<u32> = Fact::optional("tile", "");
+/// Another fact.
+pub(crate) const TILES: Fact<u32> = Fact::optional("tiles", "");
+
 static INTERFACES: &[Interface] =
-    &[Interface { name: "Answer", doc: "", members: &[Member { name: "", optional: false, doc: "" }] }];
+    &[Interface::new("Answer", "", &[Member::required("", Content::Buffer, "")])
+        .with_facts(&[TILE.decl(), TILES.decl()])];
 
 impl PassTypes for TestPassTypes<'_> {
     fn names(&self) -> Vec<String> {
@@ -54,15 +61,20 @@ impl PassTypes for TestPassTypes<'_> {
     }
 
     fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
-        Ok(self.find(use_.kind).settings(&UseContext { use_, shaders: &self.library })?.into())
+        Ok(self
+            .find(use_.kind)
+            .settings(&UseContext { use_, shaders: &self.library, interfaces: INTERFACES })?
+            .into())
     }
 
     fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
-        self.find(use_.kind).ports(&UseContext { use_, shaders: &self.library }, settings).map(Arc::new)
+        self.find(use_.kind)
+            .ports(&UseContext { use_, shaders: &self.library, interfaces: INTERFACES }, settings)
+            .map(Arc::new)
     }
 
     fn outputs(&self, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let context = UseContext { use_: cx.use_, shaders: &self.library };
+        let context = UseContext { use_: cx.use_, shaders: &self.library, interfaces: INTERFACES };
         let mut outputs = self.find(cx.use_.kind).outputs(&context, cx)?;
         pass::scene_bindings::find_of_modules(&mut outputs, &self.library);
         Ok(outputs)

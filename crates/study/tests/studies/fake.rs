@@ -3,6 +3,7 @@
 use frame_graph::{Settable, Setting, Source, Value, ValueType};
 use metrics::Image;
 use metrics::temporal::Pinhole;
+use metrics::virtual_lights::VirtualLight;
 use std::collections::BTreeMap;
 use std::path::Path;
 use study::{
@@ -185,11 +186,9 @@ impl Laboratory for Fake {
 }
 
 /// Two virtual lights: one stays, the other moves with every even frame.
-fn lights_of(frame: u32) -> Vec<u8> {
-    let mut words = [[0; 4]; 4 + 2 * 12];
-    words[0] = 2_u32.to_le_bytes();
-    words[4 + 12] = ((frame / 2) as f32).to_le_bytes();
-    words.concat()
+fn lights_of(frame: u32) -> Vec<VirtualLight> {
+    let at = |x: f32| VirtualLight { position: [x, 0.0, 0.0], normal: [0.0; 3], flux: [0.0; 3], area: 0.0 };
+    vec![at(0.0), at((frame / 2) as f32)]
 }
 
 fn camera() -> Pinhole {

@@ -1,9 +1,10 @@
 //! A pass that writes what the module of a port Points answers.
 
 use bytemuck::{Pod, Zeroable};
+use interfaces::points::SurfaceSamples;
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, SurfaceSamples, Threads, UseContext,
+    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext,
 };
 use pass_test::{Harness, Outputs};
 use points_on_the_fly::BLOCK;
@@ -55,7 +56,7 @@ impl Pass for Probe {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = ProbeSettings::read(cx.settings);
-        let samples = SurfaceSamples::new(cx, settings.maps, settings.per_map);
+        let samples = SurfaceSamples::new(cx, settings.maps, settings.per_map)?;
         let probe = Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(samples.threads()));
         Ok(Recording::one(samples.fill(probe, "samples")))
     }

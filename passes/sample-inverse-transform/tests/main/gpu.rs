@@ -2,9 +2,10 @@
 
 use crate::distribution::{SIZE, importance};
 use gpu_algorithms::reference::workgroup_prefix_sum;
+use interfaces::virtual_lights::VirtualLight;
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
-use pass_test::{Harness, Outputs, VirtualLight};
+use pass_test::{Harness, Outputs};
 use sample_inverse_transform::PASS;
 use sample_inverse_transform::cpu_reference::Cdf;
 

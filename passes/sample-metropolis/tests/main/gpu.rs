@@ -1,10 +1,11 @@
 //! The shaders against the CPU reference, on a GPU.
 
 use crate::chains::{Map, SIZE, distribution, halton, histogram, importance, times};
+use interfaces::virtual_lights::VirtualLight;
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::statistics::assert_follows;
-use pass_test::{Harness, Outputs, VirtualLight};
+use pass_test::{Harness, Outputs};
 use sample_metropolis::PASS;
 use sample_metropolis::cpu_reference::{Chain, Weights};
 

@@ -18,7 +18,8 @@ fn all_variants_of_the_shaders_are_valid() {
 fn chains_of_no_step_are_refused() {
     let shaders = pass_test::shaders();
     let use_ = Use { kind: "sample-metropolis", shader: None, inputs: &[], outputs: &BTreeMap::new() };
-    let settings = PASS.settings(&UseContext { use_, shaders: &shaders }).unwrap();
+    let settings =
+        PASS.settings(&UseContext { use_, shaders: &shaders, interfaces: interfaces::INTERFACES }).unwrap();
     let check = |name: &str, value: u32| {
         let setting = settings.iter().find(|setting| setting.name == name).unwrap();
         setting.check(Value::U32(value)).map_err(|misfit| format!("{misfit:?}"))

@@ -1,7 +1,8 @@
 //! Uniform sampling: every texel alike, and the flux of the map.
 
+use interfaces::virtual_lights::VirtualLight;
 use pass::{Format, ResourceDesc};
-use pass_test::{Harness, VirtualLight, random};
+use pass_test::{Harness, random};
 use sample_uniform::{PASS, cpu_reference};
 
 const SIZE: (u32, u32) = (16, 10);

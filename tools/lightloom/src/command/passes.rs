@@ -19,17 +19,17 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let Some(name) = &args.kind else {
         if context.json {
-            let rows: Vec<Value> = catalog::PASSES.iter().map(|pass| json!({ "kind": pass.info().kind, "about": pass.info().about, "paper": pass.info().paper })).collect();
+            let rows: Vec<Value> = context.catalog.passes().iter().map(|pass| json!({ "kind": pass.info().kind, "about": pass.info().about, "paper": pass.info().paper })).collect();
             output::json(&Value::Array(rows));
         } else {
-            for info in catalog::PASSES.iter().map(|pass| pass.info()) {
+            for info in context.catalog.passes().iter().map(|pass| pass.info()) {
                 let paper = if info.paper.is_empty() { String::new() } else { format!(" [{}]", info.paper) };
                 say!("{:<26} {}{paper}", info.kind, info.about);
             }
         }
         return Ok(());
     };
-    let Some(pass) = catalog::find(name) else {
+    let Some(pass) = context.catalog.pass(name) else {
         let names = context.catalog.names();
         match nearest(name, names.iter().map(String::as_str)) {
             Some(near) => bail!("there is no pass type `{name}`; did you mean `{near}`?"),

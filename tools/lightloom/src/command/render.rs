@@ -226,7 +226,7 @@ fn report(
             "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
             "clamped_energy": clamped,
             "counters": counters.iter().map(|(name, counters)| json!({ "of": name.as_str(), "requested": counters.requested, "produced": counters.produced })).collect::<Vec<_>>(),
-            "progress": progress.map(|progress| json!({ "step": progress.step, "steps": progress.steps, "error": progress.error, "done": progress.done })),
+            "progress": progress.map(|progress| json!({ "step": progress.step, "steps": progress.steps, "error": progress.error, "done": progress.is_done() })),
         }));
         return Ok(());
     }
@@ -251,7 +251,7 @@ fn report(
         say!("{name}: {} produced of {} requested", counters.produced, counters.requested);
     }
     if let Some(progress) = progress {
-        let state = if progress.done { "done" } else { "not done" };
+        let state = if progress.is_done() { "done" } else { "not done" };
         say!(
             "{state} after {} of at most {} steps; estimated error {:.2e}",
             progress.step,

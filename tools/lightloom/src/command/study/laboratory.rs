@@ -3,6 +3,7 @@
 use super::registry::overrides;
 use frame_graph::{CompileOptions, LinkContext, Plan};
 use glam::Vec3;
+use interfaces::virtual_lights;
 use metrics::Image;
 use metrics::temporal::Pinhole;
 use ray_tracing::Bvh;
@@ -261,8 +262,11 @@ fn observed(
         .lights
         .as_ref()
         .and_then(|name| plan.resources.iter().position(|resource| resource.name.as_str() == name));
-    let lights = lights
-        .map(|index| renderer.resource_bytes(frame_graph::plan::ResourceId(index as u32)).map_err(text));
+    let lights = lights.map(|index| -> Result<_, String> {
+        let bytes = renderer.resource_bytes(frame_graph::plan::ResourceId(index as u32)).map_err(text)?;
+        virtual_lights::from_bytes(&bytes)
+            .ok_or_else(|| "the buffer holds fewer lights than it says".to_owned())
+    });
     let scene = renderer.scene();
     Ok(Observed {
         frame,
@@ -271,9 +275,15 @@ fn observed(
         depth: picture(&extras.depth)?,
         normal: picture(&extras.normal)?,
         camera: pinhole(&scene.at(scene.frame_time(frame)).camera, request.size),
-        lights: lights.transpose()?,
+        lights: lights.transpose()?.map(|lights| lights.iter().map(measured).collect()),
         irradiance: plan.output("irradiance").and_then(|_| renderer.output("irradiance").ok()),
     })
+}
+
+/// What the measures look at in a virtual light.
+fn measured(light: &virtual_lights::VirtualLight) -> metrics::virtual_lights::VirtualLight {
+    let virtual_lights::VirtualLight { position, normal, flux, area, .. } = *light;
+    metrics::virtual_lights::VirtualLight { position, normal, flux, area }
 }
 
 fn pinhole(camera: &Camera, size: (u32, u32)) -> Pinhole {

@@ -1,6 +1,7 @@
-//! What a consumer of the interface `Points` asks of its module: SamplesWanted of shaders/surface-sample.wgsl.
+//! What a consumer of the interface `Points` asks of its module: `struct SamplesWanted` of surface-sample.wgsl.
 
-use crate::{Compute, RecordContext, Value};
+use super::{BLOCK, COUNT};
+use pass::{Compute, PassTypeError, RecordContext, Value};
 
 /// Samples of the port `points` for a number of maps.
 #[derive(Clone, Copy, Debug)]
@@ -13,11 +14,14 @@ pub struct SurfaceSamples {
 impl SurfaceSamples {
     /// Asks for a number of samples for each of a number of maps, and for no more than there are. The product is at
     /// most 2³⁰.
-    pub fn new(cx: &RecordContext<'_>, maps: u32, per_map: u32) -> SurfaceSamples {
-        let count = cx.fact("points", "count");
+    ///
+    /// # Errors
+    /// Where the producer of `points` does not give the facts of its interface.
+    pub fn new(cx: &RecordContext<'_>, maps: u32, per_map: u32) -> Result<SurfaceSamples, PassTypeError> {
+        let count = cx.fact("points", COUNT)?;
         // Maps that take turns, a power of two: not many more than there are.
-        let block = cx.fact("points", "block").clamp(1, maps.next_power_of_two());
-        SurfaceSamples { maps, per_map: per_map.min(count), block }
+        let block = cx.fact("points", BLOCK).unwrap_or(1).clamp(1, maps.next_power_of_two());
+        Ok(SurfaceSamples { maps, per_map: per_map.min(count), block })
     }
 
     /// Indices of samples that there are to ask for: of all maps, filled up to whole blocks.

@@ -1,6 +1,7 @@
 //! Maps of one size in the layers of a texture array.
 
-use frame_graph::{Extent, Facts, Format, Module, OutputDesc, ResourceDesc, Usage, Value};
+use super::{COLUMNS, DEPTH_BIAS, ROWS, TILE};
+use pass::{Extent, Facts, Format, Module, OutputDesc, ResourceDesc, Usage};
 use std::ops::Range;
 
 /// How square maps of one size lie in an atlas: row by row, layer after layer. `tile_origin` of
@@ -13,7 +14,7 @@ pub struct AtlasLayout {
     rows: u32,
 }
 
-crate::settings! {
+pass::settings! {
     /// The setting that every pass has which makes maps: what they need, times this factor, goes with them as the fact
     /// `depth_bias`.
     pub struct DepthBiasSettings {
@@ -49,26 +50,22 @@ impl AtlasLayout {
         u64::from(Self::LAYERS) * u64::from(side / tile.max(1)).pow(2)
     }
 
-    /// Returns the layout that the facts of a port tell, for `count` maps.
+    /// Returns the layout that the facts of a port tell, for `count` maps; `None` where they tell none.
     pub fn of_facts(facts: &Facts, count: u32) -> Option<AtlasLayout> {
-        let fact = |name| facts.get(name).and_then(Value::as_u32).filter(|value| *value > 0);
-        Some(AtlasLayout { tile: fact("tile")?, count, columns: fact("columns")?, rows: fact("rows")? })
-    }
-
-    /// Returns the facts that tell it: `tile`, `columns` and `rows` of a layer.
-    pub fn facts(&self) -> [(&'static str, Value); 3] {
-        [("tile", self.tile), ("columns", self.columns), ("rows", self.rows)]
-            .map(|(name, value)| (name, Value::U32(value)))
+        let fact = |fact: pass::Fact<u32>| fact.of(facts).filter(|value| *value > 0);
+        Some(AtlasLayout { tile: fact(TILE)?, count, columns: fact(COLUMNS)?, rows: fact(ROWS)? })
     }
 
     /// Returns the output `visibility` of a pass that makes maps of distances: its member `atlas`, the module that looks
     /// lights up in it, and the facts by which the module does. `depth_bias` is in widths of a texel.
-    pub fn visibility(&self, depth_bias: Value) -> OutputDesc {
+    pub fn visibility(&self, depth_bias: f32) -> OutputDesc {
         let atlas = ("atlas".to_owned(), self.texture(Format::R32Float), Usage::Overwrites);
-        let output = OutputDesc::of("visibility", vec![atlas])
+        OutputDesc::of("visibility", vec![atlas])
             .module(Module::new("shaders/visibility-atlas.wgsl"))
-            .fact("depth_bias", depth_bias);
-        self.facts().into_iter().fold(output, |output, (name, value)| output.fact(name, value))
+            .fact(DEPTH_BIAS, depth_bias)
+            .fact(TILE, self.tile)
+            .fact(COLUMNS, self.columns)
+            .fact(ROWS, self.rows)
     }
 
     /// Returns the texture array.

@@ -1,6 +1,7 @@
 //! Where maps lie in an atlas.
 
-use pass::AtlasLayout;
+use interfaces::visibility::AtlasLayout;
+use pass::Extent;
 use std::collections::BTreeSet;
 
 #[test]
@@ -17,7 +18,7 @@ fn every_map_has_a_place_of_its_own_in_the_layer_that_draws_it() {
     ] {
         let layout = AtlasLayout::new(count, tile, side).expect("they fit");
         let (width, height) = match layout.layer_size() {
-            pass::Extent::Fixed(width, height) => (width, height),
+            Extent::Fixed(width, height) => (width, height),
             extent => panic!("{extent:?}"),
         };
         assert!(width <= side && height <= side, "{layout:?}");
@@ -32,8 +33,7 @@ fn every_map_has_a_place_of_its_own_in_the_layer_that_draws_it() {
             }
         }
         assert_eq!(places.len(), count as usize);
-        let facts = layout.facts().into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-        assert_eq!(AtlasLayout::of_facts(&facts, count), Some(layout));
+        assert_eq!(AtlasLayout::of_facts(&layout.visibility(1.0).facts, count), Some(layout));
     }
 }
 

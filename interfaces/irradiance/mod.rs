@@ -1,0 +1,22 @@
+//! Indirect irradiance at the pixels of a G-buffer.
+
+use pass::{Content, Fact, Format, Interface, Member};
+
+/// The sub-images along a row, of an irradiance that is interleaved.
+pub const INTERLEAVE_X: Fact<u32> =
+    Fact::optional("interleave_x", "sub-images along a row; 1 where it is left out");
+/// The sub-images along a column, of an irradiance that is interleaved.
+pub const INTERLEAVE_Y: Fact<u32> =
+    Fact::optional("interleave_y", "sub-images along a column; 1 where it is left out");
+
+/// The interface `Irradiance`.
+pub const INTERFACE: Interface = Interface::new(
+    "Irradiance",
+    "Indirect irradiance at the pixels of a G-buffer.",
+    &[Member::required(
+        "",
+        Content::Texture(Format::Rgba32Float),
+        "[W/m²]; in alpha the luminance of what clamping removed [W/m²]",
+    )],
+)
+.with_facts(&[INTERLEAVE_X.decl(), INTERLEAVE_Y.decl()]);

@@ -1,0 +1,94 @@
+//! The interfaces of Lightloom: where algorithms are swapped. Every producer of one works with every consumer.
+//!
+//! Scene units are metres; colours are linear Rec. 709; all radiometric quantities are per RGB channel.
+//!
+//! An interface is one folder: its members with formats, its facts, its WGSL, and the Rust structs that have the
+//! layout of the WGSL ones. A crate outside this tree brings an interface of its own with
+//! [`Pass::interfaces`](pass::Pass::interfaces).
+
+pub mod counters;
+#[path = "depth-atlas/mod.rs"]
+pub mod depth_atlas;
+pub mod display;
+pub mod gbuffer;
+#[path = "importance-map/mod.rs"]
+pub mod importance_map;
+pub mod irradiance;
+#[path = "path-samples/mod.rs"]
+pub mod path_samples;
+pub mod points;
+pub mod progress;
+pub mod radiance;
+#[path = "reflective-shadow-map/mod.rs"]
+pub mod reflective_shadow_map;
+#[path = "virtual-lights/mod.rs"]
+pub mod virtual_lights;
+pub mod visibility;
+
+use pass::{Interface, Library, Pass};
+
+/// All interfaces of the tree, in the order of the documentation.
+pub static INTERFACES: &[Interface] = &[
+    gbuffer::INTERFACE,
+    reflective_shadow_map::INTERFACE,
+    importance_map::INTERFACE,
+    virtual_lights::INTERFACE,
+    points::INTERFACE,
+    depth_atlas::INTERFACE,
+    visibility::INTERFACE,
+    irradiance::INTERFACE,
+    counters::INTERFACE,
+    progress::INTERFACE,
+    path_samples::INTERFACE,
+    radiance::INTERFACE,
+    display::INTERFACE,
+];
+
+/// Returns the interfaces of the tree and those that passes bring, in that order; an interface that several bring
+/// stands there once.
+///
+/// # Errors
+/// Where two that differ have one name.
+pub fn with_those_of<'a>(
+    passes: impl IntoIterator<Item = &'a dyn Pass>,
+) -> Result<Vec<Interface>, NameTaken> {
+    let mut all = INTERFACES.to_vec();
+    for pass in passes {
+        for interface in pass.interfaces() {
+            match all.iter().find(|known| known.name == interface.name) {
+                Some(known) if known == *interface => {}
+                Some(_) => return Err(NameTaken { interface: interface.name, pass: pass.info().kind }),
+                None => all.push((*interface).clone()),
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// A pass brings an interface whose name another one has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NameTaken {
+    /// The name.
+    pub interface: &'static str,
+    /// The pass type that brings the second one.
+    pub pass: &'static str,
+}
+
+impl std::fmt::Display for NameTaken {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "the pass type `{}` brings an interface `{}`, and there is another of that name",
+            self.pass, self.interface
+        )
+    }
+}
+
+impl std::error::Error for NameTaken {}
+
+/// Returns the library with the folders in which imports are looked for: beside the importing file, among the shared
+/// modules, and among the WGSL of these interfaces.
+pub fn import_from(library: Library, interfaces: &[Interface]) -> Library {
+    let folders = interfaces.iter().filter_map(|interface| interface.folder);
+    library.with_roots(["shaders"].into_iter().chain(folders).chain([""]))
+}

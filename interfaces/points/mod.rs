@@ -1,0 +1,24 @@
+//! Samples of the scene's surfaces.
+
+mod samples;
+
+use pass::{Content, Fact, Interface, Member};
+pub use samples::SurfaceSamples;
+
+/// How many different samples there are at most.
+pub const COUNT: Fact<u32> = Fact::required("count", "the most different samples there are");
+
+/// How many maps take turns.
+pub const BLOCK: Fact<u32> =
+    Fact::optional("block", "how many maps take turns, a power of two; 1 where it is left out");
+
+/// The interface `Points`.
+pub const INTERFACE: Interface = Interface::new(
+    "Points",
+    "Samples of the scene's surfaces, of which each map takes an equal share. Module: answers `fn surface_sample(wanted: \
+     SamplesWanted, index: u32) -> SurfaceSample` and `fn samples_requested() -> u32` (surface-sample.wgsl).",
+    &[Member::required("", Content::Buffer, "what the module reads")],
+)
+.with_facts(&[COUNT.decl(), BLOCK.decl()])
+.with_folder("interfaces/points")
+.with_stand_in("shaders/points-stored.wgsl");

@@ -1,0 +1,26 @@
+//! What the lights see.
+
+use pass::{Content, Format, Interface, Member};
+
+/// The interface `ReflectiveShadowMap`.
+pub const INTERFACE: Interface = Interface::new(
+    "ReflectiveShadowMap",
+    "What the lights see: a layer a spot or directional light, six a point light.",
+    &[
+        Member::required(
+            "position",
+            Content::Texture(Format::Rgba32Float),
+            "array: world position [m], and distance along the layer's axis [m]; 0 where empty",
+        ),
+        Member::required(
+            "normal",
+            Content::Texture(Format::Rgba16Float),
+            "array: shading normal in world space, unit, on the side of the light",
+        ),
+        Member::required(
+            "flux",
+            Content::Texture(Format::Rgba32Float),
+            "array: flux reflected by the texel's part of the surface [W]",
+        ),
+    ],
+);

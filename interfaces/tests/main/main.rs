@@ -1,0 +1,4 @@
+//! The interfaces of the tree against their WGSL.
+
+mod atlas;
+mod structs;

@@ -1,0 +1,78 @@
+//! Structs that Rust and WGSL share.
+
+use interfaces::INTERFACES;
+use interfaces::counters::Counters;
+use interfaces::progress::{PROGRESS, Progress};
+use interfaces::virtual_lights::{self, VirtualLight};
+use pass::{Content, Request};
+use shader_library::struct_layout;
+
+#[test]
+fn rust_has_the_layouts_of_the_wgsl() {
+    let library = pass_test::shaders();
+    let layouts = [
+        struct_layout!(Counters { requested: "u32", produced: "u32" }),
+        struct_layout!(Progress { step: "u32", steps: "u32", error: "f32", done: "u32" }),
+        struct_layout!(VirtualLight {
+            position: "vec3f",
+            area: "f32",
+            normal: "vec3f",
+            texel: "u32",
+            flux: "vec3f",
+            pad: "f32",
+        }),
+    ];
+    let mut left: Vec<_> = layouts.iter().map(|layout| layout.name.as_str()).collect();
+    for member in INTERFACES.iter().flat_map(|interface| interface.members) {
+        let Content::Struct(structure) = member.content else { continue };
+        let shader = library.load(&Request::new(structure.file)).unwrap_or_else(|error| panic!("{error}"));
+        shader.check_layout(&layouts, "interfaces").unwrap_or_else(|error| panic!("{error}"));
+        left.retain(|name| shader.interface.layout(name).is_none());
+    }
+    assert!(left.is_empty(), "no interface has {left:?}");
+}
+
+/// What WGSL files say the buffers take, against sums by hand.
+#[test]
+fn buffers_have_the_sizes_of_the_wgsl() {
+    let cx = pass_test::use_context();
+    let lights = |count| virtual_lights::output(&cx, "lights", count).unwrap().members[0].1.clone();
+    assert_eq!(lights(0), pass::ResourceDesc::buffer(16));
+    assert_eq!(lights(1000), pass::ResourceDesc::buffer(16 + 1000 * 48));
+    assert_eq!(cx.size_of(PROGRESS).unwrap(), 16);
+    let refused = cx.buffer(pass::Struct::new(PROGRESS.file, "Progres"), 1).unwrap_err().message;
+    assert!(
+        refused.contains("there is no struct `Progres`") && refused.contains("did you mean `Progress`?"),
+        "{refused}"
+    );
+    let refused = cx.constant("shaders/algorithms/workgroup.wgsl", "BLOCK_SISE").unwrap_err().message;
+    assert!(refused.contains("S031") && refused.contains("did you mean `BLOCK_SIZE`?"), "{refused}");
+}
+
+#[test]
+fn lights_come_out_of_their_buffer() {
+    let light = VirtualLight {
+        position: [1.0, 2.0, 3.0],
+        flux: [5.0, 6.0, 7.0],
+        area: 0.25,
+        texel: 77,
+        ..Default::default()
+    };
+    let bytes = virtual_lights::to_bytes(&[light]);
+    assert_eq!(virtual_lights::from_bytes(&bytes), Some(vec![light]));
+    let longer = [&bytes[..], &[1; 48]].concat();
+    assert_eq!(virtual_lights::from_bytes(&longer), Some(vec![light]), "what lies beyond has no meaning");
+    assert_eq!(virtual_lights::from_bytes(&bytes[..63]), None, "a byte is missing");
+    assert_eq!(virtual_lights::from_bytes(&bytes[..15]), None, "no header");
+    let many = [&u32::MAX.to_le_bytes()[..], &bytes[4..]].concat();
+    assert_eq!(virtual_lights::from_bytes(&many), None);
+}
+
+/// Modules that stand in for those of producers are there and answer by themselves.
+#[test]
+fn stand_ins_are_there() {
+    let library = pass_test::shaders();
+    for module in INTERFACES.iter().filter_map(|interface| interface.stand_in) {
+        library.outline(&Request::new(module)).unwrap_or_else(|error| panic!("{error}"));
+    }
+}

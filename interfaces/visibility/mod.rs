@@ -1,0 +1,43 @@
+//! Whether a virtual light is seen from a point.
+
+mod atlas;
+
+pub use atlas::{AtlasLayout, DepthBiasSettings};
+use pass::{Content, Fact, Format, Interface, Member};
+
+/// The iterations of the loops of a lookup.
+pub const LOOP_ITERATIONS: Fact<u32> =
+    Fact::optional("loop_iterations", "iterations of the loops of a lookup, where they are many");
+/// The side of a map of an atlas.
+pub const TILE: Fact<u32> = Fact::optional("tile", "side of a map of the atlas [px]");
+/// The maps along a row of a layer of an atlas.
+pub const COLUMNS: Fact<u32> = Fact::optional("columns", "maps along a row of a layer of the atlas");
+/// The rows of maps in a layer of an atlas.
+pub const ROWS: Fact<u32> = Fact::optional("rows", "rows of maps in a layer of the atlas");
+/// The bias of a lookup.
+pub const DEPTH_BIAS: Fact<f32> =
+    Fact::optional("depth_bias", "bias of a lookup, in widths of a texel along the receiver's plane");
+/// The bilinear taps of a filtered lookup.
+pub const TAPS: Fact<u32> = Fact::optional("taps", "bilinear taps of a lookup along each side of its window");
+
+/// The interface `Visibility`.
+pub const INTERFACE: Interface = Interface::new(
+    "Visibility",
+    "Whether a virtual light is seen from a point. Module: answers `fn visibility(index: u32, light: VirtualLight, at: \
+     vec3<f32>, normal: vec3<f32>) -> f32`.",
+    &[Member::optional(
+        "atlas",
+        Content::Texture(Format::R32Float),
+        "array: paraboloid maps of the distance [m], one tile a virtual light, row by row and layer by layer; a large \
+         number where nothing is",
+    )],
+)
+.with_facts(&[
+    LOOP_ITERATIONS.decl(),
+    TILE.decl(),
+    COLUMNS.decl(),
+    ROWS.decl(),
+    DEPTH_BIAS.decl(),
+    TAPS.decl(),
+])
+.with_stand_in("shaders/visibility-none.wgsl");
