@@ -56,9 +56,9 @@ pub fn with_those_of<'a>(
     for pass in passes {
         for interface in pass.interfaces() {
             match all.iter().find(|known| known.name == interface.name) {
-                Some(known) if known == *interface => {}
+                Some(known) if known == interface => {}
                 Some(_) => return Err(NameTaken { interface: interface.name, pass: pass.info().kind }),
-                None => all.push((*interface).clone()),
+                None => all.push(interface.clone()),
             }
         }
     }

@@ -19,6 +19,13 @@ impl Assets {
         Assets { root, embedded: crate::EMBEDDED.iter().copied().collect() }
     }
 
+    /// Returns the same with further embedded files, path from the root of the tree and text: for a crate outside the
+    /// tree that brings passes. They come before those of the tree of the same path.
+    pub fn with_files(mut self, files: impl IntoIterator<Item = (&'static str, &'static str)>) -> Assets {
+        self.embedded.extend(files);
+        self
+    }
+
     /// Returns the folder on disk.
     pub fn root(&self) -> Option<&Path> {
         self.root.as_deref()
@@ -109,8 +116,7 @@ impl Files for ShaderAssets {
     }
 
     fn list(&self) -> Vec<String> {
-        [self.0.list("shaders", "wgsl"), self.0.list("passes", "wgsl"), self.0.list("pipelines", "wgsl")]
-            .concat()
+        ["shaders", "interfaces", "passes", "pipelines"].map(|folder| self.0.list(folder, "wgsl")).concat()
     }
 }
 

@@ -1,5 +1,7 @@
 //! What is written elsewhere about passes and scenes agrees with what they declare.
 
+mod brought;
+
 use catalog::{Assets, Catalog, PASSES, SceneAssets};
 use frame_graph::port::PassTypes;
 use frame_graph::{Setting, Use, Value};

@@ -72,7 +72,7 @@ pub trait Pass: Send + Sync {
     ) -> Result<Vec<OutputDesc>, PassTypeError>;
 
     /// The interfaces that the pass brings, beside those of the tree: for the ports of passes outside it.
-    fn interfaces(&self) -> &'static [&'static Interface] {
+    fn interfaces(&self) -> &'static [Interface] {
         &[]
     }
 

@@ -54,7 +54,9 @@ impl Renderer {
         let root = self.catalog.assets().root();
         let mut folders: Vec<PathBuf> = root
             .into_iter()
-            .flat_map(|root| ["pipelines", "scenes", "shaders", "passes"].map(|folder| root.join(folder)))
+            .flat_map(|root| {
+                ["pipelines", "scenes", "shaders", "interfaces", "passes"].map(|folder| root.join(folder))
+            })
             .filter(|folder| folder.is_dir())
             .collect();
         let compiled = self.compiled();

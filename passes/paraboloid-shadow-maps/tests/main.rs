@@ -140,7 +140,7 @@ fn a_quad_has_the_distances_of_its_plane() {
 }
 
 #[test]
-fn the_gpu_agrees_with_the_twin() {
+fn the_gpu_agrees_with_the_cpu_reference() {
     let seed = &mut 7;
     let triangles = triangles(60, seed);
     let mut lights: Vec<(Vec3, Vec3)> = (0..6).map(|_| ([0; 3].map(|_| noise(seed)), unit(seed))).collect();

@@ -114,7 +114,7 @@ fn rough(side: usize, salt: usize) -> Level {
 }
 
 #[test]
-fn the_gpu_agrees_with_the_twin() {
+fn the_gpu_agrees_with_the_cpu_reference() {
     // The scene `plane` is a square of 2 m.
     let extent = 8f64.sqrt();
     // The last atlases have a layer for each map.
@@ -144,6 +144,7 @@ fn the_gpu_agrees_with_the_twin() {
                 &[("tile", side as u32), ("count", 3)],
                 vec![("", pass_test::buffer(bytes.len() as u64), bytes)],
             )
+            .fact("depth_bias", 1.0)
             .run();
         let Some(outputs) = outputs else { return };
         let layers = outputs.desc("visibility.atlas").texture().map(|texture| texture.layers);

@@ -152,7 +152,7 @@ fn the_nearest_of_two_points_is_kept() {
 }
 
 #[test]
-fn the_gpu_agrees_with_the_twin() {
+fn the_gpu_agrees_with_the_cpu_reference() {
     // The scene `plane`: 4 m², and a diagonal of √8 m. Two maps of different points, and a third without a light.
     let cloud: Vec<(Vec3, Vec3)> = sphere(900)
         .enumerate()

@@ -10,7 +10,7 @@ fn every_variant_of_the_shaders_is_valid() {
 }
 
 #[test]
-fn the_gpu_agrees_with_the_twin() {
+fn the_gpu_agrees_with_the_cpu_reference() {
     // No multiple of a workgroup in either direction.
     let (width, height) = (19u8, 13u8);
     let radiance: Vec<[f32; 4]> =

@@ -62,7 +62,7 @@ fn follow(scene: &Scene, time: f32, way: &str, rays: &[Ray]) -> Option<Vec<Found
 }
 
 /// The shader has the hits that the CPU reference has of the mesh, by either way of tracing.
-fn assert_twins(scene: &Scene, time: f32, mesh: &Mesh, rays: &[Ray]) {
+fn assert_agrees(scene: &Scene, time: f32, mesh: &Mesh, rays: &[Ray]) {
     let bvh = mesh.bvh();
     for way in ways() {
         let what = format!("{}, {way}", scene.name);
@@ -87,11 +87,11 @@ fn assert_twins(scene: &Scene, time: f32, mesh: &Mesh, rays: &[Ray]) {
 }
 
 #[test]
-fn the_shader_has_the_hits_of_its_twin() {
+fn the_shader_has_the_hits_of_its_cpu_reference() {
     for name in ["cornell-box", "atrium", "nave"] {
         let scene = pass_test::scene(name);
         let rays = Random(8).rays(scene.bounds(), 20_000);
-        assert_twins(&scene, 0.0, &Mesh::of(&scene), &rays);
+        assert_agrees(&scene, 0.0, &Mesh::of(&scene), &rays);
     }
 }
 
@@ -100,7 +100,7 @@ fn a_scene_of_none_or_few_triangles_can_be_traced() {
     for name in ["empty", "plane"] {
         let scene = pass_test::scene(name);
         let rays = Random(9).rays((Vec3::NEG_ONE, Vec3::ONE), 500);
-        assert_twins(&scene, 0.0, &Mesh::of(&scene), &rays);
+        assert_agrees(&scene, 0.0, &Mesh::of(&scene), &rays);
     }
 }
 
@@ -121,7 +121,7 @@ fn masked_triangles_do_not_count() {
     }
     assert_ne!(mesh.indices, scene.indices);
     let rays = Random(11).rays(scene.bounds(), 20_000);
-    assert_twins(&scene, 0.0, &mesh, &rays);
+    assert_agrees(&scene, 0.0, &mesh, &rays);
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn what_moves_is_hit_where_it_is() {
     }
     assert_ne!(mesh.positions, rest.positions);
     let rays = Random(13).rays(scene.bounds(), 5000);
-    assert_twins(&scene, time, &mesh, &rays);
+    assert_agrees(&scene, time, &mesh, &rays);
 }
 
 #[test]

@@ -46,7 +46,7 @@ fn radiance(texels: &[Rgb]) -> Vec<(&'static str, ResourceDesc, Vec<u8>)> {
 }
 
 #[test]
-fn light_is_added_as_the_twin_adds_it() {
+fn light_is_added_as_the_cpu_reference_adds_it() {
     let (direct, irradiance, glossy, emission) = (light(1), light(2), light(3), light(4));
     let albedo = vec![[0.25, 0.5, 0.75]; PIXELS];
     let stand = Harness::new(composite::PASS).frame(WIDTH, HEIGHT);
@@ -72,7 +72,7 @@ fn light_is_added_as_the_twin_adds_it() {
 }
 
 #[test]
-fn every_curve_shows_what_the_twin_shows() {
+fn every_curve_shows_what_the_cpu_reference_shows() {
     let mut direct = light(5);
     direct[PIXELS - 1] = [0.0, f64::NAN, 0.0];
     for tonemap in ["reinhard", "reinhard-simple", "aces", "filmic", "none"] {

@@ -106,7 +106,7 @@ fn each_kind_of_light_shines_on_a_floor() {
 
 /// A disc half way below a spot: lit, dark and in between, as the CPU reference says.
 #[test]
-fn shadows_are_those_of_the_twin() {
+fn shadows_are_those_of_the_cpu_reference() {
     let outer = 40f32.to_radians();
     let scene = square_under(LightKind::Spot { inner: outer, outer }, Vec3::Y, Vec3::NEG_Y);
     let tangent = f64::from(outer.tan());
@@ -147,7 +147,7 @@ fn shadows_are_those_of_the_twin() {
 }
 
 #[test]
-fn the_glossy_part_is_the_twins() {
+fn the_glossy_part_is_that_of_the_cpu_reference() {
     let place = vec3(0.0, 1.0, 0.0);
     let scene = square_under(LightKind::Point, place, Vec3::NEG_Y);
     let (f0, roughness) = (0.6, 0.4);

@@ -170,7 +170,7 @@ fn assert_close(found: &[f32], expected: &[f64]) {
 const ROOM: Room = Room { scale: 1.0, flux: 1.0, size: (20, 17), layers: 3, seen: true };
 
 #[test]
-fn contributions_are_those_of_the_twin() {
+fn contributions_are_those_of_the_cpu_reference() {
     for room in [ROOM, Room { size: (33, 5), layers: 1, ..ROOM }, Room { size: (1, 1), layers: 1, ..ROOM }] {
         let Some(outputs) = room.run("contribution", 0.0) else { return };
         assert_close(&outputs.read("importance"), &room.contributions());
@@ -178,7 +178,7 @@ fn contributions_are_those_of_the_twin() {
 }
 
 #[test]
-fn mixtures_are_those_of_the_twin() {
+fn mixtures_are_those_of_the_cpu_reference() {
     // The last has more workgroups than threads that add up their sums.
     for room in
         [ROOM, Room { size: (33, 5), layers: 6, ..ROOM }, Room { size: (272, 272), layers: 1, ..ROOM }]

@@ -61,7 +61,7 @@ fn compare(scene: &Scene, time: f32, rule: &str) -> Option<Amplification> {
 }
 
 #[test]
-fn shares_are_those_of_the_twin() {
+fn shares_are_those_of_the_cpu_reference() {
     for rule in ["area", "tessellation"] {
         for scene in ["plane", "cornell-box", "atrium"] {
             compare(&pass_test::scene(scene), 0.0, rule);
@@ -89,7 +89,7 @@ fn sum_of_areas(samples: &[SurfaceSample], map: u32) -> f64 {
 }
 
 #[test]
-fn samples_are_those_of_the_twin() {
+fn samples_are_those_of_the_cpu_reference() {
     let scene = pass_test::scene("cornell-box");
     let corners = triangles(&scene, 0.0);
     let seed = pass::pass_seed(0, "probe");

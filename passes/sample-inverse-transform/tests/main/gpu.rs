@@ -53,7 +53,7 @@ fn lights(outputs: &Outputs) -> Vec<VirtualLight> {
 }
 
 #[test]
-fn lights_are_those_of_the_twin() {
+fn lights_are_those_of_the_cpu_reference() {
     const COUNT: u32 = 2000;
     let decades = |texels: u32, decades: f64| -> Vec<f32> {
         (0..texels).map(|i| 10.0_f64.powf(decades * (unit_float(hash2(i, 5)) - 0.5)) as f32).collect()

@@ -59,7 +59,7 @@ fn chains(map: &[f32], size: (u32, u32), run: Run) -> Vec<Chain> {
 }
 
 #[test]
-fn lights_are_those_of_the_twin() {
+fn lights_are_those_of_the_cpu_reference() {
     let decades = |texels: u32, decades: f64| -> Vec<f32> {
         (0..texels).map(|i| 10.0_f64.powf(decades * (unit_float(hash2(i, 5)) - 0.5)) as f32).collect()
     };

@@ -76,7 +76,7 @@ fn green(texel: u32) -> f64 {
 }
 
 #[test]
-fn lights_are_those_of_the_twin_and_carry_the_flux_of_the_map() {
+fn lights_are_those_of_the_cpu_reference_and_carry_the_flux_of_the_map() {
     const COUNT: u32 = 4096;
     for layers in [1, 2, 6] {
         for seed in [0, 4] {

@@ -51,7 +51,7 @@ fn compare(scene: Scene, count: u32, seed: u32) {
 }
 
 #[test]
-fn points_are_those_of_the_twin() {
+fn points_are_those_of_the_cpu_reference() {
     compare(pass_test::scene("cornell-box"), 20_000, 0);
     compare(pass_test::scene("atrium"), 20_000, 9);
 }

@@ -1,0 +1,146 @@
+//! A crate outside the tree that brings an interface, with its WGSL, and a pass that makes it; a shader reads it.
+
+use catalog::{Assets, Catalog};
+use frame_graph::{CompileOptions, LinkContext, Overrides, ResourceDesc, Traits};
+use interfaces::NameTaken;
+use pass::{
+    Compute, Content, Fact, Info, Interface, Member, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, Setting, Settings, Struct, Threads, UseContext,
+};
+
+const PHOTONS: Struct = Struct::new("interfaces/photons/photons.wgsl", "Photons");
+const COUNT: Fact<u32> = Fact::required("count", "the number of photons");
+
+/// The interface that is brought.
+static INTERFACES: [Interface; 1] = [Interface::new(
+    "Photons",
+    "Photons where they landed.",
+    &[Member::required("", Content::Struct(PHOTONS), "them")],
+)
+.with_facts(&[COUNT.decl()])
+.with_folder("interfaces/photons")];
+
+struct Emit;
+
+impl Pass for Emit {
+    fn info(&self) -> Info {
+        Info { kind: "emit-photons", about: "", paper: "", shaders: &["emit-photons.wgsl"] }
+    }
+
+    fn interfaces(&self) -> &'static [Interface] {
+        &INTERFACES
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        Ok(Vec::new())
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
+        Ok(Ports { outputs: vec![pass::output("photons", "Photons", "")], ..Ports::default() })
+    }
+
+    fn outputs(&self, cx: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+        Ok(vec![OutputDesc::one("photons", cx.buffer(PHOTONS, 100)?).fact(COUNT, 100)])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+        let count = cx.fact("photons", COUNT)?;
+        Ok(Recording::one(Compute::new(cx.shader("emit-photons.wgsl", &[]), "emit", Threads::Row(count))))
+    }
+}
+
+const FILES: [(&str, &str); 4] = [
+    (
+        "interfaces/photons/photons.wgsl",
+        "struct Photon { position: vec3<f32>, power: f32 }
+struct Photons { count: u32, photons: array<Photon> }
+",
+    ),
+    (
+        "emit-photons.wgsl",
+        "#import \"photons.wgsl\"
+var<storage, read_write> photons: Photons;
+@compute @workgroup_size(64)
+fn emit(@builtin(global_invocation_id) id: vec3<u32>) { photons.photons[id.x].power = 1.0; }
+",
+    ),
+    (
+        "density.wgsl",
+        "#import \"photons.wgsl\"
+var<storage, read> photons: Photons;
+var<storage, read_write> density: array<f32, 4>;
+struct Settings { photons_count: u32 }
+var<uniform> settings: Settings;
+@compute @workgroup_size(1)
+fn measure() { density[0] = f32(settings.photons_count) * photons.photons[0].power; }
+",
+    ),
+    (
+        "pipelines/photons.ron",
+        "Pipeline(
+    passes: {
+        \"emit\": Pass(kind: \"emit-photons\"),
+        \"density\": Pass(kind: \"compute\", shader: \"density.wgsl\", in: { \"photons\": \"emit\" }),
+    },
+    outputs: { \"density\": \"density\" },
+)
+",
+    ),
+];
+
+#[test]
+fn a_crate_outside_the_tree_brings_an_interface() {
+    let catalog = Catalog::with_passes(Assets::new(None).with_files(FILES), [&Emit as &dyn Pass]).unwrap();
+    let resolved = frame_graph::resolve("photons", catalog.pipelines(), &Overrides::default()).unwrap();
+    let context = LinkContext { frame: (8, 8), traits: Traits::default() };
+    let graph = frame_graph::link(&resolved, &catalog, &context).unwrap_or_else(|error| panic!("{error}"));
+    let plan = frame_graph::compile(&graph, &CompileOptions::default()).unwrap();
+    // 16 bytes for the count, 16 for each photon: the layout of the WGSL.
+    let photons = plan.resources.iter().find(|resource| resource.name.as_str() == "emit.photons").unwrap();
+    assert_eq!(photons.desc, ResourceDesc::buffer(16 + 100 * 16));
+    for (index, pass) in plan.passes.iter().enumerate() {
+        let kind = catalog.pass(&pass.kind).unwrap();
+        let id = frame_graph::plan::PassId(index as u32);
+        let steps =
+            pass::link_steps(&plan, id, kind, &context.traits, catalog.shaders(), catalog.interfaces());
+        assert_eq!(steps.unwrap_or_else(|error| panic!("{error}")).len(), 1, "{}", pass.name);
+    }
+}
+
+/// Takes the name of an interface of the tree.
+struct Taker;
+
+impl Pass for Taker {
+    fn info(&self) -> Info {
+        Info { kind: "taker", ..Emit.info() }
+    }
+
+    fn interfaces(&self) -> &'static [Interface] {
+        static OTHER: [Interface; 1] = [Interface::new("GBuffer", "Something else.", &[])];
+        &OTHER
+    }
+
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        Emit.settings(cx)
+    }
+
+    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
+        Emit.ports(cx, settings)
+    }
+
+    fn outputs(&self, cx: &UseContext<'_>, of: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+        Emit.outputs(cx, of)
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+        Emit.record(cx)
+    }
+}
+
+#[test]
+fn two_interfaces_do_not_share_a_name() {
+    let catalog =
+        |passes: [&'static dyn Pass; 2]| Catalog::with_passes(Assets::new(None), passes).map(|_| ());
+    assert_eq!(catalog([&Emit, &Taker]), Err(NameTaken { interface: "GBuffer", pass: "taker" }));
+    assert_eq!(catalog([&Emit, &Emit]), Ok(()), "the same one from two passes");
+}
