@@ -15,7 +15,8 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(crate) struct LoadedStep {
     label: String,
-    linked: LinkedStep,
+    /// Apart, so that what a dispatch needs lies close together.
+    linked: Box<LinkedStep>,
     pipeline: Arc<Pipeline>,
     workgroups: Workgroups,
     /// Offset of each uniform.
@@ -98,7 +99,7 @@ impl LoadedStep {
             label: format!("{}: {entry}", pass.name),
             workgroups: workgroups(&linked, gpu.limits().max_compute_workgroups_per_dimension),
             alternating: bound.filter(|source| alternates(source)).cloned().collect(),
-            linked,
+            linked: Box::new(linked),
             pipeline,
             uniforms: Vec::new(),
             groups: Vec::new(),

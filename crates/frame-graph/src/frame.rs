@@ -4,6 +4,7 @@ use crate::plan::{AllocationId, HistoryId, PassId, Plan, ResourceId};
 use crate::port::SceneBindings;
 use crate::succession::Succession;
 use std::fmt;
+use std::ops::Range;
 
 /// Why the past of a history ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -108,10 +109,14 @@ pub struct HistorySlot {
 pub struct FrameState {
     /// The newest version, shared by all outputs of a pass.
     versions: Vec<u64>,
-    /// The versions of the inputs with which each pass ran last, one after the other.
+    /// What the passes read and write, in lists that a frame goes through from end to end: the plan itself lies scattered in
+    /// memory, and is not in the caches when a frame begins.
+    reads: Vec<Read>,
+    writes: Vec<(AllocationId, ResourceId)>,
+    /// Where the entries of each pass begin in `reads` and in `writes`; and where the last ones end.
+    first: Vec<(u32, u32)>,
+    /// The version of each entry of `reads` with which its pass ran last.
     seen: Vec<u64>,
-    /// First entry of each pass in `seen`.
-    first_seen: Vec<u32>,
     /// The resource whose newest version each object holds.
     holds: Vec<Option<ResourceId>>,
     histories: Vec<Held>,
@@ -125,6 +130,23 @@ pub struct FrameState {
     resets: Vec<Option<ResetCause>>,
     /// What the frame begun last does. Its memory is used again by the next one.
     schedule: FrameSchedule,
+}
+
+/// A resource that a pass reads.
+#[derive(Clone, Copy, Debug)]
+struct Read {
+    resource: ResourceId,
+    from: ReadFrom,
+}
+
+/// Which version of a resource is read.
+#[derive(Clone, Copy, Debug)]
+enum ReadFrom {
+    Constant,
+    /// That of this frame, made by a pass.
+    Pass(PassId),
+    /// That of a frame before.
+    Past(HistoryId),
 }
 
 /// What is held of a history.
@@ -145,16 +167,32 @@ const CONSTANT: u64 = 1;
 impl FrameState {
     /// Creates the state in which nothing has run.
     pub fn new(plan: &Plan) -> FrameState {
-        let mut first_seen = Vec::with_capacity(plan.passes.len());
-        let mut seen = 0;
+        let (mut reads, mut writes) = (Vec::new(), Vec::new());
+        let mut first = Vec::with_capacity(plan.passes.len() + 1);
         for pass in &plan.passes {
-            first_seen.push(seen);
-            seen += pass.inputs.iter().map(|input| input.members.len() as u32).sum::<u32>();
+            first.push((reads.len() as u32, writes.len() as u32));
+            for input in &pass.inputs {
+                let past = |m: usize| input.history.as_ref().map(|past| past[m]);
+                reads.extend(input.members.iter().enumerate().map(|(m, (_, resource))| {
+                    let producer = plan.resources[resource.0 as usize].producer;
+                    let from = match (past(m), producer) {
+                        (Some(history), _) => ReadFrom::Past(history),
+                        (None, Some(pass)) => ReadFrom::Pass(pass),
+                        (None, None) => ReadFrom::Constant,
+                    };
+                    Read { resource: *resource, from }
+                }));
+            }
+            let members = pass.outputs.iter().flat_map(|port| &port.members);
+            writes.extend(members.map(|(_, id)| (plan.resources[id.0 as usize].allocation, *id)));
         }
+        first.push((reads.len() as u32, writes.len() as u32));
         FrameState {
             versions: vec![INIT; plan.passes.len()],
-            seen: vec![INIT; seen as usize],
-            first_seen,
+            seen: vec![INIT; reads.len()],
+            reads,
+            writes,
+            first,
             holds: vec![None; plan.allocations.len()],
             histories: vec![Held { current: 0, version: INIT, age: 0 }; plan.histories.len()],
             clock: CONSTANT,
@@ -222,12 +260,14 @@ impl FrameState {
         self.find_resets(plan, change, &mut resets);
         self.renew(plan, change, &resets, fresh, &mut schedule.runs);
         self.restore(plan, &mut schedule.runs);
-        for (i, pass) in plan.passes.iter().enumerate().filter(|(i, _)| schedule.runs[*i]) {
-            for (_, id) in pass.outputs.iter().flat_map(|port| &port.members) {
-                let resource = &plan.resources[id.0 as usize];
-                self.holds[resource.allocation.0 as usize] = Some(*id);
+        for pass in (0..plan.passes.len()).filter(|pass| schedule.runs[*pass]) {
+            for at in self.writes_of(pass) {
+                let (allocation, id) = self.writes[at];
+                self.holds[allocation.0 as usize] = Some(id);
             }
-            self.see(plan, i, &resets);
+            for at in self.reads_of(pass) {
+                self.seen[at] = self.version(self.reads[at].from, &resets);
+            }
         }
         self.turn(plan, &resets, &mut schedule);
         self.resets = resets;
@@ -266,33 +306,24 @@ impl FrameState {
         self.histories[history.0 as usize].age
     }
 
-    /// The version of what an input reads in this frame.
-    fn version(
-        &self,
-        plan: &Plan,
-        resource: ResourceId,
-        history: Option<HistoryId>,
-        resets: &[Option<ResetCause>],
-    ) -> u64 {
-        if let Some(history) = history {
-            let at = history.0 as usize;
-            return if resets[at].is_some() { INIT } else { self.histories[at].version };
-        }
-        plan.resources[resource.0 as usize].producer.map_or(CONSTANT, |pass| self.versions[pass.0 as usize])
+    /// Where the entries of a pass lie in `reads` and `seen`.
+    fn reads_of(&self, pass: usize) -> Range<usize> {
+        self.first[pass].0 as usize..self.first[pass + 1].0 as usize
     }
 
-    /// The versions of all that a pass reads.
-    fn reads<'a>(
-        &'a self,
-        plan: &'a Plan,
-        pass: usize,
-        resets: &'a [Option<ResetCause>],
-    ) -> impl Iterator<Item = u64> + 'a {
-        plan.passes[pass].inputs.iter().flat_map(move |input| {
-            let past = input.history.as_deref();
-            let members = input.members.iter().enumerate();
-            members.map(move |(m, (_, id))| self.version(plan, *id, past.map(|past| past[m]), resets))
-        })
+    /// Where the entries of a pass lie in `writes`.
+    fn writes_of(&self, pass: usize) -> Range<usize> {
+        self.first[pass].1 as usize..self.first[pass + 1].1 as usize
+    }
+
+    /// The version of what is read in this frame.
+    fn version(&self, from: ReadFrom, resets: &[Option<ResetCause>]) -> u64 {
+        match from {
+            ReadFrom::Constant => CONSTANT,
+            ReadFrom::Pass(pass) => self.versions[pass.0 as usize],
+            ReadFrom::Past(history) if resets[history.0 as usize].is_some() => INIT,
+            ReadFrom::Past(history) => self.histories[history.0 as usize].version,
+        }
     }
 
     /// Forwards: what has something new to read, and so makes something new.
@@ -313,17 +344,14 @@ impl FrameState {
             }
         }
         for (i, pass) in plan.passes.iter().enumerate() {
-            if pass.outputs.iter().all(|port| port.members.is_empty()) {
+            if self.writes_of(i).is_empty() {
                 // It only hands on, or tells facts: there is nothing to do.
                 runs[i] = false;
                 continue;
             }
-            let from = self.first_seen[i] as usize;
-            runs[i] |= pass.scene_bindings.0 & changed.0 != 0
-                || self
-                    .reads(plan, i, resets)
-                    .enumerate()
-                    .any(|(at, version)| self.seen[from + at] != version);
+            runs[i] = runs[i]
+                || pass.scene_bindings.0 & changed.0 != 0
+                || self.reads_of(i).any(|at| self.seen[at] != self.version(self.reads[at].from, resets));
             if runs[i] {
                 self.clock += 1;
                 self.versions[i] = self.clock;
@@ -339,11 +367,9 @@ impl FrameState {
                 if !runs[i] {
                     continue;
                 }
-                let inputs = plan.passes[i].inputs.iter().filter(|input| input.history.is_none());
-                for (_, id) in inputs.flat_map(|input| &input.members) {
-                    let resource = &plan.resources[id.0 as usize];
-                    let Some(producer) = resource.producer else { continue };
-                    if !runs[producer.0 as usize] && !self.is_held(plan, *id, runs) {
+                for Read { resource, from } in &self.reads[self.reads_of(i)] {
+                    let ReadFrom::Pass(producer) = from else { continue };
+                    if !runs[producer.0 as usize] && !self.is_held(plan, *resource, runs) {
                         runs[producer.0 as usize] = true;
                         more = true;
                     }
@@ -368,16 +394,6 @@ impl FrameState {
             plan.resources[other.0 as usize].producer.is_some_and(|p| runs[p.0 as usize])
         };
         !before.into_iter().any(written)
-    }
-
-    fn see(&mut self, plan: &Plan, pass: usize, resets: &[Option<ResetCause>]) {
-        let mut at = self.first_seen[pass] as usize;
-        for input in &plan.passes[pass].inputs {
-            for (m, (_, id)) in input.members.iter().enumerate() {
-                self.seen[at] = self.version(plan, *id, input.history.as_ref().map(|past| past[m]), resets);
-                at += 1;
-            }
-        }
     }
 
     /// Turns the copies of histories whose producers run.
