@@ -1,6 +1,7 @@
 //! What becomes of virtual lights: how many reach the image, how many move from frame to frame, how
 //! much of their light a clamp removes.
 
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::Image;
@@ -33,7 +34,7 @@ pub struct Receiver {
 /// does one whose position is NaN.
 pub fn lights_moved(previous: &[VirtualLight], current: &[VirtualLight], tolerance_m: f32) -> usize {
     let stays = |(a, b): &(&VirtualLight, &VirtualLight)| {
-        length(difference(a.position, b.position)) <= f64::from(tolerance_m)
+        precise(a.position).distance(precise(b.position)) <= f64::from(tolerance_m)
     };
     previous.len().max(current.len()) - previous.iter().zip(current).filter(stays).count()
 }
@@ -62,9 +63,9 @@ pub fn lights_that_reach(
     let reaches = |light: &&VirtualLight| {
         light.flux.iter().any(|&channel| channel > 0.0)
             && receivers.iter().any(|receiver| {
-                let towards = difference(light.position, receiver.position);
-                dot(towards, light.normal) > 0.0
-                    && dot(towards, receiver.normal) < 0.0
+                let towards = precise(receiver.position) - precise(light.position);
+                towards.dot(precise(light.normal)) > 0.0
+                    && towards.dot(precise(receiver.normal)) < 0.0
                     && !occluded(light.position, receiver.position)
             })
     };
@@ -84,17 +85,8 @@ pub fn clamped_share(irradiance: &Image) -> Option<f64> {
     (kept + removed > 0.0).then(|| removed / (kept + removed))
 }
 
-/// From `a` to `b`.
-fn difference(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| f64::from(b[k]) - f64::from(a[k]))
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn dot(a: [f64; 3], b: [f32; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * f64::from(b)).sum()
+fn precise(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 mod gpu;
 
-use direct_light::cpu_reference::{Map, Vec3, ggx};
+use direct_light::cpu_reference::{Map, ggx};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 use std::f64::consts::PI;
 
 #[test]
@@ -10,11 +11,11 @@ fn every_variant_is_valid() {
     pass_test::assert_shaders_are_valid(direct_light::PASS);
 }
 
-const TOWARDS: Vec3 = [0.0, 0.0, 1.0];
+const TOWARDS: DVec3 = DVec3::Z;
 
 /// A map of a wall at distance 2 whose left half is hidden by a screen at distance 1.
 fn screened(perspective: bool) -> Map {
-    let mut map = Map::of_plane(64, [1.0; 2], perspective, [0.0, 0.0, -2.0], TOWARDS);
+    let mut map = Map::of_plane(64, DVec2::ONE, perspective, dvec3(0.0, 0.0, -2.0), TOWARDS);
     for (i, distance) in map.distances.iter_mut().enumerate() {
         if i % 64 < 32 {
             *distance = 1.0;
@@ -23,27 +24,22 @@ fn screened(perspective: bool) -> Map {
     map
 }
 
-fn cosine_to_layer(receiver: Vec3, normal: Vec3) -> f64 {
-    let dot = |a: Vec3, b: Vec3| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    -dot(receiver, normal) / dot(receiver, receiver).sqrt()
-}
-
 #[test]
 fn a_plane_never_shadows_itself() {
     for perspective in [true, false] {
         for i in 0..400 {
             let angle = f64::from(i) * 0.37;
             let tilt = f64::from(i % 20) / 20.0 * 1.2;
-            let normal = [tilt.sin() * angle.cos(), tilt.sin() * angle.sin(), tilt.cos()];
-            let at = [0.3, -0.2, -3.0];
-            let map = Map::of_plane(64, [1.0; 2], perspective, at, normal);
+            let normal = dvec3(tilt.sin() * angle.cos(), tilt.sin() * angle.sin(), tilt.cos());
+            let at = dvec3(0.3, -0.2, -3.0);
+            let map = Map::of_plane(64, DVec2::ONE, perspective, at, normal);
             for k in 0..40 {
-                let image = [f64::from(k % 7) * 0.1 - 0.3, f64::from(k / 7) * 0.1 - 0.3];
+                let image = dvec2(f64::from(k % 7), f64::from(k / 7)) * 0.1 - 0.3;
                 let distance = direct_light::cpu_reference::plane_distance(at, normal, image, perspective);
                 let scale = if perspective { distance } else { 1.0 };
-                let receiver = [image[0] * scale, image[1] * scale, -distance];
+                let receiver = (image * scale).extend(-distance);
                 // Seen too much on edge, a plane rises more than the limit, and the bias has to do.
-                let cosine = if perspective { cosine_to_layer(receiver, normal) } else { normal[2] };
+                let cosine = if perspective { -receiver.normalize().dot(normal) } else { normal.z };
                 if cosine < 0.3 {
                     continue;
                 }
@@ -59,7 +55,7 @@ fn a_screen_shadows_what_is_behind_it_with_a_smooth_edge() {
     for (perspective, pcf) in [(true, 1), (true, 5), (false, 3), (false, 9)] {
         let map = screened(perspective);
         let scale = if perspective { 2.0 } else { 1.0 };
-        let lit = |x: f64| map.visibility([x * scale, 0.0, -2.0], TOWARDS, pcf, 0.5);
+        let lit = |x: f64| map.visibility(dvec3(x * scale, 0.0, -2.0), TOWARDS, pcf, 0.5);
         let window = f64::from(pcf + 1) / 64.0;
         assert_eq!(lit(-window), 0.0);
         assert!((lit(window) - 1.0).abs() < 1e-12);
@@ -75,14 +71,14 @@ fn a_screen_shadows_what_is_behind_it_with_a_smooth_edge() {
 
 #[test]
 fn what_is_in_front_of_the_screen_is_lit() {
-    assert!((screened(true).visibility([-0.3, 0.0, -0.9], TOWARDS, 5, 0.5) - 1.0).abs() < 1e-12);
+    assert!((screened(true).visibility(dvec3(-0.3, 0.0, -0.9), TOWARDS, 5, 0.5) - 1.0).abs() < 1e-12);
 }
 
 #[test]
 fn an_empty_map_hides_nothing_and_a_spot_sends_nothing_back() {
-    let empty = Map { size: 8, half_extent: [1.0; 2], perspective: true, distances: vec![0.0; 64] };
-    assert!((empty.visibility([0.1, 0.1, -5.0], TOWARDS, 5, 0.5) - 1.0).abs() < 1e-12);
-    assert_eq!(empty.visibility([0.1, 0.1, 5.0], TOWARDS, 5, 0.5), 0.0);
+    let empty = Map { size: 8, half_extent: DVec2::ONE, perspective: true, distances: vec![0.0; 64] };
+    assert!((empty.visibility(dvec3(0.1, 0.1, -5.0), TOWARDS, 5, 0.5) - 1.0).abs() < 1e-12);
+    assert_eq!(empty.visibility(dvec3(0.1, 0.1, 5.0), TOWARDS, 5, 0.5), 0.0);
 }
 
 /// ∫ f cosθ dω over the hemisphere: what is reflected of light from one side. It stays below 1, and what is
@@ -91,14 +87,14 @@ fn an_empty_map_hides_nothing_and_a_spot_sends_nothing_back() {
 fn the_glossy_part_reflects_no_more_than_it_receives() {
     for roughness in [0.3, 0.6, 1.0] {
         for degrees in [0.0f64, 40.0, 70.0] {
-            let camera = [degrees.to_radians().sin(), 0.0, degrees.to_radians().cos()];
+            let camera = dvec3(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
             let (rings, spokes) = (600, 600);
             let mut albedo = 0.0;
             for i in 0..rings * spokes {
                 // Evenly over the disc, so each stands for π / n of the projected solid angle.
                 let r2 = (f64::from(i / spokes) + 0.5) / f64::from(rings);
                 let turn = (f64::from(i % spokes) + 0.5) / f64::from(spokes) * 2.0 * PI;
-                let light = [r2.sqrt() * turn.cos(), r2.sqrt() * turn.sin(), (1.0 - r2).sqrt()];
+                let light = dvec3(r2.sqrt() * turn.cos(), r2.sqrt() * turn.sin(), (1.0 - r2).sqrt());
                 albedo += ggx(TOWARDS, light, camera, 1.0, roughness) * PI / f64::from(rings * spokes);
             }
             assert!(albedo < 1.001, "roughness {roughness} at {degrees}°: {albedo}");

@@ -1,19 +1,14 @@
 //! The algorithm in plain f64: same names as gather.wgsl.
 
-/// A vector of three.
-pub type Vec3 = [f64; 3];
-
-fn dot(a: Vec3, b: Vec3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
+use glam::DVec3;
 
 /// A virtual light of one channel.
 #[derive(Clone, Copy, Debug)]
 pub struct VirtualLight {
     /// \[m\]
-    pub position: Vec3,
+    pub position: DVec3,
     /// Unit.
-    pub normal: Vec3,
+    pub normal: DVec3,
     /// Φ \[W\].
     pub flux: f64,
     /// A \[m²\].
@@ -22,10 +17,10 @@ pub struct VirtualLight {
 
 /// Returns the geometry term of a light without its visibility [1/m²], as the clamp leaves it, and what the clamp
 /// removes.
-pub fn geometry(light: &VirtualLight, at: Vec3, normal: Vec3, clamp: f64, extent: f64) -> (f64, f64) {
-    let offset = [0, 1, 2].map(|i| at[i] - light.position[i]);
-    let distance2 = dot(offset, offset).max((1e-6 * extent).powi(2));
-    let cosines = (-dot(normal, offset)).max(0.0) * dot(light.normal, offset).max(0.0) / distance2;
+pub fn geometry(light: &VirtualLight, at: DVec3, normal: DVec3, clamp: f64, extent: f64) -> (f64, f64) {
+    let offset = at - light.position;
+    let distance2 = offset.length_squared().max((1e-6 * extent).powi(2));
+    let cosines = (-normal.dot(offset)).max(0.0) * light.normal.dot(offset).max(0.0) / distance2;
     let term = |distance2: f64| cosines / (std::f64::consts::PI * distance2 + light.area);
     let kept = term(distance2.max((clamp * extent).powi(2)));
     (kept, term(distance2) - kept)

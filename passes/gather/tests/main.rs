@@ -1,7 +1,7 @@
 //! Irradiance against closed forms, and the way lights are shared out among sub-images.
 
 use gather::cpu_reference::{VirtualLight, geometry, subset};
-use glam::Vec3;
+use glam::{DVec3, Vec3, dvec3};
 use pass_test::{Harness, Outputs};
 use std::f64::consts::PI;
 
@@ -34,8 +34,8 @@ impl View {
         let packed: Vec<[f32; 12]> = lights
             .iter()
             .map(|light| {
-                let ([x, y, z], [u, v, w], flux) = (light.position, light.normal, light.flux);
-                [x, y, z, light.area, u, v, w, 0.0, flux, 2.0 * flux, 0.0, 0.0].map(|x| x as f32)
+                let ([x, y, z], [u, v, w]) = (light.position.to_array(), light.normal.to_array());
+                [x, y, z, light.area, u, v, w, 0.0, light.flux, 2.0 * light.flux, 0.0, 0.0].map(|x| x as f32)
             })
             .collect();
         let (_, bytes) = pass_test::counted(&packed);
@@ -62,14 +62,14 @@ impl View {
     }
 
     /// Where a pixel looks.
-    fn position(&self, x: u32, y: u32) -> [f64; 3] {
+    fn position(&self, x: u32, y: u32) -> DVec3 {
         let tan = (f64::from(self.fov) / 2.0).tan() * 2.0;
         let (w, h) = (f64::from(self.width), f64::from(self.height));
-        [
+        dvec3(
             ((2.0 * f64::from(x) + 1.0) / w - 1.0) * tan * w / h,
             0.0,
             ((2.0 * f64::from(y) + 1.0) / h - 1.0) * tan,
-        ]
+        )
     }
 
     fn pixels(&self) -> impl Iterator<Item = (u32, u32)> {
@@ -77,8 +77,8 @@ impl View {
     }
 }
 
-const DOWN: [f64; 3] = [0.0, -1.0, 0.0];
-const UP: [f64; 3] = [0.0, 1.0, 0.0];
+const DOWN: DVec3 = DVec3::NEG_Y;
+const UP: DVec3 = DVec3::Y;
 
 fn read(outputs: &Outputs) -> Vec<[f32; 4]> {
     outputs.read("irradiance")
@@ -91,8 +91,8 @@ fn lights(count: usize) -> Vec<VirtualLight> {
             let [u, v, w] = [0.754_877, 0.569_840, 0.411_403].map(|step| (i as f64 * step).fract());
             let (sin, cos) = (2.0 * PI * v).sin_cos();
             VirtualLight {
-                position: [u - 0.5, 0.3 + v, w - 0.5],
-                normal: [0.6 * sin, -0.8, 0.6 * cos],
+                position: dvec3(u - 0.5, 0.3 + v, w - 0.5),
+                normal: dvec3(0.6 * sin, -0.8, 0.6 * cos),
                 flux: 0.5 + w,
                 area: if i % 3 == 0 { 0.1 * u } else { 0.0 },
             }
@@ -103,15 +103,14 @@ fn lights(count: usize) -> Vec<VirtualLight> {
 #[test]
 fn one_light_over_a_plane_gives_the_closed_form() {
     let view = View { width: 21, height: 13, fov: 1.0 };
-    let light = VirtualLight { position: [0.3, 0.7, -0.2], normal: DOWN, flux: 5.0, area: 0.0 };
+    let light = VirtualLight { position: dvec3(0.3, 0.7, -0.2), normal: DOWN, flux: 5.0, area: 0.0 };
     for area in [0.0, 0.04] {
         let light = VirtualLight { area, ..light };
         let outputs =
             view.stand(&[light]).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
         let Some(outputs) = outputs else { return };
         for ((x, y), got) in view.pixels().zip(read(&outputs)) {
-            let at = view.position(x, y);
-            let d2 = (at[0] - 0.3).powi(2) + 0.49 + (at[2] + 0.2).powi(2);
+            let d2 = view.position(x, y).distance_squared(light.position);
             // Both cosines are height over distance.
             let wanted = 5.0 * 0.49 / d2 / (PI * d2 + area);
             for (channel, factor) in [(0, 1.0), (1, 2.0), (2, 0.0)] {
@@ -135,7 +134,7 @@ fn a_disc_of_lights_gives_the_form_factor_of_a_disc() {
         .map(|i| {
             let radius = a * ((f64::from(i) + 0.5) / 4096.0).sqrt();
             let (sin, cos) = (f64::from(i) * PI * (3.0 - 5f64.sqrt())).sin_cos();
-            let position = [radius * cos, h, radius * sin];
+            let position = dvec3(radius * cos, h, radius * sin);
             VirtualLight { position, normal: DOWN, flux: 1.0 / 4096.0, area: 0.0 }
         })
         .collect();
@@ -234,8 +233,8 @@ fn many_lights_take_several_dispatches() {
 fn extremes_stay_finite() {
     let view = View { width: 3, height: 3, fov: 1.0 };
     let on_the_receiver = VirtualLight { position: view.position(1, 1), normal: UP, flux: 1e9, area: 0.0 };
-    let facing = VirtualLight { position: [0.0, 1e-12, 0.0], normal: DOWN, ..on_the_receiver };
-    let behind = VirtualLight { position: [0.0, -1.0, 0.0], normal: UP, ..on_the_receiver };
+    let facing = VirtualLight { position: dvec3(0.0, 1e-12, 0.0), normal: DOWN, ..on_the_receiver };
+    let behind = VirtualLight { position: DVec3::NEG_Y, normal: UP, ..on_the_receiver };
     for lights in [vec![on_the_receiver], vec![facing], vec![behind], Vec::new()] {
         let outputs =
             view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
@@ -249,7 +248,7 @@ fn extremes_stay_finite() {
 #[test]
 fn pixels_that_see_nothing_are_black() {
     let view = View { width: 4, height: 4, fov: 1.0 };
-    let light = VirtualLight { position: [0.0, 1.0, 0.0], normal: DOWN, flux: 1.0, area: 0.0 };
+    let light = VirtualLight { position: DVec3::Y, normal: DOWN, flux: 1.0, area: 0.0 };
     let Some(outputs) = view.stand_at_depth(&[light], 0.0).run() else { return };
     assert!(read(&outputs).iter().all(|e| *e == [0.0; 4]), "nothing is lit");
 }
@@ -257,7 +256,7 @@ fn pixels_that_see_nothing_are_black() {
 /// Runs one light over the plane with an atlas of one map of 8², filled with one distance.
 fn with_map(stored: f32) -> Option<Vec<[f32; 4]>> {
     let view = View { width: 9, height: 9, fov: 0.6 };
-    let light = VirtualLight { position: [0.1, 1.0, 0.0], normal: DOWN, flux: 1.0, area: 0.0 };
+    let light = VirtualLight { position: dvec3(0.1, 1.0, 0.0), normal: DOWN, flux: 1.0, area: 0.0 };
     let atlas = pass::ResourceDesc::texture_2d_array(pass::Format::R32Float, (8, 8), 1);
     let outputs = view
         .stand(&[light])

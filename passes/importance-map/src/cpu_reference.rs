@@ -1,22 +1,20 @@
 //! `view-samples.wgsl`, `importance-map.wgsl` and `mix.wgsl` in double precision.
 
+use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Three numbers: a position, a direction, or a colour in linear Rec. 709.
-pub type Vec3 = [f64; 3];
-
 /// Weights of the channels in luminance (BT.709).
-pub const LUMINANCE: Vec3 = [0.2126, 0.7152, 0.0722];
+pub const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
 /// A sample of what the camera sees, with lengths in units of the scene's extent.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ViewSample {
     /// From the corner of the scene's bounding box.
-    pub position: Vec3,
+    pub position: DVec3,
     /// Unit.
-    pub normal: Vec3,
+    pub normal: DVec3,
     /// Luminance of radiance per channel of irradiance \[1/sr\].
-    pub response: Vec3,
+    pub response: DVec3,
 }
 
 /// Returns the pixel that two numbers in [0, 1) pick.
@@ -26,34 +24,34 @@ pub fn pixel(numbers: [f64; 2], size: (u32, u32)) -> (u32, u32) {
 }
 
 /// Returns the `response` of a surface of that albedo.
-pub fn response(albedo: Vec3) -> Vec3 {
-    [0, 1, 2].map(|c| LUMINANCE[c] * albedo[c] / PI)
+pub fn response(albedo: DVec3) -> DVec3 {
+    LUMINANCE * albedo / PI
 }
 
-/// Returns the relative luminance (BT.709).
-pub fn luminance(rgb: Vec3) -> f64 {
-    dot(rgb, LUMINANCE)
+/// Returns the relative luminance (BT.709) of a linear colour.
+pub fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(LUMINANCE)
 }
 
 /// Returns the geometry term of Eq. 2 \[1/extents²\].
-pub fn geometry(position: Vec3, normal: Vec3, at: &ViewSample, min_distance: f64) -> f64 {
-    let way = [0, 1, 2].map(|c| at.position[c] - position[c]);
-    let squared = dot(way, way).max(1e-20);
-    let cosines = dot(normal, way).max(0.0) * (-dot(at.normal, way)).max(0.0) / squared;
+pub fn geometry(position: DVec3, normal: DVec3, at: &ViewSample, min_distance: f64) -> f64 {
+    let way = at.position - position;
+    let squared = way.length_squared().max(1e-20);
+    let cosines = normal.dot(way).max(0.0) * (-at.normal.dot(way)).max(0.0) / squared;
     cosines / (PI * (squared + min_distance * min_distance))
 }
 
 /// Returns the importance by contribution (Eq. 1) of a texel with that position \[extents\], normal and flux \[W\].
 pub fn contribution(
-    position: Vec3,
-    normal: Vec3,
-    flux: Vec3,
+    position: DVec3,
+    normal: DVec3,
+    flux: DVec3,
     samples: &[ViewSample],
     min_distance: f64,
 ) -> f64 {
     let sum = samples
         .iter()
-        .map(|sample| dot(flux, sample.response) * geometry(position, normal, sample, min_distance));
+        .map(|sample| flux.dot(sample.response) * geometry(position, normal, sample, min_distance));
     sum.sum::<f64>() / samples.len() as f64
 }
 
@@ -67,8 +65,4 @@ pub fn mix_with_flux(contribution: &[f64], flux: &[f64], defensive: f64) -> Vec<
     std::iter::zip(contribution, flux)
         .map(|(c, f)| texels * ((1.0 - defensive) * share(*c, by_view) + defensive * share(*f, by_flux)))
         .collect()
-}
-
-fn dot(a: Vec3, b: Vec3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,9 +1,10 @@
 //! Exact maps against rays.
 
 use frame_graph::Source;
+use glam::{DVec2, DVec3, dvec3, uvec2};
 use paraboloid_shadow_maps::ParaboloidShadowMaps;
 use paraboloid_shadow_maps::cpu_reference::paraboloid::{
-    Vec3, direction_from_paraboloid, dot, frame_from_normal, into_frame, sub, texel_centre,
+    direction_from_paraboloid, frame_from_normal, texel_centre,
 };
 use paraboloid_shadow_maps::cpu_reference::{hit, image_bounds, map};
 use pass_test::Harness;
@@ -28,31 +29,31 @@ impl frame_graph::Files for NoFiles {
 impl scene::SceneFiles for NoFiles {}
 
 /// The scene `plane` with other triangles.
-fn scene_of(triangles: &[[Vec3; 3]]) -> Scene {
+fn scene_of(triangles: &[[DVec3; 3]]) -> Scene {
     let path = pass_test::root().join("scenes/plane.ron");
     let mut scene = scene::load(&path.to_string_lossy(), &NoFiles).expect("the scene is there");
     let like = scene.vertices[0];
     let corners = triangles.iter().flatten();
-    scene.vertices = corners.map(|at| Vertex { position: at.map(|x| x as f32), ..like }).collect();
+    scene.vertices = corners.map(|at| Vertex { position: at.as_vec3().to_array(), ..like }).collect();
     scene.indices = (0..scene.vertices.len() as u32).collect();
     scene
 }
 
 /// The maps of these lights, row by row.
-fn render(scene: Scene, lights: &[(Vec3, Vec3)], tile: u32) -> Option<Vec<Vec<f64>>> {
+fn render(scene: Scene, lights: &[(DVec3, DVec3)], tile: u32) -> Option<Vec<Vec<f64>>> {
     Some(render_in_layers(scene, lights, tile, interfaces::visibility::AtlasLayout::SIDE)?.0)
 }
 
 /// The maps in an atlas whose layers have sides of at most `side`, and how many layers there are.
 fn render_in_layers(
     scene: Scene,
-    lights: &[(Vec3, Vec3)],
+    lights: &[(DVec3, DVec3)],
     tile: u32,
     side: u32,
 ) -> Option<(Vec<Vec<f64>>, u32)> {
     let packed: Vec<[f32; 12]> = lights
         .iter()
-        .map(|(p, n)| [p[0], p[1], p[2], 0.0, n[0], n[1], n[2], 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32))
+        .map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32))
         .collect();
     let (desc, bytes) = pass_test::counted(&packed);
     let pass = ParaboloidShadowMaps { side };
@@ -79,29 +80,28 @@ fn noise(seed: &mut u64) -> f64 {
     (*seed >> 33) as f64 / f64::from(1u32 << 30) - 1.0
 }
 
-fn unit(seed: &mut u64) -> Vec3 {
-    let v: Vec3 = [0; 3].map(|_| noise(seed));
-    let length = dot(v, v).sqrt().max(1e-9);
-    v.map(|x| x / length)
+fn vector(seed: &mut u64) -> DVec3 {
+    DVec3::from([0; 3].map(|_| noise(seed)))
+}
+
+/// As single precision has it, so that rounding is not part of what is compared.
+fn single(v: DVec3) -> DVec3 {
+    v.as_vec3().as_dvec3()
 }
 
 /// Triangles of all sizes around the origin, slivers and points among them.
-fn triangles(count: usize, seed: &mut u64) -> Vec<[Vec3; 3]> {
+fn triangles(count: usize, seed: &mut u64) -> Vec<[DVec3; 3]> {
     (0..count)
         .map(|i| {
             let size = [0.05, 0.5, 3.0, 300.0][i % 4];
-            let at: Vec3 = [0; 3].map(|_| 1.5 * noise(seed));
-            let mut corners = [0; 3].map(|_| [0, 1, 2].map(|k| at[k] + size * noise(seed)));
+            let at = 1.5 * vector(seed);
+            let mut corners = [0; 3].map(|_| at + size * vector(seed));
             match i % 9 {
-                7 => {
-                    corners[2] =
-                        [0, 1, 2].map(|k| 0.5 * (corners[0][k] + corners[1][k]) + 1e-6 * noise(seed));
-                }
+                7 => corners[2] = 0.5 * (corners[0] + corners[1]) + 1e-6 * vector(seed),
                 8 => corners[1] = corners[0],
                 _ => {}
             }
-            // As single precision has them, so that rounding is not part of what is compared.
-            corners.map(|corner| corner.map(|x| f64::from(x as f32)))
+            corners.map(single)
         })
         .collect()
 }
@@ -111,9 +111,9 @@ fn a_quad_has_the_distances_of_its_plane() {
     let path = pass_test::root().join("scenes/plane.ron");
     let scene = scene::load(&path.to_string_lossy(), &NoFiles).expect("the scene is there");
     let lights = [
-        ([0.25, 0.5, -0.125], [0.0, -1.0, 0.0]),
-        ([0.0, 0.01, 0.0], [0.6, 0.0, 0.8]),
-        ([0.0, 0.5, 0.0], [0.0, 1.0, 0.0]),
+        (dvec3(0.25, 0.5, -0.125), DVec3::NEG_Y),
+        (dvec3(0.0, 0.01, 0.0), dvec3(0.6, 0.0, 0.8)),
+        (dvec3(0.0, 0.5, 0.0), DVec3::Y),
     ];
     let tile = 64;
     let Some(maps) = render(scene, &lights, tile) else { return };
@@ -121,21 +121,22 @@ fn a_quad_has_the_distances_of_its_plane() {
         let frame = frame_from_normal(*normal);
         let mut inside = 0;
         for (i, got) in map.iter().enumerate() {
-            let local = direction_from_paraboloid(texel_centre([i as u32 % tile, i as u32 / tile], tile));
-            let direction =
-                [0, 1, 2].map(|k| local[0] * frame[0][k] + local[1] * frame[1][k] + local[2] * frame[2][k]);
-            let distance = -position[1] / direction[1];
-            let (x, z) = (position[0] + distance * direction[0], position[2] + distance * direction[2]);
-            let hit = distance > 0.0 && x.abs().max(z.abs()) < 1.0 && local[2] > 1e-3;
+            let local =
+                direction_from_paraboloid(texel_centre(uvec2(i as u32 % tile, i as u32 / tile), tile));
+            let direction = frame * local;
+            let distance = -position.y / direction.y;
+            let at = position + distance * direction;
+            let from_middle = at.x.abs().max(at.z.abs());
+            let hit = distance > 0.0 && from_middle < 1.0 && local.z > 1e-3;
             // Within rounding of the quad's border or the horizon either answer is right.
-            if (x.abs().max(z.abs()) - 1.0).abs() < 1e-4 || (local[2] - 1e-3).abs() < 1e-4 {
+            if (from_middle - 1.0).abs() < 1e-4 || (local.z - 1e-3).abs() < 1e-4 {
                 continue;
             }
             let wanted = if hit { distance } else { 3.0e38 };
             assert!((got - wanted).abs() <= 1e-5 * wanted, "texel {i} from {position:?}: {got} for {wanted}");
             inside += u32::from(hit);
         }
-        assert!(inside > 500 || normal[1] > 0.0, "the quad fills {inside} texels from {position:?}");
+        assert!(inside > 500 || normal.y > 0.0, "the quad fills {inside} texels from {position:?}");
     }
 }
 
@@ -143,14 +144,11 @@ fn a_quad_has_the_distances_of_its_plane() {
 fn the_gpu_agrees_with_the_cpu_reference() {
     let seed = &mut 7;
     let triangles = triangles(60, seed);
-    let mut lights: Vec<(Vec3, Vec3)> = (0..6).map(|_| ([0; 3].map(|_| noise(seed)), unit(seed))).collect();
+    let mut lights: Vec<(DVec3, DVec3)> = (0..6).map(|_| (vector(seed), vector(seed).normalize())).collect();
     // In the plane of the first triangle, and on a corner of another.
-    lights.push((triangles[0][0].map(|x| x + 1e-4), unit(seed)));
-    lights.push((triangles[2][1], unit(seed)));
-    let lights: Vec<(Vec3, Vec3)> = lights
-        .into_iter()
-        .map(|(p, n)| (p.map(|x| f64::from(x as f32)), n.map(|x| f64::from(x as f32))))
-        .collect();
+    lights.push((triangles[0][0] + 1e-4, vector(seed).normalize()));
+    lights.push((triangles[2][1], vector(seed).normalize()));
+    let lights: Vec<(DVec3, DVec3)> = lights.into_iter().map(|(p, n)| (single(p), single(n))).collect();
     for tile in [1, 3, 32, 64] {
         let Some(maps) = render(scene_of(&triangles), &lights, tile) else { return };
         let mut differ = 0;
@@ -172,17 +170,17 @@ fn the_gpu_agrees_with_the_cpu_reference() {
 fn the_bounds_hold_every_texel_that_is_hit() {
     let seed = &mut 11;
     for triangle in triangles(400, seed) {
-        let frame = frame_from_normal(unit(seed));
-        let light: Vec3 = [0; 3].map(|_| noise(seed));
-        let local = triangle.map(|corner| into_frame(sub(corner, light), &frame));
-        if local.iter().all(|corner| corner[2] <= 0.0) {
+        let frame = frame_from_normal(vector(seed).normalize());
+        let light = vector(seed);
+        let local = triangle.map(|corner| frame.transpose_mul_vec3(corner - light));
+        if local.iter().all(|corner| corner.z <= 0.0) {
             continue;
         }
         let (low, high) = image_bounds(local, EXTENT);
         for i in 0..48 * 48 {
-            let at = texel_centre([i % 48, i / 48], 48);
+            let at = texel_centre(uvec2(i % 48, i / 48), 48);
             if hit(direction_from_paraboloid(at), local, EXTENT).is_some() {
-                let inside = (0..2).all(|k| low[k] - 1e-9 <= at[k] && at[k] <= high[k] + 1e-9);
+                let inside = (low - 1e-9).cmple(at).all() && at.cmple(high + 1e-9).all();
                 assert!(inside, "{at:?} of {local:?} is outside {low:?}..{high:?}");
             }
         }
@@ -194,25 +192,20 @@ fn the_bounds_are_tight() {
     // Small triangles: the box is that of the corners but for the bend of the arcs, a second-order term.
     let seed = &mut 13;
     for _ in 0..200 {
-        let middle = [noise(seed), noise(seed), 1.2];
-        let corners = [0; 3].map(|_| middle.map(|x| x + 0.02 * noise(seed)));
+        let middle = dvec3(noise(seed), noise(seed), 1.2);
+        let corners = [0; 3].map(|_| middle + 0.02 * vector(seed));
         let (low, high) = image_bounds(corners, EXTENT);
-        let images = corners.map(|c| {
-            let length = dot(c, c).sqrt();
-            [c[0] / (length + c[2]), c[1] / (length + c[2])]
-        });
-        for k in 0..2 {
-            let least = images.iter().fold(f64::INFINITY, |least, image| least.min(image[k]));
-            let most = images.iter().fold(f64::NEG_INFINITY, |most, image| most.max(image[k]));
-            assert!(low[k] <= least && least - low[k] < 1e-4, "{corners:?}");
-            assert!(high[k] >= most && high[k] - most < 1e-4, "{corners:?}");
-        }
+        let images = corners.map(|c| c.truncate() / (c.length() + c.z));
+        let least = images.into_iter().fold(DVec2::INFINITY, DVec2::min);
+        let most = images.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
+        assert!(low.cmple(least).all() && (least - low).max_element() < 1e-4, "{corners:?}");
+        assert!(high.cmpge(most).all() && (high - most).max_element() < 1e-4, "{corners:?}");
     }
 }
 
 #[test]
 fn no_triangles_leave_nothing() {
-    let Some(maps) = render(scene_of(&[]), &[([0.0; 3], [0.0, 1.0, 0.0])], 8) else { return };
+    let Some(maps) = render(scene_of(&[]), &[(DVec3::ZERO, DVec3::Y)], 8) else { return };
     assert!(maps[0].iter().all(|depth| *depth >= 2.9e38), "nothing is there");
 }
 
@@ -220,7 +213,7 @@ fn no_triangles_leave_nothing() {
 fn maps_are_the_same_in_one_layer_and_in_several() {
     let seed = &mut 17;
     let scene = scene_of(&triangles(40, seed));
-    let lights: Vec<(Vec3, Vec3)> = (0..7).map(|_| ([0; 3].map(|_| noise(seed)), unit(seed))).collect();
+    let lights: Vec<(DVec3, DVec3)> = (0..7).map(|_| (vector(seed), vector(seed).normalize())).collect();
     let Some((maps, layers)) = render_in_layers(scene.clone(), &lights, 16, 8192) else { return };
     assert_eq!(layers, 1);
     // Four maps a layer, of which the last has three; one map a layer; sides that are no multiple of the maps'.

@@ -1,10 +1,11 @@
 //! The WGSL of the pass and `shaders/points-on-the-fly.wgsl` with the same integers, and double precision before them.
 
 pub use gpu_algorithms::reference::triangle_samples::{
-    Vec3, normal_and_area, scramble, triangle_at, triangle_from_square,
+    normal_and_area, scramble, triangle_at, triangle_from_square,
 };
 
 use crate::BLOCK;
+use glam::DVec3;
 use gpu_algorithms::reference::triangle_samples::edges;
 
 /// All that is shared out.
@@ -32,14 +33,12 @@ pub fn tessellated_points(edges: [u32; 3], inside: u32) -> u32 {
 }
 
 /// Returns the weight of each triangle: its area \[m²\], or with factors the points of a tessellator.
-pub fn weights(triangles: &[[Vec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> {
+pub fn weights(triangles: &[[DVec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> {
     let measured: Vec<(f64, [f64; 3])> = triangles
         .iter()
         .map(|corners| {
             let (_, a, b) = edges(0, |_, k| corners[k as usize]);
-            let length = |v: Vec3| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let across = [0, 1, 2].map(|c| b[c] - a[c]);
-            (normal_and_area(a, b).1, [length(a), length(b), length(across)])
+            (normal_and_area(a, b).1, [a.length(), b.length(), a.distance(b)])
         })
         .collect();
     let Some(factors) = factors else { return measured.iter().map(|(area, _)| *area).collect() };
@@ -140,11 +139,11 @@ pub fn place(index: u32, wanted: &Wanted) -> Option<Place> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// World space \[m\].
-    pub position: Vec3,
+    pub position: DVec3,
     /// Index of the triangle.
     pub triangle: u32,
     /// Unit.
-    pub normal: Vec3,
+    pub normal: DVec3,
     /// What it stands for among the samples of its map \[m²\].
     pub area: f64,
 }
@@ -155,7 +154,7 @@ pub fn sample(
     maps: u32,
     second: f64,
     starts: &[u32],
-    corner: impl Fn(u32, u32) -> Vec3,
+    corner: impl Fn(u32, u32) -> DVec3,
 ) -> Sample {
     let triangle = triangle_at(starts, place.number);
     let start = starts[triangle as usize];
@@ -165,6 +164,6 @@ pub fn sample(
     let (origin, a, b) = edges(triangle, corner);
     let (normal, area) = normal_and_area(a, b);
     let share = f64::from(WHOLE) / f64::from(place.made) / width;
-    let position = [0, 1, 2].map(|c| origin[c] + at[0] * a[c] + at[1] * b[c]);
+    let position = origin + at[0] * a + at[1] * b;
     Sample { position, triangle, normal, area: area * share * f64::from(maps) }
 }

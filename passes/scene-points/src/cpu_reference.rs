@@ -1,19 +1,20 @@
 //! `scene-points.wgsl` with the same integers, and double precision after them.
 
+use glam::DVec3;
 use gpu_algorithms::reference::triangle_samples::edges;
 pub use gpu_algorithms::reference::triangle_samples::{
-    Vec3, normal_and_area, scramble, sobol2, triangle_at, triangle_from_square,
+    normal_and_area, scramble, sobol2, triangle_at, triangle_from_square,
 };
 
 /// A sample of a surface: struct Point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// World space \[m\].
-    pub position: Vec3,
+    pub position: DVec3,
     /// Index of the triangle.
     pub triangle: u32,
     /// Unit; zero where the triangle has no area.
-    pub normal: Vec3,
+    pub normal: DVec3,
     /// Of the second and third vertex, times 65535.
     pub barycentric: [u32; 2],
 }
@@ -26,7 +27,7 @@ pub fn numbers(index: u32, seeds: [u32; 2]) -> [u32; 2] {
 
 /// Returns the point that a pair of numbers places: `corner` gives vertex 0, 1 or 2 of a triangle; at least one
 /// triangle.
-pub fn place(numbers: [u32; 2], table: &[u32], corner: impl Fn(u32, u32) -> Vec3) -> Point {
+pub fn place(numbers: [u32; 2], table: &[u32], corner: impl Fn(u32, u32) -> DVec3) -> Point {
     let [first, second] = numbers;
     let triangle = triangle_at(table, first);
     let start = table[triangle as usize];
@@ -38,6 +39,6 @@ pub fn place(numbers: [u32; 2], table: &[u32], corner: impl Fn(u32, u32) -> Vec3
     let barycentric = [x, y.min(65535 - x)];
     let at = barycentric.map(|b| f64::from(b) / 65535.0);
     let (origin, a, b) = edges(triangle, corner);
-    let position = [0, 1, 2].map(|c| origin[c] + at[0] * a[c] + at[1] * b[c]);
+    let position = origin + at[0] * a + at[1] * b;
     Point { position, triangle, normal: normal_and_area(a, b).0, barycentric }
 }

@@ -2,16 +2,17 @@
 
 pub use gpu_algorithms::reference::paraboloid;
 
+use glam::{DVec2, DVec3, UVec2};
 use paraboloid::{
-    Vec2, Vec3, above_horizon, dot, frame_from_normal, into_frame, paraboloid_density,
-    paraboloid_from_direction, scale, sub, texel_area, tile_position,
+    above_horizon, frame_from_normal, paraboloid_density, paraboloid_from_direction, texel_area,
+    tile_position,
 };
 
 /// What a point leaves in a map: a square of one distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Centre in the tile \[px\].
-    pub position: Vec2,
+    pub position: DVec2,
     /// Side \[px\].
     pub side: f64,
     /// Distance from the light \[m\].
@@ -35,21 +36,21 @@ pub struct Shape {
 
 /// Returns the splat of a point, seen from a light with that position and unit normal; `None` behind its plane.
 pub fn splat(
-    point: Vec3,
-    point_normal: Vec3,
-    light: Vec3,
-    light_normal: Vec3,
+    point: DVec3,
+    point_normal: DVec3,
+    light: DVec3,
+    light_normal: DVec3,
     shape: &Shape,
 ) -> Option<Splat> {
     let frame = frame_from_normal(light_normal);
-    let offset = sub(point, light);
-    let local = into_frame(offset, &frame);
+    let offset = point - light;
+    let local = frame.transpose_mul_vec3(offset);
     if !above_horizon(local, shape.extent) {
         return None;
     }
-    let distance = dot(local, local).sqrt();
-    let facing = dot(point_normal, offset).abs() / distance;
-    let centre = paraboloid_from_direction(scale(local, 1.0 / distance));
+    let distance = local.length();
+    let facing = point_normal.dot(offset).abs() / distance;
+    let centre = paraboloid_from_direction(local / distance);
     let texel = paraboloid_density(centre) * texel_area(shape.tile);
     let side = shape.splat_scale * (shape.area * facing / texel).sqrt() / distance;
     Some(Splat {
@@ -60,22 +61,22 @@ pub fn splat(
 }
 
 impl Splat {
-    /// Returns the texels it covers: `low[i]..high[i]` for x and y.
-    pub fn texels(&self, tile: u32) -> ([u32; 2], [u32; 2]) {
-        let low = self.position.map(|x| (x - 0.5 * self.side - 0.5).ceil().max(0.0) as u32);
-        let high = self.position.map(|x| (x + 0.5 * self.side - 0.5).ceil().min(f64::from(tile)) as u32);
-        (low, high)
+    /// Returns the texels it covers: from the first to before the second, in x and y.
+    pub fn texels(&self, tile: u32) -> (UVec2, UVec2) {
+        let low = (self.position - 0.5 * self.side - 0.5).ceil();
+        let high = (self.position + 0.5 * self.side - 0.5).ceil();
+        (low.as_uvec2(), high.min(DVec2::splat(f64::from(tile))).as_uvec2())
     }
 }
 
 /// Returns a map of these points: row by row the distance \[m\], infinite where nothing fell.
-pub fn map(points: &[(Vec3, Vec3)], light: Vec3, light_normal: Vec3, shape: &Shape) -> Vec<f64> {
+pub fn map(points: &[(DVec3, DVec3)], light: DVec3, light_normal: DVec3, shape: &Shape) -> Vec<f64> {
     let mut depth = vec![f64::INFINITY; (shape.tile * shape.tile) as usize];
     for (point, normal) in points {
         let Some(splat) = splat(*point, *normal, light, light_normal, shape) else { continue };
         let (low, high) = splat.texels(shape.tile);
-        for y in low[1]..high[1] {
-            for x in low[0]..high[0] {
+        for y in low.y..high.y {
+            for x in low.x..high.x {
                 let texel = &mut depth[(y * shape.tile + x) as usize];
                 *texel = texel.min(splat.distance);
             }

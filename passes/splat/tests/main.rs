@@ -1,49 +1,47 @@
 //! Splats against closed forms.
 
+use glam::{DVec3, dvec3, uvec2};
 use pass_test::Harness;
 use splat::cpu_reference::paraboloid::{
-    Vec3, direction_from_paraboloid, dot, frame_from_normal, paraboloid_density, paraboloid_from_direction,
-    scale, texel_area, texel_centre, texel_in_hemisphere,
+    direction_from_paraboloid, frame_from_normal, paraboloid_density, paraboloid_from_direction, texel_area,
+    texel_centre, texel_in_hemisphere,
 };
 use splat::cpu_reference::{Shape, map, splat};
 use splat::points_of_guideline;
 use std::f64::consts::PI;
 
 /// Points spread evenly over the unit sphere, by the golden angle.
-fn sphere(count: usize) -> impl Iterator<Item = Vec3> {
+fn sphere(count: usize) -> impl Iterator<Item = DVec3> {
     (0..count).map(move |i| {
         let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
         let (sin, cos) = (i as f64 * PI * (3.0 - 5f64.sqrt())).sin_cos();
         let radius = (1.0 - z * z).sqrt();
-        [radius * cos, radius * sin, z]
+        dvec3(radius * cos, radius * sin, z)
     })
 }
 
-const AXES: [Vec3; 6] =
-    [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+const AXES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
 
 #[test]
 fn frames_are_orthonormal_and_right_handed() {
     for normal in sphere(5_000).chain(AXES) {
-        let [x, y, z] = frame_from_normal(normal);
+        let frame = frame_from_normal(normal);
+        let (x, y, z) = (frame.x_axis, frame.y_axis, frame.z_axis);
         assert_eq!(z, normal, "z is the normal");
         for (a, b, wanted) in [(x, x, 1.0), (y, y, 1.0), (x, y, 0.0), (x, z, 0.0), (y, z, 0.0)] {
-            assert!((dot(a, b) - wanted).abs() < 1e-12, "frame of {normal:?}");
+            assert!((a.dot(b) - wanted).abs() < 1e-12, "frame of {normal:?}");
         }
-        let cross = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
-        assert!(dot(cross, z) > 0.999, "frame of {normal:?} is right-handed");
+        assert!(x.cross(y).dot(z) > 0.999, "frame of {normal:?} is right-handed");
     }
 }
 
 #[test]
 fn the_map_and_its_inverse_cancel() {
-    for direction in sphere(5_000).filter(|direction| direction[2] >= 0.0) {
+    for direction in sphere(5_000).filter(|direction| direction.z >= 0.0) {
         let at = paraboloid_from_direction(direction);
-        assert!(at[0] * at[0] + at[1] * at[1] <= 1.0 + 1e-12, "the hemisphere is the disc");
+        assert!(at.length_squared() <= 1.0 + 1e-12, "the hemisphere is the disc");
         let back = direction_from_paraboloid(at);
-        for i in 0..3 {
-            assert!((back[i] - direction[i]).abs() < 1e-12, "{direction:?}");
-        }
+        assert!(back.abs_diff_eq(direction, 1e-12), "{direction:?}");
     }
 }
 
@@ -51,9 +49,9 @@ fn the_map_and_its_inverse_cancel() {
 fn solid_angles_of_the_texels_sum_to_the_hemisphere() {
     // The error is that of covering a disc with squares: it falls faster than the side of a texel.
     for (tile, error) in [(64, 0.02), (512, 0.001)] {
-        let centres = (0..tile * tile).map(|i| texel_centre([i % tile, i / tile], tile));
+        let centres = (0..tile * tile).map(|i| texel_centre(uvec2(i % tile, i / tile), tile));
         let sum: f64 = centres
-            .filter(|at| at[0] * at[0] + at[1] * at[1] < 1.0)
+            .filter(|at| at.length_squared() < 1.0)
             .map(|at| paraboloid_density(at) * texel_area(tile))
             .sum();
         assert!((sum - 2.0 * PI).abs() < error, "{sum} for tiles of {tile}");
@@ -62,16 +60,16 @@ fn solid_angles_of_the_texels_sum_to_the_hemisphere() {
 
 #[test]
 fn a_map_of_one_texel_looks_along_the_normal() {
-    assert_eq!(direction_from_paraboloid(texel_centre([0, 0], 1)), [0.0, 0.0, 1.0]);
-    assert!(texel_in_hemisphere([0, 0], 1), "and is looked up");
+    assert_eq!(direction_from_paraboloid(texel_centre(uvec2(0, 0), 1)), UP);
+    assert!(texel_in_hemisphere(uvec2(0, 0), 1), "and is looked up");
 }
 
 #[test]
 fn points_a_map_follow_the_papers_guideline() {
     // ISM §5.2: P ≈ ¼ N_res N_vpl for all maps, with N_res the texels of the hemisphere, which are counted here.
     for tile in [64, 128, 256] {
-        let centres = (0..tile * tile).map(|i| texel_centre([i % tile, i / tile], tile));
-        let texels = centres.filter(|at| at[0] * at[0] + at[1] * at[1] < 1.0).count() as f64;
+        let centres = (0..tile * tile).map(|i| texel_centre(uvec2(i % tile, i / tile), tile));
+        let texels = centres.filter(|at| at.length_squared() < 1.0).count() as f64;
         let points = f64::from(points_of_guideline(tile));
         // The counted disc is one of whole texels: by Gauss's circle problem it is off by a fraction of its edge.
         assert!((points - 0.25 * texels).abs() < 0.01 * points, "{points} for {texels} texels");
@@ -87,19 +85,16 @@ fn shape(tile: u32, area: f64) -> Shape {
 /// The module of points that lie in a buffer.
 const STORED: &str = "shaders/points-stored.wgsl";
 
-const UP: Vec3 = [0.0, 0.0, 1.0];
+const UP: DVec3 = DVec3::Z;
 
 #[test]
 fn a_splat_has_the_solid_angle_of_its_patch() {
     let shape = shape(256, 0.5);
-    for direction in sphere(2_000).filter(|direction| direction[2] > 0.05) {
+    for direction in sphere(2_000).filter(|direction| direction.z > 0.05) {
         // A patch that faces the light at 3 m, and one tilted by 60°.
-        let tilted = {
-            let [x, _, z] = frame_from_normal(direction);
-            [0, 1, 2].map(|i| 0.5 * z[i] + 0.75f64.sqrt() * x[i])
-        };
+        let tilted = 0.5 * direction + 0.75f64.sqrt() * frame_from_normal(direction).x_axis;
         for (normal, facing) in [(direction, 1.0), (tilted, 0.5)] {
-            let splat = splat(scale(direction, 3.0), normal, [0.0; 3], UP, &shape).expect("it is in front");
+            let splat = splat(direction * 3.0, normal, DVec3::ZERO, UP, &shape).expect("it is in front");
             let texel = paraboloid_density(paraboloid_from_direction(direction)) * texel_area(256);
             let wanted = 0.5 * facing / 9.0;
             assert!((splat.side.powi(2) * texel - wanted).abs() < 1e-9 * wanted, "{direction:?}");
@@ -110,33 +105,35 @@ fn a_splat_has_the_solid_angle_of_its_patch() {
 
 #[test]
 fn what_lies_in_the_plane_of_the_light_or_behind_it_is_left_out() {
-    let at = |z: f64| splat([1.0, 2.0, z], UP, [0.0; 3], UP, &shape(64, 0.1));
+    let at = |z: f64| splat(dvec3(1.0, 2.0, z), UP, DVec3::ZERO, UP, &shape(64, 0.1));
     assert!(at(0.0).is_none() && at(-1.0).is_none() && at(1e-3).is_none(), "the light's own surface");
     assert!(at(0.1).is_some(), "an occluder");
-    assert!(splat([0.0; 3], UP, [0.0; 3], UP, &shape(64, 0.1)).is_none(), "a point on the light itself");
+    assert!(
+        splat(DVec3::ZERO, UP, DVec3::ZERO, UP, &shape(64, 0.1)).is_none(),
+        "a point on the light itself"
+    );
 }
 
 #[test]
 fn every_splat_covers_a_texel_of_its_own_map() {
     for tile in [1, 2, 3, 64] {
-        for direction in sphere(3_000).filter(|direction| direction[2] > 0.01) {
+        for direction in sphere(3_000).filter(|direction| direction.z > 0.01) {
             let splat =
-                splat(direction, direction, [0.0; 3], UP, &shape(tile, 1e-9)).expect("it is in front");
+                splat(direction, direction, DVec3::ZERO, UP, &shape(tile, 1e-9)).expect("it is in front");
             let (low, high) = splat.texels(tile);
-            for i in 0..2 {
-                assert!(low[i] < high[i] && high[i] <= tile, "{direction:?} in a map of {tile}");
-            }
+            let covers = low.cmplt(high).all() && high.max_element() <= tile;
+            assert!(covers, "{direction:?} in a map of {tile}");
         }
     }
 }
 
 #[test]
 fn a_sphere_around_the_light_is_at_its_radius_everywhere() {
-    let points: Vec<(Vec3, Vec3)> = sphere(6_000).map(|normal| (scale(normal, 2.5), normal)).collect();
+    let points: Vec<(DVec3, DVec3)> = sphere(6_000).map(|normal| (normal * 2.5, normal)).collect();
     let shape = shape(32, 4.0 * PI * 2.5f64.powi(2) / 6_000.0);
-    let depth = map(&points, [0.0; 3], [0.6, 0.0, -0.8], &shape);
+    let depth = map(&points, DVec3::ZERO, dvec3(0.6, 0.0, -0.8), &shape);
     let seen: Vec<f64> = (0..32 * 32)
-        .filter(|i| texel_in_hemisphere([i % 32, i / 32], 32))
+        .filter(|i| texel_in_hemisphere(uvec2(i % 32, i / 32), 32))
         .map(|i| depth[i as usize])
         .filter(|depth| depth.is_finite())
         .collect();
@@ -146,31 +143,28 @@ fn a_sphere_around_the_light_is_at_its_radius_everywhere() {
 
 #[test]
 fn the_nearest_of_two_points_is_kept() {
-    let points = [([0.0, 0.0, 4.0], UP), ([0.0, 0.0, 1.5], UP), ([0.0, 0.0, 3.0], UP)];
-    let depth = map(&points, [0.0; 3], UP, &shape(8, 1e-6));
+    let points = [4.0, 1.5, 3.0].map(|z| (z * UP, UP));
+    let depth = map(&points, DVec3::ZERO, UP, &shape(8, 1e-6));
     assert_eq!(depth.iter().copied().fold(f64::INFINITY, f64::min), 1.5);
 }
 
 #[test]
 fn the_gpu_agrees_with_the_cpu_reference() {
     // The scene `plane`: 4 m², and a diagonal of √8 m. Two maps of different points, and a third without a light.
-    let cloud: Vec<(Vec3, Vec3)> = sphere(900)
+    let cloud: Vec<(DVec3, DVec3)> = sphere(900)
         .enumerate()
         .map(|(i, normal)| {
-            (scale(normal, 0.3 + 1.7 * (i as f64 * 0.618).fract()), frame_from_normal(normal)[i % 3])
+            (normal * (0.3 + 1.7 * (i as f64 * 0.618).fract()), frame_from_normal(normal).col(i % 3))
         })
         .collect();
-    let lights: [(Vec3, Vec3); 2] = [([0.1, -0.2, 0.05], [0.48, 0.6, 0.64]), ([0.0; 3], [0.0, 0.0, -1.0])];
+    let lights: [(DVec3, DVec3); 2] =
+        [(dvec3(0.1, -0.2, 0.05), dvec3(0.48, 0.6, 0.64)), (DVec3::ZERO, DVec3::NEG_Z)];
     for (tile, per_map, max_splat) in [(1, 400, 8.0), (3, 400, 2.0), (64, 700, 8.0), (33, 900, 64.0)] {
-        let points: Vec<[f32; 8]> = cloud
-            .iter()
-            .map(|(p, n)| [p[0], p[1], p[2], 0.0, n[0], n[1], n[2], 0.0].map(|x| x as f32))
-            .collect();
+        let points: Vec<[f32; 8]> =
+            cloud.iter().map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0].map(|x| x as f32)).collect();
         let packed: Vec<[f32; 12]> = lights
             .iter()
-            .map(|(p, n)| {
-                [p[0], p[1], p[2], 0.0, n[0], n[1], n[2], 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32)
-            })
+            .map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32))
             .collect();
         let (desc, bytes) = pass_test::counted(&packed);
         let outputs = Harness::new(splat::PASS)
@@ -199,7 +193,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         let shape =
             Shape { tile, area: 4.0 / f64::from(per_map), extent: 8f64.sqrt(), splat_scale: 1.0, max_splat };
         for (m, (position, normal)) in lights.iter().enumerate() {
-            let subset: Vec<(Vec3, Vec3)> =
+            let subset: Vec<(DVec3, DVec3)> =
                 (0..per_map as usize).map(|i| cloud[(m * per_map as usize + i) % 900]).collect();
             let wanted = map(&subset, *position, *normal, &shape);
             let differ = (0..texels).filter(|i| {
@@ -236,8 +230,8 @@ fn surfels_store_the_distance_of_their_plane() {
     let depth: Vec<u32> = outputs.read("depth");
     let mut covered = 0;
     for (i, bits) in depth.into_iter().enumerate().filter(|(_, bits)| *bits != f32::INFINITY.to_bits()) {
-        let direction = direction_from_paraboloid(texel_centre([i as u32 % 32, i as u32 / 32], 32));
-        let wanted = 1.0 / direction[2];
+        let direction = direction_from_paraboloid(texel_centre(uvec2(i as u32 % 32, i as u32 / 32), 32));
+        let wanted = 1.0 / direction.z;
         assert!((f64::from(f32::from_bits(bits)) - wanted).abs() < 1e-5 * wanted, "texel {i}");
         covered += 1;
     }

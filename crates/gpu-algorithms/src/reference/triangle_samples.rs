@@ -1,8 +1,7 @@
 //! The f64 CPU reference of `shaders/triangle-samples.wgsl`, `shaders/triangle.wgsl` and `shaders/sobol.wgsl`, for
 //! those of the passes that share them: the same functions, by the same names. See there for what they mean.
 
-/// A position or direction.
-pub type Vec3 = [f64; 3];
+use glam::DVec3;
 
 /// Returns element `index` of Sobol's sequence in two dimensions, in units of 2^-32.
 pub fn sobol2(index: u32) -> [u32; 2] {
@@ -40,23 +39,18 @@ pub fn triangle_from_square(square: [f64; 2]) -> [f64; 2] {
 }
 
 /// Returns the geometric normal, unit, and area of the triangle with these edges; zeros where it has no area.
-pub fn normal_and_area(a: Vec3, b: Vec3) -> (Vec3, f64) {
-    let scale = a.iter().chain(&b).fold(0.0, |m: f64, x| m.max(x.abs()));
+pub fn normal_and_area(a: DVec3, b: DVec3) -> (DVec3, f64) {
+    let scale = a.abs().max(b.abs()).max_element();
     if scale == 0.0 {
-        return ([0.0; 3], 0.0);
+        return (DVec3::ZERO, 0.0);
     }
-    let (a, b) = (a.map(|x| x / scale), b.map(|x| x / scale));
-    let across = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    let length = across.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if length > 0.0 { (across.map(|x| x / length), 0.5 * length * scale * scale) } else { ([0.0; 3], 0.0) }
+    let across = (a / scale).cross(b / scale);
+    let length = across.length();
+    if length > 0.0 { (across / length, 0.5 * length * scale * scale) } else { (DVec3::ZERO, 0.0) }
 }
 
 /// Returns the corner and edges of a triangle, of which `corner` gives vertex 0, 1 or 2.
-pub fn edges(triangle: u32, corner: impl Fn(u32, u32) -> Vec3) -> (Vec3, Vec3, Vec3) {
+pub fn edges(triangle: u32, corner: impl Fn(u32, u32) -> DVec3) -> (DVec3, DVec3, DVec3) {
     let origin = corner(triangle, 0);
-    let [a, b] = [1, 2].map(|k| {
-        let vertex = corner(triangle, k);
-        [0, 1, 2].map(|c| vertex[c] - origin[c])
-    });
-    (origin, a, b)
+    (origin, corner(triangle, 1) - origin, corner(triangle, 2) - origin)
 }

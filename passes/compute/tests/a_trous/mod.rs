@@ -1,6 +1,6 @@
 //! The filter of the documentation, docs/examples/a-trous.wgsl, against the same in plain f64.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3, dvec3};
 use half::f16;
 use pass::{Format, ResourceDesc};
 use pass_test::{Harness, random};
@@ -42,19 +42,11 @@ fn pixels(level: u32) -> Vec<Pixel> {
 }
 
 /// World position of what a pixel sees, for a camera at the origin that looks along -z.
-fn position(x: i32, y: i32, depth: f32) -> [f64; 3] {
+fn position(x: i32, y: i32, depth: f32) -> DVec3 {
     let (half_height, depth) = ((FOV / 2.0).tan(), f64::from(depth));
     let half_width = half_height * f64::from(WIDTH) / f64::from(HEIGHT);
     let ndc = |at: i32, side: u32| 2.0 * (f64::from(at) + 0.5) / f64::from(side) - 1.0;
-    [ndc(x, WIDTH) * half_width * depth, -ndc(y, HEIGHT) * half_height * depth, -depth]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    dvec3(ndc(x, WIDTH) * half_width, -ndc(y, HEIGHT) * half_height, -1.0) * depth
 }
 
 fn edge_weight(difference: f64, sigma: f64) -> f64 {
@@ -67,9 +59,11 @@ fn smooth_once(pixels: &[Pixel], level: u32, light_too: bool) -> Vec<[f64; 4]> {
         let inside = (0..WIDTH as i32).contains(&x) && (0..HEIGHT as i32).contains(&y);
         inside.then(|| pixels[(y as u32 * WIDTH + x as u32) as usize])
     };
-    let normal = |pixel: &Pixel| [0, 1, 2].map(|k| pixel.normal[k].to_f64());
-    let luminance =
-        |pixel: &Pixel| dot([0, 1, 2].map(|k| f64::from(pixel.irradiance[k])), [0.2126, 0.7152, 0.0722]);
+    let normal = |pixel: &Pixel| DVec3::from([0, 1, 2].map(|k| pixel.normal[k].to_f64()));
+    let luminance = |pixel: &Pixel| {
+        let [r, g, b, _] = pixel.irradiance.map(f64::from);
+        dvec3(r, g, b).dot(dvec3(0.2126, 0.7152, 0.0722))
+    };
     let step = 1 << level;
     let smooth = |(i, pixel): (usize, &Pixel)| {
         let (x, y) = (i as i32 % WIDTH as i32, i as i32 / WIDTH as i32);
@@ -81,12 +75,11 @@ fn smooth_once(pixels: &[Pixel], level: u32, light_too: bool) -> Vec<[f64; 4]> {
             let (tap_x, tap_y) = (x + step * dx, y + step * dy);
             let Some(tap) = at(tap_x, tap_y).filter(|tap| tap.depth > 0.0) else { continue };
             let kernel = [3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0];
-            let turn = minus(normal(&tap), normal(pixel));
-            let offset = minus(position(tap_x, tap_y, tap.depth), position(x, y, pixel.depth));
+            let offset = position(tap_x, tap_y, tap.depth) - position(x, y, pixel.depth);
             let mut weight = kernel[dx.unsigned_abs() as usize]
                 * kernel[dy.unsigned_abs() as usize]
-                * edge_weight(dot(turn, turn).sqrt(), 0.35)
-                * edge_weight(dot(normal(pixel), offset) / f64::from(pixel.depth), 0.02);
+                * edge_weight(normal(&tap).distance(normal(pixel)), 0.35)
+                * edge_weight(normal(pixel).dot(offset) / f64::from(pixel.depth), 0.02);
             if light_too {
                 let (light, tap_light) = (luminance(pixel), luminance(&tap));
                 weight *= edge_weight((tap_light - light) / (tap_light + light), 0.5 / f64::from(step));

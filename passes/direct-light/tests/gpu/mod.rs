@@ -2,7 +2,7 @@
 //! program: tests/direct.rs.
 
 use direct_light::cpu_reference::{Map, ggx};
-use glam::{DVec3, Vec3, dvec3, vec3};
+use glam::{DVec2, DVec3, Vec3, dvec3, uvec2, vec3};
 use half::f16;
 use pass::{Format, ResourceDesc};
 use pass_test::Harness;
@@ -112,13 +112,12 @@ fn shadows_are_those_of_the_cpu_reference() {
     let tangent = f64::from(outer.tan());
     let mut map = Map {
         size: MAP,
-        half_extent: [tangent; 2],
+        half_extent: DVec2::splat(tangent),
         perspective: true,
         distances: vec![1.0; (MAP * MAP) as usize],
     };
     for i in 0..MAP * MAP {
-        let [x, y] = map.on_image_plane([i % MAP, i / MAP]);
-        if x.hypot(y) < 0.4 {
+        if map.on_image_plane(uvec2(i % MAP, i / MAP)).length() < 0.4 {
             map.distances[i as usize] = 0.5;
         }
     }
@@ -129,7 +128,7 @@ fn shadows_are_those_of_the_cpu_reference() {
             continue;
         };
         // The disc is the same however the layer's axes lie about the spot's.
-        let share = map.visibility([at.x, at.z, -1.0], [0.0, 0.0, 1.0], 5, 0.25);
+        let share = map.visibility(dvec3(at.x, at.z, -1.0), DVec3::Z, 5, 0.25);
         let to_light = DVec3::Y - at;
         let expected = 0.5 / PI * share * to_light.normalize().y / to_light.length_squared();
         wrong += u32::from((f64::from(found[0]) - expected).abs() > 2e-3 * expected);
@@ -158,13 +157,7 @@ fn the_glossy_part_is_that_of_the_cpu_reference() {
         let offset = place.as_dvec3() - at;
         let to_camera = (scene.camera.position.as_dvec3() - at).normalize();
         let to_light = offset.normalize();
-        let reflected = ggx(
-            [0.0, 1.0, 0.0],
-            to_light.to_array(),
-            to_camera.to_array(),
-            f64::from(f0),
-            f64::from(roughness),
-        );
+        let reflected = ggx(DVec3::Y, to_light, to_camera, f64::from(f0), f64::from(roughness));
         let expected = reflected * to_light.y / offset.length_squared();
         let found = f64::from(glossy[0] - matte[0]);
         // Half floats hold f0 and roughness to 5e-4; the peak goes with the fourth power of the roughness.

@@ -1,6 +1,7 @@
 //! The pass on a GPU, against rays through the same pixels.
 
-use gbuffer::cpu_reference::{Camera, Vec3, cross, dot, unit};
+use gbuffer::cpu_reference::Camera;
+use glam::{DMat3, DVec3, UVec2, dvec2, dvec3, uvec2};
 use half::f16;
 use pass_test::Harness;
 use scene::Scene;
@@ -9,33 +10,30 @@ const WIDTH: u32 = 45;
 const HEIGHT: u32 = 30;
 
 fn camera(scene: &Scene) -> Camera {
-    let axes = scene.camera.view().inverse();
-    let axis = |i: usize| axes.col(i).truncate().as_dvec3().to_array();
     let tangent = f64::from(scene.camera.vertical_fov * 0.5).tan();
     Camera {
-        axes: [axis(0), axis(1), axis(2)],
-        position: scene.camera.position.as_dvec3().to_array(),
-        half_extent: [tangent * f64::from(WIDTH) / f64::from(HEIGHT), tangent],
-        size: [f64::from(WIDTH), f64::from(HEIGHT)],
+        axes: DMat3::from_mat4(scene.camera.view().inverse().as_dmat4()),
+        position: scene.camera.position.as_dvec3(),
+        half_extent: dvec2(tangent * f64::from(WIDTH) / f64::from(HEIGHT), tangent),
+        size: uvec2(WIDTH, HEIGHT).as_dvec2(),
     }
 }
 
 /// What a ray through a pixel's centre meets first: distance along the axis, geometric normal on the camera's side,
 /// and material.
-fn trace(scene: &Scene, camera: &Camera, pixel: [u32; 2]) -> Option<(f64, Vec3, usize)> {
-    let ray = camera.view_ray(pixel.map(|p| f64::from(p) + 0.5));
-    let sub = |a: Vec3, b: Vec3| std::array::from_fn(|i| a[i] - b[i]);
+fn trace(scene: &Scene, camera: &Camera, pixel: UVec2) -> Option<(f64, DVec3, usize)> {
+    let ray = camera.view_ray(pixel.as_dvec2() + 0.5);
     let triangles = scene.indices.chunks_exact(3);
     let hits =
         triangles.filter_map(|corners| {
             let vertex = |i: usize| &scene.vertices[corners[i] as usize];
-            let [a, b, c] = [0, 1, 2].map(|i| vertex(i).position.map(f64::from));
-            let (u, v, from) = (sub(b, a), sub(c, a), sub(camera.position, a));
-            let (p, q) = (cross(ray, v), cross(from, u));
-            let det = dot(u, p);
-            let (x, y, t) = (dot(from, p) / det, dot(ray, q) / det, dot(v, q) / det);
-            let normal = unit(cross(u, v));
-            let towards = if dot(normal, ray) < 0.0 { normal } else { normal.map(|n| -n) };
+            let [a, b, c] = [0, 1, 2].map(|i| DVec3::from(vertex(i).position.map(f64::from)));
+            let (u, v, from) = (b - a, c - a, camera.position - a);
+            let (p, q) = (ray.cross(v), from.cross(u));
+            let det = u.dot(p);
+            let (x, y, t) = (from.dot(p) / det, ray.dot(q) / det, v.dot(q) / det);
+            let normal = u.cross(v).normalize_or_zero();
+            let towards = if normal.dot(ray) < 0.0 { normal } else { -normal };
             (det != 0.0 && x >= 0.0 && y >= 0.0 && x + y <= 1.0 && t > f64::from(scene.camera.near))
                 .then_some((t, towards, vertex(0).material as usize))
         });
@@ -63,15 +61,15 @@ fn it_sees_what_rays_see() {
         let camera = camera(&scene);
         let mut wrong = 0;
         for i in 0..WIDTH * HEIGHT {
-            let found = trace(&scene, &camera, [i % WIDTH, i / WIDTH]);
+            let found = trace(&scene, &camera, uvec2(i % WIDTH, i / WIDTH));
             let i = i as usize;
             let Some((depth, normal, material)) = found else {
                 wrong += u32::from(seen.depth[i] != 0.0);
                 continue;
             };
             let near = (f64::from(seen.depth[i]) / depth - 1.0).abs() < 1e-4;
-            let n = seen.normal[i].map(f64::from);
-            let facing = dot([n[0], n[1], n[2]], normal) > 0.999;
+            let [x, y, z, _] = seen.normal[i].map(f64::from);
+            let facing = dvec3(x, y, z).dot(normal) > 0.999;
             let base = scene.materials[material].base_color.to_array();
             let coloured = (0..3).all(|k| (seen.albedo[i][k].to_f32() - base[k]).abs() < 1e-3);
             wrong += u32::from(!(near && facing && coloured));
@@ -116,7 +114,7 @@ fn members_are_those_of_the_scene() {
     let camera = camera(&scene);
     let (mut wrong, mut lamp) = (0, 0);
     for i in 0..WIDTH * HEIGHT {
-        let found = trace(&scene, &camera, [i % WIDTH, i / WIDTH]);
+        let found = trace(&scene, &camera, uvec2(i % WIDTH, i / WIDTH));
         let material = found.map(|(_, _, material)| &scene.materials[material]);
         let expected = material.map_or([0.0; 3], |m| m.emission.to_array());
         lamp += u32::from(expected[0] > 0.0);

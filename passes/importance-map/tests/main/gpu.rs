@@ -129,9 +129,9 @@ impl Room {
             let up = (height - 2.0 * f64::from(y) - 1.0) / height * half_height;
             let at = camera.position.as_dvec3() + DVec3::new(across, up, -1.0) * f64::from(self.depth(i));
             ViewSample {
-                position: (at / extent).to_array(),
-                normal: Room::normal(!i).as_dvec3().to_array(),
-                response: response(Room::albedo(i).as_dvec3().to_array()),
+                position: at / extent,
+                normal: Room::normal(!i).as_dvec3(),
+                response: response(Room::albedo(i).as_dvec3()),
             }
         };
         (0..SAMPLES).map(sample).collect()
@@ -141,15 +141,15 @@ impl Room {
         let (samples, extent) = (self.samples(), f64::from(self.scene().extent()));
         (0..self.texels())
             .map(|i| {
-                let position = (self.position(i).as_dvec3() / extent).to_array();
+                let position = self.position(i).as_dvec3() / extent;
                 let (normal, flux) = (Room::normal(i).as_dvec3(), self.flux(i).as_dvec3());
-                contribution(position, normal.to_array(), flux.to_array(), &samples, f64::from(0.01_f32))
+                contribution(position, normal, flux, &samples, f64::from(0.01_f32))
             })
             .collect()
     }
 
     fn luminances(self) -> Vec<f64> {
-        (0..self.texels()).map(|i| luminance(self.flux(i).as_dvec3().to_array())).collect()
+        (0..self.texels()).map(|i| luminance(self.flux(i).as_dvec3())).collect()
     }
 }
 

@@ -1,57 +1,58 @@
+use glam::{DVec3, dvec3};
 use importance_map::cpu_reference::{
     ViewSample, contribution, geometry, luminance, mix_with_flux, pixel, response,
 };
 use std::f64::consts::PI;
 
-const UP: [f64; 3] = [0.0, 0.0, 1.0];
-const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
+const UP: DVec3 = DVec3::Z;
+const DOWN: DVec3 = DVec3::NEG_Z;
 
-fn sample(position: [f64; 3], normal: [f64; 3], albedo: [f64; 3]) -> ViewSample {
+fn sample(position: DVec3, normal: DVec3, albedo: DVec3) -> ViewSample {
     ViewSample { position, normal, response: response(albedo) }
 }
 
 #[test]
 fn patches_face_to_face() {
-    let above = sample([0.0, 0.0, 0.5], DOWN, [1.0; 3]);
+    let above = sample(dvec3(0.0, 0.0, 0.5), DOWN, DVec3::ONE);
     let expected = 1.0 / (PI * 0.25);
-    assert!((geometry([0.0; 3], UP, &above, 0.0) - expected).abs() < 1e-12 * expected);
+    assert!((geometry(DVec3::ZERO, UP, &above, 0.0) - expected).abs() < 1e-12 * expected);
     // White light on a white surface: the luminance of the flux, over π, times the geometry term.
-    let flux = [2.0, 3.0, 4.0];
-    let f = contribution([0.0; 3], UP, flux, &[above], 0.0);
+    let flux = dvec3(2.0, 3.0, 4.0);
+    let f = contribution(DVec3::ZERO, UP, flux, &[above], 0.0);
     assert!((f - luminance(flux) / PI * expected).abs() < 1e-12);
 }
 
 #[test]
 fn patches_at_an_angle() {
     // 45° at both ends, distance √2 / 2.
-    let aside = sample([0.5, 0.0, 0.5], DOWN, [1.0; 3]);
-    assert!((geometry([0.0; 3], UP, &aside, 0.0) - 0.5 / (PI * 0.5)).abs() < 1e-12);
+    let aside = sample(dvec3(0.5, 0.0, 0.5), DOWN, DVec3::ONE);
+    assert!((geometry(DVec3::ZERO, UP, &aside, 0.0) - 0.5 / (PI * 0.5)).abs() < 1e-12);
 }
 
 #[test]
 fn nothing_comes_from_behind_or_from_another_colour() {
-    let behind = sample([0.0, 0.0, -0.5], UP, [1.0; 3]);
-    let averted = sample([0.0, 0.0, 0.5], UP, [1.0; 3]);
-    let green = sample([0.0, 0.0, 0.5], DOWN, [0.0, 1.0, 0.0]);
-    assert_eq!(contribution([0.0; 3], UP, [1.0; 3], &[behind, averted], 0.0), 0.0);
-    assert_eq!(contribution([0.0; 3], UP, [1.0, 0.0, 1.0], &[green], 0.0), 0.0);
+    let behind = sample(dvec3(0.0, 0.0, -0.5), UP, DVec3::ONE);
+    let averted = sample(dvec3(0.0, 0.0, 0.5), UP, DVec3::ONE);
+    let green = sample(dvec3(0.0, 0.0, 0.5), DOWN, DVec3::Y);
+    assert_eq!(contribution(DVec3::ZERO, UP, DVec3::ONE, &[behind, averted], 0.0), 0.0);
+    assert_eq!(contribution(DVec3::ZERO, UP, dvec3(1.0, 0.0, 1.0), &[green], 0.0), 0.0);
 }
 
 #[test]
 fn a_sample_on_the_light_is_bounded() {
-    let on = sample([0.0; 3], DOWN, [1.0; 3]);
-    assert_eq!(geometry([0.0; 3], UP, &on, 0.01), 0.0);
-    let near = sample([0.0, 0.0, 1e-6], DOWN, [1.0; 3]);
+    let on = sample(DVec3::ZERO, DOWN, DVec3::ONE);
+    assert_eq!(geometry(DVec3::ZERO, UP, &on, 0.01), 0.0);
+    let near = sample(dvec3(0.0, 0.0, 1e-6), DOWN, DVec3::ONE);
     let bound = 1.0 / (PI * 0.01 * 0.01);
-    let term = geometry([0.0; 3], UP, &near, 0.01);
+    let term = geometry(DVec3::ZERO, UP, &near, 0.01);
     assert!(term <= bound && term > 0.99 * bound, "{term} of {bound}");
 }
 
 #[test]
 fn pixels_without_surface_count_for_nothing_but_count() {
-    let above = sample([0.0, 0.0, 0.5], DOWN, [1.0; 3]);
-    let alone = contribution([0.0; 3], UP, [1.0; 3], &[above], 0.0);
-    let with_sky = contribution([0.0; 3], UP, [1.0; 3], &[above, ViewSample::default()], 0.0);
+    let above = sample(dvec3(0.0, 0.0, 0.5), DOWN, DVec3::ONE);
+    let alone = contribution(DVec3::ZERO, UP, DVec3::ONE, &[above], 0.0);
+    let with_sky = contribution(DVec3::ZERO, UP, DVec3::ONE, &[above, ViewSample::default()], 0.0);
     assert!((with_sky - alone / 2.0).abs() < 1e-15);
 }
 

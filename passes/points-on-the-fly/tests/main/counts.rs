@@ -1,5 +1,6 @@
 //! How many points a triangle has.
 
+use glam::DVec3;
 use points_on_the_fly::cpu_reference::{
     ANY_NUMBER, WHOLE, Wanted, level, place, starts, tessellated_points, triangle_at, weights,
 };
@@ -29,7 +30,7 @@ fn levels_follow_acrsm() {
 #[test]
 fn small_triangles_have_more_than_their_share_by_tessellation() {
     // Edges 1, 1, √2 and 10, 10, 10√2: the least area and all levels at 5 but the long edge's; the greatest at 64.
-    let right = |side: f64| [[0.0; 3], [side, 0.0, 0.0], [0.0, side, 0.0]];
+    let right = |side: f64| [DVec3::ZERO, side * DVec3::X, side * DVec3::Y];
     let pair = [right(1.0), right(10.0)];
     assert_eq!(weights(&pair, None), [0.5, 50.0]);
     // x = 0.4142 / 13.142 for the small one's long edge: ceil(0.19) = 1, and so 5. 15 + 3 · (3 + 1).

@@ -1,16 +1,21 @@
 //! The shaders against the CPU reference, on a GPU.
 
 use crate::probe::{Amplification, SurfaceSample};
+use glam::{DVec3, Vec3};
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use points_on_the_fly::PASS;
 use points_on_the_fly::cpu_reference::{
-    ANY_NUMBER, Vec3, WHOLE, place, sample, scramble, starts, triangle_at, weights,
+    ANY_NUMBER, WHOLE, place, sample, scramble, starts, triangle_at, weights,
 };
 use scene::Scene;
 
+fn precise(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
+}
+
 /// The triangles as they are at that time [s].
-fn triangles(scene: &Scene, time: f32) -> Vec<[Vec3; 3]> {
+fn triangles(scene: &Scene, time: f32) -> Vec<[DVec3; 3]> {
     let mut vertices = scene.vertices.clone();
     for moved in &scene.at(time).moved {
         let first = moved.first_vertex as usize;
@@ -19,7 +24,7 @@ fn triangles(scene: &Scene, time: f32) -> Vec<[Vec3; 3]> {
     scene
         .indices
         .chunks(3)
-        .map(|corners| [0, 1, 2].map(|k| vertices[corners[k] as usize].position.map(f64::from)))
+        .map(|corners| [0, 1, 2].map(|k| precise(vertices[corners[k] as usize].position)))
         .collect()
 }
 
@@ -116,16 +121,9 @@ fn samples_are_those_of_the_cpu_reference() {
                 (f64::from(got.area) / expected.area - 1.0).abs() < 1e-4,
                 "sample {index}: {got:?} {expected:?}"
             );
-            for c in 0..3 {
-                assert!(
-                    (f64::from(got.position[c]) - expected.position[c]).abs() < 1e-4,
-                    "sample {index}: {got:?} {expected:?}"
-                );
-                assert!(
-                    (f64::from(got.normal[c]) - expected.normal[c]).abs() < 1e-4,
-                    "sample {index}: {got:?} {expected:?}"
-                );
-            }
+            let near = precise(got.position).abs_diff_eq(expected.position, 1e-4)
+                && precise(got.normal).abs_diff_eq(expected.normal, 1e-4);
+            assert!(near, "sample {index}: {got:?} {expected:?}");
         }
         assert_eq!(made, found.requested.min(maps * per_map));
     }

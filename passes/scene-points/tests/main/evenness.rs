@@ -1,3 +1,4 @@
+use glam::{DVec3, dvec3};
 use scene_points::cpu_reference::{
     Point, normal_and_area, numbers, place, sobol2, triangle_at, triangle_from_square,
 };
@@ -6,13 +7,13 @@ const SEEDS: [u32; 2] = [0x1234_5678, 0x9abc_def0];
 
 /// Triangles of a plane, each with its area as a share of the whole.
 struct Surface {
-    triangles: Vec<[[f64; 3]; 3]>,
+    triangles: Vec<[DVec3; 3]>,
     table: Vec<u32>,
 }
 
 impl Surface {
     /// As the scene makes its table: running sums times 2^32, rounded, at most `u32::MAX`.
-    fn new(triangles: Vec<[[f64; 3]; 3]>) -> Surface {
+    fn new(triangles: Vec<[DVec3; 3]>) -> Surface {
         let areas: Vec<f64> = triangles.iter().map(area).collect();
         let total: f64 = areas.iter().sum();
         let mut sum = 0.0;
@@ -29,14 +30,13 @@ impl Surface {
     }
 }
 
-fn area([a, b, c]: &[[f64; 3]; 3]) -> f64 {
-    let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-    0.5 * (u[0] * v[1] - u[1] * v[0]).abs()
+fn area([a, b, c]: &[DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
 }
 
 /// A rectangle in the plane z = 0 as two triangles.
-fn rectangle(x: f64, y: f64, width: f64, height: f64) -> [[[f64; 3]; 3]; 2] {
-    let at = |u: f64, v: f64| [x + u * width, y + v * height, 0.0];
+fn rectangle(x: f64, y: f64, width: f64, height: f64) -> [[DVec3; 3]; 2] {
+    let at = |u: f64, v: f64| dvec3(x + u * width, y + v * height, 0.0);
     [[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0)], [at(0.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)]]
 }
 
@@ -68,7 +68,7 @@ fn triangles_get_points_by_area_in_every_part() {
     // Triangles of very different sizes, one of them without area.
     let mut triangles = Vec::new();
     triangles.extend(rectangle(0.0, 0.0, 10.0, 10.0));
-    triangles.push([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0], [3.0, 3.0, 0.0]]);
+    triangles.push([1.0, 2.0, 3.0].map(|x| dvec3(x, x, 0.0)));
     triangles.extend(rectangle(10.0, 0.0, 1.0, 10.0));
     triangles.extend((0..20).flat_map(|i| rectangle(20.0, f64::from(i), 0.5, 1.0)));
     let surface = Surface::new(triangles);
@@ -91,8 +91,8 @@ fn a_part_covers_a_wall_more_evenly_than_independent_points_would() {
     for start in [0, 256, 512, 100 * 256] {
         let mut seen = [0_u32; 64];
         for i in start..start + 256 {
-            let [x, y, _] = surface.point(i).position;
-            seen[((y * 8.0) as usize).min(7) * 8 + ((x * 8.0) as usize).min(7)] += 1;
+            let at = surface.point(i).position;
+            seen[((at.y * 8.0) as usize).min(7) * 8 + ((at.x * 8.0) as usize).min(7)] += 1;
         }
         // Chi squared of 63 degrees of freedom: 63 on average for independent points.
         let statistic: f64 = seen.iter().map(|n| (f64::from(*n) - 4.0).powi(2) / 4.0).sum();
@@ -130,9 +130,9 @@ fn points_lie_on_their_triangles() {
         let [b, c] = point.barycentric.map(|b| f64::from(b) / 65535.0);
         assert!(b + c <= 1.0, "{point:?}");
         let [p, q, r] = surface.triangles[point.triangle as usize];
-        let at = [0, 1, 2].map(|k| p[k] * (1.0 - b - c) + q[k] * b + r[k] * c);
-        assert!(std::iter::zip(at, point.position).all(|(x, y)| (x - y).abs() < 1e-12), "{point:?}");
-        assert_eq!(point.normal.map(f64::abs), [0.0, 0.0, 1.0]);
+        let at = p * (1.0 - b - c) + q * b + r * c;
+        assert!(at.abs_diff_eq(point.position, 1e-12), "{point:?}");
+        assert_eq!(point.normal.abs(), DVec3::Z);
     }
 }
 
@@ -149,9 +149,9 @@ fn tables_of_one_triangle_of_zeros_and_of_slivers() {
 #[test]
 fn normals_and_areas_of_any_scale() {
     for scale in [1e-12, 1.0, 1e12] {
-        let (normal, area) = normal_and_area([scale, 0.0, 0.0], [0.0, scale, 0.0]);
-        assert_eq!((normal, area / scale / scale), ([0.0, 0.0, 1.0], 0.5));
+        let (normal, area) = normal_and_area(scale * DVec3::X, scale * DVec3::Y);
+        assert_eq!((normal, area / scale / scale), (DVec3::Z, 0.5));
     }
-    assert_eq!(normal_and_area([0.0; 3], [0.0; 3]), ([0.0; 3], 0.0));
-    assert_eq!(normal_and_area([1.0, 2.0, 3.0], [2.0, 4.0, 6.0]), ([0.0; 3], 0.0));
+    assert_eq!(normal_and_area(DVec3::ZERO, DVec3::ZERO), (DVec3::ZERO, 0.0));
+    assert_eq!(normal_and_area(dvec3(1.0, 2.0, 3.0), dvec3(2.0, 4.0, 6.0)), (DVec3::ZERO, 0.0));
 }

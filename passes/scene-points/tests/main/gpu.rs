@@ -1,6 +1,7 @@
 //! The shader against the CPU reference, on a GPU.
 
 use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use scene::Scene;
@@ -20,6 +21,10 @@ fn run(scene: Scene, count: u32, seed: u32) -> Option<Vec<Point>> {
     Some(Harness::new(PASS).with_scene(scene).set("count", count).seed(seed).run()?.read("points"))
 }
 
+fn precise(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
+}
+
 /// Compares with the CPU reference; lengths relative to the largest coordinate.
 fn compare(scene: Scene, count: u32, seed: u32) {
     let Some(points) = run(scene.clone(), count, seed) else { return };
@@ -29,7 +34,8 @@ fn compare(scene: Scene, count: u32, seed: u32) {
         scene.vertices.iter().flat_map(|v| v.position).fold(0.0, |m: f64, x| m.max(f64::from(x.abs())));
     let seed = pass::pass_seed(seed, "scene-points");
     let corner = |triangle: u32, k: u32| {
-        scene.vertices[scene.indices[(3 * triangle + k) as usize] as usize].position.map(f64::from)
+        let vertex = &scene.vertices[scene.indices[(3 * triangle + k) as usize] as usize];
+        precise(vertex.position)
     };
     for (i, point) in (0..).zip(&points) {
         let expected =
@@ -41,12 +47,9 @@ fn compare(scene: Scene, count: u32, seed: u32) {
             // Single precision may round to the neighbour.
             assert!(found.abs_diff(expected) <= 1, "point {i}: {point:?} {expected:?}");
         }
-        for c in 0..3 {
-            let off = (f64::from(point.position[c]) - expected.position[c]).abs();
-            assert!(off < 4e-5 * largest, "point {i}: {point:?} {expected:?}");
-            let off = (f64::from(point.normal[c]) - expected.normal[c]).abs();
-            assert!(off < 1e-4, "point {i}: {point:?} {expected:?}");
-        }
+        let near = precise(point.position).abs_diff_eq(expected.position, 4e-5 * largest)
+            && precise(point.normal).abs_diff_eq(expected.normal, 1e-4);
+        assert!(near, "point {i}: {point:?} {expected:?}");
     }
 }
 
