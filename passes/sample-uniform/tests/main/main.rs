@@ -66,9 +66,9 @@ fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<Virt
         ("normal", array(Format::Rgba32Float), bytes(&|_| [0.0, 0.6, 0.8, 0.0])),
         ("flux", array(Format::Rgba32Float), bytes(&|i| [1.0, green(i) as f32, 0.0, 0.0])),
     ];
-    let stand =
+    let harness =
         Harness::new(PASS).set("count", count).seed(seed).input("rsm", "ReflectiveShadowMap", &[], members);
-    Some(stand.run()?.read_counted("lights"))
+    Some(harness.run()?.read_counted("lights"))
 }
 
 fn green(texel: u32) -> f64 {
