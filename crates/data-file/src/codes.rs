@@ -30,7 +30,7 @@ codes! {
     DUPLICATE = "E006": "A name or field is given twice.";
     BAD_NAME = "E007": "A name holds a character that names may not have, or a link has too many parts.";
     UNKNOWN_FORM = "E008": "A form of that name is not known here.";
-    NO_FILE = "E010": "A file that `extends`, `Sub` or the command line names is not there.";
+    NO_FILE = "E010": "A file that `extends`, `Sub` or the command line names does not exist.";
     EXTENDS_LOOP = "E011": "A file extends itself, directly or through others.";
     SUB_LOOP = "E012": "A sub-graph contains itself, directly or through others.";
     TOO_LARGE = "E013": "Files are nested too deeply, or the flattened pipeline has too many passes.";
@@ -52,21 +52,21 @@ codes! {
     UNKNOWN_INPUT = "E033": "The pass has no input of that name.";
     UNLINKED = "E034": "An input that the pass needs is not linked.";
     INTERFACE = "E035": "The two ends of a link have different interfaces.";
-    CYCLE = "E037": "Passes wait for each other; one link must read the past with `Prev`.";
-    PAST = "E038": "The past of a past is read, or two links keep the past of one resource differently.";
+    CYCLE = "E037": "Passes depend on each other in a loop; one link must read a history buffer with `Prev`.";
+    PAST = "E038": "`Prev` reads a history buffer of a history buffer, or two `Prev` links of one resource have different `init` or `reset`.";
     OFF_READ = "E039": "Something reads a pass that is switched off or removed and has no `off:`.";
     EXPRESSION = "E040": "An expression cannot be read.";
     EXPRESSION_NAME = "E041": "An expression names a trait, input or function that is not there.";
     EXPRESSION_TYPE = "E042": "An expression joins values of types that do not go together.";
-    OFF = "E043": "What `off:` puts in place of a pass does not fit its outputs.";
+    OFF = "E043": "What `off:` names as replacement of a pass does not fit the outputs of that pass.";
     SWITCH_LOOP = "E044": "A switch depends on itself through `connected`.";
-    OFF_LOOP = "E045": "Passes that are off stand in place of each other.";
+    OFF_LOOP = "E045": "Passes that are off replace each other in a loop.";
     ARITHMETIC = "E046": "An expression divides by zero, or its value is beyond what a number can hold.";
-    REPEAT = "E047": "`repeat` or `carry` of a sub-graph does not fit the sub-graph, or what no copy makes is read.";
+    REPEAT = "E047": "`repeat` or `carry` does not fit the sub-graph, or something reads an output of a sub-graph that is repeated zero times.";
     SIZE_INPUT = "E050": "A size is relative to an input that is not linked or has no texture.";
     SIZE_LOOP = "E051": "A size depends on itself through `Prev`.";
     SIZE_LIMIT = "E052": "A size is zero or larger than any device allows.";
-    KIND_DEFECT = "E053": "A pass type describes outputs that do not match its own ports: a defect of the pass type.";
+    KIND_DEFECT = "E053": "A pass type describes outputs that do not match its own ports: a bug in the pass type.";
     UNKNOWN_OUTPUT = "E060": "An output or resource that was requested is not there.";
     NO_OUTPUTS = "E061": "The pipeline has no outputs, so nothing in it is needed.";
     SUB_AS_PIPELINE = "E062": "A sub-graph, which has `inputs`, was used as a whole pipeline.";
@@ -92,17 +92,17 @@ pub mod shader {
         DIRECTIVE = "S002": "A `#` line cannot be read.";
         CONDITION = "S003": "A condition names an option that no file declares, or compares it with a value of another type.";
         UNBALANCED = "S004": "There is an `#if` without `#endif`, or the reverse.";
-        INTERFACE = "S005": "Nothing is named for an `#import interface`.";
+        INTERFACE = "S005": "No module is given for an `#import interface`.";
         COMMENT = "S006": "A block comment has no end.";
         OPTION = "S007": "An option is declared twice, or given a value that it does not take.";
         UNKNOWN_OPTION = "S008": "An option is given that no file declares.";
         VARIANTS = "S009": "A shader has more variants than can be checked.";
         WGSL = "S010": "The WGSL does not parse, or its types are wrong.";
         INVALID = "S011": "The WGSL parses, but is not valid.";
-        COMPILER = "S012": "naga itself failed: a defect of naga.";
+        COMPILER = "S012": "naga itself failed: a bug in naga.";
         SETTING = "S020": "The declaration of a setting cannot be read.";
         ATTRIBUTE = "S021": "An attribute of a function or a global cannot be read.";
-        LAYOUT = "S030": "The CPU declares a struct otherwise than the shader does.";
+        LAYOUT = "S030": "Rust declares a struct differently from the shader.";
         NO_DECLARATION = "S031": "A struct or constant that Rust takes from a shader is not declared there.";
     }
 }
@@ -177,7 +177,7 @@ pub fn all() -> impl Iterator<Item = &'static Code> {
 
 /// Returns the table of all codes in Markdown, as kept in `ERRORS.md`.
 pub fn table() -> String {
-    let mut text = String::from("# Errors\n\nEvery error that tells of a file has one of these codes.\n");
+    let mut text = String::from("# Errors\n\nEvery error in a file has one of these codes.\n");
     for (title, about, codes) in SECTIONS {
         text.push_str(&format!("\n## {title}\n\n{about}\n\n| code | meaning |\n|---|---|\n"));
         for code in *codes {
