@@ -57,7 +57,8 @@
 //!
 //! **Patches.** They are applied in order, after the entries of the file itself. `Replace` keeps the links of the
 //! old pass whose ports the new kind has, its `when` and its `off`, unless they are given again. `Insert` puts a pass
-//! into a link; the link goes to its only required input that takes it; `"out.NAME"` stands for an output of the
+//! or a sub-graph into a link; the link goes to its only required input that takes it, of a sub-graph to the only one that
+//! `in:` leaves unlinked; `"out.NAME"` stands for an output of the
 //! pipeline. `Remove` puts what `off:` says in place of a pass; without it, optional inputs that read it are left
 //! unlinked. `Set` takes a path: `parameter`, `pass.setting`, `sub-graph.parameter`, `sub-graph/pass.setting`. Values given
 //! from outside ([`Overrides`]) have the same paths and come last. Of what is inside a sub-graph, patches set values and

@@ -331,6 +331,9 @@ impl<'a> Resolver<'a> {
         file: Place,
         inputs: &[InputDecl],
     ) {
+        if let Some(feed) = decl.feed.take() {
+            self.feed(decl, name, feed, inputs);
+        }
         let known = |link: &Link| inputs.iter().any(|i| i.name.value == link.port.value);
         decl.links.retain(|link| known(link) || !link.inherited);
         decl.links.iter_mut().for_each(|link| link.inherited = false);
@@ -357,6 +360,30 @@ impl<'a> Resolver<'a> {
                     format!("`{}` is expected here", input.interface.value),
                 );
             self.errors.push(error);
+        }
+    }
+
+    /// Joins the link that `Insert` broke to the only input of a sub-graph that must be linked and is not. What inputs take
+    /// is compared with what they get where links are followed.
+    fn feed(&mut self, decl: &mut PassDecl, name: &Name, feed: Link, inputs: &[InputDecl]) {
+        let free = inputs.iter().filter(|i| !i.optional && decl.link(&i.name.value).is_none());
+        match *free.collect::<Vec<_>>() {
+            [input] => {
+                let port = At { value: input.name.value.clone(), place: feed.place };
+                decl.push_link(Link { port, ..feed });
+            }
+            ref free => {
+                let how = if free.is_empty() { "no input" } else { "more than one input" };
+                let message = format!("{how} of `{name}` is left to take what is fed to it");
+                let free: Vec<&str> = free.iter().map(|input| &*input.name.value).collect();
+                let mut error = Diagnostic::new(&codes::AMBIGUOUS, message)
+                    .label(self.sources.span(feed.place), "this is fed to it");
+                if !free.is_empty() {
+                    error = error
+                        .note(format!("not linked yet: {}; link all but one with `in:`", free.join(", ")));
+                }
+                self.errors.push(error);
+            }
         }
     }
 

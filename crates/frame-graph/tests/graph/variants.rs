@@ -17,12 +17,20 @@ const PAIR: &str = r#"Pipeline(
     outputs: { "image": "blur" },
 )"#;
 
+/// Two inputs that must be linked.
+const TWO: &str = r#"Pipeline(
+    inputs: { "a": "Irradiance", "b": "Irradiance" },
+    passes: { "mix": Pass(kind: "mix", in: { "a": "in.a", "b": "in.b" }) },
+    outputs: { "image": "mix" },
+)"#;
+
 fn files(variant: &str) -> MemoryFiles {
     let variant = format!("Pipeline(extends: \"base.ron\", {variant})");
     MemoryFiles::new(&[
         ("base.ron", BASE),
         ("parts/shadows.ron", SHADOWS),
         ("parts/pair.ron", PAIR),
+        ("parts/two.ron", TWO),
         ("variant.ron", &variant),
     ])
 }
@@ -97,6 +105,26 @@ fn insert_stands_between_two_ports() {
     assert_eq!(read(&plan, "filter", "irradiance"), ["soft.irradiance"]);
     assert_eq!(plan.output("indirect").unwrap().from, "last.irradiance");
     assert_eq!(read(&plan, "image", "indirect"), ["filter.irradiance"]);
+}
+
+#[test]
+fn insert_puts_a_sub_graph_into_a_link() {
+    let insert = |decl: &str, between: &str| {
+        format!(r#"patch: [ Insert(name: "extra", pass: {decl}, between: {between}) ]"#)
+    };
+    let pair = r#"Sub(file: "parts/pair.ron")"#;
+    let plan = plan(&insert(pair, r#"("gather", "filter")"#));
+    assert_eq!(read(&plan, "extra/pair", "irradiance"), ["gather.irradiance"]);
+    assert_eq!(read(&plan, "filter", "irradiance"), ["extra/mix.irradiance"], "its blur is off");
+    let refused = |decl: &str| {
+        resolve("variant.ron", &files(&insert(decl, r#"("gather", "filter")"#)), &Overrides::default())
+            .expect_err("nothing says which input takes the link")
+            .to_string()
+    };
+    let full = refused(r#"Sub(file: "parts/pair.ron", in: { "irradiance": "gather" })"#);
+    assert!(full.contains("no input of `extra` is left to take what is fed to it"), "{full}");
+    let two = refused(r#"Sub(file: "parts/two.ron")"#);
+    assert!(two.contains("more than one input of `extra`") && two.contains("not linked yet: a, b"), "{two}");
 }
 
 #[test]
