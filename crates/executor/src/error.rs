@@ -19,7 +19,7 @@ pub enum ExecutorError {
         message: String,
     },
     /// A resource is larger than the adapter allows.
-    #[error("{resource} needs {wanted}, and the adapter allows {allowed} ({limit})")]
+    #[error("{resource} needs {wanted}, and the adapter allows {allowed} ({limit}){from}")]
     Limit {
         /// `pass.port`
         resource: String,
@@ -29,6 +29,9 @@ pub enum ExecutorError {
         allowed: String,
         /// The limit's name in WebGPU.
         limit: &'static str,
+        /// What the size follows from, as a note on lines of its own: facts of the port and settings of the pass. Empty
+        /// where nothing is known.
+        from: String,
     },
     /// The device's memory is used up.
     #[error("out of memory: {resource} needs {bytes} bytes, beside {held} bytes held already")]

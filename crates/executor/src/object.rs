@@ -172,10 +172,15 @@ fn create(
     }
 }
 
-pub(crate) fn check_limits(gpu: &Gpu, name: &str, desc: &ResourceDesc) -> Result<(), ExecutorError> {
+pub(crate) fn check_limits(
+    gpu: &Gpu,
+    name: &str,
+    desc: &ResourceDesc,
+    from: impl FnOnce() -> String,
+) -> Result<(), ExecutorError> {
     let limits = gpu.limits();
     let error = |wanted: String, allowed: String, limit| {
-        Err(ExecutorError::Limit { resource: name.to_owned(), wanted, allowed, limit })
+        Err(ExecutorError::Limit { resource: name.to_owned(), wanted, allowed, limit, from: from() })
     };
     match desc {
         ResourceDesc::Texture(texture) => {

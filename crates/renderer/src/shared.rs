@@ -29,6 +29,7 @@ impl SharedScene {
                 wanted: format!("{bytes} bytes"),
                 allowed: format!("{allowed} bytes"),
                 limit: "max_storage_buffer_binding_size",
+                from: String::new(),
             }));
         }
         let on_gpu = Arc::new(SceneOnGpu::new(gpu, &scene));

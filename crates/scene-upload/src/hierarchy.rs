@@ -96,6 +96,7 @@ fn check(gpu: &Gpu, scene: &Scene, bytes: u64) -> Result<(), ExecutorError> {
         wanted: format!("{bytes} bytes"),
         allowed: format!("{allowed} bytes"),
         limit: "max_storage_buffer_binding_size",
+        from: String::new(),
     })
 }
 

@@ -10,7 +10,7 @@ use crate::timing::Timers;
 use crate::uniforms::Uniforms;
 use frame_graph::frame::FrameState;
 use frame_graph::plan::{AllocationId, PassId, Plan};
-use frame_graph::{Change, Name, Succession};
+use frame_graph::{Change, Name, Succession, Value};
 use pass::LinkedStep;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -161,7 +161,8 @@ impl Executor {
         succession: Option<&Succession>,
     ) -> Result<(), ExecutorError> {
         for allocation in &plan.allocations {
-            check_limits(&self.gpu, name_of(&plan, allocation), &allocation.desc)?;
+            let from = || size_from(&plan, allocation);
+            check_limits(&self.gpu, name_of(&plan, allocation), &allocation.desc, from)?;
         }
         let mut old = self.loaded.take();
         let carried = match (&old, succession) {
@@ -362,4 +363,25 @@ fn carry(old: &Loaded, plan: &Plan, usages: &[ObjectUsage], succession: &Success
 
 fn name_of<'p>(plan: &'p Plan, allocation: &frame_graph::plan::Allocation) -> &'p str {
     allocation.resources.first().map_or("unused", |id| plan.resources[id.0 as usize].name.as_str())
+}
+
+/// What the size of a resource follows from, for the error that it is too large: the facts of its port, and the numbers
+/// among the settings of the pass that writes it.
+fn size_from(plan: &Plan, allocation: &frame_graph::plan::Allocation) -> String {
+    let Some(id) = allocation.resources.first() else { return String::new() };
+    let Some(producer) = plan.resources[id.0 as usize].producer else { return String::new() };
+    let pass = &plan.passes[producer.0 as usize];
+    let port = pass.outputs.iter().find(|port| port.members.iter().any(|(_, member)| member == id));
+    let number = |(name, value): (&str, &Value)| value.as_u32().map(|value| format!("{name} = {value}"));
+    let facts: Vec<String> = port.iter().flat_map(|port| port.facts.iter()).filter_map(number).collect();
+    let settings = pass.settings.0.iter().map(|(name, value)| (name.as_str(), value));
+    let settings: Vec<String> = settings.filter_map(number).collect();
+    let mut from = String::new();
+    if !facts.is_empty() {
+        from += &format!("\n  what it holds: {}", facts.join(", "));
+    }
+    if !settings.is_empty() {
+        from += &format!("\n  settings of `{}`: {}", pass.name, settings.join(", "));
+    }
+    from
 }

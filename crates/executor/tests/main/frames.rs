@@ -5,8 +5,8 @@ use executor::{ExecutorError, FrameOptions};
 use frame_graph::ResetCause;
 use frame_graph::plan::ResourceId;
 use pass::{
-    Clear, Compute, Draw, Extent, Format, Load, OutputDesc, Raster, ResourceDesc, Step, Target, Threads,
-    Usage, Value,
+    Clear, Compute, Draw, Extent, Fact, Format, Load, OutputDesc, Raster, ResourceDesc, Step, Target,
+    Threads, Usage, Value,
 };
 
 const POISON: FrameOptions = FrameOptions { timed: false, monitored: false, poison: true };
@@ -379,7 +379,10 @@ fn a_plan_that_does_not_load_replaces_nothing() {
         Some(gpu) => gpu.limits(),
         None => return,
     };
-    let sized = |name, desc| Kind::new(name).output(OutputDesc::one("out", desc));
+    let sized = |name, desc| {
+        let count: Fact<u32> = Fact::required("count", "");
+        Kind::new(name).output(OutputDesc::one("out", desc).fact(count, 7))
+    };
     let layers = limits.max_texture_array_layers + 1;
     let bytes = limits.max_storage_buffer_binding_size + 4;
     let (mut kinds, passes, outputs) = chain(2);
@@ -396,8 +399,9 @@ fn a_plan_that_does_not_load_replaces_nothing() {
         let pipeline = format!(r#"{passes}, "too-large": Pass(kind: "{kind}")"#);
         let linked = workshop.link(&pipeline, &format!(r#"{outputs}, "x": "too-large.out""#)).unwrap();
         match running.load(linked).unwrap_err() {
-            ExecutorError::Limit { resource, limit: told, .. } => {
+            ExecutorError::Limit { resource, limit: told, from, .. } => {
                 assert_eq!((resource.as_str(), told), ("too-large.out", limit));
+                assert_eq!(from, "\n  what it holds: count = 7");
             }
             other => panic!("{other}"),
         }
