@@ -1,4 +1,4 @@
-//! Points of the scene: made on the fly and stored, they give the same pictures.
+//! Points of the scene: generated on the fly and stored, they give the same pictures.
 
 use crate::adapter::{SMALL, bits, gpu, mean, renderer, root};
 use metrics::{Image, Pair};

@@ -97,7 +97,7 @@ fn edits_reach_the_next_frame_and_errors_keep_the_last_good_one() {
         assert!((before[0] * 0.5 - after[0]).abs() < 1e-3, "{before:?} {after:?}");
     }
 
-    // A broken one: told at the user's own line, and the last good picture goes on.
+    // A broken one: reported at the user's own line, and the last good picture goes on.
     write(folder.path(), "shaders/tone.wgsl", "const TONE: f32 = 0.25;\nconst X: u32 = 1.5;\n");
     let Reload::Failed(error) = run_until_reload(&mut renderer, &mut watcher) else {
         panic!("the edit is broken")
@@ -125,7 +125,7 @@ fn edits_reach_the_next_frame_and_errors_keep_the_last_good_one() {
     renderer.frame().unwrap();
 }
 
-/// `Prev` reads the frame before; a reset is told, and gives the initial value.
+/// `Prev` reads the frame before; a reset is reported, and gives the initial value.
 #[test]
 fn histories_count_frames_and_end_when_they_must() {
     let folder = tree();

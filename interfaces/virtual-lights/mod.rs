@@ -1,4 +1,4 @@
-//! Lights that stand for reflected light.
+//! Virtual lights: lights that represent reflected light.
 
 use bytemuck::{Pod, Zeroable};
 use pass::{Content, Fact, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
@@ -21,21 +21,21 @@ pub const INTERFACE: Interface = Interface::new(
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct VirtualLight {
-    /// World space \[m\].
+    /// Position in world space \[m\].
     pub position: [f32; 3],
-    /// Of the surface that it stands for \[m²\]: 0 for a point.
+    /// Area of the surface that it represents \[m²\]; 0 for a point light.
     pub area: f32,
-    /// Unit.
+    /// Normal of that surface, unit.
     pub normal: [f32; 3],
     /// Index of the texel that it was sampled from.
     pub texel: u32,
-    /// Reflected \[W\].
+    /// Reflected flux \[W\].
     pub flux: [f32; 3],
     /// Unused; zero.
     pub pad: f32,
 }
 
-/// What stands before the lights in `struct VirtualLights` of virtual-lights.wgsl.
+/// What precedes the lights in `struct VirtualLights` of virtual-lights.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct VirtualLightsHeader {
@@ -53,13 +53,13 @@ pub fn output(cx: &UseContext<'_>, port: &str, count: u32) -> Result<OutputDesc,
     Ok(OutputDesc::one(port, cx.buffer(LIGHTS, u64::from(count))?).fact(COUNT, count))
 }
 
-/// Returns the bytes of a buffer with these lights, as a pass that makes them leaves it.
+/// Returns the bytes of a buffer with these lights, as a pass that writes them leaves it.
 pub fn to_bytes(lights: &[VirtualLight]) -> Vec<u8> {
     let header = VirtualLightsHeader { count: lights.len() as u32, pad: [0; 3] };
     [bytemuck::bytes_of(&header), bytemuck::cast_slice(lights)].concat()
 }
 
-/// Returns the lights in the bytes of a buffer; `None` where there are fewer bytes than it says lights.
+/// Returns the lights in the bytes of a buffer; `None` where there are too few bytes for its count of lights.
 pub fn from_bytes(bytes: &[u8]) -> Option<Vec<VirtualLight>> {
     let (header, rest) = bytes.split_at_checked(size_of::<VirtualLightsHeader>())?;
     let count = bytemuck::pod_read_unaligned::<VirtualLightsHeader>(header).count as usize;

@@ -4,7 +4,7 @@ use super::{COLUMNS, DEPTH_BIAS, ROWS, TILE};
 use pass::{Extent, Facts, Format, Module, OutputDesc, ResourceDesc, Usage};
 use std::ops::Range;
 
-/// How square maps of one size lie in an atlas: row by row, layer after layer. `tile_origin` of
+/// How square maps of one size are arranged in an atlas: row by row, layer after layer. `tile_origin` of
 /// `shaders/paraboloid.wgsl` finds a map by the facts `tile`, `columns` and `rows`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AtlasLayout {
@@ -15,7 +15,7 @@ pub struct AtlasLayout {
 }
 
 pass::settings! {
-    /// The setting that every pass has which makes maps: what they need, times this factor, goes with them as the fact
+    /// The setting of every pass that renders maps: the depth bias that they need, times this factor, is their fact
     /// `depth_bias`.
     pub struct DepthBiasSettings {
         /// Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light leaks
@@ -27,12 +27,13 @@ pass::settings! {
 impl AtlasLayout {
     /// The greatest side of a layer \[px\] that every adapter allows: WebGPU's default.
     pub const SIDE: u32 = 8192;
-    /// The distance of a texel that nothing lies in, for the clear value of a layer: `NOTHING` of `shaders/paraboloid.wgsl`.
+    /// The distance of a texel without a surface, for the clear value of a layer: `NOTHING` of
+    /// `shaders/paraboloid.wgsl`.
     pub const NOTHING: f64 = 3.0e38;
     /// The most layers that every adapter allows: WebGPU's default.
     pub const LAYERS: u32 = 256;
 
-    /// Returns how `count` maps with sides of `tile` \[px\] lie in as few layers as possible, whose sides are at most
+    /// Arranges `count` maps with sides of `tile` \[px\] in as few layers as possible, whose sides are at most
     /// `side` \[px\]; `None` where there are more than [`AtlasLayout::most`].
     pub fn new(count: u32, tile: u32, side: u32) -> Option<AtlasLayout> {
         if count == 0 || u64::from(count) > Self::most(tile, side) {
@@ -50,14 +51,14 @@ impl AtlasLayout {
         u64::from(Self::LAYERS) * u64::from(side / tile.max(1)).pow(2)
     }
 
-    /// Returns the layout that the facts of a port tell, for `count` maps; `None` where they tell none.
+    /// Returns the layout that the facts of a port describe, for `count` maps; `None` if they describe none.
     pub fn of_facts(facts: &Facts, count: u32) -> Option<AtlasLayout> {
         let fact = |fact: pass::Fact<u32>| fact.of(facts).filter(|value| *value > 0);
         Some(AtlasLayout { tile: fact(TILE)?, count, columns: fact(COLUMNS)?, rows: fact(ROWS)? })
     }
 
-    /// Returns the output `visibility` of a pass that makes maps of distances: its member `atlas`, the module that looks
-    /// lights up in it, and the facts by which the module does. `depth_bias` is in widths of a texel.
+    /// Returns the output `visibility` of a pass that renders maps of distances: its member `atlas`, the module for
+    /// shadow-map lookups in it, and the facts that the module reads. `depth_bias` is in widths of a texel.
     pub fn visibility(&self, depth_bias: f32) -> OutputDesc {
         let atlas = ("atlas".to_owned(), self.texture(Format::R32Float), Usage::Overwrites);
         OutputDesc::of("visibility", vec![atlas])

@@ -1,11 +1,11 @@
-//! Whether a virtual light is seen from a point.
+//! Whether a virtual light is visible from a point.
 
 mod atlas;
 
 pub use atlas::{AtlasLayout, DepthBiasSettings};
 use pass::{Content, Fact, Format, Interface, Member};
 
-/// The iterations of the loops of a lookup.
+/// The loop iterations of a lookup.
 pub const LOOP_ITERATIONS: Fact<u32> =
     Fact::optional("loop_iterations", "iterations of the loops of a lookup, where they are many");
 /// The side of a map of an atlas.
@@ -14,7 +14,7 @@ pub const TILE: Fact<u32> = Fact::optional("tile", "side of a map of the atlas [
 pub const COLUMNS: Fact<u32> = Fact::optional("columns", "maps along a row of a layer of the atlas");
 /// The rows of maps in a layer of an atlas.
 pub const ROWS: Fact<u32> = Fact::optional("rows", "rows of maps in a layer of the atlas");
-/// The bias of a lookup.
+/// The depth bias of a lookup.
 pub const DEPTH_BIAS: Fact<f32> =
     Fact::optional("depth_bias", "bias of a lookup, in widths of a texel along the receiver's plane");
 /// The bilinear taps of a filtered lookup.

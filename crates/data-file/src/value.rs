@@ -8,11 +8,11 @@ use std::fmt;
 pub enum Value {
     /// `true` or `false`.
     Bool(bool),
-    /// A whole number, not negative.
+    /// An integer, not negative.
     U32(u32),
-    /// A whole number.
+    /// An integer.
     I32(i32),
-    /// A real number. A whole number is accepted where one is expected.
+    /// A real number. An integer is accepted where one is expected.
     F32(f32),
     /// Text, and also the name of a choice.
     Text(String),
@@ -162,7 +162,7 @@ impl Value {
         }
     }
 
-    /// Returns the same value as this type, where it is one: whole numbers convert to real ones, and to each other
+    /// Returns the same value as this type, where it is one: integers convert to real ones, and to each other
     /// where they fit. A real number that is not finite is of no type.
     pub fn convert(self, ty: ValueType) -> Option<Value> {
         match ty {
@@ -186,7 +186,7 @@ impl Value {
         if let Value::Bool(b) = self { Some(*b) } else { None }
     }
 
-    /// Returns it as a whole number that is not negative.
+    /// Returns it as an integer that is not negative.
     pub fn as_u32(&self) -> Option<u32> {
         match self {
             Value::U32(n) => Some(*n),
@@ -195,7 +195,7 @@ impl Value {
         }
     }
 
-    /// Returns it as a real number; whole numbers convert.
+    /// Returns it as a real number; integers convert.
     pub fn as_f32(&self) -> Option<f32> {
         match self {
             Value::F32(x) => Some(*x),

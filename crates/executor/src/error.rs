@@ -1,4 +1,4 @@
-//! What can go wrong on the GPU, told with the pass and the bytes.
+//! What can go wrong on the GPU, reported with the pass and the bytes.
 
 use frame_graph::Diagnostics;
 

@@ -1,8 +1,8 @@
 //! GPU time of each pass, by timestamps at the start of the frame and after the last step of each.
 //!
-//! They are read in two ways. A frame that is *timed* waits for its own. A frame that is *monitored* leaves them in one of
-//! a few buffers, which is mapped when the GPU has come so far and read by whoever asks next: nothing ever waits, and
-//! frames for which no buffer is free go without.
+//! They are read in two ways. A frame that is *timed* waits for its own. A frame that is *monitored* leaves them in one
+//! of a few buffers, which is mapped when the GPU has come so far and read by whoever asks next: nothing ever waits,
+//! and frames for which no buffer is free go without.
 
 use crate::error::ExecutorError;
 use crate::gpu::Gpu;
@@ -72,7 +72,7 @@ impl Timers {
     /// WebGPU's bound on the queries of a set.
     const MAX_QUERIES: u32 = 4096;
 
-    /// Timers for so many passes; `None` where the adapter has none.
+    /// Timers for this many passes; `None` where the adapter has none.
     pub(crate) fn new(gpu: &Gpu, passes: u32) -> Option<Timers> {
         let count = passes + 1;
         let queries = count + 1;
@@ -107,8 +107,8 @@ impl Timers {
         self.settle(encoder);
     }
 
-    /// To be called after a stamp. lavapipe takes a stamp not where it stands but where it next has to wait, which may be
-    /// after the dispatches that follow, if they need nothing of those before: another stamp is such a place.
+    /// To be called after a stamp. lavapipe takes a stamp not where it stands but where it next has to wait, which may
+    /// be after the dispatches that follow, if they need nothing of those before: another stamp is such a place.
     pub(crate) fn settle(&self, encoder: &mut wgpu::CommandEncoder) {
         if self.lazy {
             self.stamp(encoder, "take the stamp", self.count);

@@ -30,7 +30,7 @@ pub struct Description {
     pub(crate) patch: Vec<Patch>,
 }
 
-/// Reads a pipeline file. All errors of the file are told at once.
+/// Reads a pipeline file. All errors of the file are reported at once.
 ///
 /// # Errors
 /// If the text is not RON, or not a pipeline.

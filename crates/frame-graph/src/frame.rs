@@ -1,4 +1,4 @@
-//! Which passes a frame must run: what changed, what follows from it, and what is still held.
+//! Decides which passes a frame must run: what changed, what depends on it, and what the objects still hold.
 
 use crate::plan::{AllocationId, HistoryId, PassId, Plan, ResourceId};
 use crate::port::SceneBindings;
@@ -6,7 +6,7 @@ use crate::succession::Succession;
 use std::fmt;
 use std::ops::Range;
 
-/// Why the past of a history ended.
+/// Why a history buffer was reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ResetCause {
     /// There was no frame before.
@@ -17,19 +17,20 @@ pub enum ResetCause {
     Cut,
     /// Another scene, or one that changed by more than movement.
     Scene,
-    /// A shader, a setting or the links changed of the pass that makes the past, or of what feeds it; or the
-    /// pipeline before had no such past.
+    /// A shader, a setting or a link changed of the pass that writes the history buffer, or of what feeds that pass; or
+    /// the pipeline before had no such history buffer.
     Reload,
-    /// What the pass that made the past reads of the application changed, the frame's own number and time apart: the
-    /// camera moved, or a light, or geometry.
+    /// A scene binding changed that the pass that writes the history buffer reads, other than the frame's number and
+    /// time: the camera moved, or a light, or geometry.
     Moved,
 }
 
 impl ResetCause {
-    /// Those that end a past whose link names none. [`ResetCause::Moved`] is for what accumulates a still picture.
+    /// The causes that reset a history buffer whose link has no `reset:`. [`ResetCause::Moved`] is for passes that
+    /// accumulate a still picture.
     pub const DEFAULT: [ResetCause; 4] =
         [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
-    /// Those that a link can name.
+    /// The causes that a link can name.
     pub const NAMED: [ResetCause; 5] =
         [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload, ResetCause::Moved];
 }
@@ -41,24 +42,24 @@ impl fmt::Display for ResetCause {
     }
 }
 
-/// What is different from the frame before.
+/// The changes since the frame before.
 #[derive(Clone, Debug, Default)]
 pub struct Change {
     /// The scene bindings that changed. [`SceneBindings::FRAME`] is always taken as changed.
     pub scene_bindings: SceneBindings,
-    /// Passes whose settings, shaders or links changed. They run; and for the histories that they or what follows
-    /// from them write, it is a [`ResetCause::Reload`].
+    /// Passes whose settings, shaders or links changed. They run; and for the history buffers that they, or passes that
+    /// depend on them, write, this is a [`ResetCause::Reload`].
     pub passes: Vec<PassId>,
     /// Passes that are to run again for another reason.
     pub again: Vec<PassId>,
-    /// Events that may end the past of a history.
+    /// Events that may reset history buffers.
     pub events: Vec<ResetCause>,
-    /// Run everything, whatever has changed: for measurements.
+    /// Whether everything runs, even if nothing has changed: for measurements.
     pub all: bool,
 }
 
 impl Change {
-    /// Adds what another one says.
+    /// Adds the changes of another one.
     pub fn add(&mut self, other: &Change) {
         self.scene_bindings = self.scene_bindings.and(other.scene_bindings);
         self.passes.extend_from_slice(&other.passes);
@@ -67,7 +68,7 @@ impl Change {
         self.all |= other.all;
     }
 
-    /// Takes back all that it says, and keeps its memory for the next frame.
+    /// Removes all changes, and keeps the memory for the next frame.
     pub fn clear(&mut self) {
         self.scene_bindings = SceneBindings::NONE;
         self.passes.clear();
@@ -77,26 +78,26 @@ impl Change {
     }
 }
 
-/// What a frame does: made by [`FrameState::begin`].
+/// The schedule of a frame: returned by [`FrameState::begin`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameSchedule {
-    /// One entry a pass of the plan: does it run?
+    /// Whether each pass of the plan runs: one entry per pass.
     pub runs: Vec<bool>,
-    /// One entry a history: which of the two copies is written (or still holds the newest version), and the past.
+    /// The state of each history buffer: one entry per history buffer.
     pub histories: Vec<HistorySlot>,
 }
 
-/// The state of a history in a frame.
+/// The state of a history buffer in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HistorySlot {
     /// Which copy holds this frame's version.
     pub current: usize,
-    /// Which copy is read as the past: it holds the version of the frame before, or is to be filled with `init`
-    /// where `reset` is set. Equal to `current` where the producer does not run and the past is not reset.
+    /// Which copy `Prev` reads: it holds the version of the frame before, or must be filled with `init` where `reset`
+    /// is set. Equal to `current` where the producer does not run and the history buffer is not reset.
     pub previous: usize,
-    /// Frames that the past has lasted; 0 where it is not valid and `init` is read.
+    /// Frames since the last reset; 0 where there is no history and `init` is read.
     pub age: u32,
-    /// Why there is no past; `None` where there is.
+    /// Why the history buffer was reset; `None` where it was not.
     pub reset: Option<ResetCause>,
 }
 
@@ -109,8 +110,8 @@ pub struct HistorySlot {
 pub struct FrameState {
     /// The newest version, shared by all outputs of a pass.
     versions: Vec<u64>,
-    /// What the passes read and write, in lists that a frame goes through from end to end: the plan itself lies scattered in
-    /// memory, and is not in the caches when a frame begins.
+    /// What the passes read and write, in lists that a frame goes through from end to end: the plan itself lies
+    /// scattered in memory, and is not in the caches when a frame begins.
     reads: Vec<Read>,
     writes: Vec<(AllocationId, ResourceId)>,
     /// Where the entries of each pass begin in `reads` and in `writes`; and where the last ones end.
@@ -122,11 +123,11 @@ pub struct FrameState {
     histories: Vec<Held>,
     /// The last version given.
     clock: u64,
-    /// Set until the first frame of the plan: nothing is held but the pasts of histories.
+    /// Set until the first frame of the plan: nothing is held but history buffers.
     fresh: bool,
-    /// Why each history has no past in the next frame, whatever that brings; `None` where it has one.
+    /// Why each history buffer will be reset in the next frame in any case; `None` where it will not.
     lacking: Vec<Option<ResetCause>>,
-    /// Why each history has no past in the frame begun last.
+    /// Why each history buffer was reset in the frame begun last.
     resets: Vec<Option<ResetCause>>,
     /// What the frame begun last does. Its memory is used again by the next one.
     schedule: FrameSchedule,
@@ -203,8 +204,8 @@ impl FrameState {
         }
     }
 
-    /// Creates the state of `plan` where it takes the place of the plan that this state is of. The histories that
-    /// go on keep their versions and ages; all passes run in the next frame.
+    /// Creates the state of `plan`, which replaces the plan of this state. The history buffers that continue keep their
+    /// versions and ages; all passes run in the next frame.
     pub fn succeed(&self, plan: &Plan, succession: &Succession) -> FrameState {
         let mut next = FrameState::new(plan);
         next.clock = self.clock;
@@ -223,8 +224,8 @@ impl FrameState {
         next
     }
 
-    /// Takes note that objects were made again, and hold nothing but for those that are `kept`: all passes run in the next
-    /// frame, and a history whose newest version is gone begins again, for which the cause is [`ResetCause::Reload`].
+    /// Records that objects were created again and are empty, except those that are `kept`: all passes run in the next
+    /// frame, and a history buffer whose newest version is lost is reset with the cause [`ResetCause::Reload`].
     pub fn forget_objects(&mut self, plan: &Plan, kept: impl Fn(AllocationId) -> bool) {
         self.holds.fill(None);
         self.fresh = true;
@@ -236,22 +237,22 @@ impl FrameState {
         }
     }
 
-    /// Returns which of the two objects of a history holds its newest version.
+    /// Returns which of the two objects of a history buffer holds its newest version.
     pub fn current(&self, history: HistoryId) -> usize {
         self.histories[history.0 as usize].current
     }
 
-    /// Returns what the frame begun last does; nothing before the first.
+    /// Returns the schedule of the frame begun last; an empty one before the first.
     pub fn schedule(&self) -> &FrameSchedule {
         &self.schedule
     }
 
-    /// Decides what the next frame runs, and takes it as run. Where no pass changed, a frame after the first allocates
-    /// nothing.
+    /// Decides what the next frame runs, and records it as run. Where no pass changed, a frame after the first
+    /// allocates nothing.
     ///
-    /// A pass runs if something that it reads has a new version, if it is told to, or if a pass that runs
-    /// needs a version of its outputs that no object holds any more. What the outputs of the pipeline need is
-    /// all that counts.
+    /// A pass runs if something that it reads has a new version, if `change` names it, or if a pass that runs needs a
+    /// version of its outputs that no object holds any more. Only passes that the outputs of the pipeline need are
+    /// considered.
     pub fn begin(&mut self, plan: &Plan, change: &Change) -> &FrameSchedule {
         let fresh = std::mem::take(&mut self.fresh);
         // Taken out, so that they can be read while the state is written.
@@ -275,7 +276,7 @@ impl FrameState {
         &self.schedule
     }
 
-    /// Finds why each history has no past in this frame.
+    /// Finds why each history buffer is reset in this frame.
     fn find_resets(&mut self, plan: &Plan, change: &Change, resets: &mut Vec<Option<ResetCause>>) {
         let reloaded = reached(plan, &change.passes);
         resets.clear();
@@ -301,7 +302,7 @@ impl FrameState {
         }));
     }
 
-    /// Returns how long the past of a history had lasted in the frame begun last, in frames.
+    /// Returns the age of a history buffer in the frame begun last, in frames.
     pub fn age(&self, history: HistoryId) -> u32 {
         self.histories[history.0 as usize].age
     }
@@ -396,7 +397,7 @@ impl FrameState {
         !before.into_iter().any(written)
     }
 
-    /// Turns the copies of histories whose producers run.
+    /// Swaps the copies of history buffers whose producers run.
     fn turn(&mut self, plan: &Plan, resets: &[Option<ResetCause>], schedule: &mut FrameSchedule) {
         let FrameSchedule { runs, histories: slots } = schedule;
         slots.clear();

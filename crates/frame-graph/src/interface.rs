@@ -1,11 +1,11 @@
-//! Interfaces: the sets of resources that travel as one link, and the facts that go with them.
+//! Interfaces: the types of ports, with their resources and facts.
 
 use crate::port::Facts;
 use crate::resource::Format;
 use crate::value::{Value, ValueType};
 use std::marker::PhantomData;
 
-/// A set of resources that travel as one link: where algorithms are swapped.
+/// The type of a port: a set of resources that one link joins. Passes with the same interface can replace each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interface {
     /// The name, in CamelCase: `GBuffer`.
@@ -19,8 +19,8 @@ pub struct Interface {
     /// The folder of its WGSL, from the root of the tree: shaders import the files there by their names alone. `None`
     /// where the interface has no WGSL.
     pub folder: Option<&'static str>,
-    /// For an interface whose producers bring a [`Module`](crate::Module): the module by which a consumer's shader is
-    /// read before it is known which producer is linked.
+    /// For an interface whose producers have a [`Module`](crate::Module): the module with which a consumer's shader is
+    /// reflected before its producer is known.
     pub stand_in: Option<&'static str>,
 }
 
@@ -70,7 +70,7 @@ pub struct Member {
 }
 
 impl Member {
-    /// Declares a resource that every producer makes.
+    /// Declares a resource that every producer has.
     pub const fn required(name: &'static str, content: Content, doc: &'static str) -> Member {
         Member { name, optional: false, content, doc }
     }
@@ -151,7 +151,7 @@ pub struct Fact<T> {
     pub name: &'static str,
     /// Whether a producer may leave it out.
     pub optional: bool,
-    /// What it says, with its unit.
+    /// Its meaning, with the unit.
     pub doc: &'static str,
     ty: PhantomData<fn() -> T>,
 }
@@ -195,7 +195,7 @@ pub struct FactDecl {
     pub ty: ValueType,
     /// Whether a producer may leave it out.
     pub optional: bool,
-    /// What it says, with its unit.
+    /// Its meaning, with the unit.
     pub doc: &'static str,
 }
 

@@ -31,7 +31,7 @@
 //! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `I32`, `F32`, `Bool`, `Text`; all fields may be left out: see below. A variant gives only what differs |
 //! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)` |
 //! | SUB | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, repeat: COUNT?, carry: { "input": "output" * }?, index: "parameter"?, when: …?, off: …?)`: the passes of another file, named `sub-graph/pass` |
-//! | COUNT | a whole number or an expression that gives one: how many copies of the sub-graph there are, one after the other |
+//! | COUNT | an integer or an expression that gives one: how many copies of the sub-graph there are, one after the other |
 //! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a sub-graph, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Moved]?)` |
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or an expression: text in which a `$` stands, such as `"$parameter"` or `"$lights * 16"`. In plain text each `$` is written `$$`; text that begins with `$$` is never an expression |
 //! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?)`, for pass types that take their ports from a shader |
@@ -40,40 +40,41 @@
 //! | PATCH | `Replace("pass", PASS)`, `Insert(name: "x", pass: PASS, between: ("a.port", "b.port"))`, `Set("path", VALUE)`, `Remove("pass")` |
 //!
 //! **Links.** The name of a pass alone means its only output of the interface that the input takes, else its only
-//! output. After the dot stands a port, or a member of the only port that has one of that name: `"view.depth"`.
-//! An input of the interface `Texture` or `Buffer` takes any single resource of that sort. `Prev` reads what the
-//! port held in the frame before, and may name any pass, also a later one or its own; `init` is what it holds where
-//! there is no past, and `reset` names the events that end it (the first four, where it is left out). `Reload` is a change of a
-//! setting, a shader or a link of the pass that writes the past, or of what feeds it; `Moved` is any change of what that pass
-//! reads of camera, lights and scene.
+//! output. After the dot stands a port, or a member of the only port that has one of that name: `"view.depth"`. An
+//! input of the interface `Texture` or `Buffer` takes any single resource of that sort. `Prev` reads what the port held
+//! in the frame before, and may name any pass, also a later one or its own; `init` is what it holds where there is no
+//! past, and `reset` names the events that end it (the first four, where it is left out). `Reload` is a change of a
+//! setting, a shader or a link of the pass that writes the past, or of what feeds it; `Moved` is any change of what
+//! that pass reads of camera, lights and scene.
 //!
 //! **Repeated sub-graphs.** With `repeat: "$n"` a sub-graph stands in the pipeline as copies whose passes are named
-//! `sub-graph/0/pass`, `sub-graph/1/pass`, and so on. The first copy takes what `in:` says; each further one takes, for an input
-//! that `carry` names, the output of the copy before it, and for all others what `in:` says. The outputs of the sub-graph are those of
-//! the last copy, and so is the past that `Prev` reads of them. Repeated 0 times, the sub-graph hands through what comes
-//! in for an output that is carried; to read another one is an error. `when:` and `off:` are of the whole. Values
-//! given to `sub-graph.parameter` and `sub-graph/pass.setting` reach all copies, those given to `sub-graph/2.parameter` and
-//! `sub-graph/2/pass.setting` one of them, in the order in which they are given. Errors are told once for all copies.
+//! `sub-graph/0/pass`, `sub-graph/1/pass`, and so on. The first copy takes what `in:` says; each further one takes, for
+//! an input that `carry` names, the output of the copy before it, and for all others what `in:` says. The outputs of
+//! the sub-graph are those of the last copy, and so is the past that `Prev` reads of them. Repeated 0 times, the
+//! sub-graph hands through what comes in for an output that is carried; to read another one is an error. `when:` and
+//! `off:` are of the whole. Values given to `sub-graph.parameter` and `sub-graph/pass.setting` reach all copies, those
+//! given to `sub-graph/2.parameter` and `sub-graph/2/pass.setting` one of them, in the order in which they are given.
+//! Errors are reported once for all copies.
 //!
 //! **Patches.** They are applied in order, after the entries of the file itself. `Replace` keeps the links of the
 //! old pass whose ports the new kind has, its `when` and its `off`, unless they are given again. `Insert` puts a pass
 //! or a sub-graph into a link; the link goes to its only required input that takes it, of a sub-graph to the only one that
 //! `in:` leaves unlinked; `"out.NAME"` stands for an output of the
 //! pipeline. `Remove` puts what `off:` says in place of a pass; without it, optional inputs that read it are left
-//! unlinked. `Set` takes a path: `parameter`, `pass.setting`, `sub-graph.parameter`, `sub-graph/pass.setting`. Values given
-//! from outside ([`Overrides`]) have the same paths and come last. Of what is inside a sub-graph, patches set values and
-//! no more: to change its passes, a file extends that of the sub-graph, and `Replace` puts it in its place; `repeat` and
-//! `carry` are given again then.
+//! unlinked. `Set` takes a path: `parameter`, `pass.setting`, `sub-graph.parameter`, `sub-graph/pass.setting`. Values
+//! given from outside ([`Overrides`]) have the same paths and come last. Of what is inside a sub-graph, patches set
+//! values and no more: to change its passes, a file extends that of the sub-graph, and `Replace` puts it in its place;
+//! `repeat` and `carry` are given again then.
 //!
 //! **Parameters.** A parameter that is the whole value of a setting (`set: { "count": "$lights" }`), also through
-//! sub-graphs, inherits what it does not say: `"lights": U32()` is the number that the setting is, with its default, range,
-//! choices, unit and documentation. Its range ends where that of any such setting does, whatever it says itself. A
-//! parameter needs a `default` where its value must be known before passes are asked (in expressions, sizes and
+//! sub-graphs, inherits what it does not say: `"lights": U32()` is the number that the setting is, with its default,
+//! range, choices, unit and documentation. Its range ends where that of any such setting does, whatever it says itself.
+//! A parameter needs a `default` where its value must be known before passes are asked (in expressions, sizes and
 //! switches, and for `repeat`), and where its settings have several defaults.
 //!
 //! **Expressions.** Values, sizes and switches are written in one small language: parameters (`$lights` or `lights`),
 //! truth values, numbers and `'text'`, with `+`, `-`, `*`, `/`, `%`, `min(a, b)`, `max(a, b)`, `!`, `&&`, `||`, `==`,
-//! `!=`, `<`, `<=`, `>`, `>=` and parentheses. Whole numbers stay whole: `/` between two of them rounds towards zero,
+//! `!=`, `<`, `<=`, `>`, `>=` and parentheses. Integers stay integers: `/` between two of them rounds towards zero,
 //! and a real number on either side makes the result real. To divide by zero is an error, as is a result that no
 //! value can hold or that the setting does not take. Names may hold `-`, so a minus has blanks around it. The factor
 //! and the divisor of a size are a number, a parameter, `min`, `max` or stand in parentheses; what a size is divided
@@ -88,12 +89,12 @@
 //!
 //! **The flattened file.** [`Resolved::to_ron`] writes files without `extends`, `patch` and `Sub`. In them alone
 //! stand `Group(inputs: …, in: …, outputs: …, when: …, off: …)` for the border of a sub-graph, whose inputs are
-//! `"sub-graph/in.input"`; `Removed` in place of a pass; `keep: { … }` in a pass for links that are dropped where the pass type
-//! has no such input; and `feed: "…"` for the link that an inserted pass takes.
+//! `"sub-graph/in.input"`; `Removed` in place of a pass; `keep: { … }` in a pass for links that are dropped where the
+//! pass type has no such input; and `feed: "…"` for the link that an inserted pass takes.
 //!
 //! # Errors
 //!
-//! All errors of a file are told at once, each with a code (see [`codes`]), the place, both ends of a link, and the
+//! All errors of a file are reported at once, each with a code (see [`codes`]), the place, both ends of a link, and the
 //! nearest name. Files that are broken, whatever their text, give errors and never a panic.
 
 pub mod compile;

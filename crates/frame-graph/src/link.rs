@@ -27,12 +27,12 @@ use std::sync::Arc;
 use uses::UseOf;
 use wires::{End, Found, is_bare};
 
-/// What a graph depends on beside its description.
+/// What a graph depends on in addition to its description.
 #[derive(Clone, Debug, Default)]
 pub struct LinkContext {
     /// Size of the frame in pixels.
     pub frame: (u32, u32),
-    /// What the scene holds.
+    /// The traits of the scene: what it contains.
     pub traits: Traits,
 }
 
@@ -61,7 +61,7 @@ pub(crate) struct GraphPass {
     pub(crate) off: Option<GraphOff>,
 }
 
-/// What is told of a pass that is off.
+/// What is reported about a pass that is off.
 #[derive(Clone, Debug)]
 pub(crate) struct GraphOff {
     pub(crate) why: String,
@@ -122,7 +122,7 @@ pub(crate) struct GraphOutput {
 /// Links a flat description.
 ///
 /// # Errors
-/// Everything that is wrong with kinds, settings, links, switches and sizes; also in passes that are off.
+/// Everything that is wrong with pass types, settings, links, switches and sizes; also in passes that are off.
 pub fn link(resolved: &Resolved, kinds: &dyn PassTypes, context: &LinkContext) -> Result<Graph, Diagnostics> {
     let mut linker = Linker::new(resolved, kinds, context);
     linker.check_root();
@@ -170,7 +170,7 @@ struct Linker<'a> {
     /// How many switches wait for each other.
     depth: u32,
     outputs: Vec<(&'a OutputDecl, End<'a>)>,
-    /// Links of sub-graphs that are wrong and have been told.
+    /// Links of sub-graphs that are wrong and have been reported.
     bad_borders: Vec<Place>,
     errors: Vec<Diagnostic>,
 }

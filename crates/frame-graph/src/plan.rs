@@ -1,4 +1,4 @@
-//! The compiled plan: a plain value that an executor follows, and that can be printed, hashed and drawn.
+//! The compiled plan: a plain value that an executor runs, and that can be printed, hashed and drawn.
 
 mod dot;
 mod json;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-/// A stable name of a plan: equal for equal plans, on any machine.
+/// A stable hash of a plan: equal for equal plans, on any machine.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PlanId(pub u128);
 
@@ -33,14 +33,13 @@ pub struct AllocationId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct HistoryId(pub u32);
 
-/// All that is decided before a frame runs.
+/// A plan: everything that is decided before a frame runs.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// The stable name of all that follows.
+    /// The stable hash of all fields below.
     pub id: PlanId,
-    /// The stable name of what objects depend on: passes and their kinds, links, resources, objects, histories.
-    /// Plans that differ in settings, facts, `reset:` lists or in which resources are called outputs have it in
-    /// common.
+    /// The stable hash of what objects depend on: passes and their types, links, resources, objects, history buffers.
+    /// Plans that differ only in settings, facts, `reset:` lists or in which resources are outputs have the same one.
     pub structure: PlanId,
     /// Size of the frame in pixels.
     pub frame: (u32, u32),
@@ -48,15 +47,15 @@ pub struct Plan {
     pub passes: Vec<PlannedPass>,
     /// Every resource of the passes.
     pub resources: Vec<PlannedResource>,
-    /// The objects that back them.
+    /// The objects that hold the resources.
     pub allocations: Vec<Allocation>,
-    /// Resources whose last version is kept for the next frame.
+    /// The history buffers: resources whose version of the frame before is read.
     pub histories: Vec<History>,
-    /// What the pipeline offers, in the order of its file.
+    /// The outputs of the pipeline, in the order of its file.
     pub outputs: Vec<PlannedOutput>,
-    /// What became of every pass of the description, in the order of the file, and why.
+    /// Whether each pass of the description runs, and why, in the order of the file.
     pub fates: Vec<(Name, Fate)>,
-    /// What sharing saves.
+    /// The memory that the plan needs, with and without sharing.
     pub memory: Memory,
 }
 
@@ -71,7 +70,7 @@ pub struct PlannedPass {
     pub shader: Option<Name>,
     /// Settings, complete.
     pub settings: Arc<Settings>,
-    /// What the use says of outputs with `out:`, as [`crate::port::Use::outputs`] asks for it.
+    /// The `out:` declarations of the use, for [`crate::port::Use::outputs`].
     pub overrides: Arc<BTreeMap<String, OutputOverride>>,
     /// The inputs that are connected.
     pub inputs: Vec<PlannedInput>,
@@ -81,31 +80,31 @@ pub struct PlannedPass {
     pub scene_bindings: SceneBindings,
     /// What its result depends on, through all that it reads: where none of it has changed, it need not run.
     pub depends_on: SceneBindings,
-    /// Whether it depends on a history, and so on every frame before.
+    /// Whether it depends on a history buffer, and so on every frame before.
     pub remembers: bool,
     /// Resources to clear before it runs.
     pub clears: Vec<(ResourceId, Clear)>,
-    /// Resources that begin as the content of another.
+    /// Resources that begin with the content of another.
     pub continues: Vec<Continued>,
 }
 
-/// A resource of a pass that begins as the content of one of its inputs.
+/// A resource of a pass that begins with the content of one of its inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Continued {
     /// The resource that the pass writes.
     pub resource: ResourceId,
     /// The input port that it continues.
     pub input: Name,
-    /// What it begins as.
+    /// The content that it begins with.
     pub from: Begins,
 }
 
-/// What a [`Continued`] resource begins as.
+/// The initial content of a [`Continued`] resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Begins {
-    /// Its own past: the same object, so that nothing is copied.
+    /// Its own history buffer: the same object, so that nothing is copied.
     InPlace(HistoryId),
-    /// A copy of a past.
+    /// A copy of a history buffer.
     CopyOfPast(HistoryId),
     /// A copy of a resource of this frame, or of a constant.
     Copy(ResourceId),
@@ -116,16 +115,16 @@ pub enum Begins {
 pub struct PlannedInput {
     /// The port.
     pub port: Name,
-    /// The pass that the link names; `None` for the constant of a pass that is switched off. It may hand on what
-    /// another pass makes.
+    /// The pass that the link names; `None` for the constant of a pass that is switched off. That pass may hand on a
+    /// resource of another pass.
     pub producer: Option<PassId>,
     /// The output port of that pass.
     pub producer_port: Name,
-    /// The interface of what is linked.
+    /// The interface of the linked output.
     pub interface: Name,
     /// Member name and resource.
     pub members: Vec<(Name, ResourceId)>,
-    /// The past version of those resources, where the link is `Prev`: one entry a member.
+    /// The history buffers of those resources, where the link is `Prev`: one entry per member.
     pub history: Option<Vec<HistoryId>>,
     /// Facts of the producer's port.
     pub facts: Arc<Facts>,
@@ -138,7 +137,7 @@ pub struct PlannedPort {
     pub port: Name,
     /// The interface; empty for scratch.
     pub interface: Name,
-    /// Name and resource of each member that the pass makes.
+    /// Name and resource of each member that the pass writes.
     pub members: Vec<(Name, ResourceId)>,
     /// Name and resource of each member that the pass hands on: a resource of one of its inputs.
     pub handed: Vec<(Name, ResourceId)>,
@@ -153,9 +152,9 @@ pub struct PlannedPort {
 pub struct PlannedResource {
     /// `pass.port`, or `pass.port.member`.
     pub name: Name,
-    /// Worked out.
+    /// The description, with known size.
     pub desc: ResourceDesc,
-    /// The object that backs it; for a resource with a history, the first of two that change places.
+    /// The object that backs it; for a resource with a history buffer, the first of the two that swap.
     pub allocation: AllocationId,
     /// The pass that writes it; `None` for the constant of a pass that is switched off.
     pub producer: Option<PassId>,
@@ -163,36 +162,36 @@ pub struct PlannedResource {
     pub readers: Vec<PassId>,
     /// First and last position in the order at which it is alive.
     pub lifetime: (u32, u32),
-    /// Set where it must outlive its last reader, and so shares with nothing: an output of the pipeline, a
-    /// history, a constant, or read by passes that run in frames in which its producer does not.
+    /// Set where it must outlive its last reader, and so shares no object: an output of the pipeline, a history buffer,
+    /// a constant, or a resource that passes read in frames in which its producer does not run.
     pub persistent: bool,
-    /// Its history, where something reads the past of it.
+    /// Its history buffer, if a `Prev` link reads it.
     pub history: Option<HistoryId>,
     /// The value, for the constant of a pass that is switched off.
     pub constant: Option<Clear>,
 }
 
-/// An object on the GPU, backing one resource or several whose lifetimes do not meet.
+/// An object on the GPU, which holds one resource, or several whose lifetimes do not overlap.
 #[derive(Clone, Debug)]
 pub struct Allocation {
-    /// Fits every resource in it.
+    /// The description, which fits every resource in it.
     pub desc: ResourceDesc,
     /// The resources, in the order of their lifetimes.
     pub resources: Vec<ResourceId>,
 }
 
-/// A resource whose version of the frame before is read.
+/// A history buffer: a resource whose version of the frame before is read.
 #[derive(Clone, Debug)]
 pub struct History {
     /// The resource.
     pub resource: ResourceId,
     /// Its two objects. The executor writes them in turn. Twice the same one where `in_place` is set.
     pub copies: [AllocationId; 2],
-    /// Set where the only reader of the past is the pass that writes on in it: one object is enough.
+    /// Set where the only reader is the pass that continues it: one object is enough.
     pub in_place: bool,
-    /// What a reader finds where there is no past.
+    /// The content where there is no history.
     pub init: Clear,
-    /// The events that end the past.
+    /// The events that reset it.
     pub reset: Vec<crate::frame::ResetCause>,
 }
 
@@ -209,7 +208,7 @@ pub struct PlannedOutput {
     pub members: Vec<(Name, ResourceId)>,
 }
 
-/// What became of a pass, and why.
+/// Whether a pass runs, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fate {
     /// It runs: some output of the pipeline needs it. Holds the passes or outputs that read it.
@@ -236,13 +235,13 @@ pub enum Fate {
 pub struct Memory {
     /// Every resource in an object of its own.
     pub unshared: u64,
-    /// As planned.
+    /// With sharing, as planned.
     pub shared: u64,
-    /// The least that any plan of this order can reach: the largest sum alive at once.
+    /// The lower bound for any plan with this order: the largest sum of resources alive at once.
     pub bound: u64,
-    /// Objects as planned.
+    /// Number of objects as planned.
     pub objects: u32,
-    /// Histories, constants and whatever else cannot be shared.
+    /// History buffers, constants and other resources that cannot share objects.
     pub persistent: u64,
 }
 
@@ -288,8 +287,8 @@ impl Plan {
         self.outputs.iter().find(|output| output.name == *name)
     }
 
-    /// Returns the plan as text: every pass in order with what it reads and writes, what became of the others and why,
-    /// and what memory it takes.
+    /// Returns the plan as text: every pass in order with what it reads and writes, why the others do not run, and how
+    /// much memory it needs.
     pub fn to_text(&self) -> String {
         text::text(self)
     }
@@ -304,7 +303,7 @@ impl Plan {
         json::json(self)
     }
 
-    /// Returns the plan as a drawing: passes from left to right in the order of data, colours for what became of them.
+    /// Returns the plan as a drawing: passes from left to right in the order of data, coloured by whether they run.
     pub fn to_svg(&self) -> String {
         svg::svg(self)
     }

@@ -1,4 +1,4 @@
-//! What a pass type offers to the graph: interfaces, ports, and the trait through which the core asks.
+//! What a pass type declares to the graph: interfaces, ports, and the trait through which the graph queries them.
 
 use crate::interface::{Fact, FactValue, Interface};
 use crate::resource::{Clear, Extent, ResourceDesc};
@@ -6,8 +6,8 @@ use crate::value::{Setting, Settings, Traits, Value};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What goes with a port and is known before anything runs: values such as the count of virtual lights or the
-/// side of a tile, and perhaps a module. A consumer may size its outputs by them and select shader variants.
+/// Metadata of a port that is known before anything runs: values such as the count of virtual lights or the side of a
+/// tile, and perhaps a module. A consumer may compute its sizes from them and select shader variants.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
     values: BTreeMap<String, Value>,
@@ -30,17 +30,17 @@ impl Facts {
         self.values.iter().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// Returns the WGSL that answers for the port, where it brings some.
+    /// Returns the module of the port, if it has one.
     pub fn module(&self) -> Option<&Module> {
         self.module.as_ref()
     }
 
-    /// Returns the module to change.
+    /// Returns the module, mutably.
     pub fn module_mut(&mut self) -> Option<&mut Module> {
         self.module.as_mut()
     }
 
-    /// Gives the port a module, or replaces the one it has.
+    /// Sets or replaces the module of the port.
     pub fn set_module(&mut self, module: Module) {
         self.module = Some(module);
     }
@@ -58,20 +58,20 @@ impl<N: Into<String>> FromIterator<(N, Value)> for Facts {
     }
 }
 
-/// A WGSL file that answers for an output in the shaders of whoever reads it.
+/// A module: a WGSL file with the functions of an output, which the shaders of its readers import.
 ///
-/// An algorithm that several producers answer differently travels so: a consumer with a port `visibility` writes
-/// `#import interface "visibility"` and calls the functions that the interface promises. The file declares all that
-/// it needs: the resources of the port, scene bindings, and a uniform `<port>_facts` that is filled with
-/// the facts of the port.
+/// A function that each producer implements differently is passed along in this way: a consumer with a port
+/// `visibility` writes `#import interface "visibility"` and calls the functions that the interface specifies. The file
+/// declares all that it needs: the resources of the port, scene bindings, and a uniform `<port>_facts` that is filled
+/// with the facts of the port.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Module {
     /// The path of the file: `shaders/visibility-atlas.wgsl`.
     pub path: String,
     /// Values of the options that the file declares.
     pub options: BTreeMap<String, Value>,
-    /// The scene bindings that its functions read. Whoever knows the shaders fills it in from the file
-    /// itself; a pass that reads the port then depends on them too.
+    /// The scene bindings that its functions read. They are found by reflection of the file; a pass that reads the port
+    /// then depends on them too.
     pub scene_bindings: SceneBindings,
 }
 
@@ -81,7 +81,7 @@ impl Module {
         Module { path: path.into(), ..Module::default() }
     }
 
-    /// Returns the same with the value of an option.
+    /// Returns the same module with the value of an option.
     pub fn option(mut self, name: impl Into<String>, value: Value) -> Module {
         self.options.insert(name.into(), value);
         self
@@ -93,12 +93,12 @@ impl Module {
 pub struct InputPort {
     /// The name, as in RON.
     pub name: String,
-    /// Name of an [`Interface`], or `"Texture"` or `"Buffer"`, which take any single resource of that sort.
-    /// `"Any"` takes whatever the link brings (kinds that read their ports from a shader).
+    /// Name of an [`Interface`], or `"Texture"` or `"Buffer"`, which accept any single resource of that sort. `"Any"`
+    /// accepts every link (for pass types that read their ports from a shader).
     pub interface: String,
     /// Whether it may be left unconnected.
     pub optional: bool,
-    /// What the pass does with it.
+    /// What the pass uses it for.
     pub doc: String,
 }
 
@@ -113,8 +113,8 @@ pub struct OutputPort {
     pub doc: String,
 }
 
-/// The scene bindings that a pass reads, as bits: each is an input of every pipeline that needs no
-/// link. A pass runs again when one that it reads has changed.
+/// The scene bindings that a pass reads, as bits: inputs of every pipeline that need no link. A pass runs again when
+/// one that it reads has changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct SceneBindings(pub u8);
 
@@ -130,12 +130,12 @@ impl SceneBindings {
     /// The number of the frame and its time: a pass that reads it runs in every frame.
     pub const FRAME: SceneBindings = SceneBindings(8);
 
-    /// Returns both together.
+    /// Returns the union of both.
     pub const fn and(self, other: SceneBindings) -> SceneBindings {
         SceneBindings(self.0 | other.0)
     }
 
-    /// Returns whether all of `other` is in it.
+    /// Returns whether `other` is a subset.
     pub const fn contains(self, other: SceneBindings) -> bool {
         self.0 & other.0 == other.0
     }
@@ -148,11 +148,11 @@ pub struct Ports {
     pub inputs: Vec<InputPort>,
     /// Outputs, in the order of the documentation.
     pub outputs: Vec<OutputPort>,
-    /// The scene bindings that it reads.
+    /// The scene bindings that the pass reads.
     pub scene_bindings: SceneBindings,
 }
 
-/// One use of a pass type, as far as the file says: what its ports may depend on.
+/// One use of a pass type, as written in the file: all that its ports may depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct Use<'a> {
     /// The pass type's name.
@@ -161,14 +161,14 @@ pub struct Use<'a> {
     pub shader: Option<&'a str>,
     /// Names of the inputs that the use links, in order.
     pub inputs: &'a [String],
-    /// What the use says with `out:` of outputs, by port.
+    /// The `out:` declarations of the use, by port.
     pub outputs: &'a BTreeMap<String, OutputOverride>,
 }
 
-/// What a use says of an output of a pass type that takes its ports from a shader.
+/// An `out:` declaration: interface, format or size of an output of a pass type that takes its ports from a shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OutputOverride {
-    /// The interface that it offers itself as.
+    /// The interface of the output.
     pub interface: Option<String>,
     /// The format of the texture.
     pub format: Option<crate::resource::Format>,
@@ -178,14 +178,14 @@ pub struct OutputOverride {
     pub count: Option<u32>,
 }
 
-/// What is known of a linked input when the sizes of the outputs are worked out.
+/// What is known about a linked input when the sizes of the outputs are computed.
 #[derive(Clone, Debug)]
 pub struct InputDesc {
     /// The port.
     pub name: String,
     /// The interface of what is linked to it.
     pub interface: String,
-    /// Its resources: member name and worked-out description. A member that the producer left out is absent.
+    /// Its resources: member name, and description with known size. A member that the producer left out is absent.
     pub members: Vec<(String, ResourceDesc)>,
     /// Facts of the producer's port.
     pub facts: Arc<Facts>,
@@ -203,7 +203,7 @@ impl InputDesc {
     }
 }
 
-/// All that the resources of a pass's outputs may depend on.
+/// Everything that the resources of a pass's outputs may depend on.
 #[derive(Clone, Copy, Debug)]
 pub struct OutputContext<'a> {
     /// The use.
@@ -214,7 +214,7 @@ pub struct OutputContext<'a> {
     pub inputs: &'a [InputDesc],
     /// Size of the frame in pixels.
     pub frame: (u32, u32),
-    /// What the scene holds.
+    /// The traits of the scene: what it contains.
     pub traits: &'a Traits,
 }
 
@@ -234,17 +234,18 @@ impl<'a> OutputContext<'a> {
     }
 }
 
-/// How the first use of a resource in a pass treats what was in it.
+/// How a pass treats the previous content of a resource that it writes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Usage {
     /// The pass writes every bit of it before anything is read.
     Overwrites,
     /// It must be cleared before the pass runs.
     ClearFirst(Clear),
-    /// It begins as this member of what is linked to this input, which must be of the same format and size: the
-    /// pass writes only what differs. Where the input is the `Prev` of the output itself and nothing else reads
-    /// that past, both are one object and nothing is copied; else a copy is made before the pass runs. The
-    /// version is new all the same. The pass must not bind that member of the input: it finds it in the output.
+    /// It begins with the content of this member of an input, which must be of the same format and size: the pass
+    /// writes only what differs. Where the input is the `Prev` of the output itself and nothing else reads that history
+    /// buffer, both are one object and nothing is copied; otherwise the content is copied before the pass runs. The
+    /// version is new in both cases. The pass must not bind that member of the input: it finds its content in the
+    /// output.
     Continue {
         /// The input port, which must be linked.
         input: String,
@@ -258,13 +259,13 @@ pub enum Usage {
 pub struct OutputDesc {
     /// The output port; for scratch, a name of its own.
     pub port: String,
-    /// Whether it is scratch: seen by no other pass.
+    /// Whether it is scratch, which no other pass reads.
     pub scratch: bool,
     /// Its resources by member name (`""` for the only one), and whether they need clearing.
     pub members: Vec<(String, ResourceDesc<Extent>, Usage)>,
     /// Further members, which are resources of an input: see [`OutputDesc::hand_on`].
     pub handed: Vec<HandedOn>,
-    /// Facts that go with it.
+    /// Its facts.
     pub facts: Facts,
 }
 
@@ -307,7 +308,7 @@ impl OutputDesc {
     /// Creates a port that hands on every member of an input that the interface of the port has: a reader of
     /// `port` reads the same resources as a reader of what is linked to `input`, with the facts of `port`. The
     /// pass writes nothing for it, and nothing is copied. Members may be added with [`OutputDesc::handed`] or
-    /// to [`OutputDesc::members`]. The input must not read the past.
+    /// to [`OutputDesc::members`]. The input must not be a `Prev` link.
     pub fn hand_on(port: &str, input: &str) -> OutputDesc {
         let all = HandedOn::All { input: input.to_owned() };
         OutputDesc { handed: vec![all], ..OutputDesc::of(port, Vec::new()) }
@@ -325,7 +326,7 @@ impl OutputDesc {
         OutputDesc { scratch: true, ..OutputDesc::one(name, desc) }
     }
 
-    /// Returns the same, where every member begins as the member of the same name of an input: see [`Usage::Continue`].
+    /// Makes every member begin with the content of the member of the same name of an input: see [`Usage::Continue`].
     pub fn continuing(mut self, input: &str) -> OutputDesc {
         for (member, _, usage) in &mut self.members {
             *usage = Usage::Continue { input: input.to_owned(), member: member.clone() };
@@ -339,14 +340,14 @@ impl OutputDesc {
         self
     }
 
-    /// Returns the same, with the WGSL that answers for it in the shaders of its readers.
+    /// Sets the module that the shaders of its readers import.
     pub fn module(mut self, module: Module) -> OutputDesc {
         self.facts.set_module(module);
         self
     }
 }
 
-/// Why a pass type refuses a use of it.
+/// An error of a pass type about one of its uses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PassTypeError {
     /// What is wrong, and what was expected.
@@ -365,7 +366,7 @@ impl PassTypeError {
         PassTypeError { message: message.into(), ..PassTypeError::default() }
     }
 
-    /// Creates the error that what is linked to an input gives no fact of that name.
+    /// Creates the error that the output linked to an input has no fact of that name.
     pub fn no_fact(input: &str, fact: &str) -> PassTypeError {
         PassTypeError::input(input, format!("what is linked to `{input}` does not tell `{fact}`"))
     }
@@ -380,32 +381,32 @@ impl PassTypeError {
         PassTypeError { message: message.into(), input: Some(name.to_owned()), ..PassTypeError::default() }
     }
 
-    /// Adds advice.
+    /// Adds advice to the message.
     pub fn help(mut self, help: impl Into<String>) -> PassTypeError {
         self.help = Some(help.into());
         self
     }
 }
 
-/// Every pass type there is: how the core learns of passes without knowing any.
+/// All pass types: through this trait the graph uses passes without depending on any.
 ///
-/// All of it is pure: the same question gets the same answer.
+/// All functions are pure: the same arguments give the same result.
 pub trait PassTypes {
-    /// The names of all pass types, sorted: for errors that offer the nearest.
+    /// Returns the names of all pass types, sorted: for errors that suggest the nearest.
     fn names(&self) -> Vec<String>;
 
-    /// All interfaces.
+    /// Returns all interfaces.
     fn interfaces(&self) -> &[Interface];
 
-    /// Whether a use of the pass type names a shader with `shader:`; `None` where there is no such kind.
+    /// Returns whether a use of the pass type names a shader with `shader:`; `None` where there is no such pass type.
     fn takes_shader(&self, kind: &str) -> Option<bool>;
 
-    /// The settings of this use.
+    /// Returns the settings of this use.
     fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError>;
 
-    /// Its ports.
+    /// Returns its ports.
     fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError>;
 
-    /// The resources of its outputs, and scratch.
+    /// Describes the resources of its outputs, and scratch.
     fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError>;
 }

@@ -71,7 +71,7 @@ pub(crate) struct Node {
 /// Flattens the pipeline at `path`.
 ///
 /// # Errors
-/// All that is wrong with the file and those that it names, as far as that can be told without knowing kinds.
+/// All that is wrong with the file and those that it names, as far as that can be determined without knowing kinds.
 pub fn resolve(path: &str, files: &dyn Files, overrides: &Overrides) -> Result<Resolved, Diagnostics> {
     let Some(source) = files.read(path) else {
         let given = Source::new("pipeline", path);

@@ -101,7 +101,7 @@ impl Format {
     }
 }
 
-/// Width and height as a relation, worked out in link order.
+/// Width and height as a relation to other sizes, computed in link order.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Extent {
     /// The frame's size times `num / den`, rounded up, at least one.
@@ -124,7 +124,7 @@ pub enum Extent {
     Fixed(u32, u32),
 }
 
-/// A texture as a pass declares it (`S` = [`Extent`]) or as it has been worked out (`S` = `(u32, u32)`).
+/// A texture as a pass declares it (`S` = [`Extent`]) or with known size (`S` = `(u32, u32)`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureDesc<S> {
     /// Format of the texels.
@@ -153,8 +153,8 @@ pub enum ResourceDesc<S = (u32, u32)> {
     Buffer(BufferDesc),
 }
 
-/// What a resource is filled with: before its first use, as the start of a history, or in place of a pass
-/// that is switched off.
+/// The value that fills a resource: before its first use, at the reset of a history buffer, or in place of a pass that
+/// is switched off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Clear {
     /// Zero in every bit.

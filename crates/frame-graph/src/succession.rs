@@ -1,4 +1,4 @@
-//! What goes on where one plan takes the place of another.
+//! What continues when one plan replaces another.
 
 use crate::frame::ResetCause;
 use crate::plan::{HistoryId, PassId, Plan, PlannedInput, PlannedPass};
@@ -7,16 +7,17 @@ use rustc_hash::FxHashMap;
 /// What a plan has in common with the one before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Succession {
-    /// One entry a history of the new plan: the history of the old one that goes on as it, or why it begins again.
+    /// One entry per history buffer of the new plan: the history buffer of the old plan that it continues, or why it is
+    /// reset.
     pub histories: Vec<Result<HistoryId, ResetCause>>,
     /// The passes of the new plan that are new, of another pass type, with other settings or another shader file, or
-    /// that link to something else. That a shader file says something else is not seen here.
+    /// that link to something else. A changed shader file is not noticed here.
     pub changed: Vec<PassId>,
 }
 
 impl Succession {
-    /// Compares a plan with the one whose place it takes. Histories go on where their names, descriptions and
-    /// initial values are the same, whatever else differs; what ends them is for their own `reset:` to say.
+    /// Compares a plan with the one that it replaces. History buffers continue where their names, descriptions and
+    /// initial values are the same, whatever else differs; their own `reset:` says what resets them.
     pub fn between(old: &Plan, new: &Plan) -> Succession {
         let name =
             |plan: &'_ Plan, h: usize| plan.resources[plan.histories[h].resource.0 as usize].name.clone();

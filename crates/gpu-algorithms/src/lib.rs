@@ -1,14 +1,14 @@
 //! Reductions, scans, compactions, sorts, selection, grids and divided dispatches, as steps for passes.
 //!
 //! The WGSL is in `shaders/algorithms/`. A pass has a shader of its own that imports one of those files and gives the
-//! functions that the file asks for: how many elements there are, what each is, and what is done with the results. So an
-//! algorithm reads textures, structs or numbers that are never stored. The functions of this crate return the
+//! functions that the file asks for: how many elements there are, what each is, and what is done with the results. So
+//! an algorithm reads textures, structs or numbers that are never stored. The functions of this crate return the
 //! dispatches of that shader, in order, and the scratch memory that they need:
 //!
 //! | | the shader imports | scratch | steps |
 //! |---|---|---|---|
 //! | combine all elements into one | `algorithms/reduce.wgsl`, `sum-f32.wgsl`, `sum-scaled.wgsl` | [`reduce::scratch`] | [`reduce::steps`] |
-//! | prefix sums of whole numbers | `algorithms/scan.wgsl` | [`scan::scratch`] | [`scan::steps`] |
+//! | prefix sums of integers | `algorithms/scan.wgsl` | [`scan::scratch`] | [`scan::steps`] |
 //! | keep some elements | `algorithms/compact.wgsl` | [`scan::scratch`] | [`scan::steps`] |
 //! | prefix sums of weights, by segments | `algorithms/segmented-scan.wgsl` | | [`segmented_scan`] |
 //! | the element of a rank | `algorithms/select.wgsl` | [`select::scratch`] | [`select::steps`] |
@@ -16,8 +16,8 @@
 //! | sort elements into cells | `algorithms/grid.wgsl` | [`Grid::scratch`] | [`Grid::steps`] |
 //! | cut a dispatch that would take too long | | | [`parts`] |
 //!
-//! All of them give the same bits in every run: sums of floating-point numbers have one order, and atomic operations are
-//! on whole numbers alone. No workgroup waits for another. Lengths are upper bounds: a shader may read the true one from
+//! All of them give the same bits in every run: sums of floating-point numbers have one order, and atomic operations
+//! are on integers alone. No workgroup waits for another. Lengths are upper bounds: a shader may read the true one from
 //! a buffer. Zero elements are allowed everywhere, and at most 2³¹. Sizes of workgroups and of structs are those of the
 //! WGSL, so every function that depends on them fails where the WGSL is refused.
 //!

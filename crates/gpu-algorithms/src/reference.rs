@@ -1,5 +1,5 @@
 //! CPU references of the algorithms, and of WGSL that several passes share: what results are compared with, in double
-//! precision or whole numbers.
+//! precision or integers.
 
 pub mod paraboloid;
 pub mod triangle_samples;

@@ -1,4 +1,4 @@
-//! Prefix sums of whole numbers, `shaders/algorithms/scan.wgsl`, and compactions, `shaders/algorithms/compact.wgsl`.
+//! Prefix sums of integers, `shaders/algorithms/scan.wgsl`, and compactions, `shaders/algorithms/compact.wgsl`.
 
 use crate::{Blocks, one_group};
 use pass::{Compute, OutputDesc, PassTypeError, Request, ResourceDesc, Threads, UseContext};

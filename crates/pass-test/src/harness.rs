@@ -1,4 +1,4 @@
-//! A test of one pass: what it is given, its pipeline, and its frames.
+//! A test of one pass: its inputs, its pipeline, and its frames.
 
 use crate::given::{Given, GivenMember, TestPassTypes};
 use crate::{Outputs, gpu, library, scene};
@@ -24,9 +24,9 @@ const OTHER_ORDER: u32 = 2;
 /// The test harness of a pass: runs it alone, in a pipeline of its own, with given inputs.
 ///
 /// The pipeline is linked and compiled as any other, so values out of range, inputs of another interface and names that
-/// nothing answers to are refused with the words that a user reads. What the pass writes is filled with NaN before it
-/// runs. A pass that dispatches runs twice, the second time with its threads in another order, and both must write the
-/// same bits.
+/// cannot be bound are refused with the same messages that a user reads. What the pass writes is filled with NaN before
+/// it runs. A pass that dispatches runs twice, the second time with its threads in another order, and both must write
+/// the same bits.
 pub struct Harness<'a> {
     pass: &'a dyn Pass,
     shader: Option<&'a str>,
@@ -79,13 +79,13 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Returns the names the WGSL file of a pass type that takes one.
+    /// Sets the WGSL file, for a pass type that takes one.
     pub fn shader(mut self, path: &'a str) -> Self {
         self.shader = Some(path);
         self
     }
 
-    /// Says with `out:` what an output of a pass type that takes a shader is.
+    /// Sets the `out:` declaration of an output, for a pass type that takes a shader.
     pub fn out(mut self, port: &str, said: OutputOverride) -> Self {
         self.overrides.insert(port.to_owned(), said);
         self
@@ -111,37 +111,37 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Sets a camera in place of the scene's.
+    /// Sets a camera that replaces the scene's.
     pub fn camera(mut self, camera: Camera) -> Self {
         self.camera = Some(camera);
         self
     }
 
-    /// Sets when the first frame sees the scene \[s\], in place of 0.
+    /// Sets the time of the first frame \[s\]; 0 by default.
     pub fn time(mut self, time: f32) -> Self {
         self.time = time;
         self
     }
 
-    /// Sets the time between frames \[s\], in place of 0.
+    /// Sets the time between frames \[s\]; 0 by default.
     pub fn time_step(mut self, step: f32) -> Self {
         self.time_step = step;
         self
     }
 
-    /// Sets the number of the first frame, in place of 0.
+    /// Sets the number of the first frame; 0 by default.
     pub fn frame_index(mut self, index: u32) -> Self {
         self.first_index = index;
         self
     }
 
-    /// Runs this many frames, in place of one; the outputs are those of the last.
+    /// Sets how many frames run; 1 by default. The outputs are those of the last.
     pub fn frames(mut self, count: u32) -> Self {
         self.frames = count;
         self
     }
 
-    /// Lets an event happen before the frame that many after the first: it ends pasts.
+    /// Adds an event, such as a cut, before frame `frame`, counted from 0 for the first: it may reset history buffers.
     pub fn event(mut self, frame: u32, cause: ResetCause) -> Self {
         self.events.push((frame, cause));
         self
@@ -159,7 +159,7 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Gives an input port: interface, facts, and each member's name, description and bytes (rows and layers without
+    /// Adds an input port: interface, facts, and each member's name, description and bytes (rows and layers without
     /// padding; fewer bytes leave the rest zero). Members that the interface requires and that are left out hold NaN.
     pub fn input(
         mut self,
@@ -173,8 +173,8 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Gives an input port that reads the past, which has lasted `age` frames: so many run before those that
-    /// [`Harness::frames`] counts. At 0 there is no past, and the pass reads zeros.
+    /// Adds an input port that reads a history buffer of the age `age`: this many frames run before those that
+    /// [`Harness::frames`] counts. At 0 there is no history, and the pass reads zeros.
     pub fn past(
         mut self,
         port: &str,
@@ -186,7 +186,7 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Links an input port to the past of the pass's own output: what it wrote in the frame before.
+    /// Links an input port to the history buffer of the pass's own output: what it wrote in the frame before.
     pub fn feedback(mut self, input: &str, output: &str) -> Self {
         self.feedback.push((input.to_owned(), output.to_owned()));
         self
@@ -218,7 +218,7 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Gives the input added last the module in that file.
+    /// Sets the module of the input added last to that file.
     pub fn module(mut self, path: &str) -> Self {
         if let Some(input) = self.given.last_mut() {
             input.facts.set_module(Module::new(path));
@@ -226,7 +226,8 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Does not run the pass in another order of threads, because its outputs depend on it: `reason` says why they may.
+    /// Disables the second run with another order of threads, because the outputs depend on it: `reason` says why they
+    /// may.
     ///
     /// # Panics
     /// Where there is no reason.
@@ -236,12 +237,12 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Runs the frames, and once more with threads in another order. Returns the outputs of the last frame; `None` where
-    /// there is no adapter.
+    /// Runs the frames, and once more with threads in another order. Returns the outputs of the last frame; `None`
+    /// where there is no adapter.
     ///
     /// # Panics
-    /// Where the graph, the pass, its shaders or the GPU refuse: the test fails with their words. Where bits depend on
-    /// the order of threads.
+    /// Where the graph, the pass, its shaders or the GPU report an error: the test fails with their message. Also where
+    /// the bits depend on the order of threads.
     pub fn run(self) -> Option<Outputs> {
         let gpu = gpu()?;
         let run = |order| self.try_run(gpu.clone(), order).unwrap_or_else(|error| panic!("{error}"));
@@ -328,7 +329,7 @@ impl<'a> Harness<'a> {
         Ok((Arc::new(plan), steps))
     }
 
-    /// The output ports of the pass; none where it refuses its use, which linking tells better.
+    /// The output ports of the pass; none where it refuses its use, which linking reports with a better message.
     fn output_ports(&self, kinds: &TestPassTypes<'_>) -> Vec<String> {
         let given = self.given.iter().map(|given| given.port.clone());
         let inputs: Vec<String> = given.chain(self.feedback.iter().map(|(input, _)| input.clone())).collect();

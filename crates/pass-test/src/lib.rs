@@ -9,7 +9,7 @@
 //!     .input("lights", "VirtualLights", &[("count", 1)], vec![("", pass_test::buffer(64), vec![0; 64])])
 //!     .scene("plane")
 //!     .run();
-//! let Some(outputs) = outputs else { return }; // no adapter: said on stderr
+//! let Some(outputs) = outputs else { return }; // no adapter: see the note on stderr
 //! let irradiance: Vec<[f32; 4]> = outputs.read("irradiance");
 //! ```
 
@@ -31,7 +31,7 @@ mod harness;
 pub mod random;
 pub mod statistics;
 
-/// What can happen to the past between two frames, for [`Harness::event`].
+/// What can reset a history buffer between two frames, for [`Harness::event`].
 pub use frame_graph::ResetCause;
 pub use harness::Harness;
 
@@ -57,7 +57,7 @@ pub fn counted<T: Pod>(elements: &[T]) -> (ResourceDesc, Vec<u8>) {
     (ResourceDesc::buffer(bytes.len() as u64), bytes)
 }
 
-/// Returns the one device of a test process; `None`, said on stderr, where there is no adapter.
+/// Returns the one device of a test process; `None`, with a note on stderr, where there is no adapter.
 pub fn gpu() -> Option<Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
     GPU.get_or_init(|| match Gpu::open() {
@@ -93,7 +93,7 @@ fn library(order: Option<u32>) -> &'static Library {
     })
 }
 
-/// Returns a use of a pass that says nothing but which shaders and interfaces there are: for functions that ask for the
+/// Returns a context that contains only the shaders and interfaces of the tree: for functions that need the
 /// layouts of structs.
 pub fn use_context() -> UseContext<'static> {
     static OUTPUTS: BTreeMap<String, OutputOverride> = BTreeMap::new();
@@ -129,7 +129,7 @@ pub fn soup(corners: &[[f32; 3]]) -> Scene {
 /// Loads every variant of every shader of a pass.
 ///
 /// # Panics
-/// Where one is refused: the test fails with its words.
+/// Where one is refused: the test fails with the message.
 pub fn assert_shaders_are_valid(pass: &dyn Pass) {
     let library = shaders();
     for path in pass.info().shaders {

@@ -1,12 +1,13 @@
-//! Whether counts are those of a distribution.
+//! Tests whether counts follow a distribution.
 
-/// Returns the value that chi squared of so many degrees of freedom exceeds once in a million (Wilson & Hilferty 1931).
+/// Returns the value that chi squared of this many degrees of freedom exceeds once in a million (Wilson & Hilferty
+/// 1931).
 pub fn chi_squared_limit(freedom: f64) -> f64 {
     let ninth = 2.0 / (9.0 * freedom);
     freedom * (1.0 - ninth + 4.753 * ninth.sqrt()).powi(3)
 }
 
-/// Computes chi squared of counts and its degrees of freedom. Cells of which fewer than five are expected are one cell.
+/// Computes chi squared of counts and its degrees of freedom. Cells with an expectation below five are merged into one.
 pub fn chi_squared(observed: &[u32], expected: &[f64]) -> (f64, f64) {
     let (mut statistic, mut freedom, mut rest) = (0.0, -1.0, (0.0, 0.0));
     for (n, expected) in std::iter::zip(observed, expected) {
@@ -24,7 +25,7 @@ pub fn chi_squared(observed: &[u32], expected: &[f64]) -> (f64, f64) {
     (statistic, freedom)
 }
 
-/// Asserts that counts are those of independent draws, by chi squared. What is even by design does better.
+/// Asserts by chi squared that counts are those of independent samples. Stratified samples do better.
 ///
 /// # Panics
 /// Where they are not.

@@ -1,15 +1,15 @@
-//! What a pass is. A crate under `passes/` needs this one, and `interfaces` for what its ports are.
+//! Defines what a pass is. A crate under `passes/` needs this one, and `interfaces` for the types of its ports.
 //!
-//! A pass says four things, all of them pure: its settings, its ports, the resources of its outputs, and the
-//! steps that make them. The steps are a plain list of dispatches and draws; an executor runs them. A shader's
-//! resources are bound by name, so a pass says no binding numbers and no layouts:
+//! A pass declares four things, each by a pure function: its settings, its ports, the resources of its outputs, and
+//! the steps that write them. The steps are a plain list of dispatches and draws; an executor runs them. A shader's
+//! resources are bound by name, so a pass declares no binding numbers and no layouts:
 //!
 //! | a global in WGSL | is bound to |
 //! |---|---|
 //! | `view_depth` | member `depth` of the port `view` |
 //! | `irradiance` | the only resource of the port (or scratch) `irradiance` |
 //! | `settings` | a uniform filled by the names of its members: see [`Step`] |
-//! | `view_facts` | a uniform of the module that comes with the port `view`, filled with the facts of the port |
+//! | `view_facts` | a uniform of the module of the port `view`, filled with the facts of the port |
 //! | `camera`, `frame`, `scene_…` | the scene bindings: see [`scene_bindings`] |
 
 mod link;
@@ -32,12 +32,12 @@ pub use record::{
 };
 pub use shader_library::{Define, Library, Request};
 
-/// What the documentation says of a pass type.
+/// The name and documentation of a pass type.
 #[derive(Clone, Copy, Debug)]
 pub struct Info {
     /// The name in RON, in kebab-case; also the name of the folder.
     pub kind: &'static str,
-    /// What it makes, in one sentence.
+    /// What it computes, in one sentence.
     pub about: &'static str,
     /// The paper and section that it implements; empty for none.
     pub paper: &'static str,
@@ -50,37 +50,37 @@ pub struct Info {
 /// It holds no state, names no other pass, reads no global and never waits for the GPU. Whatever it keeps from
 /// one frame to the next goes through `Prev` in the pipeline.
 pub trait Pass: Send + Sync {
-    /// What the documentation says.
+    /// Returns the name and documentation of the pass type.
     fn info(&self) -> Info;
 
-    /// Whether a use names a WGSL file with `shader:`.
+    /// Returns whether a use names a WGSL file with `shader:`.
     fn takes_shader(&self) -> bool {
         false
     }
 
-    /// Its settings. Only a pass type that takes a shader looks at the use.
+    /// Returns its settings. Only a pass type that takes a shader reads the use.
     fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError>;
 
-    /// Its ports, from the settings alone.
+    /// Returns its ports, which depend on the settings alone.
     fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError>;
 
-    /// The resources of its outputs, and scratch.
+    /// Describes the resources of its outputs, and scratch.
     fn outputs(
         &self,
         cx: &UseContext<'_>,
         outputs: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError>;
 
-    /// The interfaces that the pass brings, beside those of the tree: for the ports of passes outside it.
+    /// Returns the interfaces that the pass adds to those of the tree: for the ports of passes outside it.
     fn interfaces(&self) -> &'static [Interface] {
         &[]
     }
 
-    /// The steps that make the outputs.
+    /// Returns the steps that write the outputs.
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError>;
 }
 
-/// One use of a pass type in a pipeline, and the shaders by which a pass type that takes one learns its ports.
+/// One use of a pass type in a pipeline, and the shaders from which a pass type that takes one derives its ports.
 #[derive(Clone, Copy)]
 pub struct UseContext<'a> {
     /// The use.

@@ -1,5 +1,5 @@
 //! Links the steps of a pass to the resources of a plan: shaders loaded, globals resolved by name, types
-//! checked, uniforms laid out. All of it without a GPU, so that `check` proves what an executor will run.
+//! checked, uniforms laid out. All of this works without a GPU, so that `check` verifies what an executor will run.
 
 use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step};
 use crate::{Interface, Pass, scene_bindings};
@@ -22,9 +22,9 @@ pub use uniform::{FrameValue, FrameWord, PastFact, UniformFill};
 pub enum Source {
     /// A resource of the plan: this frame's version.
     Resource(ResourceId),
-    /// Last frame's version of a resource.
+    /// The history buffer of a resource: its version of the frame before.
     Past(HistoryId),
-    /// Scene bindings, by the global's name.
+    /// A scene binding, by the global's name.
     SceneBinding(&'static str),
     /// A uniform of the step: index into [`LinkedStep::uniforms`].
     Uniform(usize),
@@ -33,13 +33,13 @@ pub enum Source {
 /// A global of a shader with what it is bound to.
 #[derive(Clone, Debug)]
 pub struct Bound {
-    /// Index into the globals of the shader's interface.
+    /// Index into the globals of the shader interface.
     pub global: usize,
     /// What it is bound to.
     pub source: Source,
 }
 
-/// A step whose every name is resolved.
+/// A step with all names resolved.
 #[derive(Clone, Debug)]
 pub struct LinkedStep {
     /// The step as recorded.
@@ -56,12 +56,12 @@ pub struct LinkedStep {
     pub targets: Vec<ResourceId>,
     /// Depth target of a draw.
     pub depth: Option<ResourceId>,
-    /// The buffer that an indirect dispatch or draw reads its size from: a resource or the past of one.
+    /// The buffer that an indirect dispatch or draw reads its size from: a resource or a history buffer.
     pub indirect: Option<Source>,
 }
 
 impl LinkedStep {
-    /// Returns the scene bindings that it reads, by names of globals.
+    /// Returns the scene bindings that the step reads, by the names of their globals.
     pub fn scene_bindings(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.bindings.iter().filter_map(|bound| match bound.source {
             Source::SceneBinding(name) => Some(name),
@@ -69,7 +69,7 @@ impl LinkedStep {
         })
     }
 
-    /// Returns whether it is a draw whose size is on the GPU.
+    /// Returns whether the step is a draw whose size is read from a buffer on the GPU.
     pub fn draws_indirectly(&self) -> bool {
         matches!(&self.step, Step::Raster(raster) if matches!(raster.draw, Draw::Indirect { .. }))
     }
@@ -91,14 +91,14 @@ impl LinkedStep {
         })
     }
 
-    /// Returns whether it needs an adapter with ray queries.
+    /// Returns whether the step needs an adapter with ray queries.
     pub fn queries_rays(&self) -> bool {
         let globals = &self.shader.interface.globals;
         self.bindings.iter().any(|bound| globals[bound.global].kind == GlobalKind::AccelerationStructure)
     }
 }
 
-/// Returns the seed of a pass: made from the run's seed and the pass's name, so that it depends on nothing else. A
+/// Returns the seed of a pass: a hash of the run's seed and the pass's name, and of nothing else. A
 /// run's seed of 0 gives every pass the seed 0: plain sequences, as the papers use them.
 pub fn pass_seed(run: u32, pass: &str) -> u32 {
     if run == 0 {
@@ -113,7 +113,7 @@ pub fn pass_seed(run: u32, pass: &str) -> u32 {
 /// Records a pass of a plan and links its steps.
 ///
 /// # Errors
-/// Errors of the pass itself, of its shaders, and of names that nothing answers to.
+/// Errors of the pass itself, of its shaders, and of names that cannot be bound.
 pub fn link_steps(
     plan: &Plan,
     id: PassId,

@@ -9,7 +9,7 @@ use shader_library::{Define, Library, Request};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What is known when a pass records its steps: everything but the contents.
+/// What is known when a pass records its steps: everything but the contents of resources.
 #[derive(Clone, Copy)]
 pub struct RecordContext<'a> {
     /// Name of the pass in the flattened pipeline.
@@ -24,7 +24,7 @@ pub struct RecordContext<'a> {
     pub outputs: &'a [PortDesc],
     /// Size of the frame in pixels.
     pub frame: (u32, u32),
-    /// What the scene holds.
+    /// The traits of the scene: what it contains.
     pub traits: &'a Traits,
     /// All WGSL.
     pub shaders: &'a Library,
@@ -32,7 +32,7 @@ pub struct RecordContext<'a> {
     pub interfaces: &'a [Interface],
 }
 
-/// A port with its worked-out resources.
+/// A port with the descriptions of its resources.
 #[derive(Clone, Debug)]
 pub struct PortDesc {
     /// The port.
@@ -45,7 +45,7 @@ pub struct PortDesc {
     pub facts: Arc<Facts>,
     /// For an output: whether anything reads it.
     pub connected: bool,
-    /// For an input: whether it is last frame's version.
+    /// For an input: whether it reads a history buffer.
     pub past: bool,
 }
 
@@ -70,7 +70,7 @@ impl<'a> RecordContext<'a> {
         self.texture(port).map_or(1, |texture| texture.layers)
     }
 
-    /// Returns whether a port has a member: optional ones are there where the producer made them.
+    /// Returns whether a port has a member; the producer decides which optional members it has.
     pub fn has_member(&self, port: &str, member: &str) -> bool {
         self.port(port).is_some_and(|port| port.members.iter().any(|(name, _)| name == member))
     }
@@ -79,7 +79,7 @@ impl<'a> RecordContext<'a> {
         self.port(port)?.members.iter().find_map(|(_, desc)| desc.texture())
     }
 
-    /// Returns a fact that goes with a port.
+    /// Returns a fact of a port.
     ///
     /// # Errors
     /// Where the port is not connected, or its producer gives no such fact.
@@ -103,21 +103,22 @@ impl<'a> RecordContext<'a> {
         self.traits.0.get(name).and_then(Value::as_bool).unwrap_or(false)
     }
 
-    /// Returns a shader with these defines, and with the modules that the connected inputs bring: an input that has one
-    /// answers `#import interface "PORT"`, and its options have the values that its producer gave them.
+    /// Returns the request for a shader with these defines, and with the modules of the connected inputs: the module of
+    /// an input is what `#import interface "PORT"` imports, and its options have the values that its producer gave
+    /// them.
     pub fn shader(&self, path: &str, defines: &[(&str, Define)]) -> Request {
         self.with_modules(request(path, defines))
     }
 
-    /// Returns an option of a shader with the value of the setting that is named so in small letters: for settings
+    /// Returns an option of a shader with the value of the setting that has its name in small letters: for settings
     /// that a shader's options declare (see [`of_options`](crate::setting::of_options)). An option that is no setting
-    /// is told when the shader is loaded.
+    /// is reported when the shader is loaded.
     pub fn option<'n>(&self, name: &'n str) -> (&'n str, Define) {
         let value = crate::setting::value_of_option(self.settings, name);
         (name, Define::try_from(&value).unwrap_or_else(|_| Define::Text(String::new())))
     }
 
-    /// The request with the modules that the connected inputs bring, and values for the modules' options.
+    /// The request with the modules of the connected inputs, and values for the modules' options.
     pub(crate) fn with_modules(&self, mut request: Request) -> Request {
         let mut offered = Vec::new();
         for input in self.inputs {
@@ -143,7 +144,7 @@ fn options(module: &Module) -> impl Iterator<Item = (&str, Define)> {
     module.options.iter().filter_map(|(name, value)| Some((name.as_str(), Define::try_from(value).ok()?)))
 }
 
-/// Returns the request for a module by itself, as no consumer imports it.
+/// Returns the request for a module by itself, without a consumer.
 pub fn request_of_module(module: &Module) -> Request {
     request(&module.path, &options(module).collect::<Vec<_>>())
 }
@@ -166,14 +167,14 @@ pub struct Recording {
 
 /// A dispatch or a draw.
 ///
-/// The uniform `settings` of its shader is filled member by member, from the first of these that knows the
-/// name: `values` of the step; the settings of the pass; `seed` (u32, made from the run's seed and the pass's
+/// The uniform `settings` of its shader is filled member by member, from the first of these that has the
+/// name: `values` of the step; the settings of the pass; `seed` (u32, a hash of the run's seed and the pass's
 /// name); `PORT_size` (`vec2<u32>`, texels of the port's first texture), `PORT_layers`, `PORT_FACT` for each
-/// fact; and for an input that is a past version `PORT_age` (frames, 0 where there is none) and `PORT_reset`.
+/// fact; and for an input that is a history buffer `PORT_age` (frames, 0 where there is no history) and `PORT_reset`.
 /// A member that is a struct is filled member by member, with values named `MEMBER.NAME`.
 ///
 /// A uniform `PORT_facts`, which a module declares, is filled from the input of that name alone: its facts, `size`
-/// and `layers` of its first texture, `age` and `reset` where it is a past version, and the pass's `seed`.
+/// and `layers` of its first texture, `age` and `reset` where it is a history buffer, and the pass's `seed`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     /// A dispatch.
@@ -193,7 +194,7 @@ pub struct Compute {
     pub threads: Threads,
     /// Values for members of `settings`, before those of the pass.
     pub values: Vec<(String, Value)>,
-    /// Globals bound otherwise than by their own name: `(global, port or port.member)`.
+    /// Globals that are not bound by their own name: `(global, port or port.member)`.
     pub bind: Vec<(String, String)>,
 }
 
@@ -205,10 +206,10 @@ pub enum Threads {
     /// At least this many in a row, folded into two dimensions where one cannot hold the workgroups: the
     /// shader finds its index with `row_index` of shaders/dispatch.wgsl.
     Row(u32),
-    /// Reads the number of workgroups from a buffer on the GPU: three u32, one for each dimension. The buffer is one that
-    /// an earlier step of the pass has written, or an input, which may be the past. A number of 0 dispatches nothing, as
-    /// does one above the adapter's `max_compute_workgroups_per_dimension`: the shader that writes it has to respect that
-    /// limit, which is at least 65,535.
+    /// Reads the number of workgroups from a buffer on the GPU: three u32, one for each dimension. The buffer is one
+    /// that an earlier step of the pass has written, or an input, which may be a history buffer. A number of 0
+    /// dispatches nothing, as does one above the adapter's `max_compute_workgroups_per_dimension`: the shader that
+    /// writes it has to respect that limit, which is at least 65,535.
     Indirect {
         /// `port` or `port.member`.
         buffer: String,
@@ -230,11 +231,11 @@ pub struct Raster {
     pub targets: Vec<Target>,
     /// Depth target.
     pub depth: Option<DepthTarget>,
-    /// What is drawn.
+    /// The geometry.
     pub draw: Draw,
     /// Values for members of `settings`, before those of the pass.
     pub values: Vec<(String, Value)>,
-    /// Globals bound otherwise than by their own name.
+    /// Globals that are not bound by their own name: `(global, port or port.member)`.
     pub bind: Vec<(String, String)>,
 }
 
@@ -245,7 +246,7 @@ pub struct Target {
     pub resource: String,
     /// Layer of an array.
     pub layer: u32,
-    /// What is there before.
+    /// What the target holds when the draw begins.
     pub load: Load,
 }
 
@@ -269,7 +270,7 @@ pub struct DepthTarget {
     pub clear: f32,
 }
 
-/// What a draw draws. Nothing is culled by winding: scenes are two-sided.
+/// The geometry of a draw. Nothing is culled by winding: scenes are two-sided.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Draw {
     /// Three vertices: see shaders/fullscreen.wgsl.
@@ -277,16 +278,16 @@ pub enum Draw {
     /// All triangles of the scene, with the vertex attributes `@location(0) position: vec3<f32>`,
     /// `(1) normal: vec3<f32>`, `(2) uv: vec2<f32>`, `(3) material: u32`, `(4) instance: u32`.
     Scene,
-    /// So many vertices and instances of triangles, without attributes.
+    /// Draws triangles without attributes: this many vertices and instances.
     Vertices {
         /// Vertices.
         vertices: u32,
         /// Instances.
         instances: u32,
     },
-    /// Draws triangles without attributes, as many as a buffer on the GPU says: four u32, which are the number of vertices,
-    /// the number of instances, the first vertex and the first instance. The buffer is one that an earlier step of the pass
-    /// has written, or an input, which may be the past.
+    /// Draws triangles without attributes, as many as a buffer on the GPU says: four u32, which are the number of
+    /// vertices, the number of instances, the first vertex and the first instance. The buffer is one that an earlier
+    /// step of the pass has written, or an input, which may be a history buffer.
     Indirect {
         /// `port` or `port.member`.
         buffer: String,
@@ -335,7 +336,7 @@ impl Compute {
         self
     }
 
-    /// Binds a global to another resource than its name says.
+    /// Binds a global to a resource of another name.
     pub fn bind(mut self, global: &str, resource: &str) -> Compute {
         self.bind.push((global.into(), resource.into()));
         self
@@ -348,7 +349,7 @@ impl Recording {
         Recording { steps: vec![Step::Compute(step)] }
     }
 
-    /// Returns the recording of dispatches in order.
+    /// Creates a recording of dispatches in order.
     pub fn of(steps: impl IntoIterator<Item = Compute>) -> Recording {
         Recording { steps: steps.into_iter().map(Step::Compute).collect() }
     }

@@ -1,10 +1,10 @@
-//! The scene bindings by the names of its WGSL globals, and which part of it each belongs to.
+//! The scene bindings by the names of their WGSL globals, and which part of the scene data each belongs to.
 
 use crate::record::request_of_module;
 use frame_graph::{Module, OutputDesc, SceneBindings};
 use shader_library::Library;
 
-/// Every global that is bound without a link, and what a change of it counts as.
+/// Every global that is bound without a link, and the scene binding that changes with it.
 pub static GLOBALS: &[(&str, SceneBindings)] = &[
     ("camera", SceneBindings::CAMERA),
     ("frame", SceneBindings::FRAME),
@@ -27,13 +27,13 @@ pub static GLOBALS: &[(&str, SceneBindings)] = &[
     ("nearest_sampler", SceneBindings::NONE),
 ];
 
-/// Returns what a global of that name belongs to; `None` where it is no scene bindings.
+/// Returns the scene binding to which a global of that name belongs; `None` if there is none.
 pub fn of_global(name: &str) -> Option<SceneBindings> {
     GLOBALS.iter().find(|(global, _)| *global == name).map(|(_, scene_bindings)| *scene_bindings)
 }
 
-/// The names of what a scene says of itself: [`RecordContext::traits`](crate::RecordContext) has each of them. An
-/// `#option` of a user's shader that is named so, in capitals, is set by the scene.
+/// The names of the traits of a scene: [`RecordContext::traits`](crate::RecordContext) has each of them. An
+/// `#option` of a user's shader that has such a name, in capitals, is set by the scene.
 pub const TRAITS: [&str; 14] = [
     "textured",
     "glossy",
@@ -51,9 +51,9 @@ pub const TRAITS: [&str; 14] = [
     "triangles",
 ];
 
-/// Fills in the scene bindings of the modules that outputs bring: what the functions of each module's file read.
+/// Fills in the scene bindings of the modules of outputs: those that the functions of each module's file read.
 ///
-/// A module that cannot be loaded keeps what it has: the error is told, with its place, where a reader's shader is
+/// A module that cannot be loaded is left as it is: the error is reported, with its place, where a reader's shader is
 /// loaded.
 pub fn find_of_modules(outputs: &mut [OutputDesc], library: &Library) {
     for output in outputs {
@@ -63,7 +63,7 @@ pub fn find_of_modules(outputs: &mut [OutputDesc], library: &Library) {
     }
 }
 
-/// Returns what the functions of a module's file read; `None` where the file cannot be loaded.
+/// Returns the scene bindings that the functions of a module's file read; `None` if the file cannot be loaded.
 pub fn of_module(module: &Module, library: &Library) -> Option<SceneBindings> {
     let shader = library.load(&request_of_module(module)).ok()?;
     Some(shader.used_by_own_functions().filter_map(of_global).fold(SceneBindings::NONE, SceneBindings::and))

@@ -82,8 +82,8 @@ impl SettingValue for bool {
     }
 }
 
-/// Creates a setting with its type's choices, without bounds and unit. `doc` holds the lines of a doc comment, `declared`
-/// the place.
+/// Creates a setting with its type's choices, without bounds and unit. `doc` holds the lines of a doc comment,
+/// `declared` the place.
 pub fn new<T: SettingValue>(name: &str, default: &T, doc: &[&str], declared: &str) -> Setting {
     let lines: Vec<&str> = doc.iter().map(|line| line.trim()).filter(|line| !line.is_empty()).collect();
     let default = default.to_value();
@@ -132,8 +132,8 @@ pub fn of_options(library: &Library, path: &str, names: &[&str]) -> Result<Vec<S
     names.iter().map(named).collect()
 }
 
-/// Returns the value of a setting that [`of_options`] made of the option `name`. An option that is no setting gives empty
-/// text, which is told when the shader is loaded.
+/// Returns the value of a setting that [`of_options`] made of the option `name`. An option that is no setting gives
+/// empty text, which is reported when the shader is loaded.
 pub fn value_of_option(settings: &Settings, name: &str) -> Value {
     settings.get(&name.to_lowercase()).cloned().unwrap_or_else(|| Value::Text(String::new()))
 }

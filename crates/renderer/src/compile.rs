@@ -1,4 +1,4 @@
-//! From the name of a pipeline to linked steps, without a GPU: what `check` proves and an executor runs.
+//! Compiles a pipeline, from its name to linked steps, without a GPU: what `check` verifies and an executor runs.
 
 use catalog::Catalog;
 use frame_graph::codes::link as codes;
@@ -10,12 +10,12 @@ use interfaces::counters;
 use pass::{LinkedStep, link_steps};
 use std::sync::Arc;
 
-/// Returns how a renderer compiles: what passes tell of themselves is kept.
+/// Returns the options with which a renderer compiles: outputs of the interface `Counters` are kept.
 pub fn compile_options() -> CompileOptions {
     CompileOptions { keep_interfaces: vec![counters::INTERFACE.name.to_owned()], ..CompileOptions::default() }
 }
 
-/// A pipeline as far as it goes without a GPU.
+/// A pipeline, compiled as far as is possible without a GPU.
 #[derive(Clone, Debug)]
 pub struct Compiled {
     /// The flattened description.
@@ -45,7 +45,7 @@ impl Compiled {
         Ok(Compiled { resolved: Arc::new(resolved), plan: Arc::new(plan), steps })
     }
 
-    /// Returns the shader files that take part, each once, sorted.
+    /// Returns the shader files of the pipeline, each once, sorted.
     pub fn shader_files(&self) -> Vec<String> {
         let mut files: Vec<String> =
             self.steps.iter().flatten().flat_map(|step| step.shader.files().iter().cloned()).collect();
@@ -87,7 +87,7 @@ fn steps(
             }
         }
     }
-    // A broken module is found once for each pass that imports it; it is told once.
+    // A broken module is found once for each pass that imports it; it is reported once.
     let mut told: Vec<Diagnostic> = Vec::new();
     for error in errors {
         if !told.contains(&error) {
@@ -97,8 +97,8 @@ fn steps(
     if told.is_empty() { Ok(steps) } else { Err(Diagnostics(told)) }
 }
 
-/// Adds the place of the pass in its pipeline to an error that is the pass's own; errors in the text of a shader concern
-/// every pass that uses it, and have a place of their own.
+/// Adds the place of the pass in its pipeline to an error that is the pass's own; errors in the text of a shader
+/// concern every pass that uses it, and have a place of their own.
 fn at_pass(error: Diagnostic, resolved: &Resolved, pass: &str) -> Diagnostic {
     let own = error.labels.is_empty() || codes::CODES.iter().any(|code| code.code == error.code);
     match resolved.pass_span(pass) {

@@ -1,4 +1,4 @@
-//! What can go wrong between a scene and a frame.
+//! Errors of the renderer.
 
 use executor::ExecutorError;
 use frame_graph::Diagnostics;
@@ -13,7 +13,7 @@ pub enum RenderError {
     /// The scene cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The GPU.
+    /// The GPU or the driver reported an error.
     #[error(transparent)]
     Gpu(#[from] ExecutorError),
     /// The pipeline has no output of that name.
@@ -21,12 +21,12 @@ pub enum RenderError {
     NoOutput {
         /// The pipeline.
         pipeline: String,
-        /// The name asked for.
+        /// The requested name.
         output: String,
-        /// Those it has.
+        /// The outputs that the pipeline has.
         has: String,
     },
-    /// A resource that is no picture.
+    /// The resource cannot be shown as a picture.
     #[error("`{resource}` is {what}, which is no picture")]
     NoPicture {
         /// `pass.port`
@@ -34,7 +34,7 @@ pub enum RenderError {
         /// What it is.
         what: String,
     },
-    /// The output `progress` is something else.
+    /// The output `progress` is no buffer of a `struct Progress`.
     #[error(
         "the output `progress` is `{resource}`, of {bytes} bytes; expected 16: struct Progress of interfaces/progress"
     )]

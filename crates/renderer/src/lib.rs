@@ -1,4 +1,4 @@
-//! The facade: a scene and a pipeline in, frames out.
+//! The facade for applications: it takes a scene and a pipeline and renders frames.
 //!
 //! ```no_run
 //! use renderer::{Catalog, Gpu, Renderer};
@@ -12,8 +12,8 @@
 //! # Ok(()) }
 //! ```
 //!
-//! An application that has its own wgpu device hands it in with [`Gpu::from_device`], and draws with the
-//! texture that [`Renderer::output_texture`] gives.
+//! An application that has its own wgpu device passes it in with [`Gpu::from_device`], and draws with the texture that
+//! [`Renderer::output_texture`] returns.
 
 mod compile;
 mod error;
@@ -60,19 +60,19 @@ pub struct Renderer {
     pipeline: Option<Loaded>,
     options: CompileOptions,
     frame_options: FrameOptions,
-    /// The camera in place of the scene's own.
+    /// The camera that replaces the scene's own.
     camera: Option<Camera>,
-    /// The lights in place of the scene's own.
+    /// The lights that replace the scene's own.
     lights: Option<Vec<Light>>,
-    /// Whether a file of the scene has changed that could not be taken in yet.
+    /// Whether a file of the scene has changed and could not be loaded yet.
     scene_stale: bool,
     seed: u32,
     index: u32,
     /// Seconds between frames; the scene's own where not set.
     step: Option<f32>,
-    /// What the next frame is to be told.
+    /// The changes since the last frame.
     change: Change,
-    /// The scene in the last frame: its memory is used again.
+    /// The pose of the scene in the last frame: its memory is used again.
     pose: Pose,
 }
 
@@ -98,7 +98,7 @@ impl Renderer {
         Ok(Renderer::with_scene(catalog, &SharedScene::new(&gpu, scene)?, size))
     }
 
-    /// Renders a scene that is on its device already, and that other renderers may render too.
+    /// Creates a renderer of a scene that is on its device already, and that other renderers may render too.
     pub fn with_scene(catalog: Arc<Catalog>, scene: &SharedScene, size: (u32, u32)) -> Renderer {
         let mut executor = Executor::new(scene.gpu.clone());
         let view = SceneView::new(&mut executor, Arc::clone(&scene.on_gpu), &scene.scene);
@@ -150,7 +150,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Sets how plans are compiled: sharing, wanted outputs, resources kept for reading back.
+    /// Sets how plans are compiled: sharing, requested outputs, resources kept for reading back.
     ///
     /// # Errors
     /// As [`Renderer::set_pipeline`]; the options before stay then.
@@ -159,8 +159,8 @@ impl Renderer {
         self.relink().inspect_err(|_| self.options = before).map(|_| ())
     }
 
-    /// Sets the value of a parameter (`lights`) or of a pass's setting (`composite.exposure`), beside those that were
-    /// given with the pipeline.
+    /// Sets the value of a parameter (`lights`) or of a pass's setting (`composite.exposure`), in addition to those
+    /// that were given with the pipeline.
     ///
     /// # Errors
     /// As [`Renderer::set_pipeline`]; the value before stays then.
@@ -172,8 +172,8 @@ impl Renderer {
         self.set_pipeline(&name, &overrides)
     }
 
-    /// Takes these lights in place of the scene's own; `None` gives those back. Nothing is linked again where there are as
-    /// many of each kind as before.
+    /// Replaces the scene's own lights; `None` restores them. Nothing is linked again if the number of lights of each
+    /// type stays the same.
     ///
     /// # Errors
     /// As [`Renderer::set_pipeline`], where their numbers differ; the lights before stay then.
@@ -186,11 +186,12 @@ impl Renderer {
         self.relink().inspect_err(|_| self.lights = before).map(|_| ())
     }
 
-    /// Replaces the scene. The report is of the pipeline, which is linked for it again and runs whole in the next frame; it
-    /// is empty where none is set.
+    /// Replaces the scene. The pipeline is linked again, and all its passes run in the next frame. The report is that
+    /// of loading the pipeline; it is empty where none is set.
     ///
     /// # Errors
-    /// As [`Renderer::set_pipeline`]: a pipeline may ask of a scene what another has not. The scene before stays then.
+    /// As [`Renderer::set_pipeline`]: a pipeline may require something that this scene lacks. The scene before stays
+    /// then.
     pub fn set_scene(&mut self, scene: Scene) -> Result<LoadReport, RenderError> {
         let scene = SharedScene::new(self.gpu(), scene)?;
         self.set_shared_scene(&scene)
@@ -227,8 +228,8 @@ impl Renderer {
         self.frame_options = options;
     }
 
-    /// Takes this camera in place of the scene's own; `None` gives it back. `cut` says that it jumps, which
-    /// ends the past of histories that ask for it.
+    /// Replaces the scene's own camera; `None` restores it. `cut` says that the camera jumps, which resets the history
+    /// buffers whose links name `Cut`.
     pub fn set_camera(&mut self, camera: Option<Camera>, cut: bool) {
         self.camera = camera;
         if cut {
@@ -236,7 +237,7 @@ impl Renderer {
         }
     }
 
-    /// Sets the seed from which every random number is made; 0 gives plain sequences, as the papers use them.
+    /// Sets the seed of all random numbers; 0 gives plain sequences, as the papers use them.
     pub fn set_seed(&mut self, seed: u32) {
         self.seed = seed;
         self.executor.set_seed(seed);
@@ -247,12 +248,12 @@ impl Renderer {
         self.index = index;
     }
 
-    /// Sets the seconds between frames; `None` takes the scene's own.
+    /// Sets the seconds between frames; `None` restores the scene's own.
     pub fn set_time_step(&mut self, step: Option<f32>) {
         self.step = step;
     }
 
-    /// Runs every pass in the next frame, whatever has changed: for measurements.
+    /// Makes every pass run in the next frame, even if nothing has changed: for measurements.
     pub fn run_everything(&mut self) {
         self.change.all = true;
     }
@@ -286,14 +287,14 @@ impl Renderer {
     }
 
     /// Returns the GPU times of the newest frame that was [timed](FrameOptions::timed), or was
-    /// [monitored](FrameOptions::monitored) and is done. Never waits. `None` before there is one, and where the adapter
-    /// has no timestamps.
+    /// [monitored](FrameOptions::monitored) and has finished. Never waits. `None` before there is one, and where the
+    /// adapter has no timestamps.
     pub fn timings(&mut self) -> Option<&Timings> {
         self.executor.timings()
     }
 
-    /// Runs frames of the same number, and so of the same time, until the pipeline says that its picture is done;
-    /// one frame where it says nothing. `told` hears of each frame, and may break off.
+    /// Runs frames of the same number, and so of the same time, until the output `progress` reports convergence; one
+    /// frame if the pipeline has no such output. `told` is called after each frame, and may stop early.
     ///
     /// # Errors
     /// As [`Renderer::frame`] and [`Renderer::progress`].
@@ -343,7 +344,7 @@ impl Renderer {
         self.size
     }
 
-    /// Returns the bytes of all objects that frames work on, the scene's apart.
+    /// Returns the bytes of all objects of the plan, without those of the scene.
     pub fn held_bytes(&self) -> u64 {
         self.executor.held_bytes()
     }

@@ -1,4 +1,4 @@
-//! What made a picture: enough to make it again, and to say what differs.
+//! The record of how a picture was rendered: enough to render it again, and to say what differs.
 
 use crate::Renderer;
 use frame_graph::{Overrides, Value};
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 pub struct Provenance {
     /// Version of Lightloom.
     pub version: String,
-    /// The pipeline as it was named.
+    /// The name of the pipeline, as given.
     pub pipeline: String,
     /// Values given for parameters and settings, as on the command line.
     pub set: Vec<(String, String)>,
@@ -21,15 +21,15 @@ pub struct Provenance {
     pub plan: String,
     /// Path and hash of the composed text of every shader.
     pub shaders: BTreeMap<String, String>,
-    /// The scene as it was named.
+    /// The name of the scene, as given.
     pub scene: String,
-    /// Hash of all that can change a picture in it.
+    /// Hash of everything in the scene that can change a picture.
     pub scene_hash: String,
     /// Size of the frame in pixels.
     pub size: (u32, u32),
     /// Number of the frame.
     pub frame: u32,
-    /// The first frame that was run before it.
+    /// Number of the first frame that ran.
     pub first_frame: u32,
     /// The output or resource that the picture shows.
     pub output: String,
@@ -101,7 +101,8 @@ impl Provenance {
         Overrides(self.set.iter().map(|(name, value)| (name.clone(), parse_value(value))).collect())
     }
 
-    /// Returns what differs from another record, one line each; the record of the same picture made again gives none.
+    /// Returns what differs from another record, one line each; the record of the same picture, rendered again, gives
+    /// none.
     pub fn differences(&self, other: &Provenance) -> Vec<String> {
         let mut lines = Vec::new();
         let mut compare = |what: &str, a: &str, b: &str| {
@@ -131,7 +132,7 @@ fn plain(value: &Value) -> String {
     }
 }
 
-/// Parses a value from the text of a command line: a truth, a whole number, a real number, a vector as `(x, y, z)`,
+/// Parses a value from the text of a command line: a boolean, an integer, a real number, a vector as `(x, y, z)`,
 /// else text.
 pub fn parse_value(text: &str) -> Value {
     let text = text.trim();

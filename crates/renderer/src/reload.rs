@@ -1,23 +1,22 @@
-//! Reload at a frame's edge: files that changed are read again, and what cannot be made of them leaves the
-//! last good plan in place.
+//! Reload between frames: files that changed are read again; if they cannot be loaded, the last good plan stays.
 
 use crate::{Compiled, LoadReport, RenderError, Renderer, load_scene};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// What a reload came to.
+/// The result of a reload.
 #[derive(Debug)]
 pub enum Reload {
-    /// None of the files takes part.
+    /// None of the files belongs to the pipeline or the scene.
     Nothing,
-    /// The plan is the new one; what was made again.
+    /// The new plan is loaded; the report says what was created again.
     Done(LoadReport),
-    /// The new text is wrong: the last good plan goes on.
+    /// The new files are wrong: the last good plan stays.
     Failed(RenderError),
 }
 
 impl Renderer {
-    /// Takes in that files have changed, as [`shader_library::Watcher`] tells it; call it between frames.
+    /// Loads files again that have changed, as [`shader_library::Watcher`] reports them; call it between frames.
     pub fn reload(&mut self, changed: &BTreeSet<PathBuf>) -> Reload {
         let paths: BTreeSet<String> = changed.iter().filter_map(|path| self.asset_path(path)).collect();
         let places: BTreeSet<PathBuf> = changed.iter().map(|path| place(path)).collect();
@@ -48,8 +47,8 @@ impl Renderer {
         Ok(report)
     }
 
-    /// Returns the folders to watch, with all that is in them, for [`Renderer::reload`]: those of the tree that files come
-    /// from, and those of further files that take part.
+    /// Returns the folders to watch, with all that is in them, for [`Renderer::reload`]: those of the tree that files
+    /// come from, and those of further files that take part.
     pub fn watched_folders(&self) -> Vec<PathBuf> {
         let root = self.catalog.assets().root();
         let mut folders: Vec<PathBuf> = root

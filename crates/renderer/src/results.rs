@@ -1,4 +1,4 @@
-//! What frames have made: outputs, pictures of any resource, and what passes tell of themselves.
+//! The results of frames: outputs, pictures of any resource, counters and progress.
 
 use crate::{Counters, Progress, RenderError, Renderer, picture};
 use executor::Object;
@@ -33,9 +33,9 @@ impl Renderer {
         self.read_picture(self.find(name)?, layer)
     }
 
-    /// Keeps a resource for reading back: nothing else takes its place in memory, and what makes it is not
-    /// culled. The name is `pass`, `pass.port`, `pass.member` or `pass.port.member`; outputs of the pipeline
-    /// are kept in any case.
+    /// Keeps a resource for reading back: no other resource shares its object, and the pass that writes it is not
+    /// culled. The name is `pass`, `pass.port`, `pass.member` or `pass.port.member`; outputs of the pipeline are kept
+    /// in any case.
     ///
     /// # Errors
     /// Where there is no such resource; and as [`Renderer::set_pipeline`].
@@ -100,8 +100,8 @@ impl Renderer {
         Ok(if encoded { picture::decoded(picture) } else { picture })
     }
 
-    /// Returns how far a result is that is made in several frames: what the pipeline's output `progress` says. `None` where
-    /// it has none, and so is done with every frame. Waits for the GPU.
+    /// Returns the progress of a result that takes several frames: the content of the pipeline's output `progress`.
+    /// `None` where it has none, and so is complete after every frame. Waits for the GPU.
     ///
     /// # Errors
     /// Where the output is no buffer of a struct Progress (interfaces/progress), or the device is gone.
@@ -114,7 +114,8 @@ impl Renderer {
             .ok_or_else(|| RenderError::NoProgress { resource: output.from.to_string(), bytes: bytes.len() })
     }
 
-    /// Returns the counters of passes, by `pass.port`: all that the plan has of the interface `Counters`. Waits for the GPU.
+    /// Returns the counters of passes, by `pass.port`: all that the plan has of the interface `Counters`. Waits for the
+    /// GPU.
     ///
     /// # Errors
     /// Where the device is gone.

@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 pub(crate) enum Outside {
     /// The first and the last key hold.
     Hold,
-    /// All is repeated after so many seconds.
+    /// All is repeated after this many seconds.
     Repeat(f32),
 }
 

@@ -21,7 +21,7 @@ use crate::shape::{Shape, usable};
 const MAX_VERTICES: usize = 1 << 26;
 /// 2 GiB of indices.
 const MAX_INDICES: usize = 1 << 29;
-/// The box around a scene that moves is that of so many times, and of the start.
+/// The box around a scene that moves is that of this many times, and of the start.
 const TIMES_OF_BOUNDS: u32 = 64;
 
 /// A scene in the making.

@@ -2,7 +2,7 @@
 //!
 //! The `gltf` crate reads the JSON; its own validation and accessor readers are not used, as they panic on
 //! indices and ranges that are wrong. Here every index is looked up and every range checked, and what is
-//! wrong is told with its place. Read: nodes, meshes, materials (metallic-roughness, KHR_materials_specular,
+//! wrong is reported with its place. Read: nodes, meshes, materials (metallic-roughness, KHR_materials_specular,
 //! KHR_materials_emissive_strength), textures, morph targets, skins, perspective cameras, KHR_lights_punctual,
 //! and of the animations the first (what it says of translations, rotations, scales and morph weights): a file
 //! cannot tell which is to play. All surfaces are taken as two-sided.

@@ -273,7 +273,7 @@ impl Scene {
 
     /// Returns what the scene holds, for the switches of a pipeline. Booleans `textured`, `glossy`, `emissive`,
     /// `masked` (of the materials that triangles have), `environment`, `moving_camera`, `moving_lights`,
-    /// `moving_geometry`; whole numbers `lights`, `spot_lights`, `point_lights`, `directional_lights`, `light_layers`
+    /// `moving_geometry`; integers `lights`, `spot_lights`, `point_lights`, `directional_lights`, `light_layers`
     /// (the sum of [`Light::layers`]), `triangles`.
     pub fn traits(&self) -> Traits {
         self.traits_with(&self.lights)

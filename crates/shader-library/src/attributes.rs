@@ -66,12 +66,12 @@ pub enum ThreadCount {
     Grid([Amount; 3]),
 }
 
-/// A whole number, or the setting that has it.
+/// An integer, or the setting that has it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Amount {
     /// The number.
     Number(u32),
-    /// The name of a setting that is a whole number.
+    /// The name of a setting that is an integer.
     Setting(String),
 }
 

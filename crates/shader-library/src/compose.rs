@@ -53,7 +53,7 @@ pub(crate) fn compose(
     (touched, result)
 }
 
-/// The value that the request gives to an option, or its default; a value of another type has been told.
+/// The value that the request gives to an option, or its default; a value of another type has been reported.
 fn given<'a>(request: &'a Request, option: &'a ShaderOption) -> &'a Define {
     request
         .defines

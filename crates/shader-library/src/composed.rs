@@ -1,4 +1,4 @@
-//! A composed text with its origins, and errors in it told at the user's own lines.
+//! A composed text with its origins, and errors in it reported at the user's own lines.
 
 use crate::directive::Define;
 use crate::line_map::{LineMap, span};
@@ -100,7 +100,7 @@ pub(crate) struct Import {
 }
 
 impl Composed {
-    /// An error at ranges of the composed text, told at the user's own lines, with how the file came in.
+    /// An error at ranges of the composed text, reported at the user's own lines, with how the file came in.
     pub(crate) fn diagnostic(
         &self,
         code: &'static Code,

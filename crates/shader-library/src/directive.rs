@@ -10,7 +10,7 @@ use std::ops::Range;
 pub enum Define {
     /// `true` or `false`.
     Bool(bool),
-    /// A whole number.
+    /// An integer.
     Int(i64),
     /// A word.
     Text(String),

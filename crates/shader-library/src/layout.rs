@@ -124,7 +124,7 @@ pub struct WriteError {
 }
 
 /// Returns the bytes of a uniform, filled member by member with the values of the members' names. Truths are 0 and 1 in
-/// integers; whole numbers fit into floats. Padding is zero.
+/// integers; integers fit into floats. Padding is zero.
 ///
 /// # Errors
 /// All members that have no value, a value of another type, or a type that no value has.

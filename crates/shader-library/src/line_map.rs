@@ -41,7 +41,7 @@ impl LineMap {
         });
     }
 
-    /// Says that copies of these ranges, each of so many bytes, stand before all else.
+    /// Says that copies of these ranges, each of this many bytes, stand before all else.
     pub(crate) fn prepend(&mut self, copies: &[(usize, Arc<Source>, Range<usize>)]) {
         let mut rest = std::mem::take(&mut self.pieces);
         let mut at = 0;

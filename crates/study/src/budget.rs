@@ -1,4 +1,4 @@
-//! Equal time: the whole number that makes a frame take so many milliseconds.
+//! Equal time: the integer that makes a frame take a given number of milliseconds.
 
 use frame_graph::{Setting, Value, ValueType};
 

@@ -181,7 +181,7 @@ pub const SIZE: &str = "size";
 /// The axis that a reference may follow beside those of the study.
 pub const SEED: &str = "seed";
 
-/// Reads a study. All errors of the file are told at once.
+/// Reads a study. All errors of the file are reported at once.
 ///
 /// # Errors
 /// If the text is not RON, or not a study.

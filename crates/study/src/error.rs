@@ -3,7 +3,7 @@
 use metrics::ImageError;
 use std::path::{Path, PathBuf};
 
-/// An error of a study's folder. Cells that fail are no errors: they are told in their records.
+/// An error of a study's folder. Cells that fail are no errors: they are reported in their records.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The operating system refused.

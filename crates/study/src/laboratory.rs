@@ -170,7 +170,7 @@ pub struct CellRun {
 }
 
 impl AxisValue {
-    /// Converts it to a value of the frame graph: a whole number where it is one.
+    /// Converts it to a value of the frame graph: an integer where it is one.
     pub fn to_value(&self) -> Value {
         match self {
             AxisValue::Bool(truth) => Value::Bool(*truth),

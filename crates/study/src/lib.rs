@@ -41,7 +41,7 @@
 //! | VALUE | `true`, a number or text; `Optional(value)` where pipelines without the path go without it |
 //! | GROUP | `Grid({ "path": VALUES * })`, every combination; or `Paired({ … })`, the first values, the second values, and so on |
 //! | VALUES | `[value *]`; `Optional([value *])` where pipelines without the path run once, without it. The axis `"size"` takes `[(width, height) *]` and is the size of frames |
-//! | budget | `Frames(8)`: equal frames. `Lights(1024)`: equal lights; with names `Lights(count: 1024, by: "lights"?, frames: 5?)`. `Time(ms: 20.0, by: "lights", frames: 5?)`: equal time a frame; the whole number `by` is searched so that the median frame meets it within 5 %, once for all seeds. `Time(ms: 500.0, frames: …?)`: frames accumulate until the GPU time is spent |
+//! | budget | `Frames(8)`: equal frames. `Lights(1024)`: equal lights; with names `Lights(count: 1024, by: "lights"?, frames: 5?)`. `Time(ms: 20.0, by: "lights", frames: 5?)`: equal time a frame; the integer `by` is searched so that the median frame meets it within 5 %, once for all seeds. `Time(ms: 500.0, frames: …?)`: frames accumulate until the GPU time is spent |
 //! | REFERENCE | `Pipeline(pipeline: "reference", set: { … }?, follow: ["path" *]?, frames: …?)`, `Picture("file.exr")`, `Pictures({ "scene": "file.exr" * })` or `None`; files are looked for from the working folder |
 //! | CLAIM | `Order(measure: "tid", rising: [PICK, PICK *], at: AT?, scenes: ["name" *]?, says: "TCAS Fig. 7"?)`: each mean is less than the next; or `Ratio(measure: "gpu-ms:sample", of: PICK, to: PICK, at_most: 0.5?, at_least: 0.1?, …)`, with at least one bound |
 //! | PICK | `"name"`, a pipeline as tables name it; or `At("name", AT)`, its cells there |
@@ -73,8 +73,8 @@
 //!
 //! # Failures
 //!
-//! What is wrong with the file, a name or a value is told before anything runs. A cell whose pipeline cannot be made,
-//! whose device fails, or whose picture has pixels that are NaN or infinite is recorded as failed with what was
+//! What is wrong with the file, a name or a value is reported before anything runs. A cell whose pipeline cannot be
+//! made, whose device fails, or whose picture has pixels that are NaN or infinite is recorded as failed with what was
 //! measured of it, and the others go on. Where a reference fails, its cells do; those of studies with other measures
 //! than errors keep them. A full disk ends the run: what is finished stays, and the same call goes on from there.
 

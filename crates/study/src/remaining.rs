@@ -18,7 +18,8 @@ impl Remaining {
         known.1 += 1;
     }
 
-    /// The time of so many cells, each told by its scene and pipeline: as those of the same took, or else all.
+    /// The time of this many cells, each given by its scene and pipeline: estimated from finished cells of the same, or
+    /// else of all.
     pub(crate) fn estimate<'a>(&self, cells: impl Iterator<Item = (&'a str, &'a str)>) -> Duration {
         let mean = |(seconds, count): (f64, usize)| seconds / count.max(1) as f64;
         let all = mean(self.known.values().fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1)));

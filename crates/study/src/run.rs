@@ -87,7 +87,7 @@ pub enum Event<'a> {
         /// Estimate of the time that the others take.
         left: Duration,
     },
-    /// Something that is told once.
+    /// Something that is reported once.
     Note(String),
 }
 
@@ -106,7 +106,7 @@ pub struct Ran {
 ///
 /// # Errors
 /// What the folder refused: what is finished is kept, and the same call goes on from there. A cell or reference that
-/// fails is no error: it is told in its record.
+/// fails is no error: it is reported in its record.
 pub fn run(
     plan: &Plan,
     lab: &mut dyn Laboratory,
@@ -165,7 +165,7 @@ struct Session<'a> {
     references: References<'a>,
     /// What budgets chose, by all that a cell is but its seed: seeds share it.
     chosen: HashMap<String, (AxisValue, Option<String>)>,
-    /// References whose failure has been told.
+    /// References whose failure has been reported.
     refused: Vec<usize>,
 }
 
@@ -278,7 +278,7 @@ impl Session<'_> {
         Ok(cell)
     }
 
-    /// The reference of a cell; its failure is told once.
+    /// The reference of a cell; its failure is reported once.
     fn truth(
         &mut self,
         reference: usize,

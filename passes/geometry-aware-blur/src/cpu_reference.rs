@@ -1,6 +1,6 @@
 //! The window in plain f64: same names as geometry-aware-blur.wgsl.
 
-/// Returns the weight of an offset along one side of a window of so many pixels.
+/// Returns the weight of an offset along one side of a window of this many pixels.
 pub fn window_weight(offset: i32, window: u32) -> f64 {
     if window.is_multiple_of(2) && offset.unsigned_abs() * 2 == window { 0.5 } else { 1.0 }
 }

@@ -19,7 +19,7 @@ pub struct Splat;
 
 const SHADER: &str = "passes/splat/splat.wgsl";
 
-/// The most texels of all maps: their index is a u32. What an adapter allows less is told when it is requested.
+/// The most texels of all maps: their index is a u32. Where an adapter allows less, the allocation fails with an error.
 const MAX_TEXELS: u64 = u32::MAX as u64;
 
 /// The most splats of a frame: each has a place of its own in 0..2³¹, also where maps are filled up to whole blocks.
@@ -40,20 +40,20 @@ pass::settings! {
     pub struct SplatSettings {
         /// Side of a map (ISM uses 128 and 256). Shadows sharpen and time grows with it.
         map: u32 = 64, min: 1, max: 512, unit: "px";
-        /// Points splatted into each map. 0 takes ISM §5.2's guideline, a quarter of the texels of the hemisphere. Error
-        /// falls and time grows with it.
+        /// Points splatted into each map. 0 takes ISM §5.2's guideline, a quarter of the texels of the hemisphere.
+        /// Error falls and time grows with it.
         points_per_map: u32 = 0;
-        /// The most points of all maps together. Where more are requested, all maps lose alike, and the port `counters` says
-        /// how many were left out. Time is bounded by it.
+        /// The most points of all maps together. Where more are requested, all maps lose alike, and the port `counters`
+        /// says how many were left out. Time is bounded by it.
         budget: u32 = 33_554_432, min: 1, max: MAX_SPLATS;
-        /// What a splat stores: one distance (ISM §3.2), or in each texel the distance of the point's tangent plane, which
-        /// shadows less of the surface itself and takes longer.
+        /// What a splat stores: one distance (ISM §3.2), or in each texel the distance of the point's tangent plane,
+        /// which shadows less of the surface itself and takes longer.
         kernel: Kernel = Kernel::Box;
     }
 }
 
-/// Returns the points of a map by the guideline of ISM §5.2: a quarter of the texels of the hemisphere, which are π/4 of
-/// those of its map (ISM §3.3).
+/// Returns the points of a map by the guideline of ISM §5.2: a quarter of the texels of the hemisphere, which are π/4
+/// of those of its map (ISM §3.3).
 pub fn points_of_guideline(tile: u32) -> u32 {
     (PI / 16.0 * f64::from(tile).powi(2)).round().max(1.0) as u32
 }

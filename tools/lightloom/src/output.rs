@@ -22,7 +22,7 @@ pub(crate) fn failure(error: &anyhow::Error) {
     }
 }
 
-/// A bar for work of so many parts, on a terminal; for one part, none.
+/// A bar for work of this many parts, on a terminal; for one part, none.
 pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
     if parts <= 1 {
         return ProgressBar::hidden();

@@ -142,7 +142,7 @@ impl Reader<'_> {
         self.span(self.head(node))
     }
 
-    /// Tells that a value is not what was `expected`; what could not be read has been told already.
+    /// Tells that a value is not what was `expected`; what could not be read has already been reported.
     pub fn wrong(&mut self, node: &Node, expected: &str) {
         if node.form == Form::Bad {
             return;

@@ -16,7 +16,7 @@ pub(super) enum Token {
     Number(Number),
     /// `#![enable(…)]`, read whole.
     Attribute,
-    /// Something unreadable, told already.
+    /// Something unreadable, already reported.
     Bad,
     End,
 }

@@ -39,7 +39,7 @@ pub enum Form {
     List(Vec<Node>),
     /// `{ key: value }`
     Map(Vec<(Node, Node)>),
-    /// Something unreadable, told already.
+    /// Something unreadable, already reported.
     Bad,
 }
 

@@ -275,7 +275,7 @@ pub(crate) fn shader(path: &str) -> Request {
     pass::request(path, &[])
 }
 
-/// A buffer of so many words.
+/// A buffer of this many words.
 pub(crate) fn words(count: u64) -> ResourceDesc<Extent> {
     ResourceDesc::buffer(count * 4)
 }

@@ -5,7 +5,8 @@ use pass::{
     Clear, Compute, Draw, Format, OutputDesc, Raster, ResourceDesc, Step, Target, Threads, Usage, Value,
 };
 
-/// Writes the arguments of a step; or, where it reads its own past, the same and one more each frame in the first of them.
+/// Writes the arguments of a step; or, where it reads its own past, the same and one more each frame in the first of
+/// them.
 const ARGUMENTS: &str = "
     struct Settings { first: u32, second: u32, third: u32, fourth: u32 }
     var<uniform> settings: Settings;
@@ -18,7 +19,7 @@ const ARGUMENTS: &str = "
         args[4] = settings.fourth;
     }";
 
-/// Counts frames: the arguments of a dispatch of so many workgroups, and of a draw of so many instances.
+/// Counts frames: the arguments of a dispatch of this many workgroups, and of a draw of this many instances.
 const COUNTER: &str = "
     var<storage, read> before: array<u32>;
     var<storage, read_write> args: array<u32>;

@@ -169,7 +169,7 @@ pub(crate) struct OutDecl {
     pub(crate) count: Option<At<Dim>>,
 }
 
-/// A whole number above zero, once parameters are put in.
+/// An integer above zero, once parameters are put in.
 #[derive(Clone, Debug)]
 pub(crate) enum Dim {
     Number(u32),

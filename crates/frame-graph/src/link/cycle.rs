@@ -30,7 +30,7 @@ impl<'a> Linker<'a> {
         if live && self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] }
     }
 
-    /// The order of data; `None` where there is a loop, which is told.
+    /// The order of data; `None` where there is a loop, which is reported.
     fn order_of(&mut self, live: bool) -> Option<Vec<u32>> {
         let count = self.nodes.len();
         let mut order = Vec::with_capacity(count);

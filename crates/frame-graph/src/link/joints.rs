@@ -143,7 +143,7 @@ impl<'a> Linker<'a> {
             match self.follow(link, Some(interface), false) {
                 Found::End(end) if !self.stands_for(interface, &end) => brought = Some(end),
                 Found::Told => {}
-                // Where nothing is there, readers are told.
+                // Where nothing is there, its readers get an error.
                 Found::End(_) | Found::Nothing(_) | Found::Unlinked => {
                     self.errors.truncate(told);
                     return;

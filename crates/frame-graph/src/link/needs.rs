@@ -165,7 +165,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Follows a link again, without telling what was told before.
+    /// Follows a link again, without reporting the same errors twice.
     fn retrace(&mut self, link: &'a Link) -> Found<'a> {
         let told = self.errors.len();
         let found = self.follow(link, None, false);
@@ -190,10 +190,10 @@ impl<'a> Linker<'a> {
                 continue;
             }
             match decl.links.iter().find(|link| link.port.value == *input.name) {
-                // A link whose input is misspelt was told.
+                // A link whose input is misspelt was reported.
                 None if decl.feed.is_some() || decl.links.iter().any(|link| misspelt(link, &input.name)) => {}
                 None => missing.push((input, None)),
-                // A link that leads nowhere was told, unless it leads to a pass that is gone.
+                // A link that leads nowhere was reported, unless it leads to a pass that is gone.
                 Some(link) => missing.push((input, Some(link))),
             }
         }

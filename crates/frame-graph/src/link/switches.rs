@@ -124,7 +124,7 @@ impl<'a> Linker<'a> {
                 holds
             });
         self.depth -= 1;
-        // In a loop, the error is told once, by whoever closed it.
+        // In a loop, the error is reported once, by whoever closed it.
         *self.on[node].get_or_insert(on)
     }
 
@@ -182,7 +182,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// What is told of a node that is off.
+    /// What is reported about a node that is off.
     pub(super) fn off(&self, node: usize) -> GraphOff {
         let (mut at, mut whole) = (node, String::new());
         while let Some(parent) = self.nodes[at].parent

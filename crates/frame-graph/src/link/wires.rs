@@ -34,7 +34,7 @@ pub(super) enum Found<'a> {
     Nothing(u32),
     /// To an input of a sub-graph that may be left unlinked, and is.
     Unlinked,
-    /// Nowhere: an error, told already.
+    /// Nowhere: an error, already reported.
     Told,
 }
 
@@ -203,8 +203,8 @@ impl<'a> Linker<'a> {
         Found::Told
     }
 
-    /// The link that stands in place of the outputs of a node that is off; `None`, told, where such links lead
-    /// back to the node, or to none.
+    /// The link that stands in place of the outputs of a node that is off; `None`, after reporting an error, where such
+    /// links lead back to the node, or to none.
     fn stand_in(&mut self, node: u32, off: &'a Off, crossed: &mut SmallVec<[u32; 4]>) -> Option<&'a Link> {
         if let Some(at) = crossed.iter().position(|other| *other == node) {
             self.off_loop(&crossed[at..]);
@@ -322,7 +322,7 @@ impl<'a> Linker<'a> {
                 };
                 let mut fitting = outputs.iter().filter(|output| fits(self, &output.link));
                 let found = (fitting.next(), fitting.next());
-                // What is wrong inside is told when the sub-graph itself is checked.
+                // What is wrong inside is reported when the sub-graph itself is checked.
                 self.errors.truncate(told);
                 if let (Some(output), None) = found {
                     return Some((&output.link, None));

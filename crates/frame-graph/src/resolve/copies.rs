@@ -98,7 +98,7 @@ impl Resolver<'_> {
             parameters.get_or_insert(scope);
         }
         let Some(parameters) = parameters else {
-            // What is wrong with the sub-graph is told, whether there is a copy of it or not.
+            // What is wrong with the sub-graph is reported, whether there is a copy of it or not.
             let (nodes, parts) = (self.nodes.len(), self.part_parameters.len());
             let given = given.into_iter().filter(|given| copy_of(&given.path).is_none()).collect();
             let (scope, _) = self.flatten(document.clone(), &whole.copy(0), Some(whole.group), given);
@@ -142,7 +142,7 @@ impl Resolver<'_> {
         outputs
     }
 
-    /// How often a sub-graph is repeated; `None`, told, where that is no number.
+    /// How often a sub-graph is repeated; `None`, after reporting an error, where that is no number.
     fn count(&mut self, repeat: &At<SetValue>) -> Option<u32> {
         let value = repeat.value.get()?;
         let count = value.as_u32();

@@ -70,7 +70,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Puts parameters into an expression; `false` where one is not there, which is told.
+    /// Puts parameters into an expression; `false` where one is not there, which is reported.
     fn fill(&mut self, formula: &mut Formula, scope: &Scope) -> bool {
         let text = formula.text;
         let mut whole = true;
@@ -99,7 +99,7 @@ impl Resolver<'_> {
         self.errors.push(error);
     }
 
-    /// The value of an expression; `None`, told, where it has none.
+    /// The value of an expression; `None`, after reporting an error, where it has none.
     fn evaluate(&mut self, formula: &mut Formula, scope: &Scope) -> Option<Value> {
         if !self.fill(formula, scope) {
             return None;

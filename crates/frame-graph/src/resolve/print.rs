@@ -154,7 +154,7 @@ impl Printer<'_> {
             let setting = &parameter.setting;
             let default = parameter.value.as_ref().map(|v| format!("default: {}", value(v)));
             let mut fields: Vec<String> = default.into_iter().collect();
-            // The bounds of whole numbers are written as whole numbers.
+            // The bounds of integers are written as integers.
             let whole = matches!(setting.ty, ValueType::U32 | ValueType::I32);
             let bound =
                 |name: &str, at: f64| if whole { format!("{name}: {at}") } else { format!("{name}: {at:?}") };

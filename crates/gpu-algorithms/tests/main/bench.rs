@@ -22,7 +22,7 @@ impl Bench {
         self
     }
 
-    /// An output of so many words.
+    /// An output of this many words.
     pub(crate) fn output(mut self, name: &'static str, words: usize) -> Bench {
         self.outputs.push((name, words));
         self

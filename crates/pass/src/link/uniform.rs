@@ -1,4 +1,4 @@
-//! What fills the uniforms of a step: `settings`, and `PORT_facts` of the modules that its shader imports.
+//! The contents of the uniforms of a step: `settings`, and `PORT_facts` of the modules that its shader imports.
 
 use super::StepLinker;
 use crate::record::PortDesc;
@@ -16,16 +16,16 @@ pub struct UniformFill {
     pub layout: StructLayout,
     /// Members whose values are known.
     pub values: BTreeMap<String, Value>,
-    /// Members that ask about the past: name, history, and whether it is the age or the cause of the reset.
+    /// Members about history buffers: name, history buffer, and whether it is the age or the cause of the reset.
     pub past: Vec<(String, HistoryId, PastFact)>,
-    /// Whether it asks for the seed.
+    /// Whether it has a member for the seed.
     pub seeded: bool,
 }
 
-/// A word of a uniform that can have another value in another frame.
+/// A word of a uniform that can differ between frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameWord {
-    /// Where it lies in the uniform \[bytes\].
+    /// Its offset in the uniform \[bytes\].
     pub offset: usize,
     /// What it holds.
     pub value: FrameValue,
@@ -38,7 +38,7 @@ pub struct FrameWord {
 pub enum FrameValue {
     /// The seed of the pass.
     Seed,
-    /// What a shader asks of a past version.
+    /// The age or the reset cause of a history buffer.
     Past(HistoryId, PastFact),
 }
 
@@ -49,23 +49,23 @@ impl FrameWord {
     }
 }
 
-/// What a shader can ask of a past version.
+/// What a shader can read about a history buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PastFact {
-    /// Frames that it has lasted; 0 where there is none.
+    /// Frames since the last reset; 0 where there is no history.
     Age,
-    /// 0 while it lasts, else 1 + the position of the cause in `ResetCause`.
+    /// 0 if it was not reset in this frame, else 1 + the position of the cause in `ResetCause`.
     Reset,
 }
 
 impl UniformFill {
-    /// Returns the bytes of the uniform. `past` answers for histories.
+    /// Returns the bytes of the uniform. `past` returns the age or the reset cause of a history buffer.
     pub fn bytes(&self, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Vec<u8> {
         // Linking has proved that every member has a value that it can hold.
         shader_library::write_struct(&self.layout, &|name| self.value(name, seed, &past)).unwrap_or_default()
     }
 
-    /// Returns the words that can have other values in other frames. All else of [`UniformFill::bytes`] stays.
+    /// Returns the words that can differ between frames. The rest of [`UniformFill::bytes`] does not change.
     pub fn frame_words(&self) -> impl Iterator<Item = FrameWord> + '_ {
         self.layout.members.iter().filter_map(|member| {
             let past = self.past.iter().find(|(name, ..)| *name == member.name);
@@ -116,7 +116,7 @@ impl Known<'_> {
         }
     }
 
-    /// Adds the questions about the past of an input.
+    /// Adds the members about the history buffer of an input.
     fn add_past(&mut self, prefix: &str, histories: Option<&Vec<HistoryId>>) {
         if let Some(history) = histories.and_then(|histories| histories.first()) {
             self.past.push((format!("{prefix}age"), *history, PastFact::Age));
@@ -247,8 +247,8 @@ impl StepLinker<'_> {
         }
     }
 
-    /// What is wrong with a member that has a setting's name and another type. Whether it could hold a value would depend on
-    /// the value.
+    /// What is wrong with a member that has a setting's name and another type. Whether it could hold a value would
+    /// depend on the value.
     fn wrong_type(
         &self,
         shader: &Shader,

@@ -92,7 +92,7 @@ fn members_of_their_settings_types_are_filled() {
 #[test]
 fn a_member_of_another_type_than_its_setting_names_both_places_and_both_types() {
     let here = format!("{}:{LINE}", file!());
-    // Also where the member could hold the default: 4 fits a float, and (1, 2) whole numbers.
+    // Also where the member could hold the default: 4 fits a float, and (1, 2) integers.
     for (member, found, expected, declared) in [
         ("count: f32", "f32", "u32", here.as_str()),
         ("count: i32", "i32", "u32", here.as_str()),

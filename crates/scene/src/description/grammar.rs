@@ -1,5 +1,5 @@
-//! From the tree of a scene file to its description: every value is checked at its place, and all that is wrong is told
-//! at once.
+//! From the tree of a scene file to its description: every value is checked at its place, and all that is wrong is
+//! reported at once.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ const FINITE: &str = "a finite number";
 /// Reads a scene file. Geometry files are looked for in `folder`, where one is given.
 ///
 /// # Errors
-/// All that is wrong with the file, as far as that can be told without reading geometry.
+/// All that is wrong with the file, as far as that can be determined without reading geometry.
 pub(crate) fn parse(source: &Arc<Source>, folder: Option<&Path>) -> Result<Description, Diagnostics> {
     reader::parse(source, |reader, tree| Grammar { reader, folder, objects: Vec::new() }.scene(tree))
 }

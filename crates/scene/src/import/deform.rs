@@ -10,7 +10,7 @@ use super::Importer;
 use crate::error::SceneError;
 use crate::model::{Influence, Influences, Mesh, Model, Morph, MorphTarget, Skin};
 
-/// A vertex's weights may sum to 1 ± this before it is told; more than rounding to 8 bits, four times, does.
+/// A vertex's weights may sum to 1 ± this before it is reported; more than rounding to 8 bits, four times, does.
 const TOLERANCE: f32 = 0.01;
 
 impl Importer<'_> {

@@ -1,4 +1,4 @@
-//! From the tree of a file to a study: the grammar, and what can be told from the file alone.
+//! From the tree of a file to a study: the grammar, and what can be determined from the file alone.
 
 mod claims;
 

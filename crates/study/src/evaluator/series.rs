@@ -17,7 +17,7 @@ impl Series {
         column.push(value.filter(|value| value.is_finite()));
     }
 
-    /// What came of so many frames: measures without any value are left out, and all of a single frame.
+    /// What came of this many frames: measures without any value are left out, and all of a single frame.
     pub(super) fn finish(mut self, first: u32, frames: u32) -> FrameSeries {
         self.values.retain(|_, column| frames > 1 && column.iter().any(Option::is_some));
         if self.values.is_empty() {

@@ -137,7 +137,7 @@ impl<'a> Checker<'a> {
             return;
         };
         let error = Diagnostic::new(&codes::VALUE, message).label(value.span.clone(), "");
-        // Pipelines that share a declaration refuse alike; it is told once.
+        // Pipelines that share a declaration refuse alike; it is reported once.
         if !self.errors.iter().any(|other| other.message == error.message && other.labels == error.labels) {
             self.errors.push(error.note(format!("in the pipeline `{pipeline}`")));
         }

@@ -89,7 +89,7 @@ pub(super) fn plain(value: f64) -> String {
     }
 }
 
-/// So many significant digits; whole numbers as they are.
+/// Writes a number with this many significant digits; integers as they are.
 pub(super) fn short(value: f64, significant: i32) -> String {
     let order = order(value.abs());
     if value.fract() == 0.0 || !value.is_finite() {
@@ -112,7 +112,7 @@ pub(super) fn order(value: f64) -> i32 {
     if value > 0.0 && value.is_finite() { value.log10().floor() as i32 } else { 0 }
 }
 
-/// A whole number in superior digits.
+/// An integer in superior digits.
 pub(super) fn superscript(number: i32) -> String {
     let digit = |c| match c {
         '-' => '⁻',

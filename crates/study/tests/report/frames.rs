@@ -7,7 +7,7 @@ use study::{AxisValue, FrameSeries, Results};
 
 use super::sample::{self, PIPELINES};
 
-/// The sample's first scene as a walk of so many frames from number 10: `flip` is the number of the pipeline, counted
+/// The sample's first scene as a walk of this many frames from number 10: `flip` is the number of the pipeline, counted
 /// from 1, with a wave; the second pipeline has no value in the third frame.
 fn walk(frames: u32) -> Results {
     let mut results = sample::results();

@@ -93,7 +93,7 @@ fn passes(pipeline: &str) -> [&str; 2] {
 pub(crate) struct Fake {
     /// Pipelines of the requests that ran, probes too.
     pub(crate) ran: Vec<RunRequest>,
-    /// The device is gone after so many runs.
+    /// The device is gone after this many runs.
     pub(crate) dies_after: Option<usize>,
     /// Part of every identity: stands for edits of shaders.
     pub(crate) shaders: BTreeMap<String, u128>,

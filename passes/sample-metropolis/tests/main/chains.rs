@@ -46,7 +46,7 @@ impl Map<'_> {
         (texel, importance_of(self.importance[texel as usize]))
     }
 
-    /// A chain of so many samples, of four numbers each.
+    /// A chain of this many samples, of four numbers each.
     pub(crate) fn chain(&self, steps: u32, numbers: impl Fn(u32) -> [f64; 4]) -> Chain {
         let sample = |step| {
             let [layer, column, row, threshold] = numbers(step);
@@ -75,7 +75,7 @@ pub(crate) fn halton(chain: u32, step: u32, count: u32, seed: u32) -> [f64; 4] {
     [layer, column, row, (radical_inverse(7, element) + shift).fract()]
 }
 
-/// Probability of each texel after so many samples: the transition matrix of Metropolis-Hastings, M - 1 times.
+/// Probability of each texel after this many samples: the transition matrix of Metropolis-Hastings, M - 1 times.
 pub(crate) fn distribution(map: &[f32], steps: u32) -> Vec<f64> {
     let f: Vec<f64> = map.iter().map(|&f| importance_of(f)).collect();
     let uniform = 1.0 / f.len() as f64;

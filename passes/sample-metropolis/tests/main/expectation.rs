@@ -4,7 +4,7 @@ use crate::chains::{Map, SIZE, distribution, halton, importance, independent};
 use pass_test::random::{hash2, unit_float};
 use sample_metropolis::cpu_reference::{Chain, Weights};
 
-/// Expectation of flux · texels · w / f over all chains of so many samples, exactly.
+/// Expectation of flux · texels · w / f over all chains of this many samples, exactly.
 fn expectation(f: &[f64], flux: &[f64], steps: u32, weights: Weights) -> f64 {
     let texels = f.len() as f64;
     let mean = f.iter().sum::<f64>() / texels;

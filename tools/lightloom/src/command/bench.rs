@@ -55,14 +55,14 @@ enum Figure {
     ShadowMaps,
     /// How much faster 1,024 lights are drawn by Metropolis-Hastings chains of 5 steps than by the inverse transform
     Samplers,
-    /// How much faster 4 million points made on the fly are splatted than as many stored ones
+    /// How much faster 4 million points generated on the fly are splatted than as many stored ones
     Points,
     /// GPU time of a frame of `ism`: 1,024 lights, maps of 64², 256² pixels, everything run again
     IsmFrame,
     /// CPU time from the text of a pipeline of 1,000 passes to a plan, without shaders
     Compile,
-    /// CPU time of a frame of 1,000 dispatches, from the call until all is submitted, beside the same calls of wgpu made
-    /// by hand
+    /// CPU time of a frame of 1,000 dispatches, from the call until all is submitted, beside the same calls of wgpu
+    /// made by hand
     Encode,
     /// Memory of shared transient resources of each pipeline, against the largest sum of bytes alive at once: of
     /// each sort that can share an object, and of all

@@ -270,7 +270,7 @@ fn points(series: &[Series]) -> Vec<&Point> {
     series.iter().flat_map(|series| &series.lines).flat_map(|line| &line.points).collect()
 }
 
-/// The measure in which the noise of references is told.
+/// The measure in which the noise of references is reported.
 const NOISE: &str = "rel-mse";
 
 /// The noise of the worst reference of a scene.

@@ -52,7 +52,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     Ok(Section { figure: Figure::Rays, rows, note })
 }
 
-/// The pipeline of so many rays.
+/// The pipeline of this many rays.
 fn pipeline(rays: u32) -> String {
     let made = format!(
         r#"kind: "compute", shader: "shaders/bench/make-rays.wgsl", out: {{ "rays": Out(count: {rays}) }}"#
