@@ -108,6 +108,7 @@ pub mod port;
 pub mod resolve;
 pub mod resource;
 pub mod succession;
+pub mod xml;
 
 pub use data_file::{codes, diagnostic, reader, value};
 

@@ -2,6 +2,7 @@
 
 use super::{Fate, Plan};
 use crate::resource::{Clear, human_bytes};
+use crate::xml::escape;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -47,22 +48,6 @@ impl Tile {
     fn new(lines: [String; 3], title: String, fill: &'static str) -> Tile {
         Tile { lines, title, fill, column: 0, row: 0.0, height: 1.0 }
     }
-}
-
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            // Not allowed in XML, escaped or not.
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 /// What fits into a box.
@@ -264,7 +249,7 @@ fn draw(plan: &Plan, tiles: &[Tile], edges: &[Edge]) -> String {
             labels,
             "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"10\" fill=\"#333\" text-anchor=\"{anchor}\" \
              paint-order=\"stroke\" stroke=\"white\" stroke-width=\"3\">{}</text>",
-            escaped(&label)
+            escape(&label)
         );
     }
     for tile in tiles.iter().filter(|tile| !tile.fill.is_empty()) {
@@ -273,20 +258,20 @@ fn draw(plan: &Plan, tiles: &[Tile], edges: &[Edge]) -> String {
             out,
             "<g><title>{}</title><rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{BOX_WIDTH}\" height=\"{BOX_HEIGHT}\" rx=\"4\" \
              fill=\"{}\" stroke=\"#555\"/>",
-            escaped(&tile.title),
+            escape(&tile.title),
             tile.fill
         );
         for (i, line) in tile.lines.iter().enumerate() {
             let weight = if i == 0 { " font-weight=\"bold\"" } else { " fill=\"#333\"" };
             let (x, y) = (x + 8.0, y + 19.0 + i as f32 * 17.0);
-            let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\"{weight}>{}</text>", escaped(&short(line)));
+            let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\"{weight}>{}</text>", escape(&short(line)));
         }
         out.push_str("</g>\n");
     }
     out.push_str(&labels);
     for (i, line) in summary.iter().enumerate() {
         let y = height - 44.0 + i as f32 * 20.0;
-        let _ = writeln!(out, "<text x=\"{MARGIN}\" y=\"{y:.1}\">{}</text>", escaped(line));
+        let _ = writeln!(out, "<text x=\"{MARGIN}\" y=\"{y:.1}\">{}</text>", escape(line));
     }
     out.push_str("</svg>\n");
     out

@@ -1,22 +1,7 @@
 //! Text of others inside HTML, Markdown and LaTeX.
 
 /// For HTML and SVG, in text and in quoted attributes.
-pub(super) fn html(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            // XML has no place for control characters, and an SVG file is XML.
-            c if c.is_control() && !c.is_whitespace() => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
+pub(super) use frame_graph::xml::escape as html;
 
 /// For a cell of a Markdown table.
 pub(super) fn markdown(text: &str) -> String {
@@ -92,7 +77,6 @@ mod tests {
 
     #[test]
     fn nothing_of_a_name_becomes_markup() {
-        assert_eq!(html("a<b>&\"c'\u{1}"), "a&lt;b&gt;&amp;&quot;c&#39;\u{fffd}");
         assert_eq!(markdown("a|b_c\n<i>"), "a\\|b\\_c \\<i\\>");
         assert_eq!(latex("50% of $x_1 & {\\a}"), "50\\% of \\$x\\_1 \\& \\{\\textbackslash{}a\\}");
         assert_eq!(latex("ꟻLIP [m²]"), "\\reflectbox{F}LIP [m$^2$]");
