@@ -1,6 +1,6 @@
 //! The pass on a GPU, against closed forms and the CPU reference.
 
-use glam::{Vec3, Vec4Swizzles, vec3};
+use glam::{DVec2, UVec2, Vec3, Vec4Swizzles, vec3};
 use half::f16;
 use pass_test::{Harness, Outputs};
 use reflective_shadow_map::cpu_reference::{Layer, incident_flux};
@@ -79,7 +79,7 @@ fn every_texel_of_several_lights_agrees_with_the_cpu_reference() {
     let texels = (SIZE * SIZE) as usize;
     let mut lit = 0;
     for (i, position) in map.position.iter().enumerate() {
-        let (layer, texel) = (i / texels, [i as u32 % SIZE, i as u32 / SIZE % SIZE]);
+        let (layer, texel) = (i / texels, UVec2::new(i as u32 % SIZE, i as u32 / SIZE % SIZE));
         let light = &scene.lights[[0, 1, 1, 1, 1, 1, 1, 2][layer]];
         if position.w == 0.0 {
             assert_eq!(map.flux[i].xyz(), Vec3::ZERO);
@@ -102,10 +102,10 @@ fn every_texel_of_several_lights_agrees_with_the_cpu_reference() {
             LightKind::Directional => continue,
         };
         // The radius on the image plane is that of the texel's centre.
-        let centre = texel.map(|t| ((f64::from(t) + 0.5) / f64::from(SIZE) * 2.0 - 1.0) * half_extent);
+        let centre = ((texel.as_dvec2() + 0.5) / f64::from(SIZE) * 2.0 - 1.0) * half_extent;
         let radius = (f64::from(offset.length() / position.w).powi(2) - 1.0).max(0.0).sqrt();
-        assert!((radius - centre[0].hypot(centre[1])).abs() < 1e-3, "{texel:?}: {radius} for {centre:?}");
-        let sent = incident_flux(spread, texel, SIZE, [half_extent; 2]);
+        assert!((radius - centre.length()).abs() < 1e-3, "{texel:?}: {radius} for {centre:?}");
+        let sent = incident_flux(spread, texel, SIZE, DVec2::splat(half_extent));
         for k in 0..3 {
             let expected = sent * f64::from(light.intensity[k] * map.albedo[i][k].to_f32());
             let got = f64::from(map.flux[i][k]);
