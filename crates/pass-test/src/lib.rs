@@ -1,4 +1,5 @@
 //! The test harness of passes: runs one pass alone on a GPU with given inputs, through the real link and compile.
+//! [`ShaderUse`] asks a pass type what it makes of a user's WGSL.
 //!
 //! ```no_run
 //! # let PASS: &dyn pass::Pass = todo!();
@@ -21,7 +22,7 @@ use frame_graph::{ResourceDesc, Source, Value};
 use interfaces::INTERFACES;
 use pass::{Library, Pass, Use, UseContext};
 use scene::Scene;
-use shader_library::DiskFiles;
+use shader_library::{DiskFiles, ShaderFiles};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -29,11 +30,13 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 mod given;
 mod harness;
 pub mod random;
+mod shader_use;
 pub mod statistics;
 
 /// What can reset a history buffer between two frames, for [`Harness::event`].
 pub use frame_graph::ResetCause;
 pub use harness::Harness;
+pub use shader_use::ShaderUse;
 
 /// What a pass wrote.
 pub struct Outputs {
@@ -77,8 +80,11 @@ pub fn root() -> PathBuf {
 
 /// Returns all WGSL of the tree.
 pub fn shaders() -> Library {
-    let library = Library::new(Arc::new(DiskFiles::new(root())));
-    interfaces::import_from(library, INTERFACES)
+    library_of(DiskFiles::new(root()))
+}
+
+fn library_of(files: impl ShaderFiles + 'static) -> Library {
+    interfaces::import_from(Library::new(Arc::new(files)), INTERFACES)
 }
 
 /// Returns the WGSL of the tree that all tests of a process share, with threads in the order that a seed chooses.

@@ -7,105 +7,42 @@ use compute::PASS;
 
 use frame_graph::port::{InputDesc, OutputOverride};
 use pass::{
-    Clear, Compute, Define, Extent, Format, Library, OutputContext, OutputDesc, PassTypeError, RecordContext,
-    ResourceDesc, SceneBindings, Settings, Step, Threads, Traits, Usage, Use, UseContext, Value,
+    Clear, Compute, Define, Extent, Format, OutputDesc, PortDesc, ResourceDesc, SceneBindings, Step, Threads,
+    Traits, Usage, Value,
 };
-use shader_library::{DiskFiles, MemoryFiles, Overlay};
-use std::collections::BTreeMap;
-use std::path::Path;
+use pass_test::ShaderUse;
 use std::sync::Arc;
 
-struct Case {
-    library: Library,
-    inputs: Vec<String>,
-    outputs: BTreeMap<String, OutputOverride>,
+fn shader_use(wgsl: &str, inputs: &[&str]) -> ShaderUse<'static> {
+    ShaderUse::new(PASS, wgsl, inputs)
 }
 
-impl Case {
-    fn new(wgsl: &str, inputs: &[&str]) -> Case {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let own = MemoryFiles::new([("own.wgsl", wgsl)]);
-        let files = Overlay(vec![Arc::new(own), Arc::new(DiskFiles::new(root))]);
-        let library = interfaces::import_from(Library::new(Arc::new(files)), interfaces::INTERFACES);
-        Case { library, inputs: inputs.iter().map(ToString::to_string).collect(), outputs: BTreeMap::new() }
-    }
+/// Its dispatches, with these outputs and every setting but `set` at its default.
+fn dispatches(case: &ShaderUse<'_>, outputs: &[OutputDesc], set: &[(&str, Value)]) -> Vec<Compute> {
+    let port = |output: &OutputDesc| {
+        let members = output.members.iter();
+        PortDesc {
+            name: (&*output.port).into(),
+            interface: "".into(),
+            members: members.map(|(name, desc, _)| ((&**name).into(), worked_out(desc))).collect(),
+            facts: Arc::new(output.facts.clone()),
+            connected: true,
+            past: false,
+        }
+    };
+    let ports: Vec<PortDesc> = outputs.iter().map(port).collect();
+    let dispatch = |step| match step {
+        Step::Compute(dispatch) => dispatch,
+        Step::Raster(_) => panic!("a dispatch: {step:?}"),
+    };
+    case.record(&ports, set, &Traits::default()).unwrap().steps.into_iter().map(dispatch).collect()
+}
 
-    fn cx(&self) -> UseContext<'_> {
-        let use_ =
-            Use { kind: "compute", shader: Some("own.wgsl"), inputs: &self.inputs, outputs: &self.outputs };
-        UseContext { use_, shaders: &self.library, interfaces: interfaces::INTERFACES }
-    }
-
-    fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let (settings, traits) = (self.settings(&[]), Traits::default());
-        let context = OutputContext {
-            use_: self.cx().use_,
-            settings: &settings,
-            inputs,
-            frame: (64, 48),
-            traits: &traits,
-        };
-        PASS.outputs(&self.cx(), &context)
-    }
-
-    /// Its steps, with these outputs and every setting but `set` at its default.
-    fn record(&self, outputs: &[OutputDesc], set: &[(&str, Value)]) -> Result<Vec<Compute>, PassTypeError> {
-        let ports: Vec<pass::PortDesc> = outputs
-            .iter()
-            .map(|output| pass::PortDesc {
-                name: (&*output.port).into(),
-                interface: "".into(),
-                members: output
-                    .members
-                    .iter()
-                    .map(|(name, desc, _)| ((&**name).into(), worked_out(desc)))
-                    .collect(),
-                facts: Arc::new(output.facts.clone()),
-                connected: true,
-                past: false,
-            })
-            .collect();
-        let (settings, traits) = (self.settings(set), Traits::default());
-        let recording = PASS.record(&RecordContext {
-            name: "own",
-            use_: self.cx().use_,
-            settings: &settings,
-            inputs: &[],
-            outputs: &ports,
-            frame: (64, 48),
-            traits: &traits,
-            shaders: &self.library,
-            interfaces: interfaces::INTERFACES,
-        })?;
-        let dispatch = |step| match step {
-            Step::Compute(dispatch) => dispatch,
-            Step::Raster(_) => panic!("a dispatch: {step:?}"),
-        };
-        Ok(recording.steps.into_iter().map(dispatch).collect())
-    }
-
-    /// How many threads its only dispatch asks for, with these outputs.
-    fn threads(&self, outputs: &[OutputDesc]) -> Threads {
-        let steps = self.record(outputs, &[]).unwrap();
-        assert_eq!(steps.len(), 1);
-        steps[0].threads.clone()
-    }
-
-    /// Its settings at their defaults, but for some.
-    fn settings(&self, set: &[(&str, Value)]) -> Settings {
-        let schema = PASS.settings(&self.cx()).unwrap();
-        let defaults = schema.into_iter().map(|setting| (setting.name, setting.default));
-        Settings(
-            defaults.chain(set.iter().map(|(name, value)| ((*name).to_owned(), value.clone()))).collect(),
-        )
-    }
-
-    /// The message and help by which its ports are refused.
-    fn refusal(&self) -> String {
-        let refused = PASS.settings(&self.cx()).and_then(|_| PASS.ports(&self.cx(), &self.settings(&[])));
-        let error = refused.unwrap_err();
-        format!("{} | {}", error.message, error.help.unwrap_or_default())
-    }
+/// How many threads its only dispatch asks for, with these outputs.
+fn threads(case: &ShaderUse<'_>, outputs: &[OutputDesc]) -> Threads {
+    let steps = dispatches(case, outputs, &[]);
+    assert_eq!(steps.len(), 1);
+    steps[0].threads.clone()
 }
 
 /// A description with every size that of the frame.
@@ -128,8 +65,8 @@ fn what_is_stored_to_is_an_output() {
             let added = f32(frame.index) + f32(settings.picture_size.x);
             textureStore(brighter, id.xy, textureLoad(picture, id.xy, 0) + added);
         }";
-    let case = Case::new(wgsl, &["picture"]);
-    let ports = PASS.ports(&case.cx(), &Settings::default()).unwrap();
+    let case = shader_use(wgsl, &["picture"]);
+    let ports = case.ports(&[]).unwrap();
     assert_eq!((&*ports.inputs[0].name, &*ports.inputs[0].interface), ("picture", "Texture"));
     assert_eq!((&*ports.outputs[0].name, &*ports.outputs[0].interface), ("brighter", "Texture"));
     assert_eq!((ports.inputs.len(), ports.outputs.len(), ports.scene_bindings), (1, 1, SceneBindings::FRAME));
@@ -137,7 +74,7 @@ fn what_is_stored_to_is_an_output() {
     let frame = ResourceDesc::texture_2d(Format::R32Float, Extent::FRAME);
     assert_eq!(outputs[0].members[0].1, frame);
     assert_eq!(outputs[0].members[0].2, Usage::ClearFirst(Clear::Zero));
-    assert_eq!(case.threads(&outputs), Threads::Grid([64, 48, 1]));
+    assert_eq!(threads(&case, &outputs), Threads::Grid([64, 48, 1]));
 }
 
 #[test]
@@ -145,7 +82,7 @@ fn a_buffer_has_as_many_elements_as_the_pipeline_says() {
     let wgsl = "#import \"virtual-lights.wgsl\"
         var<storage, read_write> lights: VirtualLights;
         @compute @workgroup_size(64) fn place() { lights.count = 1u; }";
-    let mut case = Case::new(wgsl, &[]);
+    let case = shader_use(wgsl, &[]);
     let error = case.outputs(&[]).unwrap_err();
     assert!(error.message.contains("how many elements `lights: VirtualLights` has"), "{}", error.message);
     assert_eq!(error.help.as_deref(), Some("say it in the pipeline: out: { \"lights\": Out(count: 1024) }"));
@@ -154,13 +91,13 @@ fn a_buffer_has_as_many_elements_as_the_pipeline_says() {
         count: Some(100),
         ..OutputOverride::default()
     };
-    case.outputs.insert("lights".into(), said);
+    let case = case.out("lights", said);
     let outputs = case.outputs(&[]).unwrap();
     // A header of 16 bytes, and 48 a light.
     assert_eq!(outputs[0].members[0].1, ResourceDesc::buffer(16 + 100 * 48));
     assert_eq!(outputs[0].facts.get("count"), Some(&Value::U32(100)));
-    assert_eq!(case.threads(&outputs), Threads::Row(100));
-    let ports = PASS.ports(&case.cx(), &Settings::default()).unwrap();
+    assert_eq!(threads(&case, &outputs), Threads::Row(100));
+    let ports = case.ports(&[]).unwrap();
     assert_eq!(&*ports.outputs[0].interface, "VirtualLights");
 }
 
@@ -177,19 +114,19 @@ fn arrays_have_the_layers_of_the_first_array_that_is_linked() {
         members: vec![("flux".into(), ResourceDesc::texture_2d_array(Format::Rgba32Float, (256, 256), 6))],
         facts: Arc::default(),
     };
-    let case = Case::new(wgsl, &["rsm"]);
+    let case = shader_use(wgsl, &["rsm"]);
     let outputs = case.outputs(&[rsm]).unwrap();
     assert_eq!(
         outputs[0].members[0].1,
         ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("rsm"), 6)
     );
-    assert_eq!(case.threads(&outputs), Threads::Grid([64, 48, 6]));
+    assert_eq!(threads(&case, &outputs), Threads::Grid([64, 48, 6]));
 }
 
 #[test]
 fn a_shader_that_writes_nothing_is_refused() {
-    let case = Case::new("@compute @workgroup_size(1) fn idle() {}", &[]);
-    let error = PASS.ports(&case.cx(), &Settings::default()).unwrap_err();
+    let case = shader_use("@compute @workgroup_size(1) fn idle() {}", &[]);
+    let error = case.ports(&[]).unwrap_err();
     assert!(error.message.contains("writes nothing"), "{}", error.message);
 }
 
@@ -224,8 +161,8 @@ const VARIANTS: &str = "#option TAPS 9 one_of [1, 9, 25] // how many texels coun
 
 #[test]
 fn options_are_settings_that_choose_the_variant() {
-    let case = Case::new(VARIANTS, &[]);
-    let settings = PASS.settings(&case.cx()).unwrap();
+    let case = shader_use(VARIANTS, &[]);
+    let settings = case.schema().unwrap();
     let told: Vec<_> =
         settings.iter().map(|s| (&*s.name, s.default.clone(), s.one_of.len(), &*s.doc)).collect();
     assert_eq!(
@@ -240,13 +177,13 @@ fn options_are_settings_that_choose_the_variant() {
         ]
     );
     assert!(settings[1].check(Value::U32(16)).is_err(), "16 is none of 1, 9 and 25");
-    let inputs = |set: &[(&str, Value)]| PASS.ports(&case.cx(), &case.settings(set)).unwrap().inputs;
+    let inputs = |set: &[(&str, Value)]| case.ports(set).unwrap().inputs;
     assert!(inputs(&[]).is_empty());
     let of_25 = inputs(&[("taps", Value::U32(25))]);
     assert_eq!(of_25.iter().map(|input| &*input.name).collect::<Vec<_>>(), ["weights"]);
     let outputs = case.outputs(&[]).unwrap();
     let set = [("taps", Value::U32(1)), ("filter", Value::Text("gauss".into()))];
-    let steps = case.record(&outputs, &set).unwrap();
+    let steps = dispatches(&case, &outputs, &set);
     let defines = &steps[0].shader.defines;
     assert_eq!(defines["TAPS"], Define::Int(1));
     assert_eq!(defines["FILTER"], Define::Text("gauss".into()));
@@ -264,7 +201,7 @@ fn a_name_is_one_setting() {
         var<uniform> settings: Settings;
         var<storage, read_write> sum: f32;
         @compute @workgroup_size(1) fn add() { sum = settings.taps; }";
-    let refusal = PASS.settings(&Case::new(twice, &[]).cx()).unwrap_err().message;
+    let refusal = shader_use(twice, &[]).schema().unwrap_err().message;
     assert!(refusal.contains("`taps` is an option and a member of `Settings`"), "{refusal}");
 }
 
@@ -301,10 +238,9 @@ const STEPS: &str = "struct Settings {
 
 #[test]
 fn entry_points_are_run_in_the_order_of_the_text_and_share_scratch() {
-    let mut case = Case::new(STEPS, &["numbers"]);
-    case.outputs
-        .insert("square".into(), OutputOverride { size: Some(Extent::Fixed(8, 8)), ..Default::default() });
-    let ports = PASS.ports(&case.cx(), &case.settings(&[])).unwrap();
+    let said = OutputOverride { size: Some(Extent::Fixed(8, 8)), ..Default::default() };
+    let case = shader_use(STEPS, &["numbers"]).out("square", said);
+    let ports = case.ports(&[]).unwrap();
     let names = |ports: &[&str]| ports.iter().map(ToString::to_string).collect::<Vec<_>>();
     assert_eq!(ports.inputs.iter().map(|p| p.name.clone()).collect::<Vec<_>>(), names(&["numbers"]));
     assert_eq!(ports.outputs.iter().map(|p| p.name.clone()).collect::<Vec<_>>(), names(&["picture"]));
@@ -317,7 +253,7 @@ fn entry_points_are_run_in_the_order_of_the_text_and_share_scratch() {
     let mut with_numbers = outputs.clone();
     // An input here: only its name and its bytes are used.
     with_numbers.push(OutputDesc::one("numbers", ResourceDesc::buffer(4 * 1000)));
-    let steps = case.record(&with_numbers, &[("rounds", Value::U32(2))]).unwrap();
+    let steps = dispatches(&case, &with_numbers, &[("rounds", Value::U32(2))]);
     let told: Vec<_> = steps.iter().map(|s| (&*s.entry, s.threads.clone())).collect();
     let frame = Threads::Grid([64, 48, 1]);
     let spread = || ("spread", Threads::Grid([4, 2, 2]));
@@ -358,7 +294,7 @@ fn attributes_that_mean_nothing_are_told_where_they_stand() {
         ),
     ];
     for (from, to, expected) in cases {
-        let refusal = Case::new(&STEPS.replace(from, to), &["numbers"]).refusal();
+        let refusal = shader_use(&STEPS.replace(from, to), &["numbers"]).refusal();
         assert!(refusal.contains(expected), "{to}: {refusal}");
     }
 }
@@ -374,16 +310,16 @@ fn the_module_of_an_interface_is_an_input() {
             seen[id.x] = visibility(id.x, light, vec3(0.0), vec3(0.0, 1.0, 0.0));
         }";
     for links in [&[][..], &["visibility", "lights"]] {
-        let case = Case::new(wgsl, links);
-        let ports = PASS.ports(&case.cx(), &case.settings(&[])).unwrap();
+        let case = shader_use(wgsl, links);
+        let ports = case.ports(&[]).unwrap();
         let interface =
             |name: &str| ports.inputs.iter().find(|p| p.name == name).map(|p| p.interface.to_string());
         assert_eq!(interface("visibility").as_deref(), Some("Visibility"));
         assert_eq!(interface("lights").as_deref(), Some("Buffer"));
         assert_eq!(ports.inputs.len(), 2);
     }
-    let unknown = Case::new(&wgsl.replace("interface \"visibility", "interface \"shadows"), &[]);
-    let refusal = PASS.settings(&unknown.cx()).unwrap_err();
+    let unknown = shader_use(&wgsl.replace("interface \"visibility", "interface \"shadows"), &[]);
+    let refusal = unknown.schema().unwrap_err();
     assert!(
         refusal.message.contains("imports the interface \"shadows\", and no producer brings that"),
         "{refusal:?}"

@@ -4,82 +4,18 @@ mod gpu;
 
 use frame_graph::port::{InputDesc, OutputOverride};
 use fullscreen::PASS;
-use pass::{
-    Clear, Extent, Format, Library, OutputContext, OutputDesc, PassTypeError, Ports, RecordContext,
-    ResourceDesc, SceneBindings, Setting, Settings, Step, Traits, Usage, Use, UseContext, Value,
-};
-use shader_library::{DiskFiles, MemoryFiles, Overlay};
+use pass::{Clear, Extent, Format, ResourceDesc, SceneBindings, Step, Traits, Usage, Value};
+use pass_test::ShaderUse;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A use of the kind: its shader's text, its links, and what it says with `out:`.
-struct Case {
-    library: Library,
-    inputs: Vec<String>,
-    outputs: BTreeMap<String, OutputOverride>,
+fn shader_use(wgsl: &str, inputs: &[&str]) -> ShaderUse<'static> {
+    ShaderUse::new(PASS, wgsl, inputs)
 }
 
-impl Case {
-    fn new(wgsl: &str, inputs: &[&str]) -> Case {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let own = MemoryFiles::new([("own.wgsl", wgsl)]);
-        let files = Overlay(vec![Arc::new(own), Arc::new(DiskFiles::new(root))]);
-        let library = interfaces::import_from(Library::new(Arc::new(files)), interfaces::INTERFACES);
-        Case { library, inputs: inputs.iter().map(ToString::to_string).collect(), outputs: BTreeMap::new() }
-    }
-
-    fn out(mut self, port: &str, interface: Option<&str>, format: Option<Format>) -> Case {
-        let said =
-            OutputOverride { interface: interface.map(Into::into), format, ..OutputOverride::default() };
-        self.outputs.insert(port.into(), said);
-        self
-    }
-
-    fn cx(&self) -> UseContext<'_> {
-        let use_ = Use {
-            kind: "fullscreen",
-            shader: Some("own.wgsl"),
-            inputs: &self.inputs,
-            outputs: &self.outputs,
-        };
-        UseContext { use_, shaders: &self.library, interfaces: interfaces::INTERFACES }
-    }
-
-    fn settings(&self) -> Result<Vec<Setting>, PassTypeError> {
-        PASS.settings(&self.cx())
-    }
-
-    fn ports(&self) -> Result<Ports, PassTypeError> {
-        PASS.ports(&self.cx(), &Settings::default())
-    }
-
-    fn outputs(&self, inputs: &[InputDesc]) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let (settings, traits) = (Settings::default(), Traits::default());
-        let context = OutputContext {
-            use_: self.cx().use_,
-            settings: &settings,
-            inputs,
-            frame: (64, 48),
-            traits: &traits,
-        };
-        PASS.outputs(&self.cx(), &context)
-    }
-
-    /// The message and help of the refusal.
-    fn refusal(&self) -> String {
-        let error = self
-            .settings()
-            .and_then(|_| self.ports())
-            .and_then(|_| self.outputs(&[]).map(|_| ()))
-            .unwrap_err();
-        format!(
-            "{} | {} | {}",
-            error.input.unwrap_or_default(),
-            error.message,
-            error.help.unwrap_or_default()
-        )
-    }
+fn said(interface: Option<&str>, format: Option<Format>) -> OutputOverride {
+    OutputOverride { interface: interface.map(Into::into), format, ..OutputOverride::default() }
 }
 
 fn picture(name: &str, size: (u32, u32)) -> InputDesc {
@@ -100,11 +36,11 @@ fn the_example_has_one_input_one_setting_and_a_display() {
     let ron = std::fs::read_to_string(root.join("vignette.ron")).unwrap();
     assert!(wgsl.lines().count() + ron.lines().count() <= 25, "an effect is at most 25 lines");
 
-    let case = Case::new(&wgsl, &[]).out("result", Some("Display"), None);
-    let settings = case.settings().unwrap();
+    let case = shader_use(&wgsl, &[]).out("result", said(Some("Display"), None));
+    let settings = case.schema().unwrap();
     assert_eq!(settings.len(), 1);
     assert_eq!((&*settings[0].name, settings[0].default.clone()), ("strength", Value::F32(0.5)));
-    let ports = case.ports().unwrap();
+    let ports = case.ports(&[]).unwrap();
     assert_eq!((&*ports.inputs[0].name, &*ports.inputs[0].interface), ("picture", "Texture"));
     assert_eq!((&*ports.outputs[0].name, &*ports.outputs[0].interface), ("result", "Display"));
     assert_eq!(ports.scene_bindings, SceneBindings::NONE);
@@ -115,7 +51,7 @@ fn the_example_has_one_input_one_setting_and_a_display() {
 
 #[test]
 fn a_shader_without_inputs_fills_the_frame() {
-    let outputs = Case::new(RED, &[]).outputs(&[]).unwrap();
+    let outputs = shader_use(RED, &[]).outputs(&[]).unwrap();
     assert_eq!(outputs[0].members[0].1, ResourceDesc::texture_2d(Format::Rgba16Float, Extent::FRAME));
 }
 
@@ -132,8 +68,8 @@ fn a_link_fills_the_globals_that_begin_with_its_name() {
             let depth = textureLoad(view_depth, pixel, 0).x + textureLoad(view_normal, pixel, 0).x + weights[0];
             return Result(depth + textureLoad(view, pixel, 0).x, position_from_depth(pixel, depth).xy);
         }";
-    let case = Case::new(wgsl, &["view"]);
-    let ports = case.ports().unwrap();
+    let case = shader_use(wgsl, &["view"]);
+    let ports = case.ports(&[]).unwrap();
     let inputs: Vec<_> = ports.inputs.iter().map(|p| (p.name.to_string(), p.interface.to_string())).collect();
     assert_eq!(inputs, [("view".into(), "Any".into()), ("weights".into(), "Buffer".into())]);
     assert_eq!(ports.scene_bindings, SceneBindings::CAMERA);
@@ -154,7 +90,7 @@ fn results_named_alike_make_an_interface_in_its_own_formats() {
             @location(2) seen_albedo: vec4<f32>,
         }
         @fragment fn surface() -> Result { return Result(1.0, vec4(0.0), vec4(0.5)); }";
-    let case = Case::new(wgsl, &[]).out("seen", Some("GBuffer"), None);
+    let case = shader_use(wgsl, &[]).out("seen", said(Some("GBuffer"), None));
     let outputs = case.outputs(&[]).unwrap();
     let members: Vec<_> =
         outputs[0].members.iter().map(|(name, desc, _)| (name.to_string(), desc.clone())).collect();
@@ -163,7 +99,7 @@ fn results_named_alike_make_an_interface_in_its_own_formats() {
         [("depth", Format::R32Float), ("normal", Format::Rgba16Float), ("albedo", Format::Rgba16Float)];
     assert_eq!(members, expected.map(|(name, format)| (name.to_owned(), frame(format))));
     let lacking =
-        Case::new(&wgsl.replace("seen_normal", "seen_bump"), &[]).out("seen", Some("GBuffer"), None);
+        shader_use(&wgsl.replace("seen_normal", "seen_bump"), &[]).out("seen", said(Some("GBuffer"), None));
     assert!(lacking.refusal().contains("`seen_bump` is no member of a `GBuffer`"), "{}", lacking.refusal());
 }
 
@@ -175,7 +111,7 @@ fn storage_that_it_writes_is_an_output_beside_its_results() {
             atomicAdd(&histogram[u32(at.x)], 1u);
             return textureLoad(view_depth, vec2<u32>(at.xy), 0);
         }";
-    let outputs = Case::new(wgsl, &["view"]).outputs(&[]).unwrap();
+    let outputs = shader_use(wgsl, &["view"]).outputs(&[]).unwrap();
     let found: Vec<_> = outputs.iter().map(|o| (o.port.to_string(), o.members[0].2.clone())).collect();
     let cleared = Usage::ClearFirst(Clear::Zero);
     assert_eq!(found, [("result".into(), Usage::Overwrites), ("histogram".into(), cleared)]);
@@ -186,26 +122,14 @@ fn storage_that_it_writes_is_an_output_beside_its_results() {
 fn it_records_one_draw_of_the_scenes_variant() {
     let wgsl = "#option TEXTURED false
         @fragment fn effect() -> @location(0) vec4<f32> { return vec4(1.0); }";
-    let case = Case::new(wgsl, &[]);
+    let case = shader_use(wgsl, &[]);
     let traits = Traits(BTreeMap::from([("textured".into(), Value::Bool(true))]));
-    let recording = PASS
-        .record(&RecordContext {
-            name: "effect",
-            use_: case.cx().use_,
-            settings: &Settings::default(),
-            inputs: &[],
-            outputs: &[],
-            frame: (64, 48),
-            traits: &traits,
-            shaders: &case.library,
-            interfaces: interfaces::INTERFACES,
-        })
-        .unwrap();
+    let recording = case.record(&[], &[], &traits).unwrap();
     let [Step::Raster(draw)] = recording.steps.as_slice() else { panic!("one draw: {recording:?}") };
     assert_eq!(draw.fragment.as_deref(), Some("effect"));
     assert_eq!(draw.targets[0].resource, "result");
     assert_eq!(draw.shader.defines["TEXTURED"], pass::Define::Bool(true));
-    let shader = case.library.load(&draw.shader).unwrap();
+    let shader = case.library().load(&draw.shader).unwrap();
     assert!(shader.interface.entry("fullscreen").is_some());
 }
 
@@ -218,26 +142,14 @@ fn entry_points_draw_one_after_the_other() {
         @fragment fn columns(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
             return textureLoad(rows_drawn, vec2<u32>(at.xy), 0);
         }";
-    let case = Case::new(wgsl, &[]);
-    let ports = case.ports().unwrap();
+    let case = shader_use(wgsl, &[]);
+    let ports = case.ports(&[]).unwrap();
     assert_eq!(ports.outputs.iter().map(|port| &*port.name).collect::<Vec<_>>(), ["columns"]);
     assert!(ports.inputs.is_empty());
     let outputs = case.outputs(&[]).unwrap();
     let told: Vec<_> = outputs.iter().map(|output| (&*output.port, output.scratch)).collect();
     assert_eq!(told, [("rows", true), ("columns", false)]);
-    let recording = PASS
-        .record(&RecordContext {
-            name: "blur",
-            use_: case.cx().use_,
-            settings: &Settings::default(),
-            inputs: &[],
-            outputs: &[],
-            frame: (64, 48),
-            traits: &Traits::default(),
-            shaders: &case.library,
-            interfaces: interfaces::INTERFACES,
-        })
-        .unwrap();
+    let recording = case.record(&[], &[], &Traits::default()).unwrap();
     let drawn: Vec<(&str, &str)> = recording
         .steps
         .iter()
@@ -285,7 +197,7 @@ fn refusals_say_what_is_wrong_and_what_to_do() {
         ),
     ];
     for (wgsl, inputs, expected) in cases {
-        let refusal = Case::new(wgsl, inputs).refusal();
+        let refusal = shader_use(wgsl, inputs).refusal();
         assert!(refusal.contains(expected), "{wgsl}\n{refusal}");
     }
     let outs: [(&str, Option<&str>, Option<Format>, &str); 4] = [
@@ -305,7 +217,7 @@ fn refusals_say_what_is_wrong_and_what_to_do() {
         ),
     ];
     for (port, interface, format, expected) in outs {
-        let refusal = Case::new(RED, &[]).out(port, interface, format).refusal();
+        let refusal = shader_use(RED, &[]).out(port, said(interface, format)).refusal();
         assert!(refusal.contains(expected), "{refusal}");
     }
 }
