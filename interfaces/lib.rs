@@ -1,9 +1,9 @@
-//! The interfaces of Lightloom: where algorithms are swapped. Every producer of one works with every consumer.
+//! The interfaces of Lightloom: the types of ports. Every producer of an interface works with every consumer of it.
 //!
 //! Scene units are metres; colours are linear Rec. 709; all radiometric quantities are per RGB channel.
 //!
 //! An interface is one folder: its members with formats, its facts, its WGSL, and the Rust structs that have the
-//! layout of the WGSL ones. A crate outside this tree brings an interface of its own with
+//! layout of the WGSL ones. A crate outside this tree adds an interface with
 //! [`Pass::interfaces`](pass::Pass::interfaces).
 
 pub mod counters;
@@ -44,11 +44,11 @@ pub static INTERFACES: &[Interface] = &[
     display::INTERFACE,
 ];
 
-/// Returns the interfaces of the tree and those that passes bring, in that order; an interface that several bring
-/// stands there once.
+/// Returns the interfaces of the tree and those that passes add, in that order; an interface that several passes add is
+/// listed once.
 ///
 /// # Errors
-/// Where two that differ have one name.
+/// Where two different interfaces have the same name.
 pub fn with_those_of<'a>(
     passes: impl IntoIterator<Item = &'a dyn Pass>,
 ) -> Result<Vec<Interface>, NameTaken> {
@@ -65,12 +65,12 @@ pub fn with_those_of<'a>(
     Ok(all)
 }
 
-/// A pass brings an interface whose name another one has.
+/// A pass adds an interface whose name another interface has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NameTaken {
     /// The name.
     pub interface: &'static str,
-    /// The pass type that brings the second one.
+    /// The pass type that adds the second one.
     pub pass: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! Hemispherical depth maps as splatted.
+//! Hemispherical depth maps after splatting, with holes.
 
 use pass::{Content, Fact, Interface, Member};
 
@@ -6,7 +6,7 @@ use pass::{Content, Fact, Interface, Member};
 pub const TILE: Fact<u32> = Fact::required("tile", "side of a map [px]");
 /// The number of maps.
 pub const COUNT: Fact<u32> = Fact::required("count", "the number of maps");
-/// The bias that lookups of the maps need.
+/// The depth bias that lookups of the maps need.
 pub const DEPTH_BIAS: Fact<f32> =
     Fact::required("depth_bias", "bias of a lookup, in widths of a texel along the receiver's plane");
 

@@ -1,4 +1,4 @@
-//! How much each texel of a reflective shadow map matters.
+//! Importance of each texel of a reflective shadow map.
 
 use pass::{Content, Format, Interface, Member, OutputContext, PassTypeError};
 
@@ -13,11 +13,11 @@ pub const INTERFACE: Interface = Interface::new(
     )],
 );
 
-/// Returns the size and layers of the importance map that a sampler reads beside the reflective shadow map it was made
-/// from: its inputs are `importance` and `rsm`.
+/// Returns the size and layers of the importance map that a sampler reads together with its reflective shadow map: the
+/// inputs are `importance` and `rsm`.
 ///
 /// # Errors
-/// Where the two have not the same texels.
+/// Where the two differ in size or layers.
 pub fn shape(cx: &OutputContext<'_>) -> Result<((u32, u32), u32), PassTypeError> {
     let shape = |name: &str| {
         let texture =

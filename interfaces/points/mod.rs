@@ -5,10 +5,10 @@ mod samples;
 use pass::{Content, Fact, Interface, Member};
 pub use samples::SurfaceSamples;
 
-/// How many different samples there are at most.
+/// The greatest number of different samples.
 pub const COUNT: Fact<u32> = Fact::required("count", "the most different samples there are");
 
-/// How many maps take turns.
+/// The number of maps that take samples in turn.
 pub const BLOCK: Fact<u32> =
     Fact::optional("block", "how many maps take turns, a power of two; 1 where it is left out");
 

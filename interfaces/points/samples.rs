@@ -1,4 +1,4 @@
-//! What a consumer of the interface `Points` asks of its module: `struct SamplesWanted` of surface-sample.wgsl.
+//! What a consumer of the interface `Points` requests from its module: `struct SamplesWanted` of surface-sample.wgsl.
 
 use super::{BLOCK, COUNT};
 use pass::{Compute, PassTypeError, RecordContext, Value};
@@ -12,11 +12,11 @@ pub struct SurfaceSamples {
 }
 
 impl SurfaceSamples {
-    /// Asks for a number of samples for each of a number of maps, and for no more than there are. The product is at
+    /// Requests a number of samples for each of a number of maps, and no more than there are. The product is at
     /// most 2³⁰.
     ///
     /// # Errors
-    /// Where the producer of `points` does not give the facts of its interface.
+    /// Where the producer of `points` lacks facts of its interface.
     pub fn new(cx: &RecordContext<'_>, maps: u32, per_map: u32) -> Result<SurfaceSamples, PassTypeError> {
         let count = cx.fact("points", COUNT)?;
         // Maps that take turns, a power of two: not many more than there are.
@@ -24,7 +24,7 @@ impl SurfaceSamples {
         Ok(SurfaceSamples { maps, per_map: per_map.min(count), block })
     }
 
-    /// Indices of samples that there are to ask for: of all maps, filled up to whole blocks.
+    /// The number of sample indices of all maps, rounded up to whole blocks.
     pub fn threads(&self) -> u32 {
         self.maps.next_multiple_of(self.block) * self.per_map
     }

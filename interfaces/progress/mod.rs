@@ -1,4 +1,4 @@
-//! How far a result is that is made in several frames.
+//! Progress of a result that takes several frames.
 
 use bytemuck::{Pod, Zeroable};
 use pass::{Content, Extent, Interface, Member, PassTypeError, ResourceDesc, Struct, UseContext};
@@ -21,27 +21,27 @@ pub const INTERFACE: Interface = Interface::new(
 pub struct Progress {
     /// Steps so far: samples, iterations, whatever the pass counts.
     pub step: u32,
-    /// The most steps there will be.
+    /// The greatest number of steps.
     pub steps: u32,
-    /// Estimate of what is still wrong, by the pass's own measure; 0 until there is one.
+    /// Estimate of the remaining error, by the pass's own measure; 0 until there is one.
     pub error: f32,
-    /// 1 when no more steps are wanted.
+    /// 1 when the result has converged and no more steps are needed.
     pub done: u32,
 }
 
 impl Progress {
-    /// Returns whether no more steps are wanted.
+    /// Returns whether the result has converged.
     pub fn is_done(&self) -> bool {
         self.done != 0
     }
 
-    /// Reads the progress from the bytes of a buffer; `None` where there are not as many as it has.
+    /// Reads the progress from the bytes of a buffer; `None` where their number is not its size.
     pub fn from_bytes(bytes: &[u8]) -> Option<Progress> {
         bytemuck::try_pod_read_unaligned(bytes).ok()
     }
 }
 
-/// Describes the buffer of a progress.
+/// Describes a buffer of a `struct Progress`.
 ///
 /// # Errors
 /// Where progress.wgsl is refused.

@@ -14,13 +14,14 @@ pub struct Assets {
 }
 
 impl Assets {
-    /// Creates assets with a folder on disk whose files come before the embedded ones; `None` for those alone.
+    /// Creates assets with a folder on disk, whose files take precedence over the embedded ones; `None` for embedded
+    /// files alone.
     pub fn new(root: Option<PathBuf>) -> Assets {
         Assets { root, embedded: crate::EMBEDDED.iter().copied().collect() }
     }
 
-    /// Returns the same with further embedded files, path from the root of the tree and text: for a crate outside the
-    /// tree that brings passes. They come before those of the tree of the same path.
+    /// Adds embedded files, as path from the root of the tree and text: for a crate outside the tree that adds passes.
+    /// They take precedence over files of the tree with the same path.
     pub fn with_files(mut self, files: impl IntoIterator<Item = (&'static str, &'static str)>) -> Assets {
         self.embedded.extend(files);
         self

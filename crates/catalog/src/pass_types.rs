@@ -1,4 +1,4 @@
-//! What the frame graph asks of passes, answered by the catalog.
+//! Implements the frame graph's trait for the passes of the catalog.
 
 use crate::assets::{Assets, PipelineFiles, ShaderAssets};
 use frame_graph::port::{OutputContext, OutputDesc, PassTypes};
@@ -8,7 +8,7 @@ use pass::{Library, Pass, UseContext};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// All pass types with the shaders by which they know their ports.
+/// All pass types, with the shaders from which some of them derive their ports.
 pub struct Catalog {
     assets: Assets,
     pipelines: PipelineFiles,
@@ -25,11 +25,11 @@ impl Catalog {
         Catalog::build(assets, crate::PASSES.to_vec(), None).unwrap_or_else(|taken| panic!("{taken}"))
     }
 
-    /// Creates the catalog of these files with further passes, which may bring interfaces: for applications that
-    /// have passes of their own.
+    /// Creates the catalog of these files with further passes, which may add interfaces: for applications that have
+    /// passes of their own.
     ///
     /// # Errors
-    /// Where two interfaces that differ have one name.
+    /// Where two different interfaces have the same name.
     pub fn with_passes(
         assets: Assets,
         passes: impl IntoIterator<Item = &'static dyn Pass>,
@@ -88,7 +88,7 @@ impl Catalog {
         &self.passes
     }
 
-    /// Returns the interfaces of the tree, and those that the passes bring.
+    /// Returns the interfaces of the tree, and those that passes add.
     pub fn interfaces(&self) -> &[Interface] {
         &self.interfaces
     }

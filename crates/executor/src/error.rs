@@ -1,4 +1,4 @@
-//! What can go wrong on the GPU, reported with the pass and the bytes.
+//! Errors of the GPU, with the pass and the bytes concerned.
 
 use frame_graph::Diagnostics;
 
@@ -10,7 +10,7 @@ pub enum ExecutorError {
         "no graphics adapter was found; on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` gives one that runs on the CPU"
     )]
     NoAdapter,
-    /// The adapter gave no device.
+    /// The adapter could not create a device.
     #[error("the adapter {adapter} gave no device: {message}")]
     Device {
         /// The adapter's name.
@@ -23,9 +23,9 @@ pub enum ExecutorError {
     Limit {
         /// `pass.port`
         resource: String,
-        /// The size asked for.
+        /// The requested size.
         wanted: String,
-        /// The size allowed.
+        /// The greatest size allowed.
         allowed: String,
         /// The limit's name in WebGPU.
         limit: &'static str,
@@ -33,12 +33,12 @@ pub enum ExecutorError {
         /// where nothing is known.
         from: String,
     },
-    /// The device's memory is used up.
+    /// The device has no more memory.
     #[error("out of memory: {resource} needs {bytes} bytes, beside {held} bytes held already")]
     OutOfMemory {
         /// `pass.port`
         resource: String,
-        /// Bytes asked for.
+        /// Requested bytes.
         bytes: u64,
         /// Bytes held by the executor.
         held: u64,
@@ -61,7 +61,7 @@ pub enum ExecutorError {
         /// The adapter's name.
         adapter: String,
     },
-    /// A pass draws what a buffer says, and the adapter takes no first instance from there.
+    /// A pass draws indirectly, and the adapter does not support a first instance in indirect draws.
     #[error("pass {pass} draws indirectly, for which {adapter} lacks the feature INDIRECT_FIRST_INSTANCE")]
     NoFirstInstance {
         /// Name of the pass.

@@ -1,4 +1,4 @@
-//! The device: opened here, or handed in by an application.
+//! The device: opened here, or passed in by an application.
 
 use crate::error::ExecutorError;
 use std::sync::{Arc, Mutex};
@@ -17,7 +17,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Features that are used where they are there; none is needed.
+    /// Features that are used where the adapter has them; none is required.
     pub const WANTED: Features = Features::TIMESTAMP_QUERY
         .union(Features::FLOAT32_FILTERABLE)
         .union(Features::INDIRECT_FIRST_INSTANCE)
@@ -27,12 +27,12 @@ impl Gpu {
     /// Opens the best adapter, without a window. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` choose another.
     ///
     /// # Errors
-    /// [`ExecutorError::NoAdapter`] with what to install, or the driver's own refusal.
+    /// [`ExecutorError::NoAdapter`] with what to install, or the error of the driver.
     pub fn open() -> Result<Gpu, ExecutorError> {
         pollster::block_on(Self::open_async())
     }
 
-    /// Returns what adapters there are, the one that [`Gpu::open`] takes first.
+    /// Returns the adapters, with the one that [`Gpu::open`] chooses first.
     pub fn adapters() -> Vec<AdapterInfo> {
         pollster::block_on(Self::sorted_adapters()).iter().map(Adapter::get_info).collect()
     }
@@ -65,8 +65,8 @@ impl Gpu {
         Ok(Gpu::from_device(device, queue, adapter.get_info()))
     }
 
-    /// Describes how Lightloom asks for a device: all that the adapter's limits allow, and the wanted features that it
-    /// has. An application that opens its own device does well to ask the same.
+    /// Describes the device that Lightloom requests: all limits of the adapter, and the optional features that it has.
+    /// An application that opens its own device should request the same.
     pub fn device_descriptor(adapter: &Adapter) -> wgpu::DeviceDescriptor<'static> {
         wgpu::DeviceDescriptor {
             label: Some("lightloom"),
@@ -77,8 +77,7 @@ impl Gpu {
         }
     }
 
-    /// Takes a device that an application has opened. Its uncaptured errors come to [`Gpu::take_fault`] from
-    /// now on.
+    /// Uses a device that an application has opened. From now on, [`Gpu::take_fault`] returns its uncaptured errors.
     pub fn from_device(device: Device, queue: Queue, info: AdapterInfo) -> Gpu {
         let faults = Arc::new(Mutex::new(None));
         let sink = Arc::clone(&faults);
@@ -101,7 +100,7 @@ impl Gpu {
         self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
     }
 
-    /// Returns the limits that the device was opened with.
+    /// Returns the limits of the device.
     pub fn limits(&self) -> Limits {
         self.device.limits()
     }
@@ -116,7 +115,7 @@ impl Gpu {
         self.device.features().contains(Features::EXPERIMENTAL_RAY_QUERY)
     }
 
-    /// Returns whether an indirect draw can begin at another instance than the first.
+    /// Returns whether an indirect draw can have a first instance other than 0.
     pub fn has_first_instance(&self) -> bool {
         self.device.features().contains(Features::INDIRECT_FIRST_INSTANCE)
     }
@@ -127,7 +126,7 @@ impl Gpu {
         format!("{} ({:?}, {} {})", info.name, info.backend, info.driver, info.driver_info)
     }
 
-    /// Waits until all that was submitted is done.
+    /// Waits until all submitted work is done.
     ///
     /// # Errors
     /// [`ExecutorError::Lost`] where the device is gone.

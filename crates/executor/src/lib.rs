@@ -1,7 +1,7 @@
 //! Runs the plans of the frame graph on wgpu.
 //!
-//! An [`Executor`] takes a plan whose steps are linked, makes the objects and pipelines that it lacks, and
-//! encodes frames. It depends on no pass and on no scene: its data comes as [`SceneBinding`]s by name.
+//! An [`Executor`] takes a plan whose steps are linked, creates the objects and pipelines that it lacks, and encodes
+//! frames. It depends on no pass and on no scene: scene data is bound as [`SceneBinding`]s by name.
 
 mod current;
 mod error;

@@ -1,4 +1,4 @@
-//! Objects on the GPU behind the allocations of a plan, kept for reuse when a plan is replaced.
+//! Objects on the GPU for the allocations of a plan, kept for reuse when a plan is replaced.
 
 use crate::error::ExecutorError;
 use crate::format::texture_format;
@@ -13,14 +13,14 @@ pub enum Object {
     Texture {
         /// The texture.
         texture: wgpu::Texture,
-        /// All of it, as an array where it is declared so.
+        /// A view of the whole texture, as an array if it is declared so.
         view: wgpu::TextureView,
     },
     /// A buffer.
     Buffer(wgpu::Buffer),
 }
 
-/// Scene bindings, bound by name.
+/// A scene binding, bound by name.
 #[derive(Clone, Debug)]
 pub enum SceneBinding {
     /// A uniform or storage buffer.
@@ -29,20 +29,20 @@ pub enum SceneBinding {
     Texture(wgpu::TextureView),
     /// A sampler.
     Sampler(wgpu::Sampler),
-    /// What ray queries traverse.
+    /// The acceleration structure for ray queries.
     AccelerationStructure(wgpu::Tlas),
 }
 
-/// What an object is used for, beside being bound and read back.
+/// What an object is used for, in addition to being bound and read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ObjectUsage {
-    /// Drawn to, or cleared.
+    /// It is a target of draws, or cleared.
     pub attachment: bool,
-    /// Bound as a storage texture.
+    /// It is bound as a storage texture.
     pub storage: bool,
-    /// Copied to.
+    /// It is a target of copies.
     pub filled: bool,
-    /// Holds the size of an indirect dispatch or draw.
+    /// It holds the size of an indirect dispatch or draw.
     pub indirect: bool,
 }
 

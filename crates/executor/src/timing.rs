@@ -1,8 +1,8 @@
-//! GPU time of each pass, by timestamps at the start of the frame and after the last step of each.
+//! Measures the GPU time of each pass, with timestamps at the start of the frame and after the last step of each pass.
 //!
-//! They are read in two ways. A frame that is *timed* waits for its own. A frame that is *monitored* leaves them in one
-//! of a few buffers, which is mapped when the GPU has come so far and read by whoever asks next: nothing ever waits,
-//! and frames for which no buffer is free go without.
+//! Timestamps are read in two ways. A frame that is *timed* waits for its own. A frame that is *monitored* writes them
+//! into one of a few buffers, which is mapped when the GPU is done and read at the next query: nothing waits, and
+//! frames for which no buffer is free are not timed.
 
 use crate::error::ExecutorError;
 use crate::gpu::Gpu;
@@ -13,9 +13,9 @@ use wgpu::{BufferUsages, QueryType};
 /// The GPU time of the passes of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timings {
-    /// The number of the frame, as its [`FrameReport`](crate::FrameReport) says it.
+    /// The number of the frame, as in its [`FrameReport`](crate::FrameReport).
     pub frame: u64,
-    /// Milliseconds on the GPU, one entry a pass; 0 for those that did not run.
+    /// GPU time in milliseconds, one entry per pass; 0 for passes that did not run.
     pub times: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Elements sorted into cells: `shaders/algorithms/grid.wgsl`.
+//! Sorts elements into cells: `shaders/algorithms/grid.wgsl`.
 
 use crate::RadixSort;
 use pass::{Compute, OutputDesc, PassTypeError, Request, ResourceDesc, Threads, UseContext};
@@ -9,15 +9,16 @@ use pass::{Compute, OutputDesc, PassTypeError, Request, ResourceDesc, Threads, U
 /// Buffers are named as `port` or `port.member`.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<'a> {
-    /// The most elements there can be, at most 2³¹.
+    /// The greatest number of elements, at most 2³¹.
     pub length: u32,
-    /// Cells: what `grid_cells` of the shader returns; at most 2³¹.
+    /// The number of cells, which `grid_cells` of the shader returns; at most 2³¹.
     pub cells: u32,
-    /// Where each cell begins, and then where the last ends: [`Grid::starts_bytes`] bytes.
+    /// Name of the buffer with the begin of each cell, and the end of the last: [`Grid::starts_bytes`] bytes.
     pub starts: &'a str,
-    /// The numbers of the elements, cell after cell: [`Grid::indices_bytes`] bytes, of which those left out fill the end.
+    /// Name of the buffer with the indices of the elements, cell after cell: [`Grid::indices_bytes`] bytes. Elements
+    /// without a cell are at the end.
     pub indices: &'a str,
-    /// Begins the names of the scratch memory.
+    /// Prefix of the names of the scratch memory.
     pub scratch: &'a str,
 }
 
@@ -49,7 +50,7 @@ impl Grid<'_> {
         }
     }
 
-    /// Returns the scratch memory: 12 bytes an element, and little more.
+    /// Returns the scratch memory: 12 bytes per element, and little more.
     ///
     /// # Errors
     /// Where the WGSL of the algorithms is refused.

@@ -1,8 +1,8 @@
 //! Reductions, scans, compactions, sorts, selection, grids and divided dispatches, as steps for passes.
 //!
-//! The WGSL is in `shaders/algorithms/`. A pass has a shader of its own that imports one of those files and gives the
-//! functions that the file asks for: how many elements there are, what each is, and what is done with the results. So
-//! an algorithm reads textures, structs or numbers that are never stored. The functions of this crate return the
+//! The WGSL is in `shaders/algorithms/`. A pass has its own shader, which imports one of these files and defines the
+//! functions that the file calls: how many elements there are, the value of each, and what happens with the results. So
+//! an algorithm can read textures, structs or numbers that are never stored. The functions of this crate return the
 //! dispatches of that shader, in order, and the scratch memory that they need:
 //!
 //! | | the shader imports | scratch | steps |
@@ -14,9 +14,9 @@
 //! | the element of a rank | `algorithms/select.wgsl` | [`select::scratch`] | [`select::steps`] |
 //! | sort keys and values | (none) | [`RadixSort::scratch`] | [`RadixSort::steps`] |
 //! | sort elements into cells | `algorithms/grid.wgsl` | [`Grid::scratch`] | [`Grid::steps`] |
-//! | cut a dispatch that would take too long | | | [`parts`] |
+//! | split a dispatch that would take too long | | | [`parts`] |
 //!
-//! All of them give the same bits in every run: sums of floating-point numbers have one order, and atomic operations
+//! All of them compute the same bits in every run: sums of floating-point numbers have one order, and atomic operations
 //! are on integers alone. No workgroup waits for another. Lengths are upper bounds: a shader may read the true one from
 //! a buffer. Zero elements are allowed everywhere, and at most 2³¹. Sizes of workgroups and of structs are those of the
 //! WGSL, so every function that depends on them fails where the WGSL is refused.
@@ -58,7 +58,7 @@ impl Blocks {
         Ok(Blocks { group: constant("GROUP_SIZE")?, elements: constant("BLOCK_SIZE")? })
     }
 
-    /// How many blocks hold so many elements, at least one.
+    /// The number of blocks for this many elements, at least one.
     fn count(self, length: u32) -> u32 {
         length.div_ceil(self.elements).max(1)
     }
@@ -74,8 +74,8 @@ fn one_group(shader: &Request, entry: &str) -> Compute {
     Compute::new(shader.clone(), entry, Threads::Row(1))
 }
 
-/// Returns the scan of segments of equal length, a workgroup for each: `rows` times `layers` segments, whose number the
-/// shader gets as `segment.y` and `segment.z`. At most 65,535 of each.
+/// Returns the scan of segments of equal length, with one workgroup for each: `rows` times `layers` segments, whose
+/// number the shader gets as `segment.y` and `segment.z`. At most 65,535 of each.
 pub fn segmented_scan(shader: &Request, rows: u32, layers: u32) -> Compute {
     Compute::new(shader.clone(), "scan_segments", Threads::Grid([1, rows, layers]))
 }

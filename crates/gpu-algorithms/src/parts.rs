@@ -1,21 +1,21 @@
-//! Dispatches cut into parts.
+//! Splits dispatches into parts.
 
-/// Loop iterations that a thread should make at most in one dispatch. A driver takes a dispatch that goes on for seconds
-/// for a hang, and lavapipe silently ends all loops of a thread after 65,535 iterations.
+/// The most loop iterations that a thread should execute in one dispatch. A driver treats a dispatch that runs for
+/// seconds as a hang, and lavapipe silently ends all loops of a thread after 65,535 iterations.
 pub const LOOP_ITERATIONS: u32 = 32_768;
 
-/// What one of several dispatches takes.
+/// The range of elements of one of several dispatches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// The first element.
     pub begin: u32,
-    /// Behind the last element; `u32::MAX` for the last part, which takes all that there are.
+    /// The end of the range, exclusive; `u32::MAX` for the last part, which takes all remaining elements.
     pub end: u32,
-    /// Whether it is the last part.
+    /// Whether this is the last part.
     pub last: bool,
 }
 
-/// Returns the parts, at least one, in which a dispatch takes `length` elements, when each takes `most` of them.
+/// Returns the parts, at least one, of a dispatch over `length` elements, where each part has at most `most` of them.
 pub fn parts(length: u32, most: u32) -> impl ExactSizeIterator<Item = Part> {
     let most = most.max(1);
     let count = length.div_ceil(most).max(1);

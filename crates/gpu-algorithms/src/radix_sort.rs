@@ -8,25 +8,26 @@ const OFFSETS: &str = "shaders/algorithms/radix-offsets.wgsl";
 
 /// A stable sort of keys, each a u32, with a value of 32 bits each. Elements with equal keys keep their order.
 ///
-/// Buffers are named as `port` or `port.member`. The keys and values may lie in the buffers that the sorted ones are
-/// written to. The time is proportional to `length` and to `bits`.
+/// Buffers are named as `port` or `port.member`. The keys and values may be in the same buffers to which the sorted
+/// ones are written. The time is proportional to `length` and to `bits`.
 #[derive(Clone, Copy, Debug)]
 pub struct RadixSort<'a> {
-    /// Elements, at most 2³¹; where there is a count, the most there can be.
+    /// The number of elements, at most 2³¹; where there is a count, their greatest number.
     pub length: u32,
     /// A buffer whose first word is the number of elements, such as `VirtualLights`.
     pub count: Option<&'a str>,
-    /// How many of the low bits of a key count: the rest must be 0. Few are faster; 32 for any keys.
+    /// How many of the low bits of a key are sorted: the other bits must be 0. Fewer bits are faster; 32 sorts any
+    /// keys.
     pub bits: u32,
     /// The keys: `array<u32>`.
     pub keys: &'a str,
     /// The values: `array<u32>`; without them, the value of an element is its index.
     pub values: Option<&'a str>,
-    /// Where the keys go in rising order: `array<u32>`.
+    /// The sorted keys, in ascending order: `array<u32>`.
     pub sorted_keys: &'a str,
-    /// Where the values go in the order of their keys: `array<u32>`.
+    /// The values, in the order of their keys: `array<u32>`.
     pub sorted_values: &'a str,
-    /// Begins the names of the scratch memory.
+    /// Prefix of the names of the scratch memory.
     pub scratch: &'a str,
 }
 
@@ -39,7 +40,7 @@ impl RadixSort<'_> {
         format!("{}_{part}", self.scratch)
     }
 
-    /// Returns the scratch memory: 8 bytes an element, and little more.
+    /// Returns the scratch memory: 8 bytes per element, and little more.
     ///
     /// # Errors
     /// Where the WGSL of the algorithms is refused.

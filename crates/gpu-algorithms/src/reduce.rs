@@ -1,4 +1,4 @@
-//! Combining all elements into one: `shaders/algorithms/reduce.wgsl`.
+//! Combines all elements into one: `shaders/algorithms/reduce.wgsl`.
 
 use crate::{Blocks, one_group};
 use pass::{Compute, OutputDesc, PassTypeError, Request, ResourceDesc, UseContext};
@@ -32,7 +32,7 @@ pub fn steps(
     Ok(steps.into_iter().map(|step| step.bind("reduced_blocks", scratch)).collect())
 }
 
-/// Returns the step for a few elements, such as what workgroups of another shader have summed: one workgroup, whose
+/// Returns the step for a few elements, such as the sums of workgroups of another shader: one workgroup, whose
 /// threads take every 256th element.
 pub fn few(shader: &Request) -> Compute {
     one_group(shader, "reduce_few")

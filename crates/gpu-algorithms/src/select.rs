@@ -1,4 +1,4 @@
-//! The element of a rank: `shaders/algorithms/select.wgsl`.
+//! Finds the element of a rank: `shaders/algorithms/select.wgsl`.
 
 use crate::{Blocks, one_group};
 use pass::{Compute, OutputDesc, PassTypeError, Request, Struct, UseContext};

@@ -1,4 +1,4 @@
-//! A use of a pass type that is WGSL alone: its settings, ports, resources and steps, read from the shader.
+//! A use of a pass type in WGSL alone: its settings, ports, resources and steps, read from the shader.
 //!
 //! | in the shader | in the pipeline |
 //! |---|---|
@@ -6,11 +6,11 @@
 //! | an `#option TAPS 9` | a setting `taps`, which selects the variant |
 //! | an `#option TEXTURED`, named as a trait of the scene | nothing: the scene decides |
 //! | a global `K`, or `K_member` where `in:` links `K` | the input `K` |
-//! | `#import interface "K"` | the input `K`, whose producer brings the module |
+//! | `#import interface "K"` | the input `K`, whose producer provides the module |
 //! | a global `K`, or `K_member` where `out:` names `K` | the output `K`; with `[scratch]`, nothing |
-//! | a global with `[reads: K]` | nothing: what an entry point before has written to `K` |
+//! | a global with `[reads: K]` | nothing: what an earlier entry point has written to `K` |
 //! | the entry points of the pass type's stage | the steps, in the order of the text |
-//! | `camera`, `frame`, `scene_…` | nothing: the application has it |
+//! | `camera`, `frame`, `scene_…` | nothing: they are scene bindings |
 
 mod options;
 mod outputs;
@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 pub use shader_pass::ShaderPass;
 
-/// The file that a use names, and what a pass type makes of it.
+/// The file that a use names, and how a pass type runs it.
 #[derive(Clone, Debug)]
 struct UserShader<'a> {
     /// The file, as the use names it.
@@ -37,7 +37,7 @@ struct UserShader<'a> {
     stage: Stage,
 }
 
-/// A shader of a user, as a pass.
+/// A user's shader, as a pass.
 #[derive(Debug)]
 struct Reflected {
     shader: Arc<Shader>,

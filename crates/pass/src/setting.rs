@@ -1,4 +1,4 @@
-//! Settings that Rust reads, declared once: [`settings!`](crate::settings) makes of one declaration the schema
+//! Settings that Rust reads, declared once: from one declaration [`settings!`](crate::settings) generates the schema
 //! that users see and the struct that a pass reads, so that a misspelt name does not compile.
 //!
 //! ```
@@ -31,22 +31,22 @@
 //! assert_eq!((read.size, read.kernel, MySettings::kernel), (512, Kernel::Box, "kernel"));
 //! ```
 //!
-//! What only WGSL reads is declared there, by a bracket in the doc comment of a member of `struct Settings`;
-//! [`of_shader`] gives those, and [`of_options`] the `#option`s that users choose.
+//! Settings that only WGSL reads are declared there, by a bracket in the doc comment of a member of `struct Settings`;
+//! [`of_shader`] returns these, and [`of_options`] the `#option`s that users set.
 
 use crate::{Library, PassTypeError, request};
 use frame_graph::{Setting, Settings, Value};
 use shader_library::ShaderOption;
 
-/// A type that a setting can have in Rust.
+/// A Rust type for the value of a setting.
 pub trait SettingValue: Clone {
-    /// Returns the value as the graph holds it.
+    /// Returns the value in the type that the graph uses.
     fn to_value(&self) -> Value;
 
     /// Reads a value of the graph; `None` where it is of another type.
     fn from_value(value: &Value) -> Option<Self>;
 
-    /// Returns the only values there are; empty where there are too many to list.
+    /// Returns all values of the type; empty where there are too many to list.
     fn all() -> Vec<Value> {
         Vec::new()
     }
@@ -100,16 +100,16 @@ pub fn new<T: SettingValue>(name: &str, default: &T, doc: &[&str], declared: &st
     }
 }
 
-/// Reads a setting of a use. The default stands where a test gives none; the graph gives all.
+/// Reads a setting of a use; the default where a test gives none. The graph gives all settings.
 pub fn read<T: SettingValue>(settings: &Settings, name: &str, default: T) -> T {
     settings.get(name).and_then(T::from_value).unwrap_or(default)
 }
 
-/// Returns what the doc comments of `struct Settings` declare in a shader and its imports, with every option at its
-/// default. Modules of interfaces are left out.
+/// Returns the settings that doc comments of `struct Settings` declare in a shader and its imports, with every option
+/// at its default. Modules of interfaces are left out.
 ///
 /// # Errors
-/// A shader that is not there or cannot be composed, and declarations that cannot be read.
+/// A shader that does not exist or cannot be composed, and declarations that cannot be read.
 pub fn of_shader(library: &Library, path: &str) -> Result<Vec<Setting>, PassTypeError> {
     library.settings(&request(path, &[])).map_err(|errors| PassTypeError::new(errors.to_string()))
 }
@@ -118,7 +118,7 @@ pub fn of_shader(library: &Library, path: &str) -> Result<Vec<Setting>, PassType
 /// small letters. [`RecordContext::shader`](crate::RecordContext::shader) gives the options their values.
 ///
 /// # Errors
-/// A shader that is not there or cannot be composed, and options that it does not declare.
+/// A shader that does not exist or cannot be composed, and options that it does not declare.
 pub fn of_options(library: &Library, path: &str, names: &[&str]) -> Result<Vec<Setting>, PassTypeError> {
     let outline =
         library.outline(&request(path, &[])).map_err(|errors| PassTypeError::new(errors.to_string()))?;
@@ -132,8 +132,8 @@ pub fn of_options(library: &Library, path: &str, names: &[&str]) -> Result<Vec<S
     names.iter().map(named).collect()
 }
 
-/// Returns the value of a setting that [`of_options`] made of the option `name`. An option that is no setting gives
-/// empty text, which is reported when the shader is loaded.
+/// Returns the value of the setting that [`of_options`] created from the option `name`; empty text if there is no such
+/// setting, which is reported when the shader is loaded.
 pub fn value_of_option(settings: &Settings, name: &str) -> Value {
     settings.get(&name.to_lowercase()).cloned().unwrap_or_else(|| Value::Text(String::new()))
 }
