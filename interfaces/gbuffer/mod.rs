@@ -5,7 +5,7 @@ use pass::{Content, Format, Interface, Member};
 /// The interface `GBuffer`.
 pub const INTERFACE: Interface = Interface::new(
     "GBuffer",
-    "What the camera sees, one texel a pixel.",
+    "What the camera sees, one texel per pixel.",
     &[
         Member::required(
             "depth",

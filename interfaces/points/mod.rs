@@ -15,7 +15,7 @@ pub const BLOCK: Fact<u32> =
 /// The interface `Points`.
 pub const INTERFACE: Interface = Interface::new(
     "Points",
-    "Samples of the scene's surfaces, of which each map takes an equal share. Module: answers `fn surface_sample(wanted: \
+    "Samples of the scene's surfaces, of which each map takes an equal share. Module: defines `fn surface_sample(wanted: \
      SamplesWanted, index: u32) -> SurfaceSample` and `fn samples_requested() -> u32` (surface-sample.wgsl).",
     &[Member::required("", Content::Buffer, "what the module reads")],
 )

@@ -5,7 +5,7 @@ use pass::{Content, Format, Interface, Member};
 /// The interface `ReflectiveShadowMap`.
 pub const INTERFACE: Interface = Interface::new(
     "ReflectiveShadowMap",
-    "What the lights see: a layer a spot or directional light, six a point light.",
+    "What the lights see: one layer per spot or directional light, six per point light.",
     &[
         Member::required(
             "position",

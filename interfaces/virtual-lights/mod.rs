@@ -11,7 +11,7 @@ const LIGHTS: Struct = Struct::new("interfaces/virtual-lights/virtual-lights.wgs
 /// The interface `VirtualLights`.
 pub const INTERFACE: Interface = Interface::new(
     "VirtualLights",
-    "Lights that stand for reflected light.",
+    "Virtual lights, which represent reflected light.",
     &[Member::required("", Content::Struct(LIGHTS), "how many lights there are, and the lights")],
 )
 .with_facts(&[COUNT.decl()])

@@ -23,7 +23,7 @@ pub const TAPS: Fact<u32> = Fact::optional("taps", "bilinear taps of a lookup al
 /// The interface `Visibility`.
 pub const INTERFACE: Interface = Interface::new(
     "Visibility",
-    "Whether a virtual light is seen from a point. Module: answers `fn visibility(index: u32, light: VirtualLight, at: \
+    "Whether a virtual light is seen from a point. Module: defines `fn visibility(index: u32, light: VirtualLight, at: \
      vec3<f32>, normal: vec3<f32>) -> f32`.",
     &[Member::optional(
         "atlas",

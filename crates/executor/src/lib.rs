@@ -26,5 +26,5 @@ pub use timing::Timings;
 
 /// Waits for a future of wgpu's, which are done when they are made on native systems.
 pub use pollster::block_on;
-/// wgpu, so that applications name its types in the version of this crate.
+/// Re-export of wgpu, in the version of this crate's types.
 pub use wgpu;

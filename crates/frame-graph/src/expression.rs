@@ -385,7 +385,7 @@ impl Expr {
                         return Err(self.error(&codes::ARITHMETIC, message));
                     }
                     op => Term::join(*op, &l, &r).ok_or_else(|| {
-                        let message = format!("{} is beyond all numbers", self.told(env));
+                        let message = format!("{} is too large for any number", self.told(env));
                         self.error(&codes::ARITHMETIC, message)
                     })?,
                 }

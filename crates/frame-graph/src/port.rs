@@ -368,7 +368,7 @@ impl PassTypeError {
 
     /// Creates the error that the output linked to an input has no fact of that name.
     pub fn no_fact(input: &str, fact: &str) -> PassTypeError {
-        PassTypeError::input(input, format!("what is linked to `{input}` does not tell `{fact}`"))
+        PassTypeError::input(input, format!("what is linked to `{input}` has no fact `{fact}`"))
     }
 
     /// Creates an error of one setting.

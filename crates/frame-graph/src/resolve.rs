@@ -22,7 +22,8 @@ use flatten::{Assignment, Resolver};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
-/// Values given from outside: `--set parameter=v`, `--set pass.setting=v`, and the axes of a study.
+/// Command-line overrides: values given from outside the files, by `--set parameter=v`, `--set pass.setting=v`, and the
+/// axes of a study.
 ///
 /// A later one of the same path wins.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -148,15 +148,15 @@ impl Reflected {
                 Some(GlobalKind::Storage { writable: false, .. }) => "Buffer",
                 Some(GlobalKind::Sampler { .. }) => {
                     let help = "there are `linear_sampler` and `nearest_sampler`; else read by `textureLoad`";
-                    return refused(format!("`{name}` is a sampler, which no link brings"), help);
+                    return refused(format!("`{name}` is a sampler, which cannot be linked"), help);
                 }
                 Some(GlobalKind::Uniform { .. }) => {
                     let help =
                         "numbers are members of `struct Settings`, in `var<uniform> settings: Settings`";
-                    return refused(format!("`{name}` is a uniform, which no link brings"), help);
+                    return refused(format!("`{name}` is a uniform, which cannot be linked"), help);
                 }
                 Some(GlobalKind::AccelerationStructure) => {
-                    let message = format!("`{name}` is an acceleration structure, which no link brings");
+                    let message = format!("`{name}` is an acceleration structure, which cannot be linked");
                     return refused(message, "there is `scene_acceleration`");
                 }
                 _ => {

@@ -77,7 +77,7 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, SceneError> {
         _ => {
             let told = length.map_or("none".into(), |n| format!("{n}"));
             let problem =
-                format!("the file has {} bytes, its header tells of {told}: it is cut off", bytes.len());
+                format!("the file has {} bytes, its header says {told}: it is cut off", bytes.len());
             return Err(wrong(path, "GLB header", problem));
         }
     }

@@ -3,7 +3,7 @@
 use crate::layout::StructLayout;
 use data_file::Value;
 
-/// What a shader binds, takes and gives.
+/// The shader interface that reflection finds: resources, entry points, structs and constants.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShaderInterface {
     /// The resources, in the order of their names, which is that of their bindings.
@@ -12,13 +12,13 @@ pub struct ShaderInterface {
     pub entries: Vec<Entry>,
     /// The struct named `Settings`, if there is one.
     pub settings: Option<StructLayout>,
-    /// The overrides, in the order of the text.
+    /// The pipeline-overridable constants, in the order of the text.
     pub overrides: Vec<Override>,
     /// All structs that have a layout in memory, in the order of the text.
     pub structs: Vec<StructLayout>,
-    /// The same structs, each as what is in a buffer.
+    /// The same structs, each as the content of a buffer.
     pub contents: Vec<TypeLayout>,
-    /// The named constants that are single numbers or truth values, in the order of the text.
+    /// The named constants that are single numbers or booleans, in the order of the text.
     pub constants: Vec<(String, Value)>,
 }
 
@@ -44,12 +44,12 @@ impl ShaderInterface {
     }
 }
 
-/// A resource.
+/// A resource that a shader declares.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Global {
-    /// The name of the variable: what it is bound by.
+    /// The name of the variable, by which it is bound.
     pub name: String,
-    /// The binding in group 0, given by the order of names.
+    /// The binding in group 0: the position among the sorted names.
     pub binding: u32,
     /// What it is.
     pub kind: GlobalKind,
@@ -93,7 +93,7 @@ pub enum GlobalKind {
         /// `sampler_comparison`
         comparison: bool,
     },
-    /// What ray queries traverse.
+    /// An acceleration structure for ray queries.
     AccelerationStructure,
 }
 
@@ -125,7 +125,7 @@ pub enum Sample {
     Depth,
 }
 
-/// What is done to a storage texture.
+/// How shaders access a storage texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Access {
     /// `read`
@@ -185,8 +185,8 @@ pub struct Entry {
     pub name: String,
     /// The stage.
     pub stage: Stage,
-    /// Invocations of a workgroup, with overrides at their defaults; zeros outside of compute, and where an
-    /// override has no default.
+    /// Invocations of a workgroup, with pipeline-overridable constants at their defaults; zeros outside of compute, and
+    /// where such a constant has no default.
     pub workgroup_size: [u32; 3],
     /// Indices of the resources that it or what it calls uses, in order.
     pub globals: Vec<usize>,
@@ -209,7 +209,7 @@ pub struct Location {
     pub ty: String,
 }
 
-/// An `override`: a constant given when the GPU pipeline is made.
+/// A pipeline-overridable constant (`override` in WGSL), set when the GPU pipeline is created.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Override {
     /// The name; empty where it has none but an `@id`.

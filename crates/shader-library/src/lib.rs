@@ -1,12 +1,12 @@
-//! WGSL from files, without a GPU: composed from imports and variants, validated and reflected by naga, each
-//! error on the user's own line. The dialect is described in this crate's README.
+//! Loads WGSL from files, without a GPU: composes imports and variants, validates and reflects with naga, and reports
+//! each error on the user's own line. This crate's README describes what is added to WGSL.
 //!
 //! ```text
 //! Request ─compose─▶ text + line map ─naga─▶ module, bindings by name ─reflect─▶ Shader { ShaderInterface }
 //! ```
 //!
-//! [`Library::load`] goes the whole way and keeps what it made; [`Watcher`] tells which files changed, and
-//! [`Library::invalidate`] which requests they touched.
+//! [`Library::load`] executes all stages and keeps the result; [`Watcher`] reports which files changed, and
+//! [`Library::invalidate`] which requests they affect.
 
 mod attributes;
 mod compile;
@@ -39,5 +39,5 @@ pub use library::{Library, MAX_VARIANTS, Request};
 pub use shader::Shader;
 pub use watch::{WatchError, Watcher};
 
-/// naga, so that users name its types in the version of this crate.
+/// Re-export of naga, in the version of this crate's types.
 pub use naga;

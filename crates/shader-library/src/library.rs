@@ -1,4 +1,4 @@
-//! Requests for shaders, and what was made of them.
+//! Requests for shaders, and the library that loads and keeps shaders.
 
 use crate::compose::compose;
 use crate::composed::Outline;
@@ -20,18 +20,18 @@ pub struct Request {
     pub path: String,
     /// Values of the options that the file and its imports declare; the others have their defaults.
     pub defines: BTreeMap<String, Define>,
-    /// For each name in `#import interface "name"`, the path of the module. Names that the shader does not
-    /// import are left alone: whoever wires passes gives all it has.
+    /// For each name in `#import interface "name"`, the path of the module. Names that the shader does not import are
+    /// ignored, so that a caller may give all modules it has.
     pub modules: BTreeMap<String, String>,
 }
 
 impl Request {
-    /// Creates the file at `path` with all options at their defaults.
+    /// Creates a request for the file at `path` with all options at their defaults.
     pub fn new(path: impl Into<String>) -> Self {
         Request { path: path.into(), ..Request::default() }
     }
 
-    /// Adds an option's value.
+    /// Adds a define: a value for an option.
     pub fn define(mut self, name: impl Into<String>, value: impl Into<Define>) -> Self {
         self.defines.insert(name.into(), value.into());
         self
@@ -44,10 +44,10 @@ impl Request {
     }
 }
 
-/// The most variants that [`Library::variants`] lists.
+/// The greatest number of variants that [`Library::variants`] lists.
 pub const MAX_VARIANTS: usize = 64;
 
-/// Shaders by request, each made once and kept until one of its files changes.
+/// Shaders by request, each loaded once and kept until one of its files changes.
 pub struct Library {
     files: Arc<dyn ShaderFiles>,
     roots: Vec<String>,
@@ -63,10 +63,10 @@ struct Made {
 }
 
 impl Library {
-    /// What WebGPU itself allows and every adapter has: no 64-bit types, no `f16`, no subgroups, no texture
-    /// atomics, no immediates. And ray queries, which a shader must `enable` and
-    /// [`GlobalKind::AccelerationStructure`](crate::GlobalKind::AccelerationStructure) shows: who runs it sees
-    /// whether the adapter has them.
+    /// The capabilities that WebGPU itself allows and every adapter has: no 64-bit types, no `f16`, no subgroups, no
+    /// texture atomics, no immediates. Also ray queries, which a shader must `enable` and
+    /// [`GlobalKind::AccelerationStructure`](crate::GlobalKind::AccelerationStructure) shows: who runs it sees whether
+    /// the adapter has them.
     pub const PORTABLE: Capabilities = Capabilities::MULTISAMPLED_SHADING
         .union(Capabilities::CUBE_ARRAY_TEXTURES)
         .union(Capabilities::SHADER_FLOAT16_IN_FLOAT32)
@@ -84,14 +84,14 @@ impl Library {
         }
     }
 
-    /// Looks for imports in these folders instead, in this order, after the folder of the importing file.
+    /// Sets the folders in which imports are looked for, in this order, after the folder of the importing file.
     /// The empty path is the root of all files.
     pub fn with_roots<P: Into<String>>(mut self, roots: impl IntoIterator<Item = P>) -> Self {
         self.roots = roots.into_iter().map(Into::into).collect();
         self
     }
 
-    /// Validates for a device that can do other than [`Library::PORTABLE`].
+    /// Sets the capabilities for validation, in place of [`Library::PORTABLE`].
     pub fn with_capabilities(mut self, capabilities: Capabilities) -> Self {
         self.capabilities = capabilities;
         self
@@ -109,10 +109,10 @@ impl Library {
         &self.files
     }
 
-    /// Returns the shader asked for: composed, validated and reflected, or made before.
+    /// Returns the requested shader: composes, validates and reflects it, or returns the one that is kept.
     ///
     /// # Errors
-    /// Whatever is wrong in the file or its imports, at the user's own lines. Errors are kept as shaders are.
+    /// Everything that is wrong in the file or its imports, at the user's own lines. Errors are kept as shaders are.
     pub fn load(&self, request: &Request) -> Result<Arc<Shader>, Diagnostics> {
         if let Some(made) = self.lock().get(request) {
             return made.shader.clone();
@@ -146,8 +146,8 @@ impl Library {
         settings::read(&composed, None)
     }
 
-    /// Returns what is in a buffer of a struct that a file declares or imports, for those who size buffers. Options of
-    /// the file have their defaults.
+    /// Returns the content of a buffer of a struct that a file declares or imports, from which the size of the buffer
+    /// follows. Options of the file have their defaults.
     ///
     /// # Errors
     /// As [`Library::load`]; and where there is no such struct.
@@ -160,8 +160,8 @@ impl Library {
         })
     }
 
-    /// Returns a constant that a file declares or imports, for those who size dispatches and buffers. Options of the
-    /// file have their defaults.
+    /// Returns a constant that a file declares or imports, from which sizes of dispatches and buffers follow. Options
+    /// of the file have their defaults.
     ///
     /// # Errors
     /// As [`Library::load`]; and where there is no such constant, or it is no whole number.
@@ -177,7 +177,7 @@ impl Library {
 
     /// Returns all variants of a request: each combination of the values that make a difference
     /// ([`ShaderOption::values`](crate::ShaderOption::values)) of the options it leaves open. Loading each of them
-    /// proves the file.
+    /// validates the file completely.
     ///
     /// # Errors
     /// As [`Library::outline`]; and where there are more than [`MAX_VARIANTS`].
@@ -214,8 +214,8 @@ impl Library {
         Ok(variants)
     }
 
-    /// Forgets what was made from any of these paths, or had looked for one of them in vain, and says which
-    /// requests that were; the next [`Library::load`] makes them again.
+    /// Drops the shaders that were loaded from any of these paths, or that looked for one of them in vain, and returns
+    /// their requests; the next [`Library::load`] loads them again.
     pub fn invalidate<P: AsRef<str>>(&self, paths: &[P]) -> Vec<Request> {
         let mut made = self.lock();
         let stale: Vec<Request> = made

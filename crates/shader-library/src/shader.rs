@@ -16,14 +16,14 @@ use naga::valid::{Capabilities, ModuleInfo};
 use std::ops::Range;
 use xxhash_rust::xxh3::xxh3_128;
 
-/// A shader that is valid, and what is known of it.
+/// A valid shader, and what reflection found.
 #[derive(Debug)]
 pub struct Shader {
     /// The module, its resources bound in group 0 as [`ShaderInterface::globals`] says.
     pub module: Module,
-    /// What validation found.
+    /// The result of naga's validation.
     pub info: ModuleInfo,
-    /// What it binds, takes and gives.
+    /// The shader interface.
     pub interface: ShaderInterface,
     /// Hash of the composed text and the bindings: equal shaders have equal ones, on any machine.
     pub hash: u128,
@@ -65,12 +65,12 @@ impl Shader {
         &self.composed.text
     }
 
-    /// Paths of all files that took part.
+    /// Returns the paths of all files of the shader.
     pub fn files(&self) -> &[String] {
         &self.composed.outline.files
     }
 
-    /// Returns the options and interfaces of its files.
+    /// Returns the options of its files and the interfaces whose modules they import.
     pub fn outline(&self) -> &Outline {
         &self.composed.outline
     }
@@ -102,7 +102,7 @@ impl Shader {
     }
 
     /// Returns the names of the resources that the functions of the requested file use, with all that they call:
-    /// what a module of an interface brings to the shader that imports it. Functions of imports count where they
+    /// what a module adds to the shader that imports it. Functions of imports count where they
     /// are called.
     pub fn used_by_own_functions(&self) -> impl Iterator<Item = &str> {
         let mut used = std::collections::BTreeSet::new();
@@ -131,7 +131,7 @@ impl Shader {
     }
 
     /// Returns what the doc comments of entry points and globals say in brackets: `[threads: texels(sums)]`,
-    /// `[scratch]` and so on. Only pass types that are WGSL alone ask for it.
+    /// `[scratch]` and so on. Only pass types in WGSL alone use it.
     ///
     /// # Errors
     /// Each attribute that cannot be read, at its place.
@@ -140,7 +140,7 @@ impl Shader {
     }
 
     /// Returns the bytes of `struct Settings` (see [`write_struct`]), where a setting that is one of several words is
-    /// written as the index of its word. `get` is asked for settings and plain members alike.
+    /// written as the index of its word. `get` is called for settings and plain members alike.
     ///
     /// # Errors
     /// Members without a value, or with one that they cannot hold. Empty where there is no such struct.
@@ -161,9 +161,9 @@ impl Shader {
         })
     }
 
-    /// Checks that each struct of the shader that the CPU declares too is declared alike. `expected` is the
-    /// CPU's side, from [`struct_layout!`](crate::struct_layout), and `place` where that stands, for the error.
-    /// Structs that the shader lacks are not missed.
+    /// Checks that each struct that both Rust and the shader declare has the same layout. `expected` is the declaration
+    /// in Rust, from [`struct_layout!`](crate::struct_layout), and `place` its source file, for the error. Structs that
+    /// the shader does not declare are ignored.
     ///
     /// # Errors
     /// Each struct that differs, both layouts side by side.

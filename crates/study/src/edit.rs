@@ -19,7 +19,7 @@ pub struct Edits {
     pub seeds: Option<u32>,
     /// Measured frames.
     pub frames: Option<u32>,
-    /// A look before the real thing: a quarter of each side, one seed, first and last value of each axis.
+    /// A quick preview: a quarter of each side, one seed, first and last value of each axis.
     pub quick: bool,
 }
 

@@ -22,7 +22,7 @@ impl Pass for Composite {
     fn info(&self) -> Info {
         Info {
             kind: "composite",
-            about: "The picture: direct, indirect and glossy light and emission, linear and for a screen.",
+            about: "Composes the picture: direct, indirect and glossy light and emission, linear and for a screen.",
             paper: "tone mapping: Reinhard et al. 2002, Eq. 3-4; Hable 2010; Narkowicz 2015",
             shaders: &[LIGHT, SCREEN],
         }
@@ -40,7 +40,7 @@ impl Pass for Composite {
                 input("view", "GBuffer", "The surfaces: albedo, and emission where it has it."),
                 optional("direct", "Radiance", "Direct light."),
                 optional("indirect", "Irradiance", "Indirect irradiance, reflected here by the albedo."),
-                optional("glossy", "Radiance", "Indirect light that surfaces reflect other than evenly."),
+                optional("glossy", "Radiance", "Indirect light that surfaces reflect specularly."),
             ],
             outputs: vec![
                 output("image", "Radiance", "All light."),

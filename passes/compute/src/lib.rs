@@ -8,7 +8,7 @@ use shader_library::Stage;
 pub const PASS: &dyn Pass = &ShaderPass {
     info: Info {
         kind: "compute",
-        about: "Compute shaders, from WGSL alone: `shader:` names the file, whose entry points are run in order.",
+        about: "Runs compute shaders, in WGSL alone: `shader:` names the file, whose entry points run in order.",
         paper: "",
         shaders: &[],
     },

@@ -321,7 +321,7 @@ fn the_module_of_an_interface_is_an_input() {
     let unknown = shader_use(&wgsl.replace("interface \"visibility", "interface \"shadows"), &[]);
     let refusal = unknown.schema().unwrap_err();
     assert!(
-        refusal.message.contains("imports the interface \"shadows\", and no producer brings that"),
+        refusal.message.contains("imports the interface \"shadows\", and no producer has such a module"),
         "{refusal:?}"
     );
 }

@@ -21,7 +21,7 @@ impl Pass for DirectLight {
     fn info(&self) -> Info {
         Info {
             kind: "direct-light",
-            about: "Direct light of all lights, with shadows filtered from the maps that the lights see.",
+            about: "Computes the direct light of all lights, with filtered shadows from the reflective shadow map.",
             paper: "percentage-closer filtering: Reeves, Salesin & Cook 1987",
             shaders: &[SHADER],
         }

@@ -12,7 +12,7 @@ const EFFECT: &str = "passes/fullscreen/effect.wgsl";
 pub const PASS: &dyn Pass = &ShaderPass {
     info: Info {
         kind: "fullscreen",
-        about: "Fragment shaders over the frame, from WGSL alone: `shader:` names the file.",
+        about: "Runs fragment shaders over the frame, in WGSL alone: `shader:` names the file.",
         paper: "",
         shaders: &[EFFECT],
     },

@@ -31,7 +31,7 @@ impl Pass for Gbuffer {
     fn info(&self) -> Info {
         Info {
             kind: "gbuffer",
-            about: "What the camera sees: depth, normal and material at each pixel.",
+            about: "Renders what the camera sees: depth, normal and material at each pixel.",
             paper: "",
             shaders: &[GEOMETRY, MOTION],
         }

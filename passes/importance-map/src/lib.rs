@@ -68,7 +68,7 @@ impl Pass for ImportanceMap {
     fn info(&self) -> Info {
         Info {
             kind: "importance-map",
-            about: "How much each texel of a reflective shadow map matters as a virtual light.",
+            about: "Computes the importance of each texel of a reflective shadow map as a virtual light.",
             paper: "TCAS §4.1, Eq. 1-2; ISM §4",
             shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP, SUM, MIX],
         }

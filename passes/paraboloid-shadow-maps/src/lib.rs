@@ -37,7 +37,7 @@ impl Pass for ParaboloidShadowMaps {
     fn info(&self) -> Info {
         Info {
             kind: "paraboloid-shadow-maps",
-            about: "Renders every triangle into a paraboloid depth map a virtual light: the exact baseline.",
+            about: "Renders every triangle into one paraboloid depth map per virtual light: the exact baseline.",
             paper: "ISM §5",
             shaders: &[SHADER],
         }

@@ -61,7 +61,7 @@ impl Pass for PathTracer {
     fn info(&self) -> Info {
         Info {
             kind: "path-tracer",
-            about: "Path tracing with next-event estimation, accumulated until enough samples are there.",
+            about: "Path tracing with next-event estimation, accumulated until there are enough samples.",
             paper: "SMC-IR §5.4",
             shaders: &[PATHS, ESTIMATE, MEAN],
         }

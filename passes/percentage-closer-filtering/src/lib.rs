@@ -20,8 +20,8 @@ pass::settings! {
     /// The settings of the pass type `percentage-closer-filtering`.
     pub struct PercentageCloserFilteringSettings {
         /// Bilinear taps along each side of the window, a texel apart. Edges of shadows soften with it, contact shadows
-        /// fade, since the bias of the depth test grows as the window does, and time grows with its square. 1 is bilinear
-        /// filtering of four texels.
+        /// fade, since the bias of the depth test grows as the window does, and time grows with its square. 1 is
+        /// bilinear filtering of four texels.
         taps: u32 = 1, min: 1, max: 16;
     }
 }
@@ -30,7 +30,7 @@ impl Pass for PercentageCloserFiltering {
     fn info(&self) -> Info {
         Info {
             kind: "percentage-closer-filtering",
-            about: "Filters lookups of shadow maps after the depth test.",
+            about: "Filters shadow-map lookups after the depth test.",
             paper: "Reeves, Salesin & Cook 1987",
             shaders: &[MODULE],
         }

@@ -27,8 +27,8 @@ const BOUNDS_OF_SCENE: Struct = Struct::new(BOUNDS, "Bounds");
 /// Bytes of a weight, a f32.
 const WEIGHT_BYTES: u64 = 4;
 
-/// The most maps whose samples neighbouring threads make in turns: as many threads stand on triangles near each other. A
-/// power of two.
+/// The most maps whose samples neighbouring threads make in turns: as many threads stand on triangles near each other.
+/// A power of two.
 pub const BLOCK: u32 = 32;
 
 pass::choice! {
@@ -45,8 +45,8 @@ pass::settings! {
     /// The settings of the pass type `points-on-the-fly` that are not the shaders' alone.
     pub struct PointsOnTheFlySettings {
         /// How many points a triangle has. `area`: its share of the area, of any number. `tessellation`: those of a
-        /// tessellator whose levels rise with edges and area (ACRSM Eq. 5.3-5.4), so small triangles have more than their
-        /// share; a number of its own, of which no more are made than fit.
+        /// tessellator whose levels rise with edges and area (ACRSM Eq. 5.3-5.4), so small triangles have more than
+        /// their share; a number of its own, of which no more are made than fit.
         rule: Rule = Rule::Area;
     }
 }
@@ -55,7 +55,7 @@ impl Pass for PointsOnTheFly {
     fn info(&self) -> Info {
         Info {
             kind: "points-on-the-fly",
-            about: "Triangles amplified into points when they are wanted, and stored nowhere.",
+            about: "Generates on-the-fly points: triangles are amplified into points while these are splatted.",
             paper: "TCAS §5.2, ACRSM §5.2",
             shaders: &[BOUNDS, SUM, SHARE, GUIDE],
         }

@@ -36,7 +36,7 @@ impl Pass for ReflectiveShadowMap {
     fn info(&self) -> Info {
         Info {
             kind: "reflective-shadow-map",
-            about: "What the lights see: position, normal and reflected flux. One layer for a spot or \
+            about: "Renders what the lights see: position, normal and reflected flux. One layer for a spot or \
                     directional light, six for a point light.",
             paper: "Dachsbacher & Stamminger 2005, §3.1",
             shaders: &[SURFACES, FLUX],

@@ -1,4 +1,4 @@
-//! Virtual lights drawn in proportion to an importance map by the inverse transform method.
+//! Virtual lights sampled in proportion to an importance map by the inverse transform method.
 
 pub mod cpu_reference;
 
@@ -31,7 +31,7 @@ impl Pass for SampleInverseTransform {
     fn info(&self) -> Info {
         Info {
             kind: "sample-inverse-transform",
-            about: "Virtual lights drawn in proportion to an importance map by the inverse transform method.",
+            about: "Samples virtual lights in proportion to an importance map by the inverse transform method.",
             paper: "TCAS §4.2",
             shaders: &[CUMULATE, DRAW],
         }
@@ -46,7 +46,7 @@ impl Pass for SampleInverseTransform {
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
-                input("rsm", "ReflectiveShadowMap", "The texels that are drawn from."),
+                input("rsm", "ReflectiveShadowMap", "The texels to sample."),
                 input("importance", "ImportanceMap", "What the probability of a texel is proportional to."),
             ],
             outputs: vec![output(

@@ -1,4 +1,4 @@
-//! Virtual lights drawn in proportion to an importance map by independent Metropolis-Hastings chains.
+//! Virtual lights sampled in proportion to an importance map by independent Metropolis-Hastings chains.
 
 pub mod cpu_reference;
 
@@ -53,7 +53,7 @@ impl Pass for SampleMetropolis {
     fn info(&self) -> Info {
         Info {
             kind: "sample-metropolis",
-            about: "Virtual lights drawn in proportion to an importance map by independent Metropolis-Hastings chains.",
+            about: "Samples virtual lights in proportion to an importance map by independent Metropolis-Hastings chains.",
             paper: "TCAS §4.3, Alg. 1",
             shaders: &[MEAN, SAMPLE],
         }
@@ -66,7 +66,7 @@ impl Pass for SampleMetropolis {
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
-                input("rsm", "ReflectiveShadowMap", "The texels that are drawn from."),
+                input("rsm", "ReflectiveShadowMap", "The texels to sample."),
                 input("importance", "ImportanceMap", "What the probability of a texel tends to with M."),
             ],
             outputs: vec![output(

@@ -1,4 +1,4 @@
-//! Virtual lights drawn uniformly from the texels of a reflective shadow map.
+//! Virtual lights sampled uniformly from the texels of a reflective shadow map.
 
 pub mod cpu_reference;
 
@@ -26,7 +26,7 @@ impl Pass for SampleUniform {
     fn info(&self) -> Info {
         Info {
             kind: "sample-uniform",
-            about: "Virtual lights drawn uniformly from the texels of a reflective shadow map.",
+            about: "Samples virtual lights uniformly from the texels of a reflective shadow map.",
             paper: "TCAS §6.2",
             shaders: &["passes/sample-uniform/sample-uniform.wgsl"],
         }
@@ -38,7 +38,7 @@ impl Pass for SampleUniform {
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
-            inputs: vec![input("rsm", "ReflectiveShadowMap", "The texels that are drawn from.")],
+            inputs: vec![input("rsm", "ReflectiveShadowMap", "The texels to sample.")],
             outputs: vec![output("lights", "VirtualLights", "N lights; those from empty texels are dark.")],
             ..Ports::default()
         })

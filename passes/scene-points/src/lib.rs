@@ -1,4 +1,4 @@
-//! Samples of the scene's surfaces, evenly by area.
+//! Samples of the scene's surfaces, sampled uniformly by area.
 
 pub mod cpu_reference;
 
@@ -19,8 +19,8 @@ const POINT: Struct = Struct::new("shaders/points.wgsl", "Point");
 pass::settings! {
     /// The settings of the pass type `scene-points`.
     pub struct ScenePointsSettings {
-        /// Number of points, 32 bytes each; all maps share them. More: fewer holes in the shadow maps; time and memory rise
-        /// with it. Beyond 4,194,304 the adapter must bind buffers of more than 128 MiB.
+        /// Number of points, 32 bytes each; all maps share them. More: fewer holes in the shadow maps; time and memory
+        /// rise with it. Beyond 4,194,304 the adapter must bind buffers of more than 128 MiB.
         count: u32 = 262_144, min: 1, max: 8_388_608;
     }
 }
@@ -29,7 +29,7 @@ impl Pass for ScenePoints {
     fn info(&self) -> Info {
         Info {
             kind: "scene-points",
-            about: "Samples of the scene's surfaces, evenly by area and in an order of which every part is even.",
+            about: "Samples the scene's surfaces uniformly by area, in an order of which every run is stratified.",
             paper: "ISM §3.1",
             shaders: &["passes/scene-points/scene-points.wgsl"],
         }
@@ -44,7 +44,7 @@ impl Pass for ScenePoints {
             outputs: vec![output(
                 "points",
                 "Points",
-                "Every run of 2^m that starts at a multiple of 2^m is even by itself.",
+                "Every run of 2^m that starts at a multiple of 2^m is stratified by itself.",
             )],
             scene_bindings: SceneBindings::SCENE,
             ..Ports::default()

@@ -62,7 +62,7 @@ impl Pass for Splat {
     fn info(&self) -> Info {
         Info {
             kind: "splat",
-            about: "Splats points of the scene into hemispherical depth maps, one a virtual light.",
+            about: "Splats points of the scene into hemispherical depth maps, one per virtual light.",
             paper: "ISM §3.2",
             shaders: &[SHADER],
         }
@@ -90,7 +90,7 @@ impl Pass for Splat {
                 pass::output(
                     "counters",
                     "Counters",
-                    "How many splats were wanted, and how many there were points for.",
+                    "How many splats were requested, and for how many there were points.",
                 ),
             ],
             scene_bindings: SceneBindings::SCENE,

@@ -15,7 +15,7 @@ impl Pass for VisibilityNone {
     fn info(&self) -> Info {
         Info {
             kind: "visibility-none",
-            about: "Says that every virtual light is seen from everywhere.",
+            about: "Declares every virtual light visible from everywhere.",
             paper: "",
             shaders: &["shaders/visibility-none.wgsl"],
         }

@@ -26,7 +26,7 @@ impl Pass for VisibilityRayTraced {
     fn info(&self) -> Info {
         Info {
             kind: "visibility-ray-traced",
-            about: "Says which virtual lights are seen by a ray to each: exact.",
+            about: "Computes the visibility of each virtual light with a ray: exact.",
             paper: "SMC-IR §5.4",
             shaders: &[MODULE],
         }

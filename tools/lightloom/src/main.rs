@@ -14,10 +14,11 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "lightloom", version, max_term_width = 100)]
 struct Cli {
-    /// Folder whose pipelines, shaders and scenes come before those built in [default: the tree one stands in]
+    /// Folder whose pipelines, shaders and scenes take precedence over the built-in ones [default: the Lightloom tree
+    /// around the working folder]
     #[arg(long, global = true, value_name = "DIR")]
     root: Option<PathBuf>,
-    /// Print for programs: JSON on standard output
+    /// Print JSON on standard output, for other programs
     #[arg(long, global = true)]
     json: bool,
     #[command(subcommand)]
@@ -28,15 +29,15 @@ struct Cli {
 enum Command {
     /// Render a scene by a pipeline into a picture, or a sequence of them
     Render(command::render::Args),
-    /// Prove pipelines, their shaders and scenes, without a GPU
+    /// Check pipelines, their shaders, scenes and studies, without a GPU
     Check(command::check::Args),
     /// Draw the compiled graph of a pipeline: order, sizes, memory, and why each pass is there or not
     Graph(command::graph::Args),
-    /// Print a pipeline flattened, each value with its origin
+    /// Print the flattened pipeline, each value with its origin
     Resolve(command::resolve::Args),
-    /// Print what two pipelines differ in
+    /// Print the differences between two pipelines
     Diff(command::diff::Args),
-    /// Make a picture again from its own record, and say what differs
+    /// Render a picture again from the record inside its file, and say what differs
     Rerun(command::rerun::Args),
     /// Compare two pictures: RMSE, relMSE, MAPE, SSIM, ꟻLIP
     Compare(command::compare::Args),

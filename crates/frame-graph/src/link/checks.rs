@@ -42,7 +42,7 @@ impl Linker<'_> {
                             self.nodes[i].name
                         );
                         let error = Diagnostic::new(&codes::INTERFACE, message)
-                            .label(self.span(place), format!("a {wanted} is wanted here"))
+                            .label(self.span(place), format!("a {wanted} is expected here"))
                             .label(self.span(from.place), format!("this offers a {found}"));
                         errors.push(error);
                     }
@@ -66,7 +66,7 @@ impl Linker<'_> {
         let error = Diagnostic::new(&codes::UNKNOWN_PORT, message)
             .label(self.span(place), "read here")
             .label(self.span(from.place), "this pass, with these settings, does not make it")
-            .note(format!("it makes: {}", names.join(", ")));
+            .note(format!("it has: {}", names.join(", ")));
         Some(error)
     }
 
@@ -76,7 +76,7 @@ impl Linker<'_> {
         let mut check = |end: &End<'_>, place, init: bool, clear| {
             let node = &self.nodes[end.node as usize];
             let Some(producer) = &ports[end.node as usize] else {
-                let message = format!("what stands in place of `{}` has no size", node.name);
+                let message = format!("the replacement of `{}` has no size", node.name);
                 let error = Diagnostic::new(&codes::OFF, message)
                     .label(self.span(place), "read here")
                     .label(self.span(node.place), "this pass cannot say what it would make");

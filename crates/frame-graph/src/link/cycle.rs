@@ -167,8 +167,10 @@ impl<'a> Linker<'a> {
             Some((last, rest)) => format!("`{}` and `{last}` wait for each other", rest.join("`, `")),
             None => String::new(),
         };
-        let mut error = Diagnostic::new(&codes::CYCLE, message)
-            .label(self.span(link(&best).place), format!("best made Prev(port: \"{}\")", link(&best).target));
+        let mut error = Diagnostic::new(&codes::CYCLE, message).label(
+            self.span(link(&best).place),
+            format!("suggested: Prev(port: \"{}\")", link(&best).target),
+        );
         let mut steps = Vec::new();
         for wait in &path {
             let (from, to) = text(wait);

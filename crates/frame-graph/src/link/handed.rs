@@ -147,13 +147,13 @@ impl Linker<'_> {
 
     fn hands_on_past(&self, node: usize, port: &Name, input: &Name) -> Diagnostic {
         let name = &self.nodes[node].name;
-        let message = format!("`{name}.{port}` hands on its input `{input}`, which reads the past");
+        let message = format!("`{name}.{port}` hands on its input `{input}`, which is a `Prev` link");
         let place = self.nodes[node].decl.link(input).map_or(self.nodes[node].place, |link| link.place);
         Diagnostic::new(&codes::PAST, message)
-            .label(self.span(place), "the past is read here")
+            .label(self.span(place), "this is the `Prev` link")
             .label(self.span(self.nodes[node].place), "by a pass that hands it on")
             .note(
-                "a reader would take the past for this frame's: let the reader itself link to it with `Prev`",
+                "a reader would mistake the history buffer for this frame's version: let the reader itself link to it with `Prev`",
             )
     }
 
@@ -203,12 +203,14 @@ impl Linker<'_> {
                 for at in members_of(self, &wire.end, ports) {
                     let first = *known.entry(self.made_at(at, ports)).or_insert((past, place));
                     if first.0 != past && errors.is_empty() {
-                        let message =
-                            format!("the past of `{}` is kept in two ways", self.end_text(&wire.end));
+                        let message = format!(
+                            "two `Prev` links of `{}` differ in `init` or `reset`",
+                            self.end_text(&wire.end)
+                        );
                         let error = Diagnostic::new(&codes::PAST, message)
                             .label(self.span(place), "with one `init` and `reset` here")
                             .label(self.span(first.1), "and others here, where it is read by another name")
-                            .note("a resource has one past: give both links the same `init` and `reset`");
+                            .note("a resource has one history buffer: give both links the same `init` and `reset`");
                         errors.push(error);
                     }
                 }

@@ -159,7 +159,7 @@ impl<'a> Linker<'a> {
         let offers: Vec<String> = offers.iter().map(|(p, i)| format!("{p}: {i}")).collect();
         let message = format!("no output of `{name}` can be replaced by `{}`", self.end_text(&end));
         let error = Diagnostic::new(&codes::OFF, message)
-            .label(self.span(link.place), format!("this brings {}", self.offer_text(&end)))
+            .label(self.span(link.place), format!("this is {}", self.offer_text(&end)))
             .label(self.span(self.nodes[end.node as usize].place), "from this pass")
             .note(format!("outputs of `{name}`: {}", offers.join(", ")));
         self.errors.push(error);
@@ -191,7 +191,7 @@ impl<'a> Linker<'a> {
             let offers: Vec<String> = used.names.outputs.iter().map(|(p, i)| format!("{p}: {i}")).collect();
             let error =
                 Diagnostic::new(&codes::OFF, format!("no output can be replaced by the input `{input}`"))
-                    .label(self.span(*place), format!("this input brings {}", self.offer_text(&wire.end)))
+                    .label(self.span(*place), format!("this input is {}", self.offer_text(&wire.end)))
                     .label(self.span(self.nodes[wire.end.node as usize].place), "from this pass")
                     .note(format!("outputs of `{}`: {}", self.nodes[node].name, offers.join(", ")));
             self.errors.push(error);
@@ -242,7 +242,7 @@ impl<'a> Linker<'a> {
             .map(|(p, i)| format!("{p}: {i}"))
             .collect();
         let mut error = Diagnostic::new(&codes::INTERFACE, message)
-            .label(self.span(link.place), format!("{} is wanted here", with_article(wanted)))
+            .label(self.span(link.place), format!("{} is expected here", with_article(wanted)))
             .label(self.span(producer.place), format!("this offers {}", offers.join(", ")));
         if let Some(help) = help {
             error = error.note(help);

@@ -49,7 +49,7 @@ impl<'a> Linker<'a> {
                 if let Some(clear) = wire.end.constant {
                     let first = constants.entry((wire.end.node, wire.end.port)).or_insert((clear, place));
                     if first.0 != clear {
-                        let message = format!("two things stand in place of `{}`", self.end_text(&wire.end));
+                        let message = format!("there are two replacements of `{}`", self.end_text(&wire.end));
                         let error = Diagnostic::new(&codes::OFF, message)
                             .label(self.span(place), "one for this link")
                             .label(self.span(first.1), "another for this one")
@@ -65,11 +65,16 @@ impl<'a> Linker<'a> {
                 };
                 let differs = |other: &Wire<'_>| other.end.past.is_some_and(|other| other != past);
                 if let Some((_, other)) = others.iter().find(|(other, _)| meets(other) && differs(other)) {
-                    let message = format!("the past of `{}` is kept in two ways", self.end_text(&wire.end));
+                    let message = format!(
+                        "two `Prev` links of `{}` differ in `init` or `reset`",
+                        self.end_text(&wire.end)
+                    );
                     let error = Diagnostic::new(&codes::PAST, message)
                         .label(self.span(place), "with one `init` and `reset` here")
                         .label(self.span(*other), "and others here")
-                        .note("a resource has one past: give both links the same `init` and `reset`");
+                        .note(
+                            "a resource has one history buffer: give both links the same `init` and `reset`",
+                        );
                     errors.push(error);
                 }
                 others.push((*wire, place));
@@ -101,7 +106,7 @@ impl<'a> Linker<'a> {
             }
             Found::Unlinked if self.on[node] == Some(true) && !ports.inputs[wire.input as usize].optional => {
                 let message = format!(
-                    "`{}` needs `{port}`, and what stands in place of `{}` is an input that is not linked",
+                    "`{}` needs `{port}`, and the replacement of `{}` is an input that is not linked",
                     self.nodes[node].name, self.nodes[wire.end.node as usize].name
                 );
                 let error = Diagnostic::new(&codes::UNLINKED, message)
@@ -125,7 +130,8 @@ impl<'a> Linker<'a> {
         }
         let (node, switched) = (&self.nodes[off as usize], &self.nodes[at]);
         if let Some((part, place)) = self.without_copy(off) {
-            let message = format!("{reader} reads of `{part}` what is not carried, and no copy makes it");
+            let message =
+                format!("{reader} reads an output of `{part}` that is not carried, and there is no copy");
             return Diagnostic::new(&codes::REPEAT, message)
                 .label(self.span(link.place), "read here")
                 .label(self.span(place), "repeated 0 times")
@@ -148,10 +154,7 @@ impl<'a> Linker<'a> {
         {
             error = error.label(self.span(*place), format!("in place of `{}`, which is off", read.name));
         }
-        error.note(format!(
-            "give `{}` an `off:` that says what stands in its place, such as `off: Black`",
-            node.name
-        ))
+        error.note(format!("give `{}` an `off:` that names its replacement, such as `off: Black`", node.name))
     }
 
     /// The sub-graph that has no copy, and where that is said, if a node stands for what a copy would make.

@@ -108,9 +108,10 @@ impl<'a> Linker<'a> {
         let mut crossed: SmallVec<[u32; 4]> = SmallVec::new();
         for _ in 0..MAX_HOPS {
             if link.past.is_some() && past.is_some() {
-                let error = Diagnostic::new(&codes::PAST, "this reads the past of a past")
-                    .label(self.span(link.place), "one `Prev` too many")
-                    .note("only the last frame is kept: let a pass hand on what it needs of older ones");
+                let error =
+                    Diagnostic::new(&codes::PAST, "this reads the history buffer of a history buffer")
+                        .label(self.span(link.place), "one `Prev` too many")
+                        .note("only the last frame is kept: let a pass hand on what it needs of older ones");
                 self.errors.push(error);
                 return Found::Told;
             }
@@ -172,7 +173,7 @@ impl<'a> Linker<'a> {
             {
                 let message = format!("`off:` must put {} here", with_article(interface));
                 let error = Diagnostic::new(&codes::OFF, message)
-                    .label(self.span(*place), format!("this brings {}", self.offer_text(&end)))
+                    .label(self.span(*place), format!("this is {}", self.offer_text(&end)))
                     .label(self.span(nodes[node as usize].place), "from this pass");
                 self.errors.push(error);
                 return Found::Told;
@@ -225,10 +226,10 @@ impl<'a> Linker<'a> {
         let mut ring: Vec<u32> = found[start..].iter().chain(&found[..start]).copied().collect();
         let name = |node: &u32| &*self.nodes[*node as usize].name;
         let message = match &ring[..] {
-            [only] => format!("`{}` is off, and what stands in its place is itself", name(only)),
+            [only] => format!("`{}` is off and is replaced by itself", name(only)),
             ring => {
                 let names: Vec<String> = ring.iter().map(|node| format!("`{}`", name(node))).collect();
-                format!("{} are off and stand in place of each other", names.join(", "))
+                format!("{} are off and replace each other", names.join(", "))
             }
         };
         let mut error = Diagnostic::new(&codes::OFF_LOOP, message);
@@ -447,7 +448,7 @@ impl<'a> Linker<'a> {
                     .label(self.span(self.nodes[node as usize].place), "of this pass")
                     .note(format!("outputs of `{}`: {}", target.pass, offers.join(", ")));
                 if let Some(wanted) = wanted {
-                    error = error.note(format!("wanted here: {}", with_article(wanted)));
+                    error = error.note(format!("expected here: {}", with_article(wanted)));
                 }
                 self.errors.push(error);
                 None

@@ -42,7 +42,7 @@ fn write_pass(out: &mut String, plan: &Plan, at: usize, pass: &PlannedPass) {
     for input in &pass.inputs {
         let names: Vec<&str> =
             input.members.iter().map(|(_, id)| &*plan.resources[id.0 as usize].name).collect();
-        let past = if input.history.is_some() { "the past of " } else { "" };
+        let past = if input.history.is_some() { "the history buffer of " } else { "" };
         let _ = writeln!(out, "       reads {} = {past}{}", input.port, names.join(", "));
     }
     for port in &pass.outputs {
@@ -65,7 +65,7 @@ fn write_pass(out: &mut String, plan: &Plan, at: usize, pass: &PlannedPass) {
             let past = |history: super::HistoryId| name(plan.histories[history.0 as usize].resource);
             let from = match continued.from {
                 Begins::InPlace(_) => "its own past, in place".to_owned(),
-                Begins::CopyOfPast(history) => format!("a copy of the past of {}", past(history)),
+                Begins::CopyOfPast(history) => format!("a copy of the history buffer of {}", past(history)),
                 Begins::Copy(id) => format!("a copy of {}", name(id)),
             };
             let _ = writeln!(out, "       continues {} as {from}", name(continued.resource));

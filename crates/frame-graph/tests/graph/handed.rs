@@ -126,7 +126,7 @@ fn the_past_of_what_is_handed_on_is_the_past_of_what_was_made() {
     let error = plan_with(&with(r#"Prev(port: "first")"#), outputs, &CompileOptions::default())
         .unwrap_err()
         .to_string();
-    assert!(error.contains("is kept in two ways") && error.contains("p.ron:"), "{error}");
+    assert!(error.contains("differ in `init` or `reset`") && error.contains("p.ron:"), "{error}");
 }
 
 #[test]
@@ -135,5 +135,5 @@ fn the_past_is_not_handed_on() {
         r#""view": Pass(kind: "gbuffer"), "old": Pass(kind: "relay", in: { "view": Prev(port: "view") })"#;
     let error = plan_with(passes, r#""d": "old.depth""#, &CompileOptions::default()).unwrap_err();
     assert_eq!(error.0[0].code, "E038");
-    assert!(error.to_string().contains("hands on its input `view`, which reads the past"), "{error}");
+    assert!(error.to_string().contains("hands on its input `view`, which is a `Prev` link"), "{error}");
 }

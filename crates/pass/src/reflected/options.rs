@@ -55,8 +55,10 @@ pub(super) fn stand_in(
             cx.interfaces.iter().filter_map(stand_in)
         };
         let Some((interface, module)) = with_modules().find(|(interface, _)| named(interface)) else {
-            let message =
-                format!("`{}` imports the interface \"{port}\", and no producer brings that", user.path);
+            let message = format!(
+                "`{}` imports the interface \"{port}\", and no producer has such a module",
+                user.path
+            );
             let names: Vec<String> = with_modules().map(|(name, _)| snake_case(name)).collect();
             let quoted = list(names.iter().map(|name| format!("\"{name}\"")));
             let suffixes = list(names.iter().map(|name| format!("`_{name}`")));

@@ -113,8 +113,7 @@ pub(super) fn written(
 fn results(entry: &Entry) -> Result<Vec<shader_library::Location>, PassTypeError> {
     let name = &entry.name;
     if let Some(input) = entry.inputs.first() {
-        let message =
-            format!("`{name}` takes `{}` from the vertex stage, which hands nothing on", input.name);
+        let message = format!("`{name}` takes `{}` from the vertex stage, which outputs nothing", input.name);
         return Err(PassTypeError::new(message).help("the pixel is @builtin(position)"));
     }
     if entry.outputs.is_empty() {

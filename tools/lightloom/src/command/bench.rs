@@ -33,10 +33,10 @@ pub(crate) struct Args {
     /// given in place of the atrium. Any number of times
     #[arg(long)]
     scene: Vec<String>,
-    /// Runs that are measured
+    /// Number of measured runs
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     runs: u32,
-    /// A look before the real thing: small sizes, to which the goals do not apply
+    /// A quick preview: small sizes, to which the goals do not apply
     #[arg(long)]
     quick: bool,
     /// Print the table as Markdown

@@ -1,4 +1,4 @@
-//! `lightloom check`: everything that can be proved without a GPU.
+//! `lightloom check`: everything that can be checked without a GPU.
 
 use crate::command::study::{self, CatalogRegistry};
 use crate::context::Context;
@@ -12,14 +12,14 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Prove pipelines, their shaders, scenes and studies.
+/// Check pipelines, their shaders, scenes and studies.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   lightloom check                      everything there is
   lightloom check ism-invtm my.ron     these alone
   lightloom check --scene sponza.glb ism")]
 pub(crate) struct Args {
-    /// Pipelines, scenes, studies or files; all that there are where none is named
+    /// Pipelines, scenes, studies or files; without any, all built-in ones
     names: Vec<String>,
     /// The scene whose traits decide switches and variants [default: each of the built-in scenes]
     #[arg(long)]
@@ -90,7 +90,7 @@ fn is_pipeline(catalog: &Catalog, name: &str) -> bool {
     catalog.pipelines().read(name).is_some()
 }
 
-/// Every name and value of a study; what it would run.
+/// Checks every name and value of a study; returns how many cells it would run.
 fn check_study(context: &Context, name: &str) -> Result<String, String> {
     let plan = || -> Result<Plan> {
         let study = ::study::parse(study::source(context, name)?)?;
@@ -118,7 +118,7 @@ fn check_pipeline(
 ) -> Result<String, Diagnostics> {
     let resolved = resolve(name, catalog.pipelines(), &Overrides::default())?;
     if resolved.is_part() {
-        return Ok("a sub-graph, proved where it is used".to_owned());
+        return Ok("a sub-graph, checked where it is used".to_owned());
     }
     let options = renderer::compile_options();
     let (mut passes, mut shaders) = (0, 0);

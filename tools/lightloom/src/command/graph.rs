@@ -25,7 +25,7 @@ pub(crate) struct Args {
     /// A value for a parameter or a pass's setting; any number of times
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// Give every resource memory of its own
+    /// Give every resource an object of its own
     #[arg(long)]
     no_sharing: bool,
 }

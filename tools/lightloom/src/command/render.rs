@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// Size of the frame in pixels
     #[arg(long, default_value = "512x512", value_parser = parse_size)]
     size: (u32, u32),
-    /// How many frames to run; a pipeline that says when it is done runs each until then
+    /// How many frames to run; a pipeline with an output `progress` repeats each until it has converged
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
     /// Number of the first frame: where in the animation to begin
@@ -61,7 +61,7 @@ pub(crate) struct Args {
     /// Exposure of PNG files in EV
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
-    /// Give every resource memory of its own
+    /// Give every resource an object of its own
     #[arg(long)]
     no_sharing: bool,
     /// Fill what passes write with NaN first: pictures must not change
@@ -70,7 +70,7 @@ pub(crate) struct Args {
     /// Run the threads of compute shaders in another order, which the seed chooses: pictures must not change
     #[arg(long, value_name = "SEED")]
     thread_order: Option<u32>,
-    /// Render again whenever a file that takes part is saved: pipeline, shaders, scene. An error is printed, and the
+    /// Render again whenever a file of the pipeline, its shaders or the scene is saved. An error is printed, and the
     /// last good picture stays. Ctrl-C ends it
     #[arg(long)]
     watch: bool,
@@ -143,8 +143,8 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
     report(context, args, renderer, &written, &times, start.elapsed().as_secs_f64())
 }
 
-/// Writes a picture beside its place and moves it there, so that whoever reads it finds a whole one. What is encoded for
-/// a screen already goes into PNG as it is.
+/// Writes a picture beside its place and moves it there, so that whoever reads it finds a whole one. What is encoded
+/// for a screen already goes into PNG as it is.
 fn write(picture: &Image, path: &Path, args: &Args, provenance: &str) -> Result<()> {
     let encoded = args.output == "display";
     let display =
@@ -251,7 +251,7 @@ fn report(
         say!("{name}: {} produced of {} requested", counters.produced, counters.requested);
     }
     if let Some(progress) = progress {
-        let state = if progress.is_done() { "done" } else { "not done" };
+        let state = if progress.is_done() { "converged" } else { "not converged" };
         say!(
             "{state} after {} of at most {} steps; estimated error {:.2e}",
             progress.step,

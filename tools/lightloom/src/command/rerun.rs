@@ -24,7 +24,7 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let file = args.file.display();
     let Some(text) = read_provenance(&args.file)? else {
-        bail!("{file} carries no record of Lightloom: it was made by another program, or saved again by one");
+        bail!("{file} contains no record of Lightloom: another program wrote it, or saved it again");
     };
     let record =
         Provenance::from_json(&text).with_context(|| format!("the record in {file} cannot be read"))?;

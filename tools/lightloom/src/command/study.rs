@@ -46,7 +46,8 @@ pub(crate) struct Args {
     /// Size of frames in pixels, in place of the study's
     #[arg(long, value_parser = parse_size)]
     size: Option<(u32, u32)>,
-    /// A value for all pipelines that have it, in place of the study's: an axis is pinned to it. Any number of times
+    /// A value for all pipelines that have the name, in place of the study's; an axis of that name takes this value
+    /// only. Any number of times
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
     /// A value for the pipeline that makes the references. Any number of times
@@ -55,13 +56,13 @@ pub(crate) struct Args {
     /// A scene in place of the study's. Any number of times
     #[arg(long)]
     scene: Vec<String>,
-    /// So many seeds, in place of the study's
+    /// Number of seeds, in place of the study's
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     seeds: Option<u32>,
-    /// Measured frames a cell, in place of the study's
+    /// Measured frames per cell, in place of the study's
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// A look before the real thing: a quarter of each side, one seed, first and last value of each axis
+    /// A quick preview: a quarter of each side, one seed, first and last value of each axis
     #[arg(long)]
     quick: bool,
 }
