@@ -4,7 +4,7 @@
 //!
 //! An interface is one folder: its members with formats, its facts, its WGSL, and the Rust structs that have the
 //! layout of the WGSL ones. A crate outside this tree adds an interface with
-//! [`Pass::interfaces`](pass::Pass::interfaces).
+//! [`Pass::interfaces`].
 
 pub mod counters;
 #[path = "depth-atlas/mod.rs"]
