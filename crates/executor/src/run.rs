@@ -81,6 +81,9 @@ struct Loaded {
     objects: Vec<(ObjectUsage, Object)>,
     /// One entry a pass.
     steps: Vec<Vec<LoadedStep>>,
+    /// For each pass, whether something is cleared or copied before its steps: apart from the plan, so that a frame of
+    /// many dispatches reads little memory.
+    prepares: Vec<bool>,
     uniforms: Option<Uniforms>,
     state: FrameState,
     timers: Option<Timers>,

@@ -26,7 +26,7 @@ pub(crate) struct LoadedStep {
     /// Bind groups by the objects of `alternating`.
     groups: Vec<(Vec<AllocationId>, wgpu::BindGroup)>,
     /// The bind group used last.
-    group: usize,
+    bound: Option<wgpu::BindGroup>,
 }
 
 /// How many workgroups a dispatch has.
@@ -103,7 +103,7 @@ impl LoadedStep {
             pipeline,
             uniforms: Vec::new(),
             groups: Vec::new(),
-            group: 0,
+            bound: None,
         };
         Ok((step, made))
     }
@@ -145,12 +145,13 @@ impl LoadedStep {
     /// Forgets the bind groups, which hold objects of the plan.
     pub(crate) fn forget_bindings(&mut self) {
         self.groups.clear();
+        self.bound = None;
     }
 
     /// Forgets the bind groups where they hold this scene binding.
     pub(crate) fn forget_binding(&mut self, name: &str) {
         if self.linked.scene_bindings().any(|read| read == name) {
-            self.groups.clear();
+            self.forget_bindings();
         }
     }
 
@@ -161,7 +162,7 @@ impl LoadedStep {
             self.uniforms.push(offset);
             offset += fill.size().next_multiple_of(alignment);
         }
-        self.groups.clear();
+        self.forget_bindings();
         offset
     }
 
@@ -204,7 +205,7 @@ impl LoadedStep {
         queries: StepQueries<'_>,
     ) {
         self.find_group(context);
-        let (_, group) = &self.groups[self.group];
+        let Some(group) = &self.bound else { unreachable!("a bind group is found or made") };
         if queries.is_some() {
             *open = None;
         }
@@ -251,7 +252,7 @@ impl LoadedStep {
     /// The dispatch as it was encoded last; `None` for draws, for dispatches whose size is on the GPU, and before the first.
     pub(crate) fn dispatch(&self) -> Option<Dispatch<'_>> {
         let PipelineKind::Compute(pipeline) = &self.pipeline.kind else { return None };
-        let (_, bind_group) = self.groups.get(self.group)?;
+        let bind_group = self.bound.as_ref()?;
         let Workgroups::Known(workgroups) = self.workgroups else { return None };
         Some(Dispatch { pipeline, bind_group, workgroups })
     }
@@ -340,15 +341,20 @@ impl LoadedStep {
 
     /// Finds the bind group for the objects of this frame, and makes it where it is not there.
     fn find_group(&mut self, context: StepContext<'_>) {
-        let wanted = || self.alternating.iter().filter_map(|source| context.objects.of(source));
-        match self.groups.iter().position(|(held, _)| held.iter().copied().eq(wanted())) {
-            Some(found) => self.group = found,
-            None => {
-                let made = (wanted().collect(), self.make_group(context));
-                self.group = self.groups.len();
-                self.groups.push(made);
-            }
+        if self.alternating.is_empty() && self.bound.is_some() {
+            return;
         }
+        let wanted = || self.alternating.iter().filter_map(|source| context.objects.of(source));
+        let found = self.groups.iter().find(|(held, _)| held.iter().copied().eq(wanted()));
+        let group = match found {
+            Some((_, group)) => group.clone(),
+            None => {
+                let made = self.make_group(context);
+                self.groups.push((wanted().collect(), made.clone()));
+                made
+            }
+        };
+        self.bound = Some(group);
     }
 
     fn make_group(&self, context: StepContext<'_>) -> wgpu::BindGroup {

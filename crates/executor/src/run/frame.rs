@@ -22,7 +22,7 @@ impl Executor {
     pub fn frame(&mut self, change: &Change, options: FrameOptions) -> Result<&FrameReport, ExecutorError> {
         let Executor { gpu, scene_bindings, scene_indices, seed, loaded, pending, report, frames, .. } = self;
         let Some(loaded) = loaded else { return Err(ExecutorError::NotLoaded) };
-        let Loaded { plan, objects, steps, uniforms, state, timers, poison, views } = loaded;
+        let Loaded { plan, objects, steps, prepares, uniforms, state, timers, poison, views } = loaded;
         let (gpu, plan): (&Gpu, &Plan) = (gpu, plan);
         pending.add(change);
         let schedule = state.begin(plan, pending);
@@ -71,9 +71,14 @@ impl Executor {
         if let Some(timers) = frame.timers {
             timers.start(&mut frame.encoder);
         }
-        let passes = plan.passes.iter().zip(steps.iter_mut()).enumerate();
-        for (index, (pass, steps)) in passes.filter(|(index, _)| schedule.runs[*index]) {
-            frame.encode_pass(index, pass, steps);
+        let passes = steps.iter_mut().zip(prepares.iter()).enumerate();
+        for (index, (steps, prepares)) in passes.filter(|(index, _)| schedule.runs[*index]) {
+            // What has no steps is written by the application, before the frame.
+            let poison = frame.poison.filter(|_| !steps.is_empty());
+            if *prepares || poison.is_some() {
+                frame.prepare(&plan.passes[index], poison);
+            }
+            frame.encode(index, steps);
         }
         // A compute pass is ended by dropping it, before its encoder is finished.
         frame.open = None;
@@ -149,12 +154,9 @@ impl FrameEncoder<'_> {
         }
     }
 
-    fn encode_pass(&mut self, index: usize, pass: &PlannedPass, steps: &mut [LoadedStep]) {
-        // What has no steps is written by the host, before the frame.
-        let poison = self.poison.filter(|_| !steps.is_empty());
-        if !pass.clears.is_empty() || !pass.continues.is_empty() || poison.is_some() {
-            self.open = None;
-        }
+    /// Poisons, clears and copies what a pass writes.
+    fn prepare(&mut self, pass: &PlannedPass, poison: Option<&wgpu::Buffer>) {
+        self.open = None;
         if let Some(poison) = poison {
             self.poison(poison, pass);
         }
@@ -174,6 +176,9 @@ impl FrameEncoder<'_> {
             let desc = &objects.plan.resources[continued.resource.0 as usize].desc;
             copy(&mut self.encoder, objects.object(from), objects.object(to), desc);
         }
+    }
+
+    fn encode(&mut self, index: usize, steps: &mut [LoadedStep]) {
         let count = steps.len();
         for (i, step) in steps.iter_mut().enumerate() {
             let end = (i + 1 == count).then(|| Timers::end_of(index));

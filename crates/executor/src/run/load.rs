@@ -216,7 +216,10 @@ impl Executor {
             self.pool.trim();
             follow(&mut self.pending, &old.plan, &plan);
         }
-        self.loaded = Some(Loaded { plan, objects, steps, uniforms, state, timers, poison: None, views });
+        let prepares =
+            plan.passes.iter().map(|pass| !pass.clears.is_empty() || !pass.continues.is_empty()).collect();
+        self.loaded =
+            Some(Loaded { plan, objects, steps, prepares, uniforms, state, timers, poison: None, views });
         Ok(())
     }
 
