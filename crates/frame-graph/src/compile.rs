@@ -95,7 +95,7 @@ impl<'a> Work<'a> {
         let mut hands = false;
         for (i, pass) in graph.passes.iter().enumerate() {
             first_port.push(ports.len() as u32);
-            for port in &pass.outputs {
+            for port in &*pass.outputs {
                 ports.push(resources.len() as u32);
                 for (_, desc, made) in &port.members {
                     hands |= matches!(made, Made::Handed { .. });
@@ -214,7 +214,7 @@ impl<'a> Work<'a> {
         for (at, i) in constants.into_iter().map(|i| (None, i)).chain(made) {
             let pass = &self.graph.passes[i as usize];
             let mut r = self.numbers.of_pass(i as usize).start;
-            for port in &pass.outputs {
+            for port in &*pass.outputs {
                 for (member, desc, _) in &port.members {
                     let resource = &self.resources[r];
                     r += 1;
@@ -319,7 +319,7 @@ impl<'a> Work<'a> {
             let mut clears = Vec::new();
             let mut continues = Vec::new();
             let mut r = self.numbers.of_pass(*i as usize).start;
-            for port in &pass.outputs {
+            for port in &*pass.outputs {
                 let mut connected = false;
                 let mut members = Vec::with_capacity(port.members.len());
                 let mut handed = Vec::new();

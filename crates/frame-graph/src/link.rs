@@ -1,5 +1,6 @@
 //! From a flat description to a graph: switches, ports, interfaces, sizes.
 
+mod answers;
 mod checks;
 mod cycle;
 mod handed;
@@ -89,11 +90,14 @@ pub(crate) struct LinkSource {
     pub(crate) bare: bool,
 }
 
-/// The outputs of a pass, then its scratch: most have one.
-pub(crate) type GraphPorts = SmallVec<[GraphPort; 1]>;
+/// The outputs of a pass, then its scratch. Passes between which their pass type cannot tell share them.
+pub(crate) type GraphPorts = Arc<[GraphPort]>;
+
+/// The outputs of a node; `None` where they are not known yet, or the node is no pass.
+type Described = Option<GraphPorts>;
 
 /// An output port, or scratch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GraphPort {
     pub(crate) port: Name,
     /// Empty for scratch.
@@ -154,7 +158,7 @@ struct Linker<'a> {
     kinds: &'a dyn PassTypes,
     interfaces: &'a [Interface],
     context: &'a LinkContext,
-    uses: Rc<Vec<Option<UseOf>>>,
+    uses: Rc<Vec<Option<Rc<UseOf>>>>,
     /// Wires as if everything were on.
     wires: Vec<Wires<'a>>,
     /// Wires with what is off taken out; empty where nothing can be off.
@@ -270,7 +274,7 @@ impl<'a> Linker<'a> {
         if self.live.is_empty() { &self.wires[node] } else { &self.live[node] }
     }
 
-    fn graph(self, mut ports: Vec<GraphPorts>, order: &[u32]) -> Graph {
+    fn graph(self, mut ports: Vec<Described>, order: &[u32]) -> Graph {
         const NONE: u32 = u32::MAX;
         // Sub-graphs are no passes: passes get indices of their own.
         let mut index = vec![NONE; self.nodes.len()];
@@ -282,7 +286,7 @@ impl<'a> Linker<'a> {
             }
         }
         let source = |end: &End<'_>, bare: bool| {
-            let port = &ports[end.node as usize].get(end.port as usize);
+            let port = ports[end.node as usize].as_ref().and_then(|ports| ports.get(end.port as usize));
             let member = port.zip(self.member(&self.interface_of(end), end.member));
             let member = member.and_then(|(port, name)| port.members.iter().position(|(n, _, _)| *n == name));
             LinkSource {
@@ -293,6 +297,7 @@ impl<'a> Linker<'a> {
             }
         };
         let mut passes = Vec::with_capacity(count as usize);
+        let none = GraphPorts::default();
         for i in 0..self.nodes.len() {
             let Some(used) = &self.uses[i] else { continue };
             let Body::Pass { kind, shader } = &self.nodes[i].decl.body else { continue };
@@ -302,7 +307,9 @@ impl<'a> Linker<'a> {
             let modules = wires
                 .iter()
                 .filter(|wire| wire.end.constant.is_none() && wire.end.member.is_none())
-                .filter_map(|wire| ports[wire.end.node as usize].get(wire.end.port as usize)?.facts.module());
+                .filter_map(|wire| {
+                    ports[wire.end.node as usize].as_ref()?[wire.end.port as usize].facts.module()
+                });
             let scene_bindings =
                 modules.fold(used.ports.scene_bindings, |all, module| all.and(module.scene_bindings));
             let inputs = wires.iter().map(|wire| {
@@ -324,7 +331,7 @@ impl<'a> Linker<'a> {
                 depends_on: scene_bindings,
                 remembers: false,
                 inputs: inputs.collect(),
-                outputs: SmallVec::new(),
+                outputs: Arc::clone(&none),
                 off: if is_on { None } else { Some(self.off(i)) },
             });
         }
@@ -335,7 +342,7 @@ impl<'a> Linker<'a> {
         };
         let outputs = self.outputs.iter().map(output).collect();
         for (i, ports) in ports.iter_mut().enumerate().filter(|(i, _)| index[*i] != NONE) {
-            passes[index[i] as usize].outputs = std::mem::take(ports);
+            passes[index[i] as usize].outputs = ports.take().unwrap_or_else(|| Arc::clone(&none));
         }
         let order: Vec<u32> = order.iter().map(|i| index[*i as usize]).filter(|i| *i != NONE).collect();
         dependencies(&mut passes, &order);

@@ -125,7 +125,7 @@ pub enum Extent {
 }
 
 /// A texture as a pass declares it (`S` = [`Extent`]) or with known size (`S` = `(u32, u32)`).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct TextureDesc<S> {
     /// Format of the texels.
     pub format: Format,
@@ -145,7 +145,7 @@ pub struct BufferDesc {
 }
 
 /// A texture or a buffer.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum ResourceDesc<S = (u32, u32)> {
     /// A texture.
     Texture(TextureDesc<S>),

@@ -2,7 +2,7 @@
 
 use super::sizes::sort;
 use super::wires::End;
-use super::{GraphPorts, Linker};
+use super::{Described, Linker};
 use crate::codes;
 use crate::description::Off;
 use crate::diagnostic::{Diagnostic, Place};
@@ -10,7 +10,7 @@ use crate::resource::{Format, ResourceDesc, SampleKind};
 
 impl Linker<'_> {
     /// `Texture` inputs must get textures, `Buffer` inputs buffers, and members that were left out are missed.
-    pub(super) fn check_sorts(&mut self, ports: &[Option<GraphPorts>]) {
+    pub(super) fn check_sorts(&mut self, ports: &[Described]) {
         let mut errors = Vec::new();
         for (output, end) in &self.outputs {
             errors.extend(self.left_out(end, output.link.place, ports));
@@ -54,7 +54,7 @@ impl Linker<'_> {
     }
 
     /// Tells where a link takes a member that the producer, with its settings, does not make.
-    fn left_out(&self, end: &End<'_>, place: Place, ports: &[Option<GraphPorts>]) -> Option<Diagnostic> {
+    fn left_out(&self, end: &End<'_>, place: Place, ports: &[Described]) -> Option<Diagnostic> {
         let port = ports[end.node as usize].as_ref()?.get(end.port as usize)?;
         let member = self.member(&port.interface, end.member)?;
         if port.members.iter().any(|(name, _, _)| *name == member) {
@@ -71,7 +71,7 @@ impl Linker<'_> {
     }
 
     /// A colour can only stand in place of textures of floats; and the place of a pass must have a known shape.
-    pub(super) fn check_constants(&mut self, ports: &[Option<GraphPorts>]) {
+    pub(super) fn check_constants(&mut self, ports: &[Described]) {
         let mut errors = Vec::new();
         let mut check = |end: &End<'_>, place, init: bool, clear| {
             let node = &self.nodes[end.node as usize];

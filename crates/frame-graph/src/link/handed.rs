@@ -2,7 +2,7 @@
 
 use super::sizes::Unknown;
 use super::wires::End;
-use super::{GraphPorts, Linker, Made};
+use super::{Described, GraphPorts, Linker, Made};
 use crate::codes;
 use crate::description::Past;
 use crate::diagnostic::{Diagnostic, Place};
@@ -86,7 +86,7 @@ impl Linker<'_> {
 
     /// Where a resource is made: follows what is handed on to the pass that makes it. A pass that is off hands
     /// on nothing: what stands in its place is its own.
-    fn made_at(&self, mut at: At, ports: &[Option<GraphPorts>]) -> At {
+    fn made_at(&self, mut at: At, ports: &[Described]) -> At {
         loop {
             let (node, port, member) = at;
             let made =
@@ -113,7 +113,7 @@ impl Linker<'_> {
     }
 
     /// What is handed on must be of this frame, and all names of one resource must agree on its past.
-    pub(super) fn check_handed(&mut self, ports: &[Option<GraphPorts>]) {
+    pub(super) fn check_handed(&mut self, ports: &[Described]) {
         let hands = |ports: &GraphPorts| {
             let members = ports.iter().flat_map(|port| &port.members);
             members.into_iter().any(|(_, _, made)| matches!(made, Made::Handed { .. }))
@@ -124,7 +124,7 @@ impl Linker<'_> {
         let mut errors = Vec::new();
         for (node, described) in ports.iter().enumerate() {
             let Some(described) = described.as_ref().filter(|_| self.is_on_now(node)) else { continue };
-            for port in described {
+            for port in &**described {
                 let input_of = |made: &Made| match made {
                     Made::Handed { input, .. } => Some(input.clone()),
                     Made::Here(_) => None,
@@ -158,11 +158,11 @@ impl Linker<'_> {
     }
 
     /// What an output begins as must be of its format and size.
-    pub(super) fn check_continued(&mut self, ports: &[Option<GraphPorts>]) {
+    pub(super) fn check_continued(&mut self, ports: &[Described]) {
         let mut errors = Vec::new();
         for (node, described) in ports.iter().enumerate() {
             let Some(described) = described.as_ref().filter(|_| self.is_on_now(node)) else { continue };
-            for port in described {
+            for port in &**described {
                 for (name, desc, made) in &port.members {
                     let Made::Here(Usage::Continue { input, member }) = made else { continue };
                     let Some(end) = self.wire_of(node, input) else { continue };
@@ -190,7 +190,7 @@ impl Linker<'_> {
     }
 
     /// A resource has one past, whatever names it is read by.
-    fn check_handed_pasts(&self, ports: &[Option<GraphPorts>]) -> Vec<Diagnostic> {
+    fn check_handed_pasts(&self, ports: &[Described]) -> Vec<Diagnostic> {
         let mut known: FxHashMap<At, (&Arc<Past>, Place)> = FxHashMap::default();
         let mut errors = Vec::new();
         for node in 0..self.nodes.len() {
@@ -221,7 +221,7 @@ impl Linker<'_> {
 }
 
 /// The resources at the end of a wire.
-fn members_of(linker: &Linker<'_>, end: &End<'_>, ports: &[Option<GraphPorts>]) -> Vec<At> {
+fn members_of(linker: &Linker<'_>, end: &End<'_>, ports: &[Described]) -> Vec<At> {
     let Some(ports) = &ports[end.node as usize] else { return Vec::new() };
     let port = &ports[end.port as usize];
     let chosen = linker.member(&port.interface, end.member);
@@ -231,7 +231,7 @@ fn members_of(linker: &Linker<'_>, end: &End<'_>, ports: &[Option<GraphPorts>]) 
 }
 
 /// The resource that an input sees under the name of a member.
-fn member_at(linker: &Linker<'_>, end: &End<'_>, member: &str, ports: &[Option<GraphPorts>]) -> Option<At> {
+fn member_at(linker: &Linker<'_>, end: &End<'_>, member: &str, ports: &[Described]) -> Option<At> {
     let members = members_of(linker, end, ports);
     let port = &ports[end.node as usize].as_ref()?[end.port as usize];
     let named = members.iter().find(|(_, _, m)| port.members[*m as usize].0 == *member);

@@ -1,7 +1,8 @@
 //! Works out the resources of every output: formats, sizes, facts.
 
+use super::answers::{Answers, Question};
 use super::wires::is_bare;
-use super::{GraphPort, GraphPorts, Linker, Made};
+use super::{Described, GraphPort, GraphPorts, Linker, Made, Wire};
 use crate::codes;
 use crate::description::Body;
 use crate::diagnostic::Diagnostic;
@@ -36,26 +37,22 @@ pub(super) enum Unknown {
 impl<'a> Linker<'a> {
     /// The resources of every pass's outputs, in the order of data. What reads the past of a later pass takes
     /// further rounds, until nothing changes.
-    pub(super) fn find_sizes(&mut self, order: &[u32]) -> Vec<GraphPorts> {
-        let count = self.nodes.len();
-        let mut ports: Vec<Option<GraphPorts>> = vec![None; count];
-        let mut descs: Vec<InputDesc> = Vec::new();
+    pub(super) fn find_sizes(&mut self, order: &[u32]) -> Vec<Described> {
+        let mut ports: Vec<Described> = vec![None; self.nodes.len()];
+        let mut answers = Answers::default();
         // Passes that read the past of what comes later, or of what waits: these are asked again.
         let mut waiting = false;
         for i in order {
             let i = *i as usize;
-            if self.uses[i].is_none() {
-                continue;
-            }
-            let whole = self.describe_inputs(i, &ports, &mut descs);
-            waiting |= !whole;
-            match self.describe(i, whole, &mut descs) {
+            let Some(question) = self.question(i, &ports) else { continue };
+            waiting |= !question.whole;
+            match self.answer(i, question, &ports, &mut answers) {
                 Ok(found) => ports[i] = Some(found),
                 Err(unknown) => self.note_unknown(i, unknown, false),
             }
         }
         if waiting && self.errors.is_empty() {
-            self.settle(order, &mut ports, &mut descs);
+            self.settle(order, &mut ports, &mut answers);
         }
         if self.errors.is_empty() {
             self.check_sorts(&ports);
@@ -63,22 +60,19 @@ impl<'a> Linker<'a> {
             self.check_handed(&ports);
             self.check_continued(&ports);
         }
-        ports.into_iter().map(Option::unwrap_or_default).collect()
+        ports
     }
 
     /// Asks again until nothing changes.
-    fn settle(&mut self, order: &[u32], ports: &mut [Option<GraphPorts>], descs: &mut Vec<InputDesc>) {
+    fn settle(&mut self, order: &[u32], ports: &mut [Described], answers: &mut Answers) {
         for round in 0..MAX_ROUNDS {
             let last = round + 1 == MAX_ROUNDS;
             let mut changed = false;
             let mut unknown = Vec::new();
             for i in order {
                 let i = *i as usize;
-                if self.uses[i].is_none() {
-                    continue;
-                }
-                let whole = self.describe_inputs(i, ports, descs);
-                match self.describe(i, whole, descs) {
+                let Some(question) = self.question(i, ports) else { continue };
+                match self.answer(i, question, ports, answers) {
                     Ok(found) => {
                         let same = ports[i].as_ref().is_some_and(|old| same(old, &found));
                         if !same {
@@ -131,54 +125,59 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Fills `descs` with the connected inputs of a pass; `false` where one has no size yet.
-    fn describe_inputs(&self, node: usize, ports: &[Option<GraphPorts>], descs: &mut Vec<InputDesc>) -> bool {
-        let Some(used) = &self.uses[node] else { return true };
-        // A pass that is off is described as if all were on: the shape of what stands in its place.
-        let wires = if self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] };
-        let mut count = 0;
-        let mut whole = true;
-        for wire in wires {
-            let Some(producer) = &ports[wire.end.node as usize] else {
-                whole = false;
-                continue;
-            };
-            let port = &producer[wire.end.port as usize];
-            if descs.len() == count {
-                descs.push(InputDesc {
-                    name: String::new(),
-                    interface: String::new(),
-                    members: Vec::new(),
-                    facts: Arc::clone(&NO_FACTS),
-                });
-            }
-            // The texts and lists of the pass before are used again: this is the innermost loop of linking.
-            let desc = &mut descs[count];
-            count += 1;
+    /// The wires whose ends a pass is described by. A pass that is off is described as if all were on: the shape of what
+    /// stands in its place.
+    fn describing_wires(&self, node: usize) -> &[Wire<'a>] {
+        if self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] }
+    }
+
+    /// What a pass type is asked about the outputs of a node; `None` where the node is no pass.
+    fn question(&self, node: usize, ports: &[Described]) -> Option<Question> {
+        let mut question = Question::of(self.uses[node].as_ref()?);
+        for wire in self.describing_wires(node) {
+            question.link(wire, ports[wire.end.node as usize].as_ref());
+        }
+        Some(question)
+    }
+
+    /// The outputs of a pass: as known from an equal question, or asked for.
+    fn answer(
+        &self,
+        node: usize,
+        question: Question,
+        ports: &[Described],
+        answers: &mut Answers,
+    ) -> Result<GraphPorts, Unknown> {
+        if let Some(known) = answers.get(&question) {
+            return Ok(known);
+        }
+        let inputs = self.describe_inputs(node, ports);
+        let found = self.describe(node, question.whole, &inputs)?;
+        Ok(answers.add(question, found))
+    }
+
+    /// The connected inputs of a pass, without those that have no size yet.
+    fn describe_inputs(&self, node: usize, ports: &[Described]) -> Vec<InputDesc> {
+        let Some(used) = &self.uses[node] else { return Vec::new() };
+        let describe = |wire: &Wire<'_>| {
+            let port = &ports[wire.end.node as usize].as_ref()?[wire.end.port as usize];
             let (name, wanted) = &used.names.inputs[wire.input as usize];
-            desc.name.clear();
-            desc.name.push_str(name);
-            desc.interface.clear();
-            desc.interface.push_str(&port.interface);
-            if !Arc::ptr_eq(&desc.facts, &port.facts) {
-                desc.facts = Arc::clone(&port.facts);
-            }
-            desc.members.clear();
             let bare = is_bare(wanted, &wire.end);
             let chosen = self.member(&port.interface, wire.end.member);
-            for (member, resource, _) in &port.members {
-                if chosen.is_none_or(|chosen| *member == chosen) {
-                    let name = if bare { String::new() } else { member.to_string() };
-                    desc.members.push((name, resource.clone()));
-                    if wire.end.member.is_some() {
-                        desc.interface.clear();
-                        desc.interface.push_str(sort(resource));
-                    }
-                }
-            }
-        }
-        descs.truncate(count);
-        whole
+            let taken =
+                port.members.iter().filter(|(name, _, _)| chosen.is_none_or(|chosen| *name == chosen));
+            let members: Vec<_> = taken
+                .map(|(name, resource, _)| {
+                    (if bare { String::new() } else { name.to_string() }, resource.clone())
+                })
+                .collect();
+            let interface = match members.last() {
+                Some((_, resource)) if wire.end.member.is_some() => sort(resource).to_owned(),
+                _ => port.interface.to_string(),
+            };
+            Some(InputDesc { name: name.to_string(), interface, members, facts: Arc::clone(&port.facts) })
+        };
+        self.describing_wires(node).iter().filter_map(describe).collect()
     }
 
     /// The name of a member that a link takes.
@@ -188,23 +187,23 @@ impl<'a> Linker<'a> {
     }
 
     /// Asks the pass type for its outputs and works their sizes out.
-    fn describe(&self, node: usize, whole: bool, descs: &mut Vec<InputDesc>) -> Result<GraphPorts, Unknown> {
+    fn describe(&self, node: usize, whole: bool, inputs: &[InputDesc]) -> Result<Vec<GraphPort>, Unknown> {
         let waits =
             |error: PassTypeError| if whole { Unknown::Refused(error) } else { Unknown::Waits(error) };
         let (Some(used), decl) = (&self.uses[node], &self.nodes[node].decl) else {
-            return Ok(GraphPorts::new());
+            return Ok(Vec::new());
         };
-        let Some(use_) = used.ask(decl) else { return Ok(GraphPorts::new()) };
+        let Some(use_) = used.ask(decl) else { return Ok(Vec::new()) };
         let context = OutputContext {
             use_,
             settings: &used.settings,
-            inputs: descs,
+            inputs,
             frame: self.context.frame,
             traits: &self.context.traits,
         };
         let outputs = self.kinds.outputs(&context).map_err(waits)?;
-        let mut found = GraphPorts::new();
-        let mut scratch = GraphPorts::new();
+        let mut found = Vec::with_capacity(outputs.len());
+        let mut scratch = Vec::new();
         let mut in_order = true;
         for output in outputs {
             let place = found.len();
@@ -229,12 +228,15 @@ impl<'a> Linker<'a> {
                 }
             };
             let is_scratch = output.scratch;
-            let described = self.describe_port(node, name, interface, output, whole, descs)?;
+            let described = self.describe_port(node, name, interface, output, whole, inputs)?;
             if is_scratch { scratch.push(described) } else { found.push(described) }
         }
         if !in_order || found.len() != used.names.outputs.len() {
-            let missing =
-                used.names.outputs.iter().find(|(name, _)| found.iter().all(|port| port.port != *name));
+            let missing = used
+                .names
+                .outputs
+                .iter()
+                .find(|(name, _)| found.iter().all(|port: &GraphPort| port.port != *name));
             if let Some((missing, _)) = missing {
                 return Err(self.defect(node, format!("does not describe its output `{missing}`")));
             }
@@ -402,6 +404,7 @@ pub(super) fn sort(desc: &ResourceDesc) -> &'static str {
     if desc.texture().is_some() { "Texture" } else { "Buffer" }
 }
 
-fn same(a: &[GraphPort], b: &[GraphPort]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.members == b.members && a.facts == b.facts)
+fn same(a: &GraphPorts, b: &GraphPorts) -> bool {
+    let same = |a: &GraphPort, b: &GraphPort| a.members == b.members && a.facts == b.facts;
+    Arc::ptr_eq(a, b) || (a.len() == b.len() && a.iter().zip(&**b).all(|(a, b)| same(a, b)))
 }

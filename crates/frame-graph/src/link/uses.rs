@@ -41,7 +41,7 @@ type Shared<K, V> = FxHashMap<*const (), (Arc<K>, V)>;
 struct Caches<'a> {
     /// The uses that have been asked for and are sound, by a hash of what a pass type may look at: another use that says
     /// the same gets the same answer.
-    uses: FxHashMap<u64, SmallVec<[(&'a PassDecl, UseOf); 1]>>,
+    uses: FxHashMap<u64, SmallVec<[(&'a PassDecl, Rc<UseOf>); 1]>>,
     defaults: FxHashMap<*const (), (Arc<[Setting]>, Arc<Settings>)>,
     names: Shared<Ports, Rc<PortNames>>,
 }
@@ -105,18 +105,18 @@ impl<'a> Linker<'a> {
         kind: &At<Name>,
         shader: Option<&At<Name>>,
         caches: &mut Caches<'a>,
-    ) -> Option<UseOf> {
+    ) -> Option<Rc<UseOf>> {
         let decl = &*node.decl;
         let hash = hash_use(decl, &kind.value, shader.map(|s| &s.value));
         let known = caches.uses.get(&hash).into_iter().flatten();
         if let Some((_, used)) = known.into_iter().find(|(other, _)| same_use(decl, other)) {
-            return Some(used.clone());
+            return Some(Rc::clone(used));
         }
         let told = self.errors.len();
-        let used = self.find_use(node, kind, shader, caches)?;
+        let used = Rc::new(self.find_use(node, kind, shader, caches)?);
         // What is wrong is told at each place where it is said.
         if self.errors.len() == told && used.inputs.is_none() {
-            caches.uses.entry(hash).or_default().push((decl, used.clone()));
+            caches.uses.entry(hash).or_default().push((decl, Rc::clone(&used)));
         }
         Some(used)
     }
