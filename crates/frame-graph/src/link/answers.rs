@@ -41,9 +41,9 @@ impl Question {
 
 /// The answers to questions, so that a chain of like passes asks its pass type once.
 ///
-/// [`PassTypes`](crate::PassTypes) are pure: the same question gets the same answer. Uses between which a pass type
-/// cannot tell are one [`UseOf`], and equal answers are one object; questions that are equal by address are therefore
-/// equal in all that the pass type sees, and where it sees two alike, they soon are equal by address.
+/// This is right because [`PassTypes`](crate::PassTypes) are pure: the same question gets the same answer. Uses between
+/// which a pass type cannot tell are one [`UseOf`], so questions of equal addresses are equal in all that the pass type
+/// sees. Equal answers are kept as one object, so that the next pass of a chain asks the same question as the last.
 #[derive(Default)]
 pub(super) struct Answers {
     known: FxHashMap<Key, GraphPorts>,

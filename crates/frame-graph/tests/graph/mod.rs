@@ -1,3 +1,4 @@
+mod asked;
 mod broken;
 mod continued;
 mod formulas;
