@@ -10,12 +10,13 @@ use crate::diagnostic::Diagnostics;
 use crate::link::{Graph, GraphPass, LinkSource, Made};
 use crate::plan::{
     AllocationId, Begins, Continued, Fate, History, HistoryId, Memory, PassId, Plan, PlanId, PlannedInput,
-    PlannedOutput, PlannedPass, PlannedPort, PlannedResource, ResourceId,
+    PlannedMembers, PlannedOutput, PlannedPass, PlannedPort, PlannedResource, ResourceId,
 };
 use crate::port::{SceneBindings, Usage};
 use crate::resource::Clear;
 use data_file::Name;
 use numbers::Numbers;
+use smallvec::SmallVec;
 
 /// How to compile.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +65,14 @@ struct Work<'a> {
     needed: Vec<bool>,
     /// Outputs that are wanted, by index.
     wanted: Vec<u32>,
+}
+
+/// What stands in the plan for the resources of the graph.
+struct Ids {
+    /// For each resource, its index in the plan.
+    resources: Vec<u32>,
+    /// For each port of a pass that is needed, what its members are in the plan.
+    ports: Vec<PlannedMembers>,
 }
 
 /// What compiling needs to know of a resource.
@@ -204,7 +213,7 @@ impl<'a> Work<'a> {
     }
 
     /// Numbers the resources in the order in which they are made, constants first.
-    fn plan_resources(&self, plan: &mut Plan, order: &[u32]) -> Vec<u32> {
+    fn plan_resources(&self, plan: &mut Plan, order: &[u32]) -> Ids {
         let mut ids = vec![NONE; self.resources.len()];
         let mut name = String::new();
         let constants = (0..self.graph.passes.len() as u32)
@@ -236,7 +245,7 @@ impl<'a> Work<'a> {
                         desc: desc.clone(),
                         allocation: AllocationId(NONE),
                         producer: at.map(PassId),
-                        readers: Vec::with_capacity(resource.readers as usize),
+                        readers: SmallVec::with_capacity(resource.readers as usize),
                         lifetime: (begin, end),
                         persistent: resource.persistent,
                         history: (resource.history != NONE).then_some(HistoryId(resource.history)),
@@ -248,7 +257,17 @@ impl<'a> Work<'a> {
         for r in 0..ids.len() {
             ids[r] = ids[self.numbers.made[r] as usize];
         }
-        ids
+        let ports = self.graph.passes.iter().enumerate().flat_map(|(i, pass)| {
+            pass.outputs.iter().enumerate().map(move |(at, port)| (i, at, &port.members))
+        });
+        let members = ports.map(|(i, at, members)| match self.needed[i] {
+            true => {
+                let members = members.iter().zip(&ids[self.numbers.of_port(i as u32, at as u32)]);
+                members.map(|((name, _, _), id)| (name.clone(), ResourceId(*id))).collect()
+            }
+            false => PlannedMembers::default(),
+        });
+        Ids { ports: members.collect(), resources: ids }
     }
 
     fn interface(&self, source: &LinkSource) -> Name {
@@ -261,14 +280,17 @@ impl<'a> Work<'a> {
         Name::new(if texture { "Texture" } else { "Buffer" })
     }
 
-    fn members(&self, source: &LinkSource, ids: &[u32]) -> Vec<(Name, ResourceId)> {
+    fn members(&self, source: &LinkSource, ids: &Ids) -> PlannedMembers {
+        if source.member.is_none() && !source.bare {
+            return ids.ports[self.numbers.port(source.pass, source.port)].clone();
+        }
         let port = &self.graph.passes[source.pass as usize].outputs[source.port as usize];
         let first = self.numbers.of_port(source.pass, source.port).start;
         let name = |r: usize| if source.bare { Name::EMPTY } else { port.members[r - first].0.clone() };
-        self.numbers.in_port(source).map(|r| (name(r), ResourceId(ids[r]))).collect()
+        self.numbers.in_port(source).map(|r| (name(r), ResourceId(ids.resources[r]))).collect()
     }
 
-    fn plan_passes(&self, plan: &mut Plan, order: &[u32], position: &[u32], ids: &[u32]) {
+    fn plan_passes(&self, plan: &mut Plan, order: &[u32], position: &[u32], ids: &Ids) {
         let histories = self.resources.iter().filter(|r| r.history != NONE).count();
         let unset = History {
             resource: ResourceId(NONE),
@@ -288,7 +310,7 @@ impl<'a> Work<'a> {
                     for r in self.numbers.of_source(&input.from) {
                         let id = self.resources[r].history;
                         let history = &mut plan.histories[id as usize];
-                        history.resource = ResourceId(ids[r]);
+                        history.resource = ResourceId(ids.resources[r]);
                         history.init = of.init;
                         history.reset.clone_from(&of.reset);
                         list.push(HistoryId(id));
@@ -296,7 +318,7 @@ impl<'a> Work<'a> {
                     past = Some(list);
                 } else {
                     for r in self.numbers.of_source(&input.from) {
-                        let resource = &mut plan.resources[ids[r] as usize];
+                        let resource = &mut plan.resources[ids.resources[r] as usize];
                         if resource.readers.last() != Some(&PassId(at as u32)) {
                             resource.readers.push(PassId(at as u32));
                         }
@@ -319,12 +341,11 @@ impl<'a> Work<'a> {
             let mut clears = Vec::new();
             let mut continues = Vec::new();
             let mut r = self.numbers.of_pass(*i as usize).start;
-            for port in &*pass.outputs {
+            for (at, port) in pass.outputs.iter().enumerate() {
                 let mut connected = false;
-                let mut members = Vec::with_capacity(port.members.len());
                 let mut handed = Vec::new();
                 for (name, _, made) in &port.members {
-                    let id = ResourceId(ids[r]);
+                    let id = ResourceId(ids.resources[r]);
                     connected |= self.resources[r].read;
                     r += 1;
                     match made {
@@ -335,7 +356,7 @@ impl<'a> Work<'a> {
                         Made::Here(Usage::ClearFirst(clear)) => clears.push((id, *clear)),
                         Made::Here(Usage::Overwrites) => {}
                         Made::Here(Usage::Continue { input, member }) => {
-                            let begins = self.begins_as(pass, r - 1, input, member, ids);
+                            let begins = self.begins_as(pass, r - 1, input, member, &ids.resources);
                             if let Some(Begins::InPlace(history)) = begins {
                                 plan.histories[history.0 as usize].in_place = true;
                             }
@@ -346,8 +367,12 @@ impl<'a> Work<'a> {
                             }));
                         }
                     }
-                    members.push((name.clone(), id));
                 }
+                let all = &ids.ports[self.numbers.port(*i, at as u32)];
+                let members = match handed.is_empty() {
+                    true => all.clone(),
+                    false => all.iter().filter(|member| !handed.contains(member)).cloned().collect(),
+                };
                 outputs.push(PlannedPort {
                     port: port.port.clone(),
                     interface: port.interface.clone(),

@@ -2,6 +2,7 @@
 
 mod dot;
 mod json;
+mod members;
 mod svg;
 mod text;
 
@@ -9,9 +10,12 @@ use crate::port::{Facts, OutputOverride, SceneBindings};
 use crate::resource::{Clear, ResourceDesc, human_bytes};
 use crate::value::Settings;
 use data_file::Name;
+use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
+
+pub use members::PlannedMembers;
 
 /// A stable hash of a plan: equal for equal plans, on any machine.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -123,7 +127,7 @@ pub struct PlannedInput {
     /// The interface of the linked output.
     pub interface: Name,
     /// Member name and resource.
-    pub members: Vec<(Name, ResourceId)>,
+    pub members: PlannedMembers,
     /// The history buffers of those resources, where the link is `Prev`: one entry per member.
     pub history: Option<Vec<HistoryId>>,
     /// Facts of the producer's port.
@@ -138,7 +142,7 @@ pub struct PlannedPort {
     /// The interface; empty for scratch.
     pub interface: Name,
     /// Name and resource of each member that the pass writes.
-    pub members: Vec<(Name, ResourceId)>,
+    pub members: PlannedMembers,
     /// Name and resource of each member that the pass hands on: a resource of one of its inputs.
     pub handed: Vec<(Name, ResourceId)>,
     /// Whether anything reads it. A pass may skip work for what nothing reads.
@@ -159,7 +163,7 @@ pub struct PlannedResource {
     /// The pass that writes it; `None` for the constant of a pass that is switched off.
     pub producer: Option<PassId>,
     /// The passes that read it in the same frame.
-    pub readers: Vec<PassId>,
+    pub readers: SmallVec<[PassId; 4]>,
     /// First and last position in the order at which it is alive.
     pub lifetime: (u32, u32),
     /// Set where it must outlive its last reader, and so shares no object: an output of the pipeline, a history buffer,
@@ -205,7 +209,7 @@ pub struct PlannedOutput {
     /// Interface of that port.
     pub interface: Name,
     /// Member name and resource.
-    pub members: Vec<(Name, ResourceId)>,
+    pub members: PlannedMembers,
 }
 
 /// Whether a pass runs, and why.

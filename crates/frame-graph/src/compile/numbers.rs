@@ -25,8 +25,13 @@ impl Numbers {
         self.of_pass(pass).filter(|r| self.made[*r] as usize == *r)
     }
 
+    /// The number of a port.
+    pub(super) fn port(&self, pass: u32, port: u32) -> usize {
+        (self.first_port[pass as usize] + port) as usize
+    }
+
     pub(super) fn of_port(&self, pass: u32, port: u32) -> Range<usize> {
-        let at = (self.first_port[pass as usize] + port) as usize;
+        let at = self.port(pass, port);
         self.ports[at] as usize..self.ports[at + 1] as usize
     }
 

@@ -1,6 +1,6 @@
 //! Joins both ends of every link, and checks that they fit.
 
-use super::uses::PortNames;
+use super::uses::UseOf;
 use super::wires::{End, Found, with_article};
 use super::{Linker, Wire, Wires};
 use crate::codes;
@@ -20,7 +20,7 @@ impl<'a> Linker<'a> {
             let mut wires = Wires::new();
             if let Some(used) = &uses[i] {
                 for (at, link) in decl.links.iter().enumerate() {
-                    wires.extend(self.wire(i, &used.names, at, link));
+                    wires.extend(self.wire(i, used, at, link));
                 }
                 if let Some(feed) = &decl.feed {
                     wires.extend(self.feed(i, feed));
@@ -198,8 +198,9 @@ impl<'a> Linker<'a> {
         }
     }
 
-    fn wire(&mut self, node: usize, names: &PortNames, at: usize, link: &'a Link) -> Option<Wire<'a>> {
-        let Some(input) = names.inputs.iter().position(|(port, _)| *port == link.port.value) else {
+    fn wire(&mut self, node: usize, used: &UseOf, at: usize, link: &'a Link) -> Option<Wire<'a>> {
+        let names = &used.names;
+        let Some(input) = used.linked[at] else {
             if !link.inherited {
                 let Body::Pass { kind, .. } = &self.nodes[node].decl.body else { return None };
                 let message = format!("the pass type `{}` has no input `{}`", kind.value, link.port.value);
@@ -210,13 +211,13 @@ impl<'a> Linker<'a> {
             }
             return None;
         };
-        let wanted = &names.inputs[input].1;
+        let (port, wanted) = &names.inputs[input as usize];
         let Found::End(end) = self.follow(link, Some(wanted), false) else { return None };
         if let Err(help) = self.fits(wanted, &end) {
-            self.mismatch(node, &names.inputs[input].0, wanted, link, &end, help);
+            self.mismatch(node, port, wanted, link, &end, help);
             return None;
         }
-        Some(Wire { input: input as u32, end, link: at as u32 })
+        Some(Wire { input, end, link: at as u32 })
     }
 
     pub(super) fn mismatch(

@@ -203,7 +203,8 @@ impl<'a> Linker<'a> {
         let mut errors = Vec::new();
         // Of a sub-graph without a copy, an optional input may not read what only a copy makes either.
         let needed = |port: &Name| missing.iter().any(|(input, _)| *port == *input.name);
-        let optional: Vec<&Link> = decl.links.iter().filter(|link| !needed(&link.port.value)).collect();
+        let optional = decl.links.iter().filter(|link| self.copyless && !needed(&link.port.value));
+        let optional: Vec<&Link> = optional.collect();
         let missing: Vec<_> = missing.into_iter().map(|(input, link)| (input.clone(), link)).collect();
         for (input, link) in missing {
             let name = &self.nodes[node].name;
@@ -236,14 +237,12 @@ impl<'a> Linker<'a> {
             };
             errors.push(error);
         }
-        if self.copyless {
-            for link in optional {
-                if let Found::Nothing(off) = self.retrace(link)
-                    && self.without_copy(off).is_some()
-                {
-                    let reader = format!("`{}`, for its input `{}`,", self.nodes[node].name, link.port.value);
-                    errors.push(self.off_read(reader, link, off));
-                }
+        for link in optional {
+            if let Found::Nothing(off) = self.retrace(link)
+                && self.without_copy(off).is_some()
+            {
+                let reader = format!("`{}`, for its input `{}`,", self.nodes[node].name, link.port.value);
+                errors.push(self.off_read(reader, link, off));
             }
         }
         self.errors.extend(errors);

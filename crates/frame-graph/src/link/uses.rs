@@ -2,7 +2,7 @@
 
 use super::Linker;
 use crate::codes::{self, Code};
-use crate::description::{At, Body, PassDecl, Set};
+use crate::description::{At, Body, Link, PassDecl, Set};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::port::{PassTypeError, Ports, Use};
 use crate::resolve::Node;
@@ -20,6 +20,8 @@ pub(super) struct UseOf {
     pub(super) ports: Arc<Ports>,
     pub(super) names: Rc<PortNames>,
     pub(super) settings: Arc<Settings>,
+    /// For each link of the description, the index of its input, where there is one.
+    pub(super) linked: Vec<Option<u32>>,
     /// Names of the inputs that it links, where they are not those of the description.
     pub(super) inputs: Option<Arc<[String]>>,
 }
@@ -37,11 +39,14 @@ pub(super) struct PortNames {
 /// address stays its own.
 type Shared<K, V> = FxHashMap<*const (), (Arc<K>, V)>;
 
+/// Uses of one hash.
+type Alike<'a> = SmallVec<[(&'a PassDecl, Rc<UseOf>); 1]>;
+
 #[derive(Default)]
 struct Caches<'a> {
     /// The uses that have been asked for and are sound, by a hash of what a pass type may look at: another use that says
     /// the same gets the same answer.
-    uses: FxHashMap<u64, SmallVec<[(&'a PassDecl, Rc<UseOf>); 1]>>,
+    uses: FxHashMap<u64, Alike<'a>>,
     defaults: FxHashMap<*const (), (Arc<[Setting]>, Arc<Settings>)>,
     names: Shared<Ports, Rc<PortNames>>,
 }
@@ -173,7 +178,11 @@ impl<'a> Linker<'a> {
             match asked {
                 Ok((ports, settings)) => {
                     let names = self.names(&ports, caches);
-                    return Some(UseOf { ports, names, settings, inputs });
+                    let input = |link: &Link| {
+                        names.inputs.iter().position(|(port, _)| *port == link.port.value).map(|i| i as u32)
+                    };
+                    let linked = decl.links.iter().map(input).collect();
+                    return Some(UseOf { ports, names, settings, linked, inputs });
                 }
                 Err(error) => {
                     let kept = |name: &String| decl.link(name).is_some_and(|link| link.inherited);
