@@ -114,7 +114,7 @@ pub mod link {
     codes! {
         REFUSED = "L001": "A pass cannot record its steps as it is used.";
         ENTRY = "L002": "A shader has no entry point of that name and stage.";
-        UNDECLARED = "L003": "A shader reads scene bindings that its pass does not declare among its scene_bindings.";
+        UNDECLARED = "L003": "A shader reads scene bindings that its pass does not declare.";
         MISMATCH = "L004": "A shader declares a global otherwise than the resource is: its type, access or format.";
         SETTINGS = "L005": "The global `settings` is no uniform of a struct.";
         VALUE = "L006": "Nothing gives a member of `settings` a value, or one that it can hold.";

@@ -244,7 +244,7 @@ fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage>
         if resource.constant.is_some() || resource.history.is_some() {
             add(ResourceId(index as u32), attachment);
         }
-        // Filled by tests, by hosts, and with poison; depth formats cannot be copied to.
+        // Filled by tests, by applications, and with poison; depth formats cannot be copied to.
         if resource.desc.texture().is_some_and(|texture| texture.format != frame_graph::Format::Depth32Float)
         {
             add(ResourceId(index as u32), ObjectUsage { filled: true, ..ObjectUsage::default() });

@@ -1,7 +1,7 @@
 //! A test of one pass: its inputs, its pipeline, and its frames.
 
 use crate::given::{Given, GivenMember, TestPassTypes};
-use crate::{Outputs, gpu, library, scene};
+use crate::{Outputs, buffer, gpu, library, scene};
 use executor::{Executor, ExecutorError, FrameOptions, Gpu};
 use frame_graph::plan::{PassId, Plan};
 use frame_graph::port::{OutputOverride, PassTypes};
@@ -11,6 +11,7 @@ use frame_graph::{
     Source, Traits, Use, Value,
 };
 use interfaces::INTERFACES;
+use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Library, LinkedStep, Pass, Step};
 use scene::{Camera, Scene};
 use scene_upload::{Frame, SceneView};
@@ -171,6 +172,13 @@ impl<'a> Harness<'a> {
         let facts = facts.iter().map(|(name, value)| (*name, Value::U32(*value))).collect();
         self.give(port, interface, facts, members, None);
         self
+    }
+
+    /// Gives the input port `lights`. Its buffer has room for one light even where there is none.
+    pub fn lights(self, lights: &[VirtualLight]) -> Self {
+        let room = virtual_lights::to_bytes(&vec![VirtualLight::default(); lights.len().max(1)]).len();
+        let members = vec![("", buffer(room as u64), virtual_lights::to_bytes(lights))];
+        self.input("lights", "VirtualLights", &[("count", lights.len() as u32)], members)
     }
 
     /// Adds an input port that reads a history buffer of the age `age`: this many frames run before those that

@@ -20,6 +20,7 @@ use frame_graph::plan::{Plan, PlannedPass, ResourceId};
 use frame_graph::port::OutputOverride;
 use frame_graph::{ResourceDesc, Source, Value};
 use interfaces::INTERFACES;
+use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Library, Pass, Use, UseContext};
 use scene::Scene;
 use shader_library::{DiskFiles, ShaderFiles};
@@ -51,13 +52,6 @@ pub struct Outputs {
 /// Describes a buffer of `bytes`.
 pub fn buffer(bytes: u64) -> ResourceDesc {
     ResourceDesc::buffer(bytes)
-}
-
-/// Describes a buffer with these elements after a header of four words whose first is their number: VirtualLights.
-pub fn counted<T: Pod>(elements: &[T]) -> (ResourceDesc, Vec<u8>) {
-    let mut bytes = bytemuck::cast_slice(&[elements.len() as u32, 0, 0, 0]).to_vec();
-    bytes.extend_from_slice(bytemuck::cast_slice(elements));
-    (ResourceDesc::buffer(bytes.len() as u64), bytes)
 }
 
 /// Returns the one device of a test process; `None`, with a note on stderr, where there is no adapter.
@@ -227,11 +221,13 @@ impl Outputs {
         bytemuck::pod_collect_to_vec(&bytes)
     }
 
-    /// Returns the elements after a header of four words, as many as its first says: VirtualLights.
-    pub fn read_counted<T: Pod>(&self, name: &str) -> Vec<T> {
-        let bytes: Vec<u8> = self.read(name);
-        let count = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
-        bytemuck::pod_collect_to_vec(&bytes[16..16 + count * size_of::<T>()])
+    /// Returns the virtual lights of a port.
+    ///
+    /// # Panics
+    /// Where there is none of that name, or it says more lights than it holds.
+    pub fn lights(&self, name: &str) -> Vec<VirtualLight> {
+        let lights = virtual_lights::from_bytes(&self.read(name));
+        lights.unwrap_or_else(|| panic!("`{name}` holds fewer lights than it says"))
     }
 
     /// Returns the description of a resource.

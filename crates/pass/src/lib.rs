@@ -30,6 +30,7 @@ pub use record::{
     Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target, Threads,
     request, request_of_module,
 };
+use shader_library::TypeLayout;
 pub use shader_library::{Define, Library, Request};
 
 /// The name and documentation of a pass type.
@@ -98,9 +99,7 @@ impl UseContext<'_> {
     /// # Errors
     /// Where the file of the struct is refused, or has no such struct.
     pub fn buffer(&self, structure: Struct, elements: u64) -> Result<ResourceDesc<Extent>, PassTypeError> {
-        let content = self.shaders.content(structure.file, structure.name);
-        let content = content.map_err(|errors| PassTypeError::new(errors.to_string()))?;
-        Ok(ResourceDesc::buffer(content.bytes(elements)))
+        Ok(ResourceDesc::buffer(self.content(structure)?.bytes(elements)))
     }
 
     /// Returns the size of a struct of fixed size in bytes, by the layout of the WGSL.
@@ -108,8 +107,12 @@ impl UseContext<'_> {
     /// # Errors
     /// As [`UseContext::buffer`].
     pub fn size_of(&self, structure: Struct) -> Result<u64, PassTypeError> {
+        Ok(self.content(structure)?.bytes(1))
+    }
+
+    fn content(&self, structure: Struct) -> Result<TypeLayout, PassTypeError> {
         let content = self.shaders.content(structure.file, structure.name);
-        content.map(|content| content.bytes(1)).map_err(|errors| PassTypeError::new(errors.to_string()))
+        content.map_err(|errors| PassTypeError::new(errors.to_string()))
     }
 
     /// Returns a `const` of the type u32 that a WGSL file declares or imports.

@@ -31,16 +31,14 @@ impl View {
         let half = |x: f32| half::f16::from_f32(x).to_bits();
         let normals = [half(0.0), half(1.0), half(0.0), 0].repeat(pixels);
         let texture = |format| pass::ResourceDesc::texture_2d(format, (self.width, self.height));
-        let packed: Vec<[f32; 12]> = lights
-            .iter()
-            .map(|light| {
-                let ([x, y, z], [u, v, w]) = (light.position.to_array(), light.normal.to_array());
-                [x, y, z, light.area, u, v, w, 0.0, light.flux, 2.0 * light.flux, 0.0, 0.0].map(|x| x as f32)
-            })
-            .collect();
-        let (_, bytes) = pass_test::counted(&packed);
-        // A buffer has room for one light even where there is none.
-        let desc = pass_test::buffer(16 + 48 * packed.len().max(1) as u64);
+        let given = |light: &VirtualLight| interfaces::virtual_lights::VirtualLight {
+            position: light.position.as_vec3().to_array(),
+            area: light.area as f32,
+            normal: light.normal.as_vec3().to_array(),
+            flux: [light.flux, 2.0 * light.flux, 0.0].map(|x| x as f32),
+            ..Default::default()
+        };
+        let lights: Vec<_> = lights.iter().map(given).collect();
         Harness::new(gather::PASS)
             .frame(self.width, self.height)
             .scene("plane")
@@ -58,7 +56,7 @@ impl View {
                     ("normal", texture(pass::Format::Rgba16Float), bytemuck::cast_slice(&normals).to_vec()),
                 ],
             )
-            .input("lights", "VirtualLights", &[("count", packed.len() as u32)], vec![("", desc, bytes)])
+            .lights(&lights)
     }
 
     /// Where a pixel looks.

@@ -2,6 +2,7 @@
 
 use frame_graph::Source;
 use glam::{DVec2, DVec3, dvec3, uvec2};
+use interfaces::virtual_lights::VirtualLight;
 use paraboloid_shadow_maps::ParaboloidShadowMaps;
 use paraboloid_shadow_maps::cpu_reference::paraboloid::{
     direction_from_paraboloid, frame_from_normal, texel_centre,
@@ -51,17 +52,15 @@ fn render_in_layers(
     tile: u32,
     side: u32,
 ) -> Option<(Vec<Vec<f64>>, u32)> {
-    let packed: Vec<[f32; 12]> = lights
-        .iter()
-        .map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32))
-        .collect();
-    let (desc, bytes) = pass_test::counted(&packed);
+    let given = |(position, normal): &(DVec3, DVec3)| VirtualLight {
+        position: position.as_vec3().to_array(),
+        normal: normal.as_vec3().to_array(),
+        flux: [1.0; 3],
+        ..VirtualLight::default()
+    };
+    let given: Vec<VirtualLight> = lights.iter().map(given).collect();
     let pass = ParaboloidShadowMaps { side };
-    let outputs = Harness::new(&pass)
-        .with_scene(scene)
-        .set("map", tile)
-        .input("lights", "VirtualLights", &[("count", packed.len() as u32)], vec![("", desc, bytes)])
-        .run()?;
+    let outputs = Harness::new(&pass).with_scene(scene).set("map", tile).lights(&given).run()?;
     let atlas: Vec<f32> = outputs.read("visibility.atlas");
     let columns = outputs.fact("visibility", "columns").as_u32().expect("a number");
     let layers = outputs.desc("visibility.atlas").texture().map_or(0, |texture| texture.layers);

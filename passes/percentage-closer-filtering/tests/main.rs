@@ -1,6 +1,7 @@
 //! Filtered lookups against the CPU reference, and against a bilinear lookup of four texels.
 
 use frame_graph::port::InputDesc;
+use interfaces::virtual_lights::VirtualLight;
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
     ResourceDesc, SceneBindings, Setting, Settings, Threads, Use, UseContext, Value,
@@ -72,8 +73,7 @@ fn receivers() -> Vec<[f32; 8]> {
 
 /// For each receiver what the module answers, what a bilinear lookup does, and where in its map the receiver falls.
 fn answers(taps: u32) -> Option<Vec<[f32; 4]>> {
-    let light = [0.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0];
-    let (desc, bytes) = pass_test::counted(&[light; 2]);
+    let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
     let atlas = pass::ResourceDesc::texture_2d_array(pass::Format::R32Float, (TILE, TILE), 2);
     let outputs = Harness::new(&Probe)
         .input(
@@ -84,7 +84,7 @@ fn answers(taps: u32) -> Option<Vec<[f32; 4]>> {
         )
         .fact("depth_bias", 0.5)
         .module(MODULE)
-        .input("lights", "VirtualLights", &[("count", 2)], vec![("", desc, bytes)])
+        .lights(&[light; 2])
         .input(
             "receivers",
             "Buffer",

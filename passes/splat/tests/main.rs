@@ -1,6 +1,7 @@
 //! Splats against closed forms.
 
 use glam::{DVec3, dvec3, uvec2};
+use interfaces::virtual_lights::VirtualLight;
 use pass_test::Harness;
 use splat::cpu_reference::paraboloid::{
     direction_from_paraboloid, frame_from_normal, paraboloid_density, paraboloid_from_direction, texel_area,
@@ -162,11 +163,13 @@ fn the_gpu_agrees_with_the_cpu_reference() {
     for (tile, per_map, max_splat) in [(1, 400, 8.0), (3, 400, 2.0), (64, 700, 8.0), (33, 900, 64.0)] {
         let points: Vec<[f32; 8]> =
             cloud.iter().map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0].map(|x| x as f32)).collect();
-        let packed: Vec<[f32; 12]> = lights
-            .iter()
-            .map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0, 1.0, 1.0, 1.0, 0.0].map(|x| x as f32))
-            .collect();
-        let (desc, bytes) = pass_test::counted(&packed);
+        let given = |(position, normal): &(DVec3, DVec3)| VirtualLight {
+            position: position.as_vec3().to_array(),
+            normal: normal.as_vec3().to_array(),
+            flux: [1.0; 3],
+            ..VirtualLight::default()
+        };
+        let given: Vec<VirtualLight> = lights.iter().map(given).collect();
         let outputs = Harness::new(splat::PASS)
             .scene("plane")
             .set("map", tile)
@@ -179,7 +182,8 @@ fn the_gpu_agrees_with_the_cpu_reference() {
                 vec![("", pass_test::buffer(900 * 32), bytemuck::cast_slice(&points).to_vec())],
             )
             .module(STORED)
-            .input("lights", "VirtualLights", &[("count", 3)], vec![("", desc, bytes)])
+            .lights(&given)
+            .fact("count", 3_u32)
             .run();
         let Some(outputs) = outputs else { return };
         assert_eq!(outputs.read::<u32>("counters")[..2], [3 * per_map, 3 * per_map], "requested and made");
@@ -210,8 +214,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
 fn surfels_store_the_distance_of_their_plane() {
     // The plane z = 1 as one large splat: at each texel the distance along its ray, 1 / cos.
     let points = [[0.3f32, 0.1, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]];
-    let light = [[0.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0]];
-    let (desc, bytes) = pass_test::counted(&light);
+    let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
     let outputs = Harness::new(splat::PASS)
         .scene("plane")
         .set("map", 32)
@@ -224,7 +227,7 @@ fn surfels_store_the_distance_of_their_plane() {
             vec![("", pass_test::buffer(32), bytemuck::cast_slice(&points).to_vec())],
         )
         .module(STORED)
-        .input("lights", "VirtualLights", &[("count", 1)], vec![("", desc, bytes)])
+        .lights(&[light])
         .run();
     let Some(outputs) = outputs else { return };
     let depth: Vec<u32> = outputs.read("depth");
@@ -248,10 +251,14 @@ fn ten_points() -> Vec<u8> {
 
 #[test]
 fn what_is_made_of_what_is_asked_for_is_told() {
-    let light = [[0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 1.0, 1.0, 0.0]; 2];
+    let light = VirtualLight {
+        position: [0.0, 0.0, 1.0],
+        normal: [0.0, 0.0, -1.0],
+        flux: [1.0; 3],
+        ..VirtualLight::default()
+    };
     // Of 700 a map, a budget of 7 leaves 3.
     for (per_map, budget, made) in [(3, 100, 6), (5, 100, 10), (700, 10_000, 10), (700, 7, 6)] {
-        let (desc, bytes) = pass_test::counted(&light);
         let outputs = Harness::new(splat::PASS)
             .scene("plane")
             .set("map", 8)
@@ -264,7 +271,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
                 vec![("", pass_test::buffer(36), ten_points())],
             )
             .module("shaders/points-on-the-fly.wgsl")
-            .input("lights", "VirtualLights", &[("count", 2)], vec![("", desc, bytes)])
+            .lights(&[light; 2])
             .run();
         let Some(outputs) = outputs else { return };
         assert_eq!(outputs.read::<u32>("counters")[..2], [10, made], "requested and made of {per_map} a map");
@@ -273,13 +280,12 @@ fn what_is_made_of_what_is_asked_for_is_told() {
 
 #[test]
 fn without_triangles_the_maps_are_empty() {
-    let light = [[0.0f32, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0]];
-    let (desc, bytes) = pass_test::counted(&light);
+    let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
     let outputs = Harness::new(splat::PASS)
         .set("map", 8)
         .input("points", "Points", &[("count", 0)], vec![("", pass_test::buffer(32), Vec::new())])
         .module("shaders/points-on-the-fly.wgsl")
-        .input("lights", "VirtualLights", &[("count", 1)], vec![("", desc, bytes)])
+        .lights(&[light])
         .run();
     let Some(outputs) = outputs else { return };
     assert!(outputs.read::<u32>("depth").iter().all(|bits| *bits == f32::INFINITY.to_bits()));

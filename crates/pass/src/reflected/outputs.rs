@@ -178,7 +178,7 @@ impl Reflected {
             for (member, written) in group.members {
                 let resource = match &written.form {
                     Form::Target(ty) => {
-                        let format = format.or_else(|| format_of(cx.interfaces, group.interface, member));
+                        let format = format.or_else(|| format_of(interface?, member));
                         ResourceDesc::texture_2d(target_format(&written.name, ty, format)?, size.clone())
                     }
                     Form::Texture { format: declared, array } => {
@@ -314,9 +314,8 @@ fn check_members(
 
 /// The format in which the passes of the tree write a texture of an interface; `None` where the member is a buffer or
 /// there is none of that name.
-fn format_of(interfaces: &[Interface], interface: &str, member: &str) -> Option<Format> {
-    let member = interfaces.iter().find(|known| known.name == interface)?.member(member)?;
-    if let Content::Texture(format) = member.content { Some(format) } else { None }
+fn format_of(interface: &Interface, member: &str) -> Option<Format> {
+    if let Content::Texture(format) = interface.member(member)?.content { Some(format) } else { None }
 }
 
 /// The interface of a single resource.

@@ -49,7 +49,7 @@ fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Optio
 }
 
 fn lights(outputs: &Outputs) -> Vec<VirtualLight> {
-    outputs.read_counted("lights")
+    outputs.lights("lights")
 }
 
 #[test]

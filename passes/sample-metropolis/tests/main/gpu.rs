@@ -47,7 +47,7 @@ fn run(map: &[f32], size: (u32, u32), run: Run) -> Option<Outputs> {
 }
 
 fn draw(map: &[f32], size: (u32, u32), settings: Run) -> Option<Vec<VirtualLight>> {
-    Some(run(map, size, settings)?.read_counted("lights"))
+    Some(run(map, size, settings)?.lights("lights"))
 }
 
 /// The chains of the CPU reference, with the numbers of the shader.

@@ -68,7 +68,7 @@ fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<Virt
     ];
     let harness =
         Harness::new(PASS).set("count", count).seed(seed).input("rsm", "ReflectiveShadowMap", &[], members);
-    Some(harness.run()?.read_counted("lights"))
+    Some(harness.run()?.lights("lights"))
 }
 
 fn green(texel: u32) -> f64 {
