@@ -99,7 +99,9 @@ fn charts_are_saved(browser: &mut Browser, folder: &Path) {
     browser.click("#time .chosen .save");
     let path = downloads.join(&name);
     let start = Instant::now();
-    while !path.is_file() {
+    // The browser makes the file before it has written it.
+    let whole = || std::fs::read_to_string(&path).is_ok_and(|text| text.trim_end().ends_with("</svg>"));
+    while !whole() {
         assert!(start.elapsed() < Duration::from_secs(30), "{name} is not saved");
         std::thread::sleep(Duration::from_millis(20));
     }
