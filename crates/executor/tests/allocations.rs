@@ -10,6 +10,7 @@ use harness::{Kind, Running, Workshop, every_frame, gpu, shader, texture, words}
 use pass::{Clear, Compute, Draw, Format, OutputDesc, Raster, Step, Target, Threads, Usage};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Counts what a thread allocates.
 struct Counting;
@@ -47,6 +48,12 @@ fn allocations(work: impl FnOnce()) -> usize {
     let before = ALLOCATED.get();
     work();
     ALLOCATED.get() - before
+}
+
+/// Keeps other tests from the device until it is dropped: a submission also clears up what other threads have left there.
+fn alone() -> MutexGuard<'static, ()> {
+    static DEVICE: Mutex<()> = Mutex::new(());
+    DEVICE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Frames that are counted. The least counts: lists inside wgpu grow now and then.
@@ -143,6 +150,7 @@ fn chain(length: usize) -> Option<Running> {
 #[test]
 fn dispatches_allocate_what_wgpu_does() {
     const LENGTH: usize = 100;
+    let _alone = alone();
     let Some(gpu) = gpu() else { return };
     let Some(Running(mut executor)) = chain(LENGTH) else { return };
     executor.set_seed(3);
@@ -161,6 +169,7 @@ fn dispatches_allocate_what_wgpu_does() {
 
 #[test]
 fn a_frame_that_runs_nothing_allocates_what_an_empty_submission_does() {
+    let _alone = alone();
     let Some(gpu) = gpu() else { return };
     let Some(Running(mut executor)) = chain(20) else { return };
     run(&mut executor, &Change::default());
@@ -192,6 +201,7 @@ const DRAW: &str = "
 
 #[test]
 fn pasts_uniforms_clears_and_draws_allocate_what_wgpu_does() {
+    let _alone = alone();
     let Some(gpu) = gpu() else { return };
     let count = every_frame(Kind::new("count").input("past", "Buffer"));
     let count = count
