@@ -57,7 +57,7 @@ pub fn with_those_of<'a>(
         for interface in pass.interfaces() {
             match all.iter().find(|known| known.name == interface.name) {
                 Some(known) if known == interface => {}
-                Some(_) => return Err(NameTaken { interface: interface.name, pass: pass.info().kind }),
+                Some(_) => return Err(NameTaken::Interface { name: interface.name, pass: pass.info().kind }),
                 None => all.push(interface.clone()),
             }
         }
@@ -65,22 +65,34 @@ pub fn with_those_of<'a>(
     Ok(all)
 }
 
-/// A pass adds an interface whose name another interface has.
+/// A name that a pass type adds is another's already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NameTaken {
-    /// The name.
-    pub interface: &'static str,
-    /// The pass type that adds the second one.
-    pub pass: &'static str,
+pub enum NameTaken {
+    /// A pass type adds an interface whose name another interface has.
+    Interface {
+        /// The name.
+        name: &'static str,
+        /// The pass type that adds the second one.
+        pass: &'static str,
+    },
+    /// Two pass types have the same name.
+    PassType {
+        /// The name.
+        name: &'static str,
+    },
 }
 
 impl std::fmt::Display for NameTaken {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(
-            f,
-            "the pass type `{}` brings an interface `{}`, and there is another of that name",
-            self.pass, self.interface
-        )
+        match self {
+            NameTaken::Interface { name, pass } => {
+                write!(
+                    f,
+                    "the pass type `{pass}` brings an interface `{name}`, and there is another of that name"
+                )
+            }
+            NameTaken::PassType { name } => write!(f, "two pass types are named `{name}`"),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use frame_graph::port::{OutputContext, OutputDesc, PassTypes};
 use frame_graph::{Interface, PassTypeError, Ports, Setting, Settings, Use};
 use interfaces::NameTaken;
 use pass::{Library, Pass, UseContext};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// All pass types, with the shaders from which some of them derive their ports.
@@ -29,7 +29,7 @@ impl Catalog {
     /// passes of their own.
     ///
     /// # Errors
-    /// Where two different interfaces have the same name.
+    /// Where two pass types, or two different interfaces, have the same name.
     pub fn with_passes(
         assets: Assets,
         passes: impl IntoIterator<Item = &'static dyn Pass>,
@@ -48,6 +48,10 @@ impl Catalog {
         passes: Vec<&'static dyn Pass>,
         thread_order: Option<u32>,
     ) -> Result<Catalog, NameTaken> {
+        let mut names = HashSet::new();
+        if let Some(name) = passes.iter().map(|pass| pass.info().kind).find(|name| !names.insert(*name)) {
+            return Err(NameTaken::PassType { name });
+        }
         let interfaces = interfaces::with_those_of(passes.iter().copied())?;
         let library = Library::new(Arc::new(ShaderAssets(assets.clone())));
         let library = interfaces::import_from(library, &interfaces);

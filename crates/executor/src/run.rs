@@ -9,13 +9,13 @@ use crate::gpu::Gpu;
 use crate::object::{Object, ObjectUsage, Pool, SceneBinding};
 use crate::pipeline::Pipelines;
 use crate::readback;
-use crate::step::LoadedStep;
+use crate::step::{LoadedStep, usages as usages_of};
 use crate::timing::Timers;
 use crate::uniforms::Uniforms;
 use frame_graph::frame::FrameState;
 use frame_graph::plan::{Begins, PassId, Plan, ResourceId};
 use frame_graph::{Change, ResourceDesc};
-use pass::LinkedStep;
+use pass::{LinkedStep, LinkedSteps};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -149,9 +149,9 @@ impl Executor {
         }
     }
 
-    fn check_features(&self, plan: &Plan, steps: &[Vec<LinkedStep>]) -> Result<(), ExecutorError> {
+    fn check_features(&self, plan: &Plan, steps: &[LinkedSteps]) -> Result<(), ExecutorError> {
         let first = |wants: fn(&LinkedStep) -> bool| {
-            let found = plan.passes.iter().zip(steps).find(|(_, steps)| steps.iter().any(wants));
+            let found = plan.passes.iter().zip(steps).find(|(_, steps)| steps.iter().any(|step| wants(step)));
             found.map(|(pass, _)| pass.name.to_string())
         };
         let adapter = || self.gpu.info.name.clone();
@@ -221,7 +221,7 @@ fn write(gpu: &Gpu, object: &Object, desc: &ResourceDesc, bytes: &[u8]) {
 }
 
 /// What every object is used for, from the steps and clears of the plan.
-fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage> {
+fn allocation_usages<'s>(plan: &Plan, steps: impl Iterator<Item = &'s LinkedStep>) -> Vec<ObjectUsage> {
     let mut usages = vec![ObjectUsage::default(); plan.allocations.len()];
     let mut add = |id: ResourceId, usage: ObjectUsage| {
         let resource = &plan.resources[id.0 as usize];
@@ -231,8 +231,8 @@ fn allocation_usages(plan: &Plan, steps: &[Vec<LoadedStep>]) -> Vec<ObjectUsage>
             *entry = entry.or(usage);
         }
     };
-    for step in steps.iter().flatten() {
-        step.usages(plan, &mut add);
+    for step in steps {
+        usages_of(step, plan, &mut add);
     }
     let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
     for pass in &plan.passes {

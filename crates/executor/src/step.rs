@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub(crate) struct LoadedStep {
     label: String,
     /// Apart, so that what a dispatch needs lies close together.
-    linked: Box<LinkedStep>,
+    linked: Arc<LinkedStep>,
     pipeline: Arc<Pipeline>,
     workgroups: Workgroups,
     /// Offset of each uniform.
@@ -78,7 +78,7 @@ impl LoadedStep {
         pipelines: &mut Pipelines,
         plan: &Plan,
         pass: &PlannedPass,
-        linked: LinkedStep,
+        linked: Arc<LinkedStep>,
     ) -> Result<(LoadedStep, bool), ExecutorError> {
         let format =
             |id: &ResourceId| plan.resources[id.0 as usize].desc.texture().map(|texture| texture.format);
@@ -99,13 +99,18 @@ impl LoadedStep {
             label: format!("{}: {entry}", pass.name),
             workgroups: workgroups(&linked, gpu.limits().max_compute_workgroups_per_dimension),
             alternating: bound.filter(|source| alternates(source)).cloned().collect(),
-            linked: Box::new(linked),
+            linked,
             pipeline,
             uniforms: Vec::new(),
             groups: Vec::new(),
             bound: None,
         };
         Ok((step, made))
+    }
+
+    /// Whether it was made from this step.
+    pub(crate) fn is(&self, linked: &Arc<LinkedStep>) -> bool {
+        Arc::ptr_eq(&self.linked, linked)
     }
 
     pub(crate) fn shader_hash(&self) -> u128 {
@@ -169,30 +174,6 @@ impl LoadedStep {
     /// The uniforms, each with its place in the buffer.
     pub(crate) fn uniforms(&self) -> impl Iterator<Item = (&UniformFill, u64)> {
         self.linked.uniforms.iter().zip(self.uniforms.iter().copied())
-    }
-
-    /// Tells what each resource of the plan is used for.
-    pub(crate) fn usages(&self, plan: &Plan, add: &mut impl FnMut(ResourceId, ObjectUsage)) {
-        let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
-        self.linked.targets.iter().chain(&self.linked.depth).for_each(|id| add(*id, attachment));
-        for bound in &self.linked.bindings {
-            if let Source::Resource(id) = &bound.source
-                && matches!(
-                    self.linked.shader.interface.globals[bound.global].kind,
-                    GlobalKind::StorageTexture { .. }
-                )
-            {
-                add(*id, ObjectUsage { storage: true, ..ObjectUsage::default() });
-            }
-        }
-        let indirect = match &self.linked.indirect {
-            Some(Source::Resource(id)) => Some(*id),
-            Some(Source::Past(history)) => Some(plan.histories[history.0 as usize].resource),
-            _ => None,
-        };
-        if let Some(id) = indirect {
-            add(id, ObjectUsage { indirect: true, ..ObjectUsage::default() });
-        }
     }
 
     /// Encodes the step. Dispatches that follow each other share one compute pass unless they are timed.
@@ -406,6 +387,27 @@ impl LoadedStep {
                 })
             }
         }
+    }
+}
+
+/// Tells what a step uses each resource of the plan for.
+pub(crate) fn usages(step: &LinkedStep, plan: &Plan, add: &mut impl FnMut(ResourceId, ObjectUsage)) {
+    let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
+    step.targets.iter().chain(&step.depth).for_each(|id| add(*id, attachment));
+    for bound in &step.bindings {
+        if let Source::Resource(id) = &bound.source
+            && matches!(step.shader.interface.globals[bound.global].kind, GlobalKind::StorageTexture { .. })
+        {
+            add(*id, ObjectUsage { storage: true, ..ObjectUsage::default() });
+        }
+    }
+    let indirect = match &step.indirect {
+        Some(Source::Resource(id)) => Some(*id),
+        Some(Source::Past(history)) => Some(plan.histories[history.0 as usize].resource),
+        _ => None,
+    };
+    if let Some(id) = indirect {
+        add(id, ObjectUsage { indirect: true, ..ObjectUsage::default() });
     }
 }
 

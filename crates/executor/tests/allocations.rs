@@ -8,46 +8,11 @@ use executor::{Executor, FrameOptions, Gpu, Object, wgpu};
 use frame_graph::Change;
 use harness::{Kind, Running, Workshop, every_frame, gpu, shader, texture, words};
 use pass::{Clear, Compute, Draw, Format, OutputDesc, Raster, Step, Target, Threads, Usage};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Counts what a thread allocates.
-struct Counting;
-
-thread_local! {
-    static ALLOCATED: Cell<usize> = const { Cell::new(0) };
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-#[expect(unsafe_code, reason = "the trait of allocators is unsafe")]
-// SAFETY: all is handed to the system's allocator as it came; the count is a plain number, for which nothing is allocated.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // Threads that end allocate after their count is gone.
-        let _ = ALLOCATED.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: see above.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: see above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        let _ = ALLOCATED.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: see above.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-fn allocations(work: impl FnOnce()) -> usize {
-    let before = ALLOCATED.get();
-    work();
-    ALLOCATED.get() - before
+/// Counts what this thread allocates.
+fn allocations(work: impl FnOnce()) -> u64 {
+    allocation_counter::measure(work).count_total
 }
 
 /// Keeps other tests from the device until it is dropped: a submission also clears up what other threads have left there.
@@ -61,8 +26,8 @@ const FRAMES: usize = 24;
 
 /// The least that one of many frames allocates. Frames come in pairs of the executor's and of those by hand, and the GPU is
 /// idle before each, so that wgpu finds the memory of earlier command buffers free.
-fn least(gpu: &Gpu, mut frame: impl FnMut(), mut by_hand: impl FnMut()) -> (usize, usize) {
-    let mut least = (usize::MAX, usize::MAX);
+fn least(gpu: &Gpu, mut frame: impl FnMut(), mut by_hand: impl FnMut()) -> (u64, u64) {
+    let mut least = (u64::MAX, u64::MAX);
     for _ in 0..FRAMES {
         least.0 = least.0.min(allocations(&mut frame));
         gpu.wait().unwrap();

@@ -1,6 +1,6 @@
 //! From a graph to a plan: cull, order, lifetimes, sharing.
 
-mod identity;
+pub(crate) mod identity;
 mod memory;
 mod needs;
 mod numbers;

@@ -69,6 +69,9 @@ pub(crate) struct Node {
     pub(crate) decl: Arc<PassDecl>,
 }
 
+/// The name of the sources of [`Overrides`].
+const GIVEN: &str = "--set";
+
 /// Flattens the pipeline at `path`.
 ///
 /// # Errors
@@ -99,7 +102,7 @@ pub fn resolve_description(
     let mut resolver = Resolver::new(files, Arc::clone(&description.source));
     let given = overrides.0.iter().map(|(path, value)| {
         let text = format!("{path}={value}");
-        let file = resolver.sources.add(Source::new("--set", text));
+        let file = resolver.sources.add(Source::new(GIVEN, text));
         Assignment::given(path, value.clone(), file)
     });
     let given = given.collect();
@@ -153,6 +156,15 @@ impl Resolved {
     /// Returns the files that it was made from: what must be watched.
     pub fn sources(&self) -> &[Arc<Source>] {
         &self.sources.0
+    }
+
+    /// Whether both were made from files of the same text.
+    pub(crate) fn same_files(&self, other: &Resolved) -> bool {
+        fn files(resolved: &Resolved) -> impl Iterator<Item = (&str, &str)> {
+            let sources = resolved.sources.0.iter().map(|source| (&*source.name, &*source.text));
+            sources.filter(|(name, _)| *name != GIVEN)
+        }
+        files(self).eq(files(other))
     }
 
     /// Returns the flattened file. Behind each value that was inherited, patched or given from outside stands a comment

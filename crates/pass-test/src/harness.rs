@@ -12,7 +12,7 @@ use frame_graph::{
 };
 use interfaces::INTERFACES;
 use interfaces::virtual_lights::{self, VirtualLight};
-use pass::{Library, LinkedStep, Pass, Step};
+use pass::{Library, LinkedSteps, Pass, Step};
 use scene::{Camera, Scene};
 use scene_upload::{Frame, SceneView};
 use std::collections::BTreeMap;
@@ -276,7 +276,7 @@ impl<'a> Harness<'a> {
         let dispatches = steps.iter().flatten().any(|step| matches!(step.step, Step::Compute(_)));
         let mut executor = Executor::new(gpu);
         let mut view = SceneView::upload(&mut executor, scene);
-        view.provide(&mut executor, scene, steps.iter().flatten().flat_map(LinkedStep::scene_bindings))?;
+        view.provide(&mut executor, scene, steps.iter().flatten().flat_map(|step| step.scene_bindings()))?;
         executor.set_seed(self.seed);
         executor.load(Arc::clone(&plan), steps)?;
         let past = self.given.iter().filter_map(|given| given.age).max().unwrap_or(0);
@@ -311,7 +311,7 @@ impl<'a> Harness<'a> {
         &self,
         traits: Traits,
         library: &Library,
-    ) -> Result<(Arc<Plan>, Vec<Vec<LinkedStep>>), Diagnostics> {
+    ) -> Result<(Arc<Plan>, Vec<LinkedSteps>), Diagnostics> {
         let kind = self.pass.info().kind;
         let kinds = TestPassTypes { pass: self.pass, given: &self.given, shaders: library };
         let pipeline = Pipeline(self.pipeline(&self.output_ports(&kinds)));

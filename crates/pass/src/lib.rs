@@ -24,7 +24,8 @@ pub use frame_graph::{
     Settings, Struct, Traits, Usage, Use, Value, ValueType,
 };
 pub use link::{
-    Bound, FrameValue, FrameWord, LinkedStep, PastFact, Source, UniformFill, link_steps, pass_seed,
+    Bound, FrameValue, FrameWord, LinkedStep, LinkedSteps, PastFact, Source, UniformFill, link_steps,
+    pass_seed,
 };
 pub use record::{
     Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target, Threads,

@@ -60,6 +60,9 @@ pub struct LinkedStep {
     pub indirect: Option<Source>,
 }
 
+/// The linked steps of a pass. An executor that is given the very steps that it has loaded does not build them again.
+pub type LinkedSteps = Vec<Arc<LinkedStep>>;
+
 impl LinkedStep {
     /// Returns the scene bindings that the step reads, by the names of their globals.
     pub fn scene_bindings(&self) -> impl Iterator<Item = &'static str> + '_ {
@@ -121,7 +124,7 @@ pub fn link_steps(
     traits: &Traits,
     library: &Library,
     interfaces: &[Interface],
-) -> Result<Vec<LinkedStep>, Diagnostics> {
+) -> Result<LinkedSteps, Diagnostics> {
     let planned = &plan.passes[id.0 as usize];
     let names = Names::new(plan, planned);
     let inputs: Vec<PortDesc> = planned.inputs.iter().map(|input| names::input(plan, input)).collect();
@@ -155,8 +158,8 @@ pub fn link_steps(
     let steps = recording
         .steps
         .into_iter()
-        .map(|step| linker.link(step, library))
-        .collect::<Result<Vec<LinkedStep>, Diagnostics>>()?;
+        .map(|step| linker.link(step, library).map(Arc::new))
+        .collect::<Result<LinkedSteps, Diagnostics>>()?;
     linker.check_order(&steps)?;
     Ok(steps)
 }
@@ -233,7 +236,7 @@ impl StepLinker<'_> {
     }
 
     /// Checks that what an indirect step reads its size from has been written when the step comes.
-    fn check_order(&self, steps: &[LinkedStep]) -> Result<(), Diagnostics> {
+    fn check_order(&self, steps: &[Arc<LinkedStep>]) -> Result<(), Diagnostics> {
         let mut written: Vec<ResourceId> = Vec::new();
         for step in steps {
             let own = self.planned.outputs.iter().flat_map(|port| port.members.iter().map(|(_, id)| *id));

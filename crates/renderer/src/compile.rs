@@ -2,12 +2,12 @@
 
 use catalog::Catalog;
 use frame_graph::codes::link as codes;
-use frame_graph::plan::PassId;
+use frame_graph::plan::{PassId, PlannedPass};
 use frame_graph::{
     CompileOptions, Diagnostic, Diagnostics, LinkContext, Overrides, Plan, Resolved, compile, link, resolve,
 };
 use interfaces::counters;
-use pass::{LinkedStep, link_steps};
+use pass::{LinkedSteps, link_steps};
 use std::sync::Arc;
 
 /// Returns the options with which a renderer compiles: outputs of the interface `Counters` are kept.
@@ -23,10 +23,36 @@ pub struct Compiled {
     /// The plan.
     pub plan: Arc<Plan>,
     /// The linked steps of each pass of the plan.
-    pub steps: Vec<Vec<LinkedStep>>,
+    pub steps: Vec<LinkedSteps>,
 }
 
 impl Compiled {
+    /// Returns the pipeline with other overrides, in the same context; `options` are those that it was compiled with.
+    ///
+    /// Where only values of settings differ, only the passes that these reach are linked again: see
+    /// [`Plan::with_values`].
+    ///
+    /// # Errors
+    /// As [`Compiled::new`].
+    pub fn with_overrides(
+        &self,
+        catalog: &Catalog,
+        pipeline: &str,
+        overrides: &Overrides,
+        context: &LinkContext,
+        options: &CompileOptions,
+    ) -> Result<Compiled, Diagnostics> {
+        let resolved = resolve(pipeline, catalog.pipelines(), overrides)?;
+        let Some(plan) = self.plan.with_values(&self.resolved, &resolved, catalog, context) else {
+            return Compiled::of(catalog, resolved, context, options);
+        };
+        let steps = link_all(catalog, &resolved, &plan, context, |pass| {
+            let same = same_values(&self.plan.passes[pass], &plan.passes[pass]);
+            same.then(|| self.steps[pass].clone())
+        })?;
+        Ok(Compiled { resolved: Arc::new(resolved), plan: Arc::new(plan), steps })
+    }
+
     /// Resolves, links and compiles a pipeline, and links the steps of its passes.
     ///
     /// # Errors
@@ -38,10 +64,18 @@ impl Compiled {
         context: &LinkContext,
         options: &CompileOptions,
     ) -> Result<Compiled, Diagnostics> {
-        let resolved = resolve(pipeline, catalog.pipelines(), overrides)?;
+        Compiled::of(catalog, resolve(pipeline, catalog.pipelines(), overrides)?, context, options)
+    }
+
+    fn of(
+        catalog: &Catalog,
+        resolved: Resolved,
+        context: &LinkContext,
+        options: &CompileOptions,
+    ) -> Result<Compiled, Diagnostics> {
         let graph = link(&resolved, catalog, context)?;
         let plan = compile(&graph, options)?;
-        let steps = steps(catalog, &resolved, &plan, context)?;
+        let steps = link_all(catalog, &resolved, &plan, context, |_| None)?;
         Ok(Compiled { resolved: Arc::new(resolved), plan: Arc::new(plan), steps })
     }
 
@@ -55,16 +89,29 @@ impl Compiled {
     }
 }
 
-fn steps(
+/// Whether a pass has the same settings and facts in two plans that differ in nothing else.
+fn same_values(a: &PlannedPass, b: &PlannedPass) -> bool {
+    let inputs = a.inputs.iter().zip(&b.inputs).all(|(a, b)| a.facts == b.facts);
+    let outputs = a.outputs.iter().zip(&b.outputs).all(|(a, b)| a.facts == b.facts);
+    inputs && outputs && a.settings == b.settings
+}
+
+/// Links the steps of all passes, but for those that `known` has.
+fn link_all(
     catalog: &Catalog,
     resolved: &Resolved,
     plan: &Plan,
     context: &LinkContext,
-) -> Result<Vec<Vec<LinkedStep>>, Diagnostics> {
+    known: impl Fn(usize) -> Option<LinkedSteps>,
+) -> Result<Vec<LinkedSteps>, Diagnostics> {
     let layouts = scene_upload::layouts();
     let mut errors: Vec<Diagnostic> = Vec::new();
     let mut steps = Vec::with_capacity(plan.passes.len());
     for (index, pass) in plan.passes.iter().enumerate() {
+        if let Some(known) = known(index) {
+            steps.push(known);
+            continue;
+        }
         let Some(kind) = catalog.pass(&pass.kind) else { continue };
         match link_steps(
             plan,

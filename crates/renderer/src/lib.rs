@@ -35,7 +35,6 @@ pub use shared::SharedScene;
 
 use executor::Executor;
 use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause, Value};
-use pass::LinkedStep;
 use scene::{Camera, Light, Pose, Scene};
 use scene_upload::{Frame, SceneView};
 use std::ops::ControlFlow;
@@ -129,10 +128,19 @@ impl Renderer {
     /// Everything that is wrong with the pipeline and its shaders; limits of the adapter.
     pub fn set_pipeline(&mut self, name: &str, overrides: &Overrides) -> Result<LoadReport, RenderError> {
         let compiled = Compiled::new(&self.catalog, name, overrides, &self.link_context(), &self.options)?;
-        let scene_bindings = compiled.steps.iter().flatten().flat_map(LinkedStep::scene_bindings);
+        self.load(name.to_owned(), overrides.clone(), compiled)
+    }
+
+    fn load(
+        &mut self,
+        name: String,
+        overrides: Overrides,
+        compiled: Compiled,
+    ) -> Result<LoadReport, RenderError> {
+        let scene_bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
         self.view.provide(&mut self.executor, &self.scene.scene, scene_bindings)?;
         let report = self.executor.load(Arc::clone(&compiled.plan), compiled.steps.clone())?;
-        self.pipeline = Some(Loaded { name: name.to_owned(), overrides: overrides.clone(), compiled });
+        self.pipeline = Some(Loaded { name, overrides, compiled });
         Ok(report)
     }
 
@@ -160,7 +168,8 @@ impl Renderer {
     }
 
     /// Sets the value of a parameter (`lights`) or of a pass's setting (`composite.exposure`), in addition to those
-    /// that were given with the pipeline.
+    /// that were given with the pipeline. Where it changes no size, switch or output, nothing is linked but the steps of
+    /// the passes that read it.
     ///
     /// # Errors
     /// As [`Renderer::set_pipeline`]; the value before stays then.
@@ -169,7 +178,10 @@ impl Renderer {
         let (name, mut overrides) = (loaded.name.clone(), loaded.overrides.clone());
         overrides.0.retain(|(known, _)| known != path);
         overrides.0.push((path.to_owned(), value));
-        self.set_pipeline(&name, &overrides)
+        let context = self.link_context();
+        let compiled =
+            loaded.compiled.with_overrides(&self.catalog, &name, &overrides, &context, &self.options)?;
+        self.load(name, overrides, compiled)
     }
 
     /// Replaces the scene's own lights; `None` restores them. Nothing is linked again if the number of lights of each

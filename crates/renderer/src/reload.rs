@@ -24,10 +24,13 @@ impl Renderer {
         self.scene_stale |= scene_touched;
         let Some(loaded) = &self.pipeline else { return Reload::Nothing };
         let stale = self.catalog.shaders().invalidate(&paths.iter().map(String::as_str).collect::<Vec<_>>());
+        // Another renderer of the same catalog may have told the library first.
+        let shader_touched =
+            !stale.is_empty() || loaded.compiled.shader_files().iter().any(|file| paths.contains(file));
         let pipeline_touched =
             loaded.compiled.resolved.sources().iter().any(|source| paths.contains(&source.name))
                 || paths.iter().any(|path| path.ends_with(".ron") && path.starts_with("pipelines/"));
-        if stale.is_empty() && !pipeline_touched && !scene_touched {
+        if !shader_touched && !pipeline_touched && !scene_touched {
             return Reload::Nothing;
         }
         let (name, overrides) = (loaded.name.clone(), loaded.overrides.clone());

@@ -131,6 +131,8 @@ pub struct Pose {
     pub lights: Vec<Light>,
     /// The vertices of every instance that moves at some time.
     pub moved: Vec<MovedVertices>,
+    /// Each node's space to world space.
+    worlds: Vec<Affine3A>,
 }
 
 /// Vertices that replace a range of [`Scene::vertices`].
@@ -182,7 +184,8 @@ impl Scene {
     /// animation of a glTF file repeats. Meshes follow their nodes, or are bent by morph targets, then by their skins'
     /// joints. Skips what does not move.
     pub fn at(&self, time: f32) -> Pose {
-        let mut pose = Pose { time, camera: self.camera, lights: Vec::new(), moved: Vec::new() };
+        let (lights, moved, worlds) = (Vec::new(), Vec::new(), Vec::new());
+        let mut pose = Pose { time, camera: self.camera, lights, moved, worlds };
         self.pose(time, &mut pose);
         pose
     }
@@ -190,18 +193,19 @@ impl Scene {
     /// Puts the scene at `time` \[s\] into a pose, whatever that was of, and uses its memory again: see [`Scene::at`].
     /// Allocates nothing where nothing moves and the pose was of this scene.
     pub fn pose(&self, time: f32, pose: &mut Pose) {
-        let worlds = self.motion.worlds(time);
+        self.motion.put_worlds(time, &mut pose.worlds);
+        let worlds = &pose.worlds;
         pose.time = time;
-        pose.camera = self.camera_at(time, &worlds);
+        pose.camera = self.camera_at(time, worlds);
         pose.lights.truncate(self.lights.len());
-        for (i, light) in self.lights_at(time, &worlds).enumerate() {
+        for (i, light) in self.lights_at(time, worlds).enumerate() {
             match pose.lights.get_mut(i) {
                 Some(held) => light.put_into(held),
                 None => pose.lights.push(light.to_light()),
             }
         }
         pose.moved.clear();
-        pose.moved.extend(self.moved_at(time, &worlds));
+        pose.moved.extend(self.moved_at(time, worlds));
     }
 
     /// Returns what differs between two times, without making vertices.
@@ -371,12 +375,18 @@ impl Scene {
 impl Motion {
     /// Each node's space to world space at `time` \[s\].
     pub(crate) fn worlds(&self, time: f32) -> Vec<Affine3A> {
-        let mut worlds: Vec<Affine3A> = Vec::with_capacity(self.nodes.len());
+        let mut worlds = Vec::with_capacity(self.nodes.len());
+        self.put_worlds(time, &mut worlds);
+        worlds
+    }
+
+    /// Puts what [`Motion::worlds`] returns in place of what `worlds` holds.
+    fn put_worlds(&self, time: f32, worlds: &mut Vec<Affine3A>) {
+        worlds.clear();
         for node in &self.nodes {
             let local = node.local(time);
             worlds.push(node.parent.map_or(local, |parent| worlds[parent] * local));
         }
-        worlds
     }
 
     /// Where the mesh of a node is at `time` \[s\], given all nodes' places then.

@@ -107,17 +107,19 @@ fn a_crate_outside_the_tree_brings_an_interface() {
     }
 }
 
-/// Takes the name of an interface of the tree.
-struct Taker;
+/// A pass type that does what `Emit` does, under a name and with an interface of its own.
+struct Like {
+    name: &'static str,
+    interfaces: &'static [Interface],
+}
 
-impl Pass for Taker {
+impl Pass for Like {
     fn info(&self) -> Info {
-        Info { kind: "taker", ..Emit.info() }
+        Info { kind: self.name, ..Emit.info() }
     }
 
     fn interfaces(&self) -> &'static [Interface] {
-        static OTHER: [Interface; 1] = [Interface::new("GBuffer", "Something else.", &[])];
-        &OTHER
+        self.interfaces
     }
 
     fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
@@ -137,10 +139,26 @@ impl Pass for Taker {
     }
 }
 
+/// What a catalog says of `Emit` beside another pass type.
+fn beside(other: &'static Like) -> Result<(), NameTaken> {
+    Catalog::with_passes(Assets::new(None), [&Emit as &dyn Pass, other]).map(|_| ())
+}
+
 #[test]
 fn two_interfaces_do_not_share_a_name() {
-    let catalog =
-        |passes: [&'static dyn Pass; 2]| Catalog::with_passes(Assets::new(None), passes).map(|_| ());
-    assert_eq!(catalog([&Emit, &Taker]), Err(NameTaken { interface: "GBuffer", pass: "taker" }));
-    assert_eq!(catalog([&Emit, &Emit]), Ok(()), "the same one from two passes");
+    static OTHER: [Interface; 1] = [Interface::new("GBuffer", "Something else.", &[])];
+    static TAKER: Like = Like { name: "taker", interfaces: &OTHER };
+    let taken = beside(&TAKER);
+    assert_eq!(taken, Err(NameTaken::Interface { name: "GBuffer", pass: "taker" }));
+    static ANOTHER: Like = Like { name: "another", interfaces: &INTERFACES };
+    let same = beside(&ANOTHER);
+    assert_eq!(same, Ok(()), "the same interface from two passes");
+}
+
+#[test]
+fn two_pass_types_do_not_share_a_name() {
+    let taken = beside(&Like { name: "emit-photons", interfaces: &[] });
+    assert_eq!(taken, Err(NameTaken::PassType { name: "emit-photons" }));
+    let taken = beside(&Like { name: "gbuffer", interfaces: &[] });
+    assert_eq!(taken, Err(NameTaken::PassType { name: "gbuffer" }), "one of the tree");
 }

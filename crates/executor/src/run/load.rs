@@ -11,7 +11,7 @@ use crate::uniforms::Uniforms;
 use frame_graph::frame::FrameState;
 use frame_graph::plan::{AllocationId, PassId, Plan};
 use frame_graph::{Change, Name, Succession, Value};
-use pass::LinkedStep;
+use pass::LinkedSteps;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -23,6 +23,9 @@ struct Carried {
     copied: bool,
 }
 
+/// A pass and its steps, built.
+type Built = (PassId, Vec<LoadedStep>);
+
 /// Objects by allocation; `None` for one that was given back.
 type Objects = Vec<Option<(ObjectUsage, Object)>>;
 
@@ -32,7 +35,7 @@ impl Executor {
     ///
     /// Where both have the same [structure](Plan::structure), only values change: objects, histories, and the
     /// pipelines and bind groups of all steps that bind the same are kept, and the passes whose values differ run
-    /// in the next frame. Otherwise histories of the same name, description and initial value go on (see
+    /// in the next frame. A pass whose steps are the very ones that are loaded costs nothing. Otherwise histories of the same name, description and initial value go on (see
     /// [`Succession`]), and all passes run in the next frame. Objects are given back before others are made, so
     /// that no more than the larger of both plans is held at once.
     ///
@@ -40,27 +43,24 @@ impl Executor {
     /// A feature that the adapter lacks, a pipeline that the driver refuses, a limit, or memory used up: with
     /// the pass and the bytes. Where memory is used up, the objects of the plan before are made again; if that
     /// fails as well, nothing is loaded any more ([`ExecutorError::NothingLeft`]).
-    pub fn load(
-        &mut self,
-        plan: Arc<Plan>,
-        steps: Vec<Vec<LinkedStep>>,
-    ) -> Result<LoadReport, ExecutorError> {
+    pub fn load(&mut self, plan: Arc<Plan>, steps: Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError> {
         self.check_features(&plan, &steps)?;
-        let (steps, pipelines) = self.build(&plan, steps)?;
-        let usages = allocation_usages(&plan, &steps);
+        let usages = allocation_usages(&plan, steps.iter().flatten().map(|step| &**step));
         let succession = self.loaded.as_ref().map(|old| Succession::between(&old.plan, &plan));
-        let differs = self.compare(&plan, &steps, succession.as_ref());
         let kept = self.loaded.as_ref().is_some_and(|old| {
             old.plan.structure == plan.structure
                 && old.objects.iter().zip(&usages).all(|((old, _), new)| old.covers(*new))
         });
+        let (others, pipelines) = self.build(&plan, steps, kept)?;
+        let differs = self.compare(&plan, &others, succession.as_ref());
         let mut report = LoadReport { pipelines, kept, ..LoadReport::default() };
         match succession {
             Some(_) if kept => {
                 report.histories = plan.histories.len();
-                report.steps = self.exchange_values(plan, steps);
+                report.steps = self.exchange_values(plan, others);
             }
             succession => {
+                let steps: Vec<_> = others.into_iter().map(|(_, steps)| steps).collect();
                 report.histories = succession.iter().flat_map(|s| &s.histories).filter(|h| h.is_ok()).count();
                 report.steps = steps.iter().map(Vec::len).sum();
                 self.exchange(plan, steps, &usages, succession.as_ref())?;
@@ -75,32 +75,34 @@ impl Executor {
         Ok(report)
     }
 
+    /// Builds the steps of all passes, or, where the structure is `kept`, of those whose steps are not the loaded ones;
+    /// also returns how many pipelines were created.
     fn build(
         &mut self,
         plan: &Plan,
-        steps: Vec<Vec<LinkedStep>>,
-    ) -> Result<(Vec<Vec<LoadedStep>>, usize), ExecutorError> {
+        steps: Vec<LinkedSteps>,
+        kept: bool,
+    ) -> Result<(Vec<Built>, usize), ExecutorError> {
+        let loaded = self.loaded.as_ref().filter(|_| kept);
         let mut pipelines = 0;
-        let mut built = Vec::with_capacity(steps.len());
-        for (pass, pass_steps) in plan.passes.iter().zip(steps) {
-            let mut row = Vec::with_capacity(pass_steps.len());
-            for step in pass_steps {
+        let mut built = Vec::new();
+        for (i, (pass, steps)) in plan.passes.iter().zip(steps).enumerate() {
+            if loaded.is_some_and(|loaded| holds(&loaded.steps[i], &steps)) {
+                continue;
+            }
+            let mut row = Vec::with_capacity(steps.len());
+            for step in steps {
                 let (step, made) = LoadedStep::new(&self.gpu, &mut self.pipelines, plan, pass, step)?;
                 pipelines += usize::from(made);
                 row.push(step);
             }
-            built.push(row);
+            built.push((PassId(i as u32), row));
         }
         Ok((built, pipelines))
     }
 
-    /// Compares the passes with those that are loaded, by name.
-    fn compare(
-        &self,
-        plan: &Plan,
-        steps: &[Vec<LoadedStep>],
-        succession: Option<&Succession>,
-    ) -> Differences {
+    /// Compares passes whose steps were built with those that are loaded, by name.
+    fn compare(&self, plan: &Plan, built: &[Built], succession: Option<&Succession>) -> Differences {
         let mut found = Differences::default();
         let old: HashMap<&Name, &Vec<LoadedStep>> =
             self.loaded.as_ref().map_or_else(HashMap::new, |loaded| {
@@ -108,9 +110,8 @@ impl Executor {
             });
         let shaders =
             |steps: &[LoadedStep]| -> HashSet<u128> { steps.iter().map(LoadedStep::shader_hash).collect() };
-        for (i, (pass, steps)) in plan.passes.iter().zip(steps).enumerate() {
-            let id = PassId(i as u32);
-            let before = old.get(&pass.name);
+        for (id, steps) in built {
+            let (id, before) = (*id, old.get(&plan.passes[id.0 as usize].name));
             let relinked = succession.is_some_and(|succession| succession.changed.contains(&id));
             let reloaded = relinked || before.is_some_and(|before| shaders(before) != shaders(steps));
             let same_work = before.is_some_and(|before| {
@@ -126,11 +127,13 @@ impl Executor {
         found
     }
 
-    /// Takes the values of a plan of the same structure; gives the number of steps whose bindings had to be made again.
-    fn exchange_values(&mut self, plan: Arc<Plan>, steps: Vec<Vec<LoadedStep>>) -> usize {
+    /// Takes the values of a plan of the same structure, with the steps of passes that differ; returns the number of steps
+    /// whose bindings have to be made again.
+    fn exchange_values(&mut self, plan: Arc<Plan>, others: Vec<Built>) -> usize {
         let Some(loaded) = &mut self.loaded else { return 0 };
         let mut renewed = 0;
-        for (old, new) in loaded.steps.iter_mut().zip(steps) {
+        for (id, new) in others {
+            let old = &mut loaded.steps[id.0 as usize];
             if old.len() != new.len() {
                 renewed += new.len();
                 *old = new;
@@ -330,6 +333,11 @@ impl Executor {
         }
         self.gpu.queue.submit([encoder.finish()]);
     }
+}
+
+/// Whether the loaded steps of a pass are these.
+fn holds(loaded: &[LoadedStep], steps: &LinkedSteps) -> bool {
+    loaded.len() == steps.len() && loaded.iter().zip(steps).all(|(loaded, step)| loaded.is(step))
 }
 
 /// How passes differ from those loaded before.

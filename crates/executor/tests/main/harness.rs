@@ -9,7 +9,7 @@ use frame_graph::{
     link, resolve,
 };
 use pass::{
-    Extent, Format, Info, InputPort, Library, LinkedStep, OutputContext, OutputDesc, OutputPort, Pass,
+    Extent, Format, Info, InputPort, Library, LinkedSteps, OutputContext, OutputDesc, OutputPort, Pass,
     PassTypeError, Ports, RecordContext, Recording, Request, ResourceDesc, SceneBindings, Setting, Settings,
     Step, Use, UseContext,
 };
@@ -170,7 +170,7 @@ pub(crate) fn gpu() -> Option<Gpu> {
 }
 
 /// A plan with its linked steps, made without a GPU.
-pub(crate) type Linked = (Arc<Plan>, Vec<Vec<LinkedStep>>);
+pub(crate) type Linked = (Arc<Plan>, Vec<LinkedSteps>);
 
 /// The pass types and shaders of a test.
 pub(crate) struct Workshop {

@@ -114,7 +114,7 @@ impl Encoder {
 }
 
 /// The names of a plan: of its structure, and of all that it says but what became of passes that it does not hold.
-pub(super) fn of(plan: &Plan) -> (PlanId, PlanId) {
+pub(crate) fn of(plan: &Plan) -> (PlanId, PlanId) {
     let mut e = Encoder(Vec::with_capacity(plan.passes.len() * 192 + plan.resources.len() * 64));
     e.u32(VERSION);
     e.structure(plan);

@@ -3,7 +3,7 @@
 use crate::pass_types::{TILE, TILES, TestPassTypes};
 use frame_graph::plan::Plan;
 use pass::{
-    Compute, Extent, Fact, Format, Info, Library, LinkedStep, Module, OutputContext, OutputDesc, Pass,
+    Compute, Extent, Fact, Format, Info, Library, LinkedSteps, Module, OutputContext, OutputDesc, Pass,
     PassTypeError, Ports, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Source,
     Threads, UseContext, Value,
 };
@@ -147,7 +147,7 @@ fn number() -> u32 {
 }
 "#;
 
-fn linked(facts: &'static [(Fact<u32>, u32)]) -> (Plan, Result<Vec<LinkedStep>, String>) {
+fn linked(facts: &'static [(Fact<u32>, u32)]) -> (Plan, Result<LinkedSteps, String>) {
     let files = [("answer.wgsl", ANSWER), ("reader.wgsl", READER), ("bindings.wgsl", BINDINGS)];
     let library = Library::new(Arc::new(MemoryFiles::new(files)));
     let maps = Maps { facts };

@@ -4,7 +4,7 @@ use frame_graph::plan::{PassId, Plan};
 use frame_graph::port::{PassTypes, Use};
 use frame_graph::{CompileOptions, Content, Fact, Interface, LinkContext, Member, Overrides};
 use pass::{
-    Library, LinkedStep, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Setting, Settings, Traits,
+    Library, LinkedSteps, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Setting, Settings, Traits,
     UseContext,
 };
 use shader_library::MemoryFiles;
@@ -25,7 +25,7 @@ impl TestPassTypes<'_> {
     }
 
     /// The plan of a pipeline, and the steps of its only pass of a type, or what is wrong with them.
-    pub(crate) fn linked(&self, pipeline: &str, kind: &str) -> (Plan, Result<Vec<LinkedStep>, String>) {
+    pub(crate) fn linked(&self, pipeline: &str, kind: &str) -> (Plan, Result<LinkedSteps, String>) {
         let pipelines = MemoryFiles::new([("p.ron", pipeline)]);
         let resolved = frame_graph::resolve("p.ron", &pipelines, &Overrides::default()).expect("it is read");
         let context = LinkContext { frame: (8, 8), traits: Traits::default() };

@@ -2,8 +2,9 @@
 
 use crate::{PIPELINE, counted, gpu, renderer, step, tree, without_pipeline};
 use frame_graph::Overrides;
-use renderer::{Reload, RenderError};
+use renderer::{Assets, Catalog, Reload, RenderError, Renderer};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 #[test]
 fn a_frame_without_a_pipeline_is_an_error() {
@@ -94,4 +95,24 @@ fn two_renderers_share_a_device() {
     assert_eq!(counted(&mut second), [3.0, 0.0]);
     assert_eq!(counted(&mut first), [2.0, 1.0]);
     assert_eq!(counted(&mut second), [6.0, 1.0]);
+}
+
+/// Two renderers of one catalog both see a shader that was saved: the first to reload takes nothing from the second.
+#[test]
+fn two_renderers_of_one_catalog_reload_the_same_shader() {
+    let (Some(gpu), folder) = (gpu(), tree()) else { return };
+    let catalog = Arc::new(Catalog::new(Assets::new(Some(folder.path().to_owned()))));
+    let mut renderers = [(); 2].map(|()| {
+        let scene = renderer::load_scene(&catalog, "plane").unwrap();
+        let mut renderer = Renderer::new(gpu.clone(), Arc::clone(&catalog), scene, (8, 6)).unwrap();
+        renderer.set_pipeline("own", &Overrides::default()).unwrap();
+        renderer
+    });
+    let shader = folder.path().join("shaders/count.wgsl");
+    let text = std::fs::read_to_string(&shader).unwrap();
+    std::fs::write(&shader, text.replace("settings.step;", "settings.step * 2.0;")).unwrap();
+    for renderer in &mut renderers {
+        assert!(matches!(renderer.reload(&BTreeSet::from([shader.clone()])), Reload::Done(_)));
+        assert_eq!(counted(renderer)[0], 2.0);
+    }
 }

@@ -2,6 +2,7 @@
 
 mod facade;
 mod outputs;
+mod values;
 
 use frame_graph::{Overrides, Value};
 use renderer::{Assets, Catalog, Gpu, Renderer};

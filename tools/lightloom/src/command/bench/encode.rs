@@ -8,7 +8,6 @@ use executor::wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputeP
 use executor::{Executor, FrameOptions, Gpu};
 use frame_graph::plan::{PassId, Plan};
 use frame_graph::{Change, CompileOptions, LinkContext, Overrides};
-use pass::LinkedStep;
 use renderer::Compiled;
 use scene::{Pose, Scene};
 use scene_upload::{Frame, SceneView};
@@ -93,7 +92,7 @@ impl Framework {
         let compiled = Compiled::new(bench.catalog, &path, &Overrides::default(), &context, &options)?;
         let mut executor = Executor::new(bench.gpu()?);
         let mut view = SceneView::upload(&mut executor, &scene);
-        let bindings = compiled.steps.iter().flatten().flat_map(LinkedStep::scene_bindings);
+        let bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
         view.provide(&mut executor, &scene, bindings)?;
         let measured = measured(&compiled.plan).context("the chain begins with a gather")?;
         executor.load(compiled.plan, compiled.steps)?;

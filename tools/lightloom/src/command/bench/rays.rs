@@ -5,7 +5,6 @@ use super::{Bench, Figure, label};
 use anyhow::{Context as _, Result};
 use executor::{Executor, FrameOptions, Gpu};
 use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, Value};
-use pass::LinkedStep;
 use renderer::{Catalog, Compiled};
 use scene::Scene;
 use scene_upload::{Frame, SceneView};
@@ -107,7 +106,7 @@ impl Stand<'_> {
             Compiled::new(catalog, pipeline, &Overrides::default(), &context, &CompileOptions::default())?;
         let mut executor = Executor::new(gpu);
         let mut view = SceneView::upload(&mut executor, scene);
-        let scene_bindings = compiled.steps.iter().flatten().flat_map(LinkedStep::scene_bindings);
+        let scene_bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
         view.provide(&mut executor, scene, scene_bindings)?;
         executor.load(Arc::clone(&compiled.plan), compiled.steps)?;
         Ok(Stand { executor, view, scene, plan: compiled.plan, side })
