@@ -16,7 +16,7 @@ fn pixels(outputs: &Outputs, name: &str) -> Vec<[f32; 4]> {
     outputs.read(name)
 }
 
-/// In a closed room of even surfaces that emit E and reflect ρ, every direction brings E · Σ ρᵏ: each sample is exact.
+/// In a closed room of uniform surfaces that emit E and reflect ρ, every direction brings E · Σ ρᵏ: samples are exact.
 #[test]
 fn a_furnace_is_even() {
     let (emitted, albedo) = ([0.5, 0.25, 1.0], [0.2, 0.5, 0.8]);
