@@ -2,7 +2,7 @@
 
 use crate::record::{Better, MeasureInfo};
 
-/// Bumped when a measure comes to mean something else: its cells are then measured again.
+/// Incremented when the definition of a measure changes: its cells are then measured again.
 pub(crate) const DEFINITIONS: u32 = 1;
 
 /// A measure.
@@ -14,7 +14,7 @@ pub enum Measure {
     NormalisedRmse,
     /// Relative mean squared error.
     RelMse,
-    /// The same without the worst pixels.
+    /// Relative mean squared error without the worst pixels.
     TrimmedRelMse,
     /// Mean absolute percentage error.
     Mape,
@@ -24,7 +24,7 @@ pub enum Measure {
     Flip,
     /// HDR-ꟻLIP.
     HdrFlip,
-    /// Energy over the reference's.
+    /// Mean energy over that of the reference.
     Energy,
     /// Mean intensity.
     Mean,
@@ -42,9 +42,9 @@ pub enum Measure {
     E,
     /// |E′| at tracked pixels.
     EPrime,
-    /// Deviation of a still picture over frames.
+    /// Deviation of pixels over frames, if nothing moves.
     StaticDeviation,
-    /// Frames until a jump of the light has arrived.
+    /// Frames until the picture has converged after a sudden change of the light.
     Lag,
     /// Virtual lights that move from frame to frame.
     LightsMoved,
@@ -54,13 +54,13 @@ pub enum Measure {
     ClampedEnergy,
 }
 
-/// What a measure asks of a study.
+/// What a measure needs from a study.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Needs {
     pub(crate) reference: bool,
-    /// A reference for every frame, also of a scene that stands still.
+    /// A reference for every frame, even if the scene stands still.
     pub(crate) every_frame: bool,
-    /// Frames, at least.
+    /// The least number of frames.
     pub(crate) frames: u32,
     pub(crate) seeds: bool,
     pub(crate) jump: bool,
@@ -310,13 +310,13 @@ impl Measure {
         ROWS.iter().map(|row| row.measure)
     }
 
-    /// Returns the measure of that key.
+    /// Returns the measure with this key.
     pub fn find(key: &str) -> Option<Measure> {
         ROWS.iter().find(|row| row.key == key).map(|row| row.measure)
     }
 
     fn row(self) -> &'static Row {
-        // The order of the rows is that of the variants.
+        // The rows are in the order of the variants.
         &ROWS[self as usize]
     }
 
@@ -329,12 +329,12 @@ impl Measure {
         self.row().needs
     }
 
-    /// Returns whether it is one figure for all seeds of a cell.
+    /// Returns whether the measure is one value for all seeds of a cell.
     pub fn is_over_seeds(self) -> bool {
         self.row().needs.seeds
     }
 
-    /// Returns how tables and charts show it.
+    /// Returns its description for tables and charts.
     pub fn info(self) -> MeasureInfo {
         let row = self.row();
         MeasureInfo {
