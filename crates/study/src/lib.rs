@@ -18,20 +18,20 @@
 //!     about: "text"?,  paper: "ISM Fig. 4"?,
 //!     scenes: ["name or file" *],
 //!     pipelines: ["name or file" or VARIANT *] or All or All(except: ["name" *]),
-//!     output: "indirect"?,                  // the output that is judged; each pipeline has it
+//!     output: "indirect"?,                  // the output that is measured; each pipeline has it
 //!     size: (512, 512)?,                    // of frames [px]
 //!     set: { "path": VALUE * }?,            // values for all pipelines
 //!     vary: GROUP or [GROUP *]?,            // the cells are the product of the groups
-//!     budget: Frames(5)?,                   // how much each cell may spend
-//!     warm_up: 1?,                          // frames before those that are measured; a pipeline that says
-//!                                           // how far it is has converged before them
+//!     budget: Frames(5)?,                   // the budget of each cell
+//!     warm_up: 1?,                          // frames before those that are measured; a pipeline with an
+//!                                           // output `progress` has converged before them
 //!     first_frame: 0?,                      // number of the first frame that runs, and so the time of animations
 //!     jump: 30?,                            // number of the first frame under a new light, for `lag`
-//!     seeds: 5 or [1, 2, 3]?,               // 5 is 1 to 5; left out it is [0], the papers' plain sequences
+//!     seeds: 5 or [1, 2, 3]?,               // 5 stands for 1 to 5; the default is [0], the plain sequences
 //!     measures: ["rel-mse", "gpu-ms" *],
-//!     phases: { "name": ["pass or sub-graph" *] * }?,   // GPU time of passes together: the measure `gpu-ms:name`
-//!     reference: REFERENCE?,                // left out it is None
-//!     claims: [CLAIM *]?,                   // what the paper says of the measures
+//!     phases: { "name": ["pass or sub-graph" *] * }?,   // sum of the GPU times of passes: the measure `gpu-ms:name`
+//!     reference: REFERENCE?,                // the default is None
+//!     claims: [CLAIM *]?,                   // the claims of the paper about the measures
 //! )
 //! ```
 //!
