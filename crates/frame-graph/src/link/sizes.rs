@@ -79,7 +79,7 @@ impl<'a> Linker<'a> {
                             changed = true;
                             if last {
                                 unknown
-                                    .push((i, Unknown::Waits(PassTypeError::new("its size never settles"))));
+                                    .push((i, Unknown::Waits(PassTypeError::new("its size keeps changing"))));
                             }
                             ports[i] = Some(found);
                         }
@@ -110,7 +110,7 @@ impl<'a> Linker<'a> {
             Unknown::Waits(error) if settled => {
                 let past = self.wires_now(node).iter().find(|wire| wire.end.past.is_some());
                 let message =
-                    format!("the size of `{}` depends on itself through the past", self.nodes[node].name);
+                    format!("the size of `{}` depends on itself through `Prev`", self.nodes[node].name);
                 let mut told = Diagnostic::new(&codes::SIZE_LOOP, message)
                     .label(self.span(self.nodes[node].place), "of this pass");
                 if let Some(wire) = past {

@@ -140,7 +140,7 @@ impl<'a> Linker<'a> {
                 let error =
                     Diagnostic::new(&codes::UNKNOWN_KIND, format!("there is no pass type `{}`", kind.value))
                         .label(self.span(kind.place), "")
-                        .suggest("kinds", &kind.value, names.iter().map(String::as_str));
+                        .suggest("pass types", &kind.value, names.iter().map(String::as_str));
                 self.errors.push(error);
                 return None;
             }

@@ -51,10 +51,10 @@ fn a_metal_reflects_its_directional_albedo() {
             metal.roughness = roughness;
             let scene = room(&quads, vec![metal, matte([0.0; 3], [1.0; 3])]);
             let from = [(1.0 - cosine * cosine).sqrt() as f32 * 0.8, cosine as f32 * 0.8, 0.0];
-            let stand =
+            let harness =
                 Harness::new(path_tracer::PASS).with_scene(scene).camera(camera_at(from, [0.0; 3], 1e-3));
             let Some(outputs) =
-                stand.frame(16, 16).set("bounces", 0u32).set("samples_per_frame", 64u32).run()
+                harness.frame(16, 16).set("bounces", 0u32).set("samples_per_frame", 64u32).run()
             else {
                 return;
             };
