@@ -164,7 +164,7 @@ static ROWS: &[Row] = &[
         "hdr-flip",
         "HDR-ꟻLIP",
         "",
-        "The same over all exposures (Andersson et al. 2021)",
+        "Mean perceived difference over all exposures (Andersson et al. 2021)",
     ),
     Row {
         better: Better::One,
@@ -185,7 +185,7 @@ static ROWS: &[Row] = &[
             "mean intensity",
             RADIANCE,
             NONE,
-            "Mean of the picture over pixels and RGB, as `energy` takes it; of a scene that moves, over the frames too (TCAS Fig. 6)",
+            "Mean of the picture over pixels and RGB, as for `energy`; for a scene that moves, over the frames too (TCAS Fig. 6)",
         )
     },
     Row {
@@ -195,7 +195,7 @@ static ROWS: &[Row] = &[
             "bias2",
             "bias²",
             "(W/(m² sr))²",
-            "What any number of seeds would leave of the squared error; one figure for all seeds",
+            "The squared error that remains in the mean of any number of seeds; one value for all seeds",
         )
     },
     Row {
@@ -205,7 +205,7 @@ static ROWS: &[Row] = &[
             "variance",
             "variance",
             "(W/(m² sr))²",
-            "What another seed changes, squared; one figure for all seeds",
+            "The variance between seeds; one value for all seeds",
         )
     },
     other(
@@ -222,7 +222,7 @@ static ROWS: &[Row] = &[
         "memory",
         "MiB",
         NONE,
-        "All that frames work on, histories too, the scene apart",
+        "Memory of all objects that frames use, with history buffers, without the scene",
     ),
     Row {
         needs: Needs { frames: 2, views: true, ..NONE },
@@ -261,7 +261,7 @@ static ROWS: &[Row] = &[
             "static-deviation",
             "static deviation",
             "",
-            "Standard deviation of each pixel's luminance over the frames, its mean over the mean luminance; of a scene that stands still",
+            "Standard deviation of each pixel's luminance over the frames, its mean divided by the mean luminance; for a scene that stands still",
         )
     },
     other(
@@ -270,7 +270,7 @@ static ROWS: &[Row] = &[
         "lag",
         "frames",
         Needs { frames: 3, jump: true, ..NONE },
-        "Frames after `jump` until the mean luminance stays within a tenth of the way of where it settles",
+        "Frames from `jump` until the mean luminance stays within a tenth of the change around its final value",
     ),
     Row {
         better: Better::Neither,
@@ -280,7 +280,7 @@ static ROWS: &[Row] = &[
             "lights moved",
             "",
             Needs { frames: 2, lights: true, ..NONE },
-            "Share of the virtual lights that are elsewhere in the next frame, mean over the frames",
+            "Share of the virtual lights that move from one frame to the next, mean over the frames",
         )
     },
     Row {
@@ -291,7 +291,7 @@ static ROWS: &[Row] = &[
             "lights that reach",
             "",
             Needs { views: true, lights: true, ..NONE },
-            "Share of the virtual lights that bring light to some of 256 pixels of the last frame",
+            "Share of the virtual lights that illuminate at least one of 256 pixels of the last frame",
         )
     },
     other(

@@ -221,7 +221,7 @@ const STEPS: &str = "struct Settings {
     var squared: texture_2d<f32>;
     var picture: texture_storage_2d<rgba16float, write>;
 
-    /// Adds up, a thread a number. [threads: elements(numbers)]
+    /// Adds up, one thread per number. [threads: elements(numbers)]
     @compute @workgroup_size(64) fn add(@builtin(global_invocation_id) id: vec3<u32>) {
         sums[id.x / 64u] = numbers[id.x];
     }

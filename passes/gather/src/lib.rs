@@ -75,14 +75,18 @@ impl Pass for Gather {
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
-                pass::input("view", "GBuffer", "Where the light is gathered."),
-                pass::input("lights", "VirtualLights", "What gives it."),
-                pass::optional("visibility", "Visibility", "Which lights are seen; without it, all."),
+                pass::input("view", "GBuffer", "The pixels at which light is gathered."),
+                pass::input("lights", "VirtualLights", "The lights."),
+                pass::optional(
+                    "visibility",
+                    "Visibility",
+                    "The visibility of the lights; without it, all are visible.",
+                ),
             ],
             outputs: vec![pass::output(
                 "irradiance",
                 "Irradiance",
-                "Diffuse irradiance, noisy where interleaved.",
+                "Diffuse irradiance, with noise if interleaved.",
             )],
             scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA),
         })

@@ -51,8 +51,8 @@ impl Pass for GeometryAwareBlur {
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
-                pass::input("view", "GBuffer", "Says which pixels see the same surface."),
-                pass::input("irradiance", "Irradiance", "What is averaged; of the size of `view`."),
+                pass::input("view", "GBuffer", "Determines which pixels see the same surface."),
+                pass::input("irradiance", "Irradiance", "The irradiance to average; of the size of `view`."),
             ],
             outputs: vec![pass::output("filtered", "Irradiance", "The averages.")],
             scene_bindings: SceneBindings::CAMERA,

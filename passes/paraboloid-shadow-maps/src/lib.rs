@@ -54,7 +54,7 @@ impl Pass for ParaboloidShadowMaps {
             inputs: vec![pass::input(
                 "lights",
                 "VirtualLights",
-                "From where: a map a light, over the hemisphere of its normal.",
+                "The lights: one map each, over the hemisphere around its normal.",
             )],
             outputs: vec![pass::output("visibility", "Visibility", "The maps.")],
             scene_bindings: SceneBindings::SCENE,

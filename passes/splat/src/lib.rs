@@ -79,11 +79,11 @@ impl Pass for Splat {
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
-                pass::input("points", "Points", "What is splatted."),
+                pass::input("points", "Points", "The points to splat."),
                 pass::input(
                     "lights",
                     "VirtualLights",
-                    "From where: a map a light, over the hemisphere of its normal.",
+                    "The lights: one map each, over the hemisphere around its normal.",
                 ),
             ],
             outputs: vec![
@@ -91,7 +91,7 @@ impl Pass for Splat {
                 pass::output(
                     "counters",
                     "Counters",
-                    "How many splats were requested, and for how many there were points.",
+                    "The numbers of splats that were requested and that were produced.",
                 ),
             ],
             scene_bindings: SceneBindings::SCENE,

@@ -32,7 +32,7 @@ impl Pass for VisibilityNone {
                 "VirtualLights",
                 "Not read: here so that the pass type takes the place of one that renders maps of them.",
             )],
-            outputs: vec![pass::output("visibility", "Visibility", "Nothing but the module that answers 1.")],
+            outputs: vec![pass::output("visibility", "Visibility", "Only the module that returns 1.")],
             scene_bindings: SceneBindings::NONE,
         })
     }

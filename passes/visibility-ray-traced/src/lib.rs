@@ -43,11 +43,7 @@ impl Pass for VisibilityRayTraced {
                 "VirtualLights",
                 "Not read: here so that the pass type takes the place of one that renders maps of them.",
             )],
-            outputs: vec![pass::output(
-                "visibility",
-                "Visibility",
-                "Nothing but the module that traces a ray.",
-            )],
+            outputs: vec![pass::output("visibility", "Visibility", "Only the module that traces a ray.")],
             scene_bindings: SceneBindings::NONE,
         })
     }
