@@ -1,4 +1,4 @@
-//! Nodes and triangles in the layouts of `shaders/ray-tracing.wgsl`.
+//! Nodes and triangles in the layouts of `shaders/bvh.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, Vec4};
@@ -7,7 +7,7 @@ use shader_library::{StructLayout, struct_layout};
 /// The index that stands for no triangle: `NO_HIT` of shaders/ray-tracing.wgsl.
 pub(crate) const NO_HIT: u32 = u32::MAX;
 
-/// `BvhNode` of shaders/ray-tracing.wgsl: the boxes of four children; each vector holds one coordinate of all
+/// `BvhNode` of shaders/bvh.wgsl: the boxes of four children; each vector holds one coordinate of all
 /// four.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -21,7 +21,7 @@ pub(crate) struct BvhNode {
     pub(crate) children: [Child; 4],
 }
 
-/// `BvhTriangle` of shaders/ray-tracing.wgsl.
+/// `BvhTriangle` of shaders/bvh.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct BvhTriangle {

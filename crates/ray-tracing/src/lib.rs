@@ -1,5 +1,5 @@
 //! Finds the triangle that a ray hits: builds a bounding volume hierarchy (BVH) in the layout that
-//! `shaders/ray-tracing.wgsl` traverses, and traverses it on the CPU (the CPU reference of that shader) with
+//! `shaders/bvh.wgsl` traverses, and traverses it on the CPU (the CPU reference of that shader) with
 //! the same hits.
 //!
 //! ```
@@ -24,7 +24,7 @@ use build::{TRAVERSAL_COST, Tree};
 use glam::{Vec2, Vec3};
 use gpu_data::{Bounds, BvhNode, BvhTriangle, Child};
 
-/// Size of the traversal stack: `BVH_STACK` of shaders/ray-tracing.wgsl. No tree is built that needs more:
+/// Size of the traversal stack: `BVH_STACK` of shaders/bvh.wgsl. No tree is built that needs more:
 /// median splits over [`MOST_TRIANGLES`] need 42.
 pub const STACK: usize = 64;
 
@@ -143,12 +143,12 @@ impl Bvh {
         self.stack
     }
 
-    /// Returns the nodes in the layout of `scene_bvh` in shaders/ray-tracing.wgsl.
+    /// Returns the nodes in the layout of `scene_bvh` in shaders/bvh.wgsl.
     pub fn nodes_bytes(&self) -> &[u8] {
         bytemuck::cast_slice(&self.nodes)
     }
 
-    /// Returns the triangles in the layout of `scene_bvh_triangles` in shaders/ray-tracing.wgsl.
+    /// Returns the triangles in the layout of `scene_bvh_triangles` in shaders/bvh.wgsl.
     pub fn triangles_bytes(&self) -> &[u8] {
         bytemuck::cast_slice(&self.triangles)
     }

@@ -1,4 +1,4 @@
-//! Traverses the tree: the CPU reference of `shaders/ray-tracing.wgsl`, with the same steps in the same
+//! Traverses the tree: the CPU reference of `shaders/bvh.wgsl`, with the same steps in the same
 //! order.
 
 use crate::gpu_data::{BvhNode, BvhTriangle, Child, NO_HIT};
