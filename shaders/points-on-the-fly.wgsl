@@ -1,10 +1,10 @@
-// Points made when they are wanted, from the triangles as they are now (TCAS §5.2): nothing is stored but each
-// triangle's share of them.
+// On-the-fly points, generated where they are read from the triangles as they are in this frame (TCAS §5.2): only each
+// triangle's share of the points is stored.
 //
 // Sample k of all n lies at (k + ½) / n of the cumulated shares, so samples follow the triangles in their order, as
-// those of a tessellator do, and each triangle has as many as its share of n, rounded up or down. Of neighbouring
-// samples every map gets one: an even subset of the surface. Along the other side of the square a map's samples follow
-// van der Corput's sequence, scrambled, another for each map: with the first, Hammersley's points.
+// those of a tessellator do, and each triangle has its share of n, rounded up or down. Of neighbouring samples each map
+// gets one: a stratified subset of the surface. Along the other side of the square, a map's samples follow van der
+// Corput's sequence, scrambled differently for each map: with the first coordinate, Hammersley's points.
 
 #import "amplification.wgsl"
 #import "scene.wgsl"
@@ -14,7 +14,7 @@
 #import "triangle.wgsl"
 
 struct PointsFacts {
-    /// Of the pass that makes the samples.
+    /// The seed of the pass that generates the samples.
     seed: u32,
 }
 
@@ -25,7 +25,7 @@ fn interval_start(triangle: u32) -> u32 {
     return points.starts[triangle];
 }
 
-/// Upper half of the product.
+/// Upper 32 bits of the product.
 fn multiply_high(a: u32, b: u32) -> u32 {
     let low = (a & 0xffffu) * (b & 0xffffu);
     let first = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
@@ -33,14 +33,14 @@ fn multiply_high(a: u32, b: u32) -> u32 {
     return (a >> 16u) * (b >> 16u) + (first >> 16u) + (second >> 16u);
 }
 
-/// How many samples there are to be, of all maps together: what the triangles ask for, or ANY_NUMBER.
+/// How many samples to generate, for all maps together: what the triangles ask for, or ANY_NUMBER.
 fn samples_requested() -> u32 {
     return points.requested;
 }
 
-/// Sample `index` of all maps' together. Neighbours are near each other, and of different maps.
+/// Sample `index` of those of all maps. Neighbours are near each other, and belong to different maps.
 fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
-    // Blocks of maps, one after the other; in a block the maps alternate.
+    // Blocks of maps follow one after the other; within a block the maps alternate.
     let bits = wanted.block_bits;
     let row = index >> bits;
     let block = row / wanted.per_map;
@@ -60,7 +60,7 @@ fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
         step = points.step;
     }
     let number = place * step.x + multiply_high(place, step.y) + step.x / 2u;
-    // Between two entries of the guide there are few triangles, mostly one or two.
+    // Between two entries of the guide table there are few triangles, mostly one or two.
     let guide = scene_info.triangles + 1u + (number >> (31u - points.guide_bits));
     let triangle = triangle_at(number, points.starts[guide], points.starts[guide + 1u]);
     let start = points.starts[triangle];

@@ -1,5 +1,5 @@
-// Random numbers: hashes for independence, Halton's sequence for evenness. The seed of a pass is made from the
-// run's seed and the pass's name, so a seed is a picture.
+// Random numbers: hashes for independent numbers, Halton's sequence for stratified ones. The seed of a pass is derived
+// from the run's seed and the pass's name, so one seed gives one picture.
 
 /// A permutation of 32 bits (PCG output hash, Jarzynski & Olano 2020).
 fn hash(value: u32) -> u32 {
@@ -17,8 +17,8 @@ fn unit_float(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);
 }
 
-/// Element `index` of van der Corput's sequence of a prime base, in [0, 1) (Halton 1960). Digits are gathered
-/// in an integer and divided once, so the error is that of three roundings; exact while base^digits < 2³².
+/// Element `index` of van der Corput's sequence of a prime base, in [0, 1) (Halton 1960). Digits are gathered in an
+/// integer and divided once, so the error is that of three roundings; exact while base^digits < 2³².
 fn radical_inverse(base: u32, index: u32) -> f32 {
     var rest = index;
     var reversed = 0u;
@@ -32,7 +32,7 @@ fn radical_inverse(base: u32, index: u32) -> f32 {
     return min(f32(reversed) / f32(scale), 0.99999994);
 }
 
-/// Element `index` of Halton's sequence in bases 2, 3, 5, shifted by the seed modulo 1; seed 0 is the plain one.
+/// Element `index` of Halton's sequence in bases 2, 3, 5, shifted by the seed modulo 1; seed 0 gives the original.
 fn halton3(index: u32, seed: u32) -> vec3<f32> {
     let plain = vec3(radical_inverse(2u, index), radical_inverse(3u, index), radical_inverse(5u, index));
     if seed == 0u {

@@ -1,8 +1,9 @@
 // Rays against the scene's triangles: the closest hit, and whether there is any.
 //
-// Lengths along a ray count in lengths of its direction, which need not be 1; hits lie in (nearest, farthest), both
-// ends left out. Triangles have two sides, and those without area are never hit. A pass that imports this declares
-// the externals SCENE; where vertices move, what is traced follows before the frame.
+// Distances along a ray are in units of the length of its direction, which need not be 1; hits lie in (nearest,
+// farthest), without both ends. Triangles have two sides, and those without area are never hit. A pass that imports
+// this file declares the scene bindings SCENE; where vertices move, the acceleration structures follow before the
+// frame.
 //
 //     fn trace(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> Hit
 //     fn occluded(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> bool

@@ -6,8 +6,8 @@ var rsm_position: texture_2d_array<f32>;
 var rsm_normal: texture_2d_array<f32>;
 var rsm_flux: texture_2d_array<f32>;
 
-/// A light of which nothing comes: for texels that saw nothing, and where no texel can be drawn. Its normal is
-/// a direction all the same, so that whoever builds a frame around it gets numbers.
+/// A light that emits nothing: for texels that saw nothing, and if no texel can be sampled. It has a valid normal all
+/// the same, so that a frame built around it has finite axes.
 fn dark_light(texel: u32) -> VirtualLight {
     return VirtualLight(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), texel, vec3(0.0), 0.0);
 }
@@ -21,8 +21,8 @@ fn virtual_light_from_texel(layer: u32, x: u32, y: u32, weight: f32) -> VirtualL
     if position.w == 0.0 || dot(normal, normal) == 0.0 {
         return dark_light(texel);
     }
-    // A light of 1e30 W drawn against odds of 1e-20 would be infinite.
+    // A light of 1e30 W sampled with probability 1e-20 would be infinite.
     let flux = min(textureLoad(rsm_flux, vec2(x, y), layer, 0).rgb * weight, vec3(1e37));
-    // Half floats leave the normal's length off by up to 0.05 %.
+    // Half floats change the normal's length by up to 0.05 %.
     return VirtualLight(position.xyz, 0.0, normalize(normal), texel, flux, 0.0);
 }

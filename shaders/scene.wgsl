@@ -52,10 +52,10 @@ const NO_TEXTURE: u32 = 0xffffffffu;
 
 var<uniform> scene_info: SceneInfo;
 var<storage, read> scene_vertices: array<Vertex>;
-/// Three a triangle.
+/// Three per triangle.
 var<storage, read> scene_indices: array<u32>;
 var<storage, read> scene_materials: array<Material>;
-/// Cumulative triangle areas: triangle i is drawn by the 32-bit numbers in [table[i], table[i + 1]).
+/// Cumulative triangle areas: triangle i is sampled by the 32-bit numbers in [table[i], table[i + 1]).
 var<storage, read> scene_area_table: array<u32>;
 /// Decoded from sRGB on load.
 var scene_textures: texture_2d_array<f32>;

@@ -7,8 +7,8 @@
 /// A (0, 2)-sequence in base 2: of every 2^m elements that start at a multiple of 2^m, exactly one lies in each
 /// box of area 2^-m whose sides are aligned to powers of two, for all 2^32 indices.
 fn sobol2(index: u32) -> vec2<u32> {
-    // Bit i of the second dimension is the sum over all j that contain i of bit j of the index: Pascal's triangle
-    // modulo 2, which falls into a step for each bit of the positions.
+    // Bit i of the second dimension is the sum, modulo 2, of bit j of the index over all j whose bits contain those of
+    // i (Pascal's triangle modulo 2). It is computed in one step for each bit of the positions.
     var sums = index;
     sums ^= (sums >> 16u) & 0x0000ffffu;
     sums ^= (sums >> 8u) & 0x00ff00ffu;
@@ -18,8 +18,8 @@ fn sobol2(index: u32) -> vec2<u32> {
     return vec2(reverseBits(index), reverseBits(sums));
 }
 
-/// Owen's nested scrambling (Laine & Karras 2011, constants of Burley 2020): keeps what `sobol2` promises, and
-/// takes away the pattern.
+/// Owen's nested scrambling (Laine & Karras 2011, constants of Burley 2020): keeps the stratification of `sobol2`, and
+/// removes its pattern.
 fn scramble(value: u32, seed: u32) -> u32 {
     var bits = reverseBits(value) + seed;
     bits ^= bits * 0x6c50b47cu;
@@ -29,8 +29,8 @@ fn scramble(value: u32, seed: u32) -> u32 {
     return reverseBits(bits);
 }
 
-/// Element `index` of a sequence of points in the unit square of its own: those of one seed are even among
-/// themselves, and independent of those of another (padding with a shuffled index, Burley 2020).
+/// Element `index` of a sequence of points in the unit square. The points of one seed are stratified, and independent
+/// of those of another seed (padding with a shuffled index, Burley 2020).
 fn sobol2_of(index: u32, seed: u32) -> vec2<f32> {
     let point = sobol2(scramble(index, hash2(seed, 0u)));
     return vec2(unit_float(scramble(point.x, hash2(seed, 1u))), unit_float(scramble(point.y, hash2(seed, 2u))));

@@ -1,10 +1,11 @@
-// Samples of triangles. The unit square is laid over the surface, area for area: the first number picks the triangle,
-// and where it fell in the triangle's interval it is, with the second, the place there. So two numbers do, and the
-// evenness of their sequence in the square is evenness on the surface.
+// Samples of triangles. The unit square is mapped to the surface, preserving areas: the first number picks the
+// triangle, and its position within the triangle's interval gives, with the second number, the position on it. So two
+// numbers suffice, and a sequence that is stratified in the square is stratified on the surface.
 //
-// Who imports this says where intervals begin: `fn interval_start(triangle: u32) -> u32`, in rising order.
+// A file that imports this one defines where intervals begin: `fn interval_start(triangle: u32) -> u32`, in rising
+// order.
 
-/// The triangle whose interval holds the number, among those from `first` to `last`. Those of no width hold none.
+/// The triangle whose interval holds the number, among those from `first` to `last`. Intervals of no width hold none.
 fn triangle_at(number: u32, first: u32, last: u32) -> u32 {
     var low = first;
     var high = last;
@@ -19,8 +20,8 @@ fn triangle_at(number: u32, first: u32, last: u32) -> u32 {
     return low;
 }
 
-/// Barycentric coordinates of the second and third vertex from the unit square: keeps areas, and neighbours near
-/// each other (Heitz 2019).
+/// Barycentric coordinates of the second and third vertex from the unit square: preserves areas, and keeps neighbours
+/// near each other (Heitz 2019).
 fn triangle_from_square(square: vec2<f32>) -> vec2<f32> {
     if square.y > square.x {
         return vec2(0.5 * square.x, square.y - 0.5 * square.x);

@@ -1,4 +1,4 @@
-//! The flux of all virtual lights is the flux that the reflective shadow map reflects, whatever draws them and
+//! The flux of all virtual lights is the flux that the reflective shadow map reflects, whatever samples them and
 //! whatever kind of light shines.
 
 use crate::adapter::renderer;
@@ -39,14 +39,14 @@ fn virtual_lights_carry_the_reflected_flux() {
             let total: f64 = fluxes.iter().sum();
             let mean = total / count as f64;
             let deviation = (fluxes.iter().map(|flux| (flux - mean).powi(2)).sum::<f64>()).sqrt();
-            // Independent draws would stay within four deviations in all but 6 of 100,000 runs; Halton's stay closer.
+            // Independent samples would stay within four deviations in all but 6 of 100,000 runs; Halton's stay closer.
             let tolerance = 4.0 * deviation + 1e-3 * reflected;
             assert!(reflected > 0.0, "{pipeline}, {scene}: nothing is reflected");
             assert!(
                 (total - reflected).abs() < tolerance,
                 "{pipeline}, {scene}: {total} W of {reflected} W, ± {tolerance}"
             );
-            // The tolerance is no free pass. It is widest where lights are drawn for the view: those that it hardly
+            // The tolerance is no free pass. It is widest where lights are sampled for the view: those that it hardly
             // sees are few and heavy.
             let widest = if pipeline.starts_with("ism-invtm") { 0.4 } else { 0.25 };
             assert!(tolerance < widest * reflected, "{pipeline}, {scene}: ± {tolerance} of {reflected} W");

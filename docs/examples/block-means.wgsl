@@ -1,4 +1,4 @@
-// Means over blocks of 8×8 texels, a thread a block; blocks at the far edges may be smaller.
+// Means over blocks of 8×8 texels, one thread per block; blocks at the far edges may be smaller.
 
 var irradiance: texture_2d<f32>;
 var means: texture_storage_2d<rgba32float, write>;

@@ -4,12 +4,12 @@
 
 struct Settings {
     view_size: vec2<u32>,
-    // DEVIATION(exposure): set by hand, where Reinhard et al. go by the picture's mean.
+    // DEVIATION(exposure): a setting, where Reinhard et al. derive it from the picture's mean.
     /// Brightness of `display`: each step doubles it. [default: 0.0, min: -40.0, max: 40.0, unit: "EV"]
     exposure: f32,
     // DEVIATION(white): one default for both curves that take it.
-    /// The least exposed luminance that `display` shows as white, with `reinhard` and `filmic`. Bright parts keep their
-    /// detail as it grows; the picture loses contrast. [default: 4.0, min: 0.01, max: 1000000.0, unit: "W/(m² sr)"]
+    /// The least exposed luminance that `display` shows as white, with `reinhard` and `filmic`. Larger: bright parts
+    /// keep more detail, but the picture loses contrast. [default: 4.0, min: 0.01, max: 1000000.0, unit: "W/(m² sr)"]
     white: f32,
 }
 

@@ -1,7 +1,7 @@
 // Direct light from every light of the scene, shadowed by the maps that are rendered from it.
 //
-// Visibility is percentage-closer filtering (Reeves, Salesin & Cook 1987) with the bias of a receiver plane: each
-// tap is compared with where the plane through the receiver is seen in that texel (after Isidoro 2006).
+// Visibility is percentage-closer filtering (Reeves, Salesin & Cook 1987) with a receiver-plane depth bias: each tap is
+// compared with the distance of the plane through the receiver in that texel (after Isidoro 2006).
 
 #option SPECULAR false // whether the G-buffer has the member `specular`
 
@@ -13,11 +13,12 @@
 
 struct Settings {
     direct_size: vec2<u32>,
-    /// Side of the window that shadows are filtered over: 5 makes 25 taps. Edges soften, and time grows with its square.
+    /// Side of the window over which shadows are filtered: 5 makes 25 taps. Larger: softer edges; time grows with the
+    /// square.
     /// [default: 5, one_of: [1, 3, 5, 7, 9], unit: "texels"]
     pcf: u32,
-    /// How far behind the map a surface may lie and still be lit, on top of its own slope. Specks on lit surfaces fade as
-    /// it grows; shadows come loose from what casts them. [default: 0.25, min: 0.0, max: 100.0, unit: "texels"]
+    /// Depth bias: how far behind the map a surface may lie and still be lit, times 1 + its slope. Larger: less shadow
+    /// acne, but more light leaks at contacts. [default: 0.25, min: 0.0, max: 100.0, unit: "texels"]
     bias: f32,
 }
 
@@ -49,7 +50,7 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
         let light = scene_lights.lights[i];
         let incident = incident_light(light, at);
         let irradiance = incident.irradiance * dot(normal, -incident.direction);
-        // A light that is behind the surface, too far off its axis or dark needs no look at its map.
+        // A light that is behind the surface, too far off its axis or dark needs no shadow-map lookup.
         if !any(irradiance > vec3(0.0)) {
             continue;
         }
@@ -64,7 +65,8 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
     textureStore(direct, id.xy, vec4(radiance, 1.0));
 }
 
-/// Index of the layer of a light that sees a point: of a point light's six, that along whose axis it lies farthest.
+/// Index of the layer of a light that sees a point: for a point light, the one of six along whose axis it lies
+/// farthest.
 fn layer_that_sees(light: Light, at: vec3<f32>) -> u32 {
     var best = light.first_layer;
     for (var i = 1u; i < light.layers; i++) {
@@ -81,8 +83,8 @@ fn along(layer: u32) -> vec3<f32> {
     return -scene_light_layers[layer].world_from_layer[2].xyz;
 }
 
-/// How steep a plane may rise from texel to texel, in sides of a texel: seen nearly edge on it would rise without
-/// bound, and what stands in front of it would be taken for itself.
+/// Bound on the slope of a plane from texel to texel, in sides of a texel: seen nearly edge-on, its slope would grow
+/// without bound, and whatever lies in front of it would be taken for the plane itself.
 const STEEPEST: f32 = 8.0;
 
 /// The share of a layer's light that reaches a point.
@@ -104,8 +106,8 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1.0 / STEEPEST), STEEPEST);
     let bias = settings.bias * texel * (1.0 + slope);
 
-    // DEVIATION(window): taps stand on texel centres; the window of `pcf` texels cuts the outermost, which count in
-    // part. So each of the pcf² taps is a bilinear one, and the share changes without steps.
+    // DEVIATION(window): taps are at texel centres; the window of `pcf` texels cuts the outermost, which count in part.
+    // So each of the pcf² taps is bilinear, and the visible share changes continuously.
     let centre = (receiver.xy / half_extent * vec2(0.5, -0.5) + 0.5) * size - 0.5;
     let first = floor(centre) - f32(settings.pcf / 2u);
     let part = centre - floor(centre);
@@ -117,19 +119,19 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
             let weight_x = select(1.0, 1.0 - part.x, x == 0u) * select(1.0, part.x, x == settings.pcf);
             let tap = clamp(first + vec2(f32(x), f32(y)), vec2(0.0), size - 1.0);
             let plane = ((tap + 0.5) / size * 2.0 - 1.0) * vec2(1.0, -1.0) * layer.half_extent;
-            // DEVIATION(bias): compared with the receiver's plane, less a bias that does not vary.
+            // DEVIATION(bias): compared with the receiver's plane minus a depth bias that is the same for all taps.
             let expected = clamp(plane_distance(receiver, n, plane, perspective), distance - reach, distance + reach);
             let seen = textureLoad(rsm_position, vec2<u32>(tap), index, 0).w;
-            // Where the map is empty nothing stands in the way.
+            // Where the map is empty, nothing occludes.
             lit += weight_x * weight_y * select(0.0, 1.0, seen == 0.0 || seen >= expected - bias);
         }
     }
     return lit / f32(settings.pcf * settings.pcf);
 }
 
-/// Distance along the layer's axis [m] at which the plane through `receiver` across `n` is met by the ray through
-/// `tap`, a point of the image plane. All in the layer's space. A plane seen from its back or edge is as far as the
-/// receiver.
+/// Distance along the layer's axis [m] at which the ray through `tap`, a point of the image plane, meets the plane
+/// through `receiver` with the normal `n`. All are in the layer's space. A plane seen from behind or edge-on has the
+/// distance of the receiver.
 fn plane_distance(receiver: vec3<f32>, n: vec3<f32>, tap: vec2<f32>, perspective: bool) -> f32 {
     if perspective {
         let facing = dot(n, vec3(tap, -1.0));

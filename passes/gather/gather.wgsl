@@ -1,7 +1,7 @@
 // Sums the irradiance of the virtual lights at the pixels of a G-buffer. [ISM §4, after Segovia et al. 2006]
 //
 // The pixels are split into n×m interleaved sub-images, and each sub-image takes one of n·m subsets of the lights.
-// A workgroup is 8×8 pixels of one sub-image, so all of it reads the same lights and near texels of their maps.
+// A workgroup is 8×8 pixels of one sub-image, so all its threads read the same lights and nearby texels of their maps.
 //
 // irradiance: rgba32float [W/m²]; in alpha the luminance of what the clamp removed [W/m²].
 
@@ -20,16 +20,17 @@ struct Settings {
     view_size: vec2<u32>,
     interleave_x: u32,
     interleave_y: u32,
-    /// 1 where a subset is a run of the lights, 0 where it is every n·m-th.
+    /// 1 if a subset is consecutive lights, 0 if it is every (n·m)-th light.
     runs: u32,
-    /// Distance below which a light's geometry term grows no more, as a fraction of the scene's extent; 0 is no bound.
-    /// Bright spots near lights shrink with it, and energy near corners is lost: alpha says how much. 0.01 is of the order
-    /// of the distance between 1,024 lights on a lit tenth of the scene. [default: 0.01, min: 0.0, max: 1.0]
+    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's extent; 0 is no bound.
+    /// Larger: smaller bright spots near lights, but more energy lost near corners; alpha has the lost energy. 0.01 is
+    /// of the order of the distance between 1,024 lights on a lit tenth of the scene.
+    /// [default: 0.01, min: 0.0, max: 1.0]
     clamp: f32,
-    /// The part of each subset that this dispatch takes: lights `begin` to `end`.
+    /// The lights of each subset that this dispatch takes: `begin` to `end`.
     begin: u32,
     end: u32,
-    /// 1 for the dispatch that takes the last part.
+    /// 1 for the dispatch that takes the last lights.
     last: u32,
 }
 
@@ -39,21 +40,21 @@ var view_depth: texture_2d<f32>;
 var view_normal: texture_2d<f32>;
 var irradiance: texture_storage_2d<rgba32float, write>;
 #if PARTS
-/// What the parts before brought, pixel by pixel.
+/// Sums of the dispatches before, pixel by pixel.
 var<storage, read_write> sums: array<vec4<f32>>;
 #endif
 
 const STAGED: u32 = 64u;
 var<workgroup> staged: array<VirtualLight, STAGED>;
 
-/// Lights of a subset: number k is `first + k * stride`.
+/// A subset of the lights: its light k is `first + k * stride`.
 struct Subset {
     first: u32,
     count: u32,
     stride: u32,
 }
 
-/// Subset s of `subsets`. Every light is in exactly one, also where the count is no multiple.
+/// Subset s of `subsets`. Every light is in exactly one, also if the count is not a multiple of `subsets`.
 fn subset(s: u32, subsets: u32, count: u32) -> Subset {
     if settings.runs != 0u {
         let first = s * count / subsets;
@@ -62,17 +63,17 @@ fn subset(s: u32, subsets: u32, count: u32) -> Subset {
     return Subset(s, (count + subsets - 1u - s) / subsets, subsets);
 }
 
-/// World position [m] of what a pixel of the view sees; the view may be smaller than the frame.
+/// World position [m] of the surface at a pixel of the view, which may be smaller than the frame.
 fn view_position(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
     let at = (vec2<f32>(pixel) + 0.5) * camera.size / vec2<f32>(settings.view_size);
     return camera.position + view_ray(at) * depth;
 }
 
-/// Geometry term of a light without its visibility [1/m²]: cosθ cosθ' / (π d² + A), as the clamp leaves it, and what
-/// the clamp removes.
+/// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d² + A): what remains after the clamp, and
+/// what the clamp removes.
 fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
     let offset = at - light.position;
-    // Nearer than positions are rounded a distance says nothing, and the light's direction neither.
+    // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
     let rounding = 1e-6 * scene_info.extent;
     let distance2 = max(dot(offset, offset), rounding * rounding);
     let cosines = max(-dot(normal, offset), 0.0) * max(dot(light.normal, offset), 0.0) / distance2;
@@ -82,7 +83,7 @@ fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> 
     return vec2(kept, whole - kept);
 }
 
-/// What a thread gathers for: a pixel, and what it has so far.
+/// A pixel for which a thread gathers, and its sum so far.
 struct Receiver {
     pixel: vec2<u32>,
     seen: bool,
@@ -91,7 +92,7 @@ struct Receiver {
     sum: vec4<f32>,
 }
 
-/// Pixels of a thread along each side of a square, GROUP_SIDE apart: each light is read once for all of them.
+/// Pixels per thread along each side of a square, GROUP_SIDE apart: each light is read once for all of them.
 const SPAN: u32 = 2u;
 
 /// Side of a workgroup.
@@ -105,7 +106,7 @@ fn gather(
 ) {
     let interleave = vec2(settings.interleave_x, settings.interleave_y);
     let subsets = interleave.x * interleave.y;
-    // Workgroups along a sub-image; those of the widest, for all alike. One sub-image is done after the other, so
+    // Workgroups along a sub-image; the number of the widest for all of them. Sub-images follow one after the other, so
     // that the maps of one subset of the lights are in the caches.
     let side = GROUP_SIDE * SPAN;
     let groups = ((settings.view_size + interleave - 1u) / interleave + side - 1u) / side;
@@ -149,7 +150,7 @@ fn gather(
     }
     for (var r = 0u; r < SPAN * SPAN; r++) {
         if all(receivers[r].pixel < settings.view_size) {
-            // A subset stands for all lights: the mean over the sub-images is the sum.
+            // A subset represents all lights: the mean over the sub-images is the sum over all lights.
             var sum = select(vec4(0.0), receivers[r].sum * f32(subsets), receivers[r].seen);
 #if PARTS
             let index = receivers[r].pixel.y * settings.view_size.x + receivers[r].pixel.x;

@@ -7,7 +7,7 @@
 
 struct Seen {
     @builtin(position) @invariant clip: vec4<f32>,
-    /// From the camera, in world space [m]: small numbers, so that their differences between pixels are exact.
+    /// Relative to the camera, in world space [m]: small numbers, so that their differences between pixels are exact.
     @location(0) offset: vec3<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) uv: vec2<f32>,
@@ -36,7 +36,7 @@ fn geometry(seen: Seen) -> Texel {
     if !surface_exists(seen.material, at.coverage) {
         discard;
     }
-    // From a pixel to the right and from there down turns away from whoever looks, whatever the surface.
+    // The cross product of one pixel right and one pixel down points away from the camera, whatever the surface.
     let towards = cross(change.position_y, change.position_x);
     var texel: Texel;
     texel.depth = -dot(seen.offset, camera.world_from_view[2].xyz);
@@ -48,7 +48,8 @@ fn geometry(seen: Seen) -> Texel {
     return texel;
 }
 
-/// Drawn by itself: WebGPU promises 32 bytes a pixel for the targets of one draw, and those of `geometry` take 28.
+/// Rendered in a draw of its own: WebGPU guarantees 32 bytes per pixel for the targets of one draw, and those of
+/// `geometry` take 28.
 @fragment
 fn emission(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);

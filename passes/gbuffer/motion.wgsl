@@ -1,4 +1,4 @@
-// Where each pixel's surface was in the frame before, minus where it is [px]. The scene is taken to be at rest.
+// Where each pixel's surface was in the frame before, minus where it is [px]. The scene is assumed to stand still.
 
 #import "camera.wgsl"
 #import "fullscreen.wgsl"
@@ -13,7 +13,7 @@ fn motion(@builtin(position) at: vec4<f32>) -> @location(0) vec2<f32> {
         return vec2(0.0);
     }
     let clip = camera.previous_clip_from_world * vec4(position_from_depth(pixel, depth), 1.0);
-    // What was behind the camera was nowhere in the frame: it moved by more than one frame.
+    // A point behind the previous camera was nowhere in its frame: the motion is larger than the frame.
     if clip.w <= 0.0 {
         return 2.0 * camera.size;
     }

@@ -1,25 +1,25 @@
 // Averages irradiance over a window of pixels that see the same surface. [ISM §4; ACRSM §5.3.3]
 //
-// The window has the size of the interleaving, and so each subset of the lights in it exactly once. An even window
-// has no middle pixel: it takes one pixel more and gives its two outermost rows and columns, which have the same
-// subsets, half a weight each. Where the window passes the edge of the image it goes on one period further
-// inside, to pixels of the same subset.
+// The window has the size of the interleaving, so it holds each subset of the lights exactly once. A window of even
+// size has no centre pixel: it takes one pixel more, and its two outermost rows and columns, which have the same
+// subsets, have half the weight each. Where the window crosses the edge of the image, it continues one period further
+// inside, at pixels of the same subset.
 //
-// filtered: rgba32float [W/m²], all four channels averaged alike. Separated, this runs twice: over a window of one
-// row, and over one of a column.
+// filtered: rgba32float [W/m²]; all four channels are averaged alike. If separable, this runs twice: over a window of
+// one row, then over a window of one column.
 
 #import "camera.wgsl"
 
 struct Settings {
     view_size: vec2<u32>,
-    /// Window [px].
+    /// Size of the window [px].
     width: u32,
     height: u32,
-    /// Pixels count whose distance from the plane of the middle one is at most this fraction of its depth (ACRSM gives
-    /// none). More blurs over steps, less leaves noise on curved surfaces. [default: 0.02, min: 0.0]
+    /// Greatest distance of a pixel from the plane of the centre pixel, as a fraction of its depth (ACRSM gives none).
+    /// Larger: blur across steps. Smaller: noise on curved surfaces. [default: 0.02, min: 0.0]
     alpha: f32,
-    /// Pixels count whose normals have at least this cosine with that of the middle one (ACRSM gives none). Less blurs
-    /// over creases, more leaves noise on curved surfaces. [default: 0.9, min: -1.0, max: 1.0]
+    /// Least cosine between the normals of a pixel and of the centre pixel (ACRSM gives none). Smaller: blur across
+    /// creases. Larger: noise on curved surfaces. [default: 0.9, min: -1.0, max: 1.0]
     beta: f32,
 }
 
@@ -34,12 +34,12 @@ fn pixel_ray(pixel: vec2<f32>) -> vec3<f32> {
     return view_ray((pixel + 0.5) * camera.size / vec2<f32>(settings.view_size));
 }
 
-/// Weight of an offset along one side of a window of so many pixels.
+/// Weight of an offset along one side of a window of this many pixels.
 fn window_weight(offset: i32, window: u32) -> f32 {
     return select(1.0, 0.5, window % 2u == 0u && u32(abs(offset)) * 2u == window);
 }
 
-/// A coordinate brought back into the image by one period; still outside where the image is narrower.
+/// A coordinate moved back into the image by one period; still outside if the image is narrower.
 fn inside(at: i32, size: u32, period: u32) -> i32 {
     return at + select(0, i32(period), at < 0) - select(0, i32(period), at >= i32(size));
 }
@@ -56,8 +56,8 @@ fn blur(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let normal = textureLoad(view_normal, pixel, 0).xyz;
-    // Rays change linearly over the image, and so does their part along the normal: height above the camera's
-    // plane of this orientation, per depth.
+    // Rays change linearly over the image, and so does their component along the normal: height above the plane through
+    // the camera with this normal, per depth.
     let ray = pixel_ray(vec2<f32>(pixel));
     let slope = dot(normal, ray);
     let slope_x = dot(normal, pixel_ray(vec2<f32>(pixel) + vec2(1.0, 0.0)) - ray);
@@ -71,13 +71,14 @@ fn blur(@builtin(global_invocation_id) id: vec3<u32>) {
         let row_weight = window_weight(y, settings.height);
         for (var x = -reach.x; x <= reach.x; x++) {
             let column = inside(i32(pixel.x) + x, settings.view_size.x, settings.width);
-            // Negative numbers are large ones.
+            // As unsigned numbers, negative ones are large.
             let other = vec2(u32(column), u32(row));
             if any(other >= settings.view_size) {
                 continue;
             }
             let other_depth = textureLoad(view_depth, other, 0).x;
-            // Off the tangent plane, as a fraction of the depth: on a slanted floor the depth itself differs.
+            // Distance from the tangent plane, as a fraction of the depth; on a slanted floor, depths themselves
+            // differ.
             let off = other_depth * (row_slope + slope_x * f32(column - i32(pixel.x))) - depth * slope;
             let along = dot(normal, textureLoad(view_normal, other, 0).xyz);
             if other_depth <= 0.0 || abs(off) > settings.alpha * depth || along < settings.beta {
@@ -88,7 +89,7 @@ fn blur(@builtin(global_invocation_id) id: vec3<u32>) {
             weights += weight;
         }
     }
-    // A normal's own length is 1 but for rounding, so that thresholds of 1 and 0 may reject even the pixel itself.
+    // A normal's computed length is 1 only up to rounding, so thresholds of 1 and 0 may reject even the pixel itself.
     let alone = textureLoad(irradiance, pixel, 0);
     textureStore(filtered, pixel, select(alone, sum / weights, weights > 0.0));
 }

@@ -1,9 +1,9 @@
 // The importance of each texel of a reflective shadow map as a virtual light: what it contributes to samples
 // of the view without regard to visibility (TCAS Eq. 1-2), or its flux (ISM §4).
 
-/// By contribution to the view; else by flux.
+/// Importance by contribution to the view; otherwise by flux.
 #option CONTRIBUTION true
-/// Sums are made for mixing with the flux.
+/// Computes sums, for mixing with the flux.
 #option SUMS true
 
 #import "algorithms/scaled.wgsl"
@@ -45,7 +45,7 @@ fn measure(
     @builtin(local_invocation_index) thread: u32,
 ) {
     let inside = all(id.xy < textureDimensions(rsm_flux));
-    // Outside, the load gives some texel or zero, which is not used.
+    // Outside the map, the load returns some texel or zero, which is not used.
     let flux = textureLoad(rsm_flux, id.xy, id.z, 0).rgb;
     let reflected = select(0.0, weight_of(luminance(flux)), inside);
 #if CONTRIBUTION
@@ -86,12 +86,12 @@ fn measure(
 /// The geometry term of Eq. 2 between a virtual light and a sample, cosθ cosθ' / (π d² + guard) [1/extents²].
 fn geometry(position: vec3<f32>, normal: vec3<f32>, at: ViewSample) -> f32 {
     let way = at.position - position;
-    // Single precision tells positions apart to 1e-7 extents: below, the sample is the light, and the cosines
-    // are 0 because the way is.
+    // Single precision distinguishes positions to 1e-7 extents: below that, the sample is at the light, and the cosines
+    // are 0 since the vector is.
     let squared = max(dot(way, way), 1e-20);
     let cosines = max(dot(normal, way), 0.0) * max(-dot(at.normal, way), 0.0) / squared;
-    // DEVIATION(min-distance): a light on a sample would take all the importance: its distance counts as
-    // `min_distance` at least.
+    // DEVIATION(min-distance): a light at a sample would take all the importance, so its distance counts as at least
+    // `min_distance`.
     return cosines / (PI * (squared + settings.min_distance * settings.min_distance));
 }
 #endif

@@ -1,7 +1,7 @@
 // The importance mixed with the flux: f = (1 - δ) c / Σc + δ Φ / ΣΦ, times the number of texels, so that its
-// mean is 1. A texel that reflects light is then drawn though no sample of the view saw it, and no virtual light
-// weighs more than 1/δ times what drawing by flux alone would give it (defensive sampling, Hesterberg 1995).
-// DEVIATION(defensive): with δ = 0 it is the paper's.
+// mean is 1. A texel that reflects light is then sampled even if no sample of the view saw it, and no virtual light
+// weighs more than 1/δ times its weight when sampled by flux alone (defensive sampling, Hesterberg 1995).
+// DEVIATION(defensive): δ = 0 gives the importance of the paper.
 
 #import "algorithms/scaled.wgsl"
 #import "color.wgsl"
@@ -12,13 +12,13 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-/// Of all texels.
+/// Over all texels.
 var<storage, read> sums: Sums;
 var contribution: texture_2d_array<f32>;
 var rsm_flux: texture_2d_array<f32>;
 var importance: texture_storage_2d_array<r32float, write>;
 
-/// What part of the whole a value is; 0 of nothing.
+/// Share of a value in the total; 0 if the total is 0.
 fn share(value: f32, whole: Scaled) -> f32 {
     if whole.value == 0.0 {
         return 0.0;

@@ -1,4 +1,4 @@
-// The sums of all workgroups of importance-map.wgsl as one.
+// The total of the sums of all workgroups of importance-map.wgsl.
 
 #import "algorithms/reduce.wgsl"
 #import "sums.wgsl"

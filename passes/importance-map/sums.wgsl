@@ -1,4 +1,4 @@
-// What the importance is a mixture of, summed over texels.
+// The two parts of the mixed importance, summed over texels.
 
 #import "algorithms/scaled.wgsl"
 

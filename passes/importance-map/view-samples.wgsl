@@ -1,5 +1,5 @@
-// The random subset of what the camera sees, for which TCAS Eq. 1 estimates the importance of a virtual light.
-// The same pixels in every frame, evenly spread.
+// A random subset of what the camera sees, over which TCAS Eq. 1 estimates the importance of a virtual light.
+// It is the same pixels in every frame, stratified.
 
 #import "camera.wgsl"
 #import "color.wgsl"

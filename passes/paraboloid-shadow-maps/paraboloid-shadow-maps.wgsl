@@ -1,5 +1,5 @@
-// Renders every triangle into the paraboloid depth map of every virtual light, exactly: the maps that imperfect
-// ones are compared with. [ISM §5, Brabec et al. 2002]
+// Renders every triangle into the paraboloid depth map of every virtual light, exactly: the reference for imperfect
+// shadow maps. [ISM §5, Brabec et al. 2002]
 //
 // visibility.atlas: r32float, the distance [m] along the ray through the centre of each texel; NOTHING (cleared).
 //
@@ -39,7 +39,7 @@ struct Box {
     high: vec2<f32>,
 }
 
-/// A box that holds another, and the image of the segment between two points above or on the light's plane.
+/// A box that contains another and the image of the segment between two points above or on the light's plane.
 ///
 /// The segment's directions are on a great circle with the normal n; its image is an arc of a circle of radius
 /// |n| / |n.z|. Within the disc an arc is at most half of its circle, so it leaves its chord by no more than
@@ -47,7 +47,7 @@ struct Box {
 fn grown(box: Box, p: vec3<f32>, q: vec3<f32>) -> Box {
     let p_length = length(p);
     let q_length = length(q);
-    // The light is on the triangle: it may be seen in any direction.
+    // The light is on the triangle, which may be seen in any direction.
     if min(p_length, q_length) <= 1e-6 * scene_info.extent {
         return Box(vec2(-1.0), vec2(1.0));
     }
@@ -66,7 +66,7 @@ fn at_horizon(p: vec3<f32>, q: vec3<f32>) -> vec3<f32> {
     return vec3(mix(p.xy, q.xy, p.z / (p.z - q.z)), 0.0);
 }
 
-/// Bounds of the image of the part of a triangle above the light's plane, of which there is some.
+/// Bounds of the image of the part of a triangle above the light's plane, which is not empty.
 fn image_bounds(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Box {
     var box = Box(vec2(1.0), vec2(-1.0));
     var corners = array(a, b, c);
@@ -95,10 +95,10 @@ fn image_bounds(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Box {
     return box;
 }
 
-/// Three vertices a triangle, an instance a light of the layer.
+/// Three vertices per triangle, one instance per light of the layer.
 @vertex
 fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) -> Cover {
-    // All zero: no fragment.
+    // All positions zero: no fragment.
     var out: Cover;
     let light = settings.first_map + map;
     if light >= lights.count {
@@ -114,7 +114,7 @@ fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) 
         return out;
     }
     let box = image_bounds(a, b, c);
-    // The texels whose centres are inside; a hundredth of a texel is for rounding.
+    // The texels whose centres are inside; a hundredth of a texel covers rounding.
     let tile = settings.visibility_tile;
     let low = max(ceil(tile_position(box.low, tile) - 0.51), vec2(0.0));
     let high = min(floor(tile_position(box.high, tile) + 0.51), vec2(f32(tile)));
@@ -137,7 +137,7 @@ struct Hit {
 @fragment
 fn hit(in: Cover) -> Hit {
     let tile = settings.visibility_tile;
-    // Left of and above the tile this wraps to large numbers.
+    // Left of and above the tile, this wraps to large numbers.
     let texel = vec2<u32>(in.position.xy) - in.origin;
     if any(texel >= vec2(tile)) {
         discard;

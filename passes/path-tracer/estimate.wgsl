@@ -1,4 +1,4 @@
-// Sees how far the picture is: counts its samples, and estimates its error from their spread.
+// Measures progress: counts the samples of the picture, and estimates its error from their variance.
 //
 // relMSE = mean over the pixels of σ² / (m² + ε), where m is a pixel's mean luminance, σ² the variance of that mean,
 // and ε a hundredth of the squared mean of the picture, as in `lightloom compare`.
@@ -23,7 +23,7 @@ var samples_image: texture_2d<f32>;
 var<storage, read> past_progress: Progress;
 #endif
 
-/// How far it was before this frame.
+/// The progress before this frame.
 fn progress_before() -> Progress {
     var before: Progress;
 #if PAST
@@ -32,7 +32,7 @@ fn progress_before() -> Progress {
     return before;
 }
 
-/// Samples a pixel by now.
+/// Samples per pixel, this frame included.
 fn samples_so_far() -> u32 {
     let before = progress_before();
     return before.step + steps_of_frame(before, settings.samples_per_frame, settings.samples);
@@ -49,7 +49,7 @@ fn reduce_length() -> u32 {
 }
 
 #if SUM == luminance
-/// Of all pixels.
+/// Sum over all pixels.
 var<storage, read_write> luminance_sum: f32;
 
 fn reduce_element(i: u32) -> f32 {
@@ -65,7 +65,7 @@ var<storage, read_write> samples_progress: Progress;
 
 fn reduce_element(i: u32) -> f32 {
     let samples = samples_so_far();
-    // In units of the picture's mean: neither vanishes nor overflows at any intensity of the lights.
+    // In units of the picture's mean, so that values neither vanish nor overflow at any intensity of the lights.
     let mean = max(luminance_sum / f32(reduce_length()) / f32(max(samples, 1u)), 1e-30);
     let sums = pixel(i) / f32(max(samples, 1u));
     let own = luminance(sums.rgb) / mean;
@@ -78,7 +78,7 @@ fn reduce_store(result: f32) {
     let samples = samples_so_far();
     let error = result / f32(reduce_length());
     let estimated = select(0.0, error, samples >= 2u);
-    // A few samples all in the dark would look like no error at all.
+    // A few samples that are all black would look like no error at all.
     let good = samples >= 16u && error <= settings.error && settings.error > 0.0;
     let finished = before.done != 0u || samples >= settings.samples || good;
     samples_progress = Progress(samples, settings.samples, estimated, select(0u, 1u, finished));

@@ -1,4 +1,4 @@
-// The means of all samples so far.
+// The mean of all samples so far.
 
 #import "progress.wgsl"
 

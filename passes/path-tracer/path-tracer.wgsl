@@ -1,14 +1,14 @@
-// Paths from the camera with next-event estimation: the truth that others are measured by.
+// Paths from the camera with next-event estimation: the reference that other pipelines are compared with.
 //
-// A path leaves a point of a pixel, and at each surface collects what the lights of the scene give there. Light that
-// was reflected once is direct; after k more reflections it is of the k-th bounce. What surfaces emit is collected
-// where paths meet them.
+// A path starts at a point of a pixel, and at each surface adds what the lights of the scene contribute there. Light
+// that was reflected once is direct; after k more reflections it belongs to the k-th bounce. Emission of surfaces is
+// added where paths hit them.
 //
-// Sums over all samples, one texel a pixel; the count of samples is in the buffer `samples_progress`:
+// Sums over all samples, one texel per pixel; the number of samples is in the buffer `samples_progress`:
 //   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: squared luminance, for the estimate
-//   samples_direct: radiance reflected once; alpha: samples that saw something
+//   samples_direct: radiance reflected once; alpha: number of samples that hit a surface
 //   samples_indirect: radiance of bounces 1 to `bounces`
-//   samples_irradiance: indirect irradiance of the surface seen [W/m²]; alpha: luminance of what the clamp removed
+//   samples_irradiance: indirect irradiance at the surface seen [W/m²]; alpha: luminance of what the clamp removed
 
 #option GLOSSY false // whether anything reflects other than diffusely
 #option PAST false // whether there are samples of earlier frames
@@ -31,11 +31,11 @@ struct Settings {
     samples: u32,
     samples_per_frame: u32,
     clamp: f32,
-    /// 1 where a pixel is the mean over its square, 0 where it is its centre.
+    /// 1 if a pixel is the mean over its square, 0 if it is the value at its centre.
     over_square: u32,
-    /// 1 where direct and emitted light is wanted.
+    /// 1 if direct and emitted light are needed.
     direct: u32,
-    /// 1 where anything emits.
+    /// 1 if any surface emits.
     emissive: u32,
 }
 
@@ -52,7 +52,7 @@ var samples_direct: texture_storage_2d<rgba32float, write>;
 var samples_indirect: texture_storage_2d<rgba32float, write>;
 var samples_irradiance: texture_storage_2d<rgba32float, write>;
 
-/// What a path brings.
+/// The contribution of a path.
 struct Sample {
     direct: vec3<f32>,
     indirect: vec3<f32>,
@@ -64,7 +64,7 @@ struct Sample {
     seen: f32,
 }
 
-// Sequences of two numbers each; two for every surface of a path.
+// Random sequences of two numbers each; two of them for every surface of a path.
 const PIXEL: u32 = 0u;
 const DIRECTION: u32 = 1u;
 const LOBE: u32 = 2u;
@@ -91,7 +91,7 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var s = 0u; s < count; s++) {
         let sample = path(id.xy, before.step + s, pixel_seed);
         let whole = sample.direct + sample.indirect + sample.emitted;
-        // Far below the root of the greatest float: the sum of squares stays finite at any intensity.
+        // Far below the square root of the greatest float: the sum of squares stays finite at any intensity.
         let bounded = min(luminance(whole), 1e16);
         image += vec4(whole, bounded * bounded);
         direct += vec4(sample.direct, sample.seen);
@@ -123,8 +123,8 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
     if settings.direct != 0u {
         sample.emitted = vertex.surface.emission;
     }
-    // The share of light that arrives along the path and reaches the camera; the same without the first reflection,
-    // for the irradiance; and what the clamp leaves of both.
+    // The share of light that arrives along the path and reaches the camera; the same without the first reflection, for
+    // the irradiance; and the share of both that the clamp keeps.
     var throughput = vec3(1.0);
     var arriving = vec3(1.0);
     var kept = 1.0;
@@ -134,7 +134,7 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
         } else if settings.direct != 0u {
             sample.direct += reflected_light(vertex, -direction);
         }
-        // One more segment is for what paths meet that emits.
+        // One more segment finds emission that the path hits.
         if bounce == settings.bounces && settings.emissive == 0u {
             break;
         }
@@ -144,7 +144,7 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
             break;
         }
         throughput *= scattered.weight;
-        // Over the cosine the mean of π times the radiance that arrives is the irradiance.
+        // With cosine-distributed directions, the mean of π times the arriving radiance is the irradiance.
         arriving = select(arriving * scattered.weight, vec3(PI * scattered.cosine_share), bounce == 0u);
         origin = offset_origin(vertex.position, facing(vertex.geometric, scattered.direction));
         hit = trace(origin, scattered.direction, 0.0, FAR);
@@ -160,8 +160,8 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
             sample.direct += throughput * vertex.surface.emission;
         }
         if bounce == 0u && settings.clamp > 0.0 {
-            // SMC-IR §5.4: the first segment's geometry term is bounded as a virtual light's is; segments that end on
-            // a light are not.
+            // SMC-IR §5.4: the geometry term of the first segment is bounded like that of a virtual light; segments
+            // that end on a light are not bounded.
             let offset = (vertex.position - from_point) / (settings.clamp * scene_info.extent);
             kept = min(dot(offset, offset), 1.0);
         }
@@ -176,12 +176,13 @@ fn collect(sample: ptr<function, Sample>, throughput: vec3<f32>, arriving: vec3<
     (*sample).removed += luminance(arriving * radiance) * (1.0 - kept);
 }
 
-/// The normal on the side of a direction.
+/// The normal, flipped to the side of a direction.
 fn facing(normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
     return select(normal, -normal, dot(normal, direction) < 0.0);
 }
 
-/// What a surface reflects of the lights of the scene [W/(m² sr)]. `leaving` goes where the path came from, unit.
+/// Radiance that a surface reflects of the lights of the scene [W/(m² sr)]. `leaving` points to where the path came
+/// from, unit.
 fn reflected_light(vertex: PathVertex, leaving: vec3<f32>) -> vec3<f32> {
     var radiance = vec3(0.0);
     for (var i = 0u; i < scene_lights.count; i++) {
@@ -197,7 +198,7 @@ fn reflected_light(vertex: PathVertex, leaving: vec3<f32>) -> vec3<f32> {
         if light.kind == LIGHT_DIRECTIONAL {
             shadowed = occluded(origin, to_light, 0.0, FAR);
         } else {
-            // To just before the light: one that hangs on a surface shines from it.
+            // The ray ends just before the light: a light that is attached to a surface shines from it.
             shadowed = occluded(origin, light.position - origin, 0.0, 0.9999);
         }
         if !shadowed {
@@ -222,11 +223,11 @@ struct Scattered {
     direction: vec3<f32>,
     /// Reflectance · cosine / density.
     weight: vec3<f32>,
-    /// Cosine / (π · density): 1 where directions are drawn by the cosine alone.
+    /// Cosine / (π · density): 1 where directions are sampled by the cosine alone.
     cosine_share: f32,
 }
 
-/// A direction in which a surface may have received what it reflects.
+/// Samples a direction from which a surface may have received the light that it reflects.
 fn scatter(vertex: PathVertex, leaving: vec3<f32>, index: u32, direction_seed: u32, lobe_seed: u32) -> Scattered {
     let square = sobol2_of(index, direction_seed);
     let tangents = frame_from_normal(vertex.normal);
@@ -237,7 +238,7 @@ fn scatter(vertex: PathVertex, leaving: vec3<f32>, index: u32, direction_seed: u
     let diffuse = luminance(vertex.surface.albedo);
     let specular = luminance(vertex.surface.specular);
     let toward = leaving * tangents;
-    // Each surface takes both kinds of directions in proportion to what they reflect at normal incidence.
+    // Each surface samples both lobes in proportion to their reflectance at normal incidence.
     let share = select(0.0, specular / (diffuse + specular), specular > 0.0);
     let alpha = max(vertex.surface.roughness * vertex.surface.roughness, 1e-3);
     if sobol2_of(index, lobe_seed).x < share {
@@ -256,7 +257,7 @@ fn scatter(vertex: PathVertex, leaving: vec3<f32>, index: u32, direction_seed: u
 }
 
 #if GLOSSY
-/// A normal of a GGX surface among those that are seen from a direction (Dupuy & Benyoub 2023). Local frame, unit.
+/// A microfacet normal of GGX, among those that are visible from a direction (Dupuy & Benyoub 2023). Local frame, unit.
 fn visible_normal(toward: vec3<f32>, alpha: f32, square: vec2<f32>) -> vec3<f32> {
     let stretched = normalize(vec3(toward.xy * alpha, max(toward.z, 1e-3)));
     let angle = 2.0 * PI * square.x;

@@ -1,8 +1,8 @@
-// Visibility by an atlas of paraboloid maps of the distance, filtered after the depth test: the mean of taps × taps
-// lookups a texel apart, each of them bilinear. [Reeves, Salesin & Cook 1987]
+// Visibility by an atlas of paraboloid distance maps, filtered after the depth test: the mean of taps × taps lookups
+// one texel apart, each of them bilinear. [Reeves, Salesin & Cook 1987]
 //
-// Neighbouring taps share texels, so (taps + 1)² are loaded. The window is cut at its edges: where the receiver moves,
-// what it sees of a light changes without steps.
+// Neighbouring taps share texels, so (taps + 1)² are loaded. Texels at the edge of the window count in part, so that
+// visibility changes continuously as the receiver moves.
 
 #import "paraboloid.wgsl"
 #import "paraboloid-lookup.wgsl"
@@ -15,7 +15,7 @@ struct VisibilityFacts {
     columns: u32,
     /// Rows of maps in a layer.
     rows: u32,
-    /// Bias of the depth test, in widths of a texel along the receiver's plane.
+    /// Depth bias, in widths of a texel along the receiver's plane.
     depth_bias: f32,
     /// Taps along each side of the window.
     taps: u32,
@@ -24,8 +24,8 @@ struct VisibilityFacts {
 var<uniform> visibility_facts: VisibilityFacts;
 var visibility_atlas: texture_2d_array<f32>;
 
-/// Part of a virtual light that is seen from a point: 0 behind the light's plane. `index` is the light's, `at` [m] and the
-/// unit `normal` are the receiver's.
+/// Share of a virtual light that is visible from a point: 0 behind the light's plane. `index` is the light's, `at` [m]
+/// and the unit `normal` are the receiver's.
 fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let tile = visibility_facts.tile;
     let taps = visibility_facts.taps;
@@ -44,7 +44,7 @@ fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>)
         var row = 0.0;
         var left = 0.0;
         for (var x = 0u; x <= taps; x++) {
-            // Texels beyond the map's edge are those at the edge: another map lies there.
+            // Texels beyond the map's edge are clamped to the edge: another map lies beyond.
             let texel = vec2<u32>(clamp(corner + vec2(f32(x), f32(y)), vec2(0.0), last));
             let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
             let seen = select(0.0, 1.0, lookup.nearest <= stored);

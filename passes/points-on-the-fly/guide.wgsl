@@ -1,4 +1,4 @@
-// The guide: where searches for the triangle of a point begin and end (Chen & Asau 1974).
+// The guide table: where searches for the triangle of a point begin and end (Chen & Asau 1974).
 
 #import "amplification.wgsl"
 #import "dispatch.wgsl"
@@ -6,7 +6,7 @@
 #import "triangle-samples.wgsl"
 
 struct Settings {
-    /// Binary logarithm of the entries.
+    /// Binary logarithm of the number of entries.
     guide_bits: u32,
 }
 

@@ -4,11 +4,11 @@
 #import "weights.wgsl"
 
 struct Settings {
-    /// Least level of edges and inside, with the rule `tessellation` (ACRSM Alg. 5.2). Points of small triangles, and so of
-    /// all, rise with it. [default: 5, min: 1, max: 64]
+    /// Least tessellation level of edges and inside, with the rule `tessellation` (ACRSM Alg. 5.2). Larger: more points
+    /// on small triangles, and so on all. [default: 5, min: 1, max: 64]
     min_factor: u32,
-    /// Greatest level of edges and inside, with the rule `tessellation` (ACRSM Alg. 5.2). Points of large triangles rise
-    /// with its square. [default: 64, min: 1, max: 64]
+    /// Greatest tessellation level of edges and inside, with the rule `tessellation` (ACRSM Alg. 5.2). The number of
+    /// points on large triangles rises with its square. [default: 64, min: 1, max: 64]
     max_factor: u32,
 }
 

@@ -1,4 +1,4 @@
-// What the number of a triangle's points hangs on, from the triangles as they are in this frame.
+// The areas and edges on which the number of a triangle's points depends, of the triangles as they are in this frame.
 
 #import "scene.wgsl"
 #import "triangle.wgsl"
@@ -17,7 +17,8 @@ fn measured(index: u32) -> Measured {
     return Measured(normal_and_area(triangle.a, triangle.b).w, edges);
 }
 
-/// The least and the greatest there are, of triangles that have an area. Least above greatest: none has.
+/// The least and greatest values over all triangles that have an area. If the least is above the greatest, there are
+/// none.
 struct Bounds {
     /// [m²]
     areas: vec2<f32>,

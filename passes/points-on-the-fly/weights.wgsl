@@ -1,10 +1,10 @@
-// The weight of a triangle, which its share of the points is proportional to.
+// The weight of a triangle, to which its share of the points is proportional.
 //
-// The uniform `settings` of who imports this has the members min_factor and max_factor.
+// The uniform `settings` of a file that imports this one has the members min_factor and max_factor.
 //
 // DEVIATION(no-tessellator): WebGPU has none; each thread finds its triangle by binary search.
 
-/// Weights are the points of a tessellator (ACRSM Eq. 5.3-5.4); else areas.
+/// Weights are the numbers of points of a tessellator (ACRSM Eq. 5.3-5.4); otherwise areas.
 #option TESSELLATION false
 
 #import "triangles.wgsl"
@@ -12,7 +12,7 @@
 #if TESSELLATION
 var<storage, read> bounds: Bounds;
 
-/// Where between two bounds, smoothed; 1 where they are one: what is as large as the largest is large.
+/// The level of a value between two bounds, smoothed. If the bounds are equal, it is the greatest level.
 fn level(bounds: vec2<f32>, value: f32) -> u32 {
     var smoothed = 1.0;
     if bounds.y > bounds.x {
@@ -22,8 +22,8 @@ fn level(bounds: vec2<f32>, value: f32) -> u32 {
     return max(u32(ceil(smoothed * f32(settings.max_factor))), settings.min_factor);
 }
 
-/// Vertices of a triangle at these levels of its edges and inside, each a point in OpenGL's point mode with equal
-/// spacing: those along the edges, and rings of two segments fewer each, down to a triangle or a point.
+/// Number of vertices of a triangle with these levels of its edges and inside, one point each in OpenGL's point mode
+/// with equal spacing: those along the edges, and rings with two segments fewer each, down to a triangle or a point.
 fn tessellated_points(edges: vec3<u32>, inside: u32) -> u32 {
     let around = edges.x + edges.y + edges.z;
     if inside == 1u && around == 3u {

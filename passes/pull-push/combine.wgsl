@@ -2,7 +2,7 @@
 
 #import "paraboloid.wgsl"
 
-/// Pull: the mean of those of four texels that are no holes, where they are close to each other; else NOTHING.
+/// Pull: the mean of those of four texels that are not holes, if they are close to each other; otherwise NOTHING.
 fn pulled(values: vec4<f32>, threshold: f32) -> f32 {
     let valid = values < vec4(NOTHING);
     let kept = select(vec4(0.0), values, valid);
@@ -12,11 +12,11 @@ fn pulled(values: vec4<f32>, threshold: f32) -> f32 {
     return select(NOTHING, mean, any(valid) && farthest - nearest <= threshold);
 }
 
-/// Push: a hole, and a value far from what the coarser level says there, give way to it. That is interpolated
-/// bilinearly between those of the four nearest coarse texels that are close to the parent, which is the first. Where
-/// the parent is a hole, between the others, if they are close to each other.
+/// Push: a hole, and a value far from that of the coarser level, are replaced by the latter. It is interpolated
+/// bilinearly between those of the four nearest coarse texels that are close to the parent, which is the first. If the
+/// parent is a hole, it is interpolated between the others, if these are close to each other.
 fn pushed(own: f32, coarse: vec4<f32>, threshold: f32) -> f32 {
-    // The values to combine are of the coarser level, and so is the threshold.
+    // The values to combine belong to the coarser level, and so does the threshold.
     let apart = 2.0 * threshold;
     let kept = select(vec4(0.0), coarse, coarse < vec4(NOTHING));
     let nearest = min(min(coarse.y, coarse.z), coarse.w);

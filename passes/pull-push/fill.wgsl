@@ -1,5 +1,5 @@
-// Push to the finest level: the maps, filled, laid out as an atlas. Drawn, not dispatched: rasterisers write images
-// faster than storage textures are written, several times so on a CPU. [ISM §3.2]
+// Push to the finest level: the filled maps, laid out as an atlas. It is a draw and not a dispatch: rasterisers write
+// images faster than storage textures are written, several times so on a CPU. [ISM §3.2]
 
 #option PYRAMID true // whether there is a level above the maps
 
@@ -26,15 +26,15 @@ var<storage, read> level_1: array<f32>;
 struct Tile {
     @builtin(position) position: vec4<f32>,
     @location(0) @interpolate(flat) map: u32,
-    /// Its first texel.
+    /// First texel of the map.
     @location(1) @interpolate(flat) origin: vec2<u32>,
 }
 
-/// Two triangles a map of the layer.
+/// Two triangles per map of the layer.
 @vertex
 fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Tile {
     let map = settings.first_map + instance;
-    // Bit v of each: the coordinate of vertex v, in two triangles that share a diagonal.
+    // Bit v of each constant is the coordinate of vertex v, in two triangles that share a diagonal.
     let corner = (vec2(0x32u, 0x2cu) >> vec2(vertex)) & vec2(1u);
     let tile = settings.visibility_tile;
     let origin = tile_origin(map, settings.visibility_columns, settings.visibility_rows, tile).xy;

@@ -6,16 +6,17 @@
 #import "scene.wgsl"
 
 struct Settings {
-    /// Sides of a map at the two levels [px].
+    /// Side of a map at the two levels [px].
     fine_side: u32,
     coarse_side: u32,
-    /// Where the levels begin in the pyramid.
+    /// Offsets of the levels in the pyramid.
     fine_begin: u32,
     coarse_begin: u32,
     /// 2^l of the finer level.
     scale: f32,
-    /// Distances are averaged where they differ by less than this fraction of the scene's extent, doubled with each level;
-    /// else the coarser texel is a hole. More closes holes at silhouettes and mixes surfaces. [default: 0.05, min: 0.0]
+    /// Distances are averaged if they differ by less than this fraction of the scene's extent, doubled with each level;
+    /// otherwise the coarser texel is a hole. Larger: holes close at silhouettes, but surfaces mix.
+    /// [default: 0.05, min: 0.0]
     pull_threshold: f32,
 }
 
@@ -35,7 +36,7 @@ fn fine(map: u32, texel: vec2<u32>) -> f32 {
     return select(NOTHING, value, all(texel < vec2(side)));
 }
 
-/// One thread a coarse texel; z is the map.
+/// One thread per coarse texel; z is the map.
 @compute @workgroup_size(8, 8)
 fn pull(@builtin(global_invocation_id) id: vec3<u32>) {
     let side = settings.coarse_side;

@@ -4,16 +4,16 @@
 #import "scene.wgsl"
 
 struct Settings {
-    /// Sides of a map at the two levels [px].
+    /// Side of a map at the two levels [px].
     fine_side: u32,
     coarse_side: u32,
-    /// Where the levels begin in the pyramid.
+    /// Offsets of the levels in the pyramid.
     fine_begin: u32,
     coarse_begin: u32,
     /// 2^l of the finer level.
     scale: f32,
     /// Distances that differ from the coarser level by more than this fraction of the scene's extent, doubled with each
-    /// level, are replaced. Less closes more leaks and thickens thin occluders. [default: 0.05, min: 0.0]
+    /// level, are replaced. Smaller: more leaks close, but thin occluders thicken. [default: 0.05, min: 0.0]
     push_threshold: f32,
 }
 
@@ -26,7 +26,7 @@ fn coarse(map: u32, x: u32, y: u32) -> f32 {
     return select(NOTHING, value, max(x, y) < side);
 }
 
-/// One thread a fine texel; z is the map.
+/// One thread per fine texel; z is the map.
 @compute @workgroup_size(8, 8)
 fn push(@builtin(global_invocation_id) id: vec3<u32>) {
     let side = settings.fine_side;

@@ -1,4 +1,4 @@
-// The flux [W] that each texel's part of the surface reflects: albedo × what the light sends into the texel.
+// The flux [W] that the surface in each texel reflects: albedo × the flux that the light sends into the texel.
 
 #import "lights.wgsl"
 
@@ -18,7 +18,7 @@ fn flux(@builtin(global_invocation_id) id: vec3<u32>) {
     textureStore(rsm_flux, id.xy, id.z, vec4(reflected, 0.0));
 }
 
-/// What the light sends through a texel [W].
+/// Flux that the light sends through a texel [W].
 fn incident_flux(texel: vec3<u32>) -> vec3<f32> {
     let layer = scene_light_layers[texel.z];
     let light = scene_lights.lights[layer.light];
@@ -39,8 +39,8 @@ fn corner(at: vec2<u32>, half_extent: vec2<f32>) -> vec2<f32> {
     return (vec2<f32>(at) / vec2<f32>(textureDimensions(rsm_position)) * 2.0 - 1.0) * vec2(1.0, -1.0) * half_extent;
 }
 
-/// Solid angle [sr] of a rectangle on the plane at distance 1, given two opposite corners: that of its two
-/// triangles. Exact for any rectangle, so the texels of six faces make 4π for maps of any size.
+/// Solid angle [sr] of a rectangle on the plane at distance 1, given two opposite corners: the sum of its two
+/// triangles. Exact for any rectangle, so the texels of six faces sum to 4π for maps of any size.
 fn solid_angle(low: vec2<f32>, high: vec2<f32>) -> f32 {
     let a = vec3(low, 1.0);
     let b = vec3(high.x, low.y, 1.0);
@@ -57,7 +57,7 @@ fn triangle_solid_angle(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, volume: f32) -
     let lb = length(b);
     let lc = length(c);
     let t = volume / (la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-    // Built-in arc tangents are off by some 1e-6, which is much for the texel of a large map: there, a series.
+    // Built-in arc tangents have errors of about 1e-6, too much for the texel of a large map: there, a series is used.
     if t < 0.03125 {
         return 2.0 * t * (1.0 - t * t * (1.0 / 3.0 - t * t * 0.2));
     }

@@ -4,7 +4,7 @@
 #import "surface.wgsl"
 
 struct Settings {
-    /// The layer drawn.
+    /// The layer that is rendered.
     layer: u32,
 }
 

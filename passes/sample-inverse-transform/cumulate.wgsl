@@ -1,7 +1,7 @@
-// Cumulative sums of TCAS §4.2, one workgroup a segment: first along the rows of all importance maps, then
-// along the last column of each map, then over the maps.
+// Cumulative sums of TCAS §4.2, one workgroup per segment: first along the rows of all importance maps, then along the
+// last column of each map, then over the maps.
 
-/// Segments are the rows of the importance map; else runs of `parts`.
+/// Segments are the rows of the importance map; otherwise runs of `parts`.
 #option ROWS false
 
 #import "algorithms/segmented-scan.wgsl"

@@ -1,4 +1,4 @@
-// Virtual lights drawn with probability proportional to the importance map by the inverse transform method:
+// Virtual lights sampled with probability proportional to the importance map by the inverse transform method:
 // TCAS §4.2, Fig. 2.
 
 #import "dispatch.wgsl"
@@ -7,7 +7,7 @@
 
 struct Settings {
     count: u32,
-    /// Random numbers a light. 3: layer, row and column have one each. 2: the number that picks the layer is
+    /// Random numbers per light. 3: layer, row and column have one each. 2: the number that picks the layer is
     /// renormalised and picks the row too (Shirley & Wang 1991); flicker between frames is higher (TCAS Fig. 8).
     /// [default: 3, one_of: [3, 2]]
     dimensions: u32,
@@ -41,14 +41,14 @@ fn cumulated(stage: u32, layer: u32, row: u32, i: u32) -> f32 {
 struct Choice {
     index: u32,
     probability: f32,
-    /// Where in the chosen interval the number fell, in [0, 1): as even as the number was (Shirley & Wang 1991).
+    /// Position of the number in the chosen interval, in [0, 1): as uniform as the number was (Shirley & Wang 1991).
     rest: f32,
 }
 
 /// The first of `count` entries whose sum exceeds number · total; total must not be 0.
 ///
-/// The probability is the width of the interval that the search looks at, not weight / total: the estimator
-/// then has no bias from the rounding of the sums, however they were made.
+/// The probability is the width of the interval that the search sees, not weight / total: so the estimator has no bias
+/// from the rounding of the sums, whichever way they were computed.
 fn choose(stage: u32, layer: u32, row: u32, count: u32, number: f32) -> Choice {
     let total = cumulated(stage, layer, row, count - 1u);
     // number · total can round up to total; below it, the last entry with a weight is found.
@@ -68,8 +68,8 @@ fn choose(stage: u32, layer: u32, row: u32, count: u32, number: f32) -> Choice {
         before = cumulated(stage, layer, row, low - 1u);
     }
     let width = cumulated(stage, layer, row, low) - before;
-    // DEVIATION(least-probability): an interval that numbers of 24 bits meet at all is met as often as one of 2^-24:
-    // a weight of 1e-30 at the start of a row would else give a light 1e30 times too bright.
+    // DEVIATION(least-probability): an interval that 24-bit numbers can hit at all is hit as often as one of 2^-24:
+    // otherwise a weight of 1e-30 at the start of a row would give a light 1e30 times too bright.
     let probability = max(width / total, 1.0 / 16777216.0);
     return Choice(low, probability, clamp((sought - before) / width, 0.0, 0.99999994));
 }

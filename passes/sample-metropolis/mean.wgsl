@@ -1,5 +1,5 @@
-// The sum of f over the proposals of all chains, for the weights `none`: these are the first N M elements of the
-// sequence, whichever chain has which. A sum over proposals, not over the map.
+// The sum of f over the proposals of all chains, for the weights `none`: they are the first N M elements of the
+// sequence, whichever chain has which. The sum is over proposals, not over the map.
 
 #import "algorithms/sum-scaled.wgsl"
 #import "proposal.wgsl"

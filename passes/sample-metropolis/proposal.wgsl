@@ -1,4 +1,4 @@
-// Uniform proposals: the same Halton sequence in every frame, each element a texel and a number to accept it by.
+// Uniform proposals: the same Halton sequence in every frame; each element gives a texel and a number to accept it by.
 
 #import "algorithms/scaled.wgsl"
 #import "random.wgsl"
@@ -20,7 +20,7 @@ fn proposal(element: u32, seed: u32) -> Proposal {
     return Proposal(texel, weight_of(textureLoad(importance, texel.yz, texel.x, 0).r));
 }
 
-/// In [2^-24, 1]: the ratio of importances from which an element is accepted; base 7, the next of the sequence.
+/// In [2^-24, 1]: the ratio of importances from which on an element is accepted; base 7, the next of the sequence.
 fn threshold(element: u32, seed: u32) -> f32 {
     var number = radical_inverse(7u, element);
     if seed != 0u {
@@ -29,7 +29,7 @@ fn threshold(element: u32, seed: u32) -> f32 {
     return 1.0 - min(number, 0.99999994);
 }
 
-/// Where `place` goes in a permutation of 2^bits that the key picks: each operation can be undone.
+/// Position of `place` in a permutation of 2^bits elements that the key selects: each operation is invertible.
 fn shuffled_in(place: u32, bits: u32, key: u32) -> u32 {
     var shuffled = place;
     var state = key;
@@ -41,8 +41,9 @@ fn shuffled_in(place: u32, bits: u32, key: u32) -> u32 {
     return shuffled;
 }
 
-/// Where `place` goes in a permutation of `count`: one of the next power of two, repeated until the result is below
-/// `count`; as `place` is, it comes to an end (cycle walking, Black & Rogaway 2002).
+/// Position of `place` in a permutation of `count` elements: a permutation of the next power of two is repeated until
+/// the result is below `count`, which always ends, since `place` itself is below it (cycle walking, Black & Rogaway
+/// 2002).
 fn shuffled(place: u32, count: u32, key: u32) -> u32 {
     let bits = 32u - countLeadingZeros(count - 1u);
     var shuffled = shuffled_in(place, bits, key);

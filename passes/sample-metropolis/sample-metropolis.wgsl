@@ -1,4 +1,5 @@
-// Virtual lights by independent Metropolis-Hastings, a chain a light and a thread a chain: TCAS §4.3, Algorithm 1.
+// Virtual lights by independent Metropolis-Hastings chains, one light per chain and one thread each: TCAS §4.3,
+// Algorithm 1.
 
 #option WEIGHTS local-mean one_of [local-mean, single, none] // what normalises f
 
@@ -14,12 +15,12 @@ struct Settings {
 
 var<uniform> settings: Settings;
 #if WEIGHTS == none
-/// Of f over the proposals of all chains.
+/// The sum of f over the proposals of all chains.
 var<storage, read> sum: Scaled;
 #endif
 var<storage, read_write> lights: VirtualLights;
 
-/// The greatest w / f: numbers of 24 bits do not accept a fall of f by more.
+/// The greatest w / f: with 24-bit numbers, no chain accepts a step that lowers f by a larger factor.
 const GREATEST_RATIO: f32 = 16777216.0;
 
 /// Element of the sequence that is proposed to a chain at a step: step k has elements k N + 1 to k N + N.
@@ -33,12 +34,12 @@ fn element(chain: u32, step: u32) -> u32 {
     return step * settings.count + place + 1u;
 }
 
-/// w / f of Eq. 3, where w = whole / parts: neither need be in the range of f32 for the other's unit.
+/// w / f of Eq. 3, where w = whole / parts: neither need be in the range of f32 in the other's unit.
 fn ratio(whole: Scaled, parts: f32, importance: f32) -> f32 {
     let f = Scaled(importance, 0);
     let unit = max(magnitude(whole), magnitude(f));
     let w = in_units(whole, unit) / parts;
-    // A chain that met nothing gives no light. It is not 0 / 0.
+    // A chain that met no importance gives no light, rather than 0 / 0.
     if importance == 0.0 || w == 0.0 {
         return 0.0;
     }
@@ -73,7 +74,7 @@ fn sample(
 #if WEIGHTS == local-mean
         whole = add_scaled(whole, Scaled(next.importance, 0));
 #endif
-        // f(new) / f(current) ≥ threshold without the quotient: from f = 0 whatever is positive is accepted.
+        // f(new) / f(current) ≥ threshold without the quotient: from f = 0, any positive f is accepted.
         let least = threshold(element, settings.seed) * current.importance;
         if next.importance > 0.0 && next.importance >= least {
             current = next;

@@ -1,4 +1,4 @@
-// Virtual lights drawn uniformly over all texels of all layers, by the same Halton sequence in every frame:
+// Virtual lights sampled uniformly over all texels of all layers, with the same Halton sequence in every frame:
 // the uniform sampling of TCAS §6.2.
 
 #import "dispatch.wgsl"

@@ -1,6 +1,6 @@
-// Samples of the scene's surfaces, evenly by area (ISM §3.1): one thread a point.
+// Samples the surfaces of the scene uniformly by area (ISM §3.1), with one thread per point.
 //
-// DEVIATION(sequence): the paper picks triangles and places at random.
+// DEVIATION(sequence): the paper picks triangles and positions at random.
 
 #import "dispatch.wgsl"
 #import "points.wgsl"
@@ -47,7 +47,8 @@ fn place(
     let width = max(scene_area_table[triangle + 1u] - start, 1u);
     let square = vec2(min(f32(first - start) / f32(width), 1.0), unit_float(second));
 
-    // Rounded as they are stored, and the position made from that: who reads the point finds the same place.
+    // Rounded as it is stored; the position is computed from the rounded value, so that readers of the point get the
+    // same position.
     let rounded = vec2<u32>(triangle_from_square(square) * 65535.0 + 0.5);
     let barycentric = vec2(min(rounded.x, 65535u), min(rounded.y, 65535u - min(rounded.x, 65535u)));
     let edges = triangle_of_scene(triangle);

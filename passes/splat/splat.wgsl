@@ -1,7 +1,7 @@
-// Splats points of the scene into hemispherical depth maps, one a virtual light: imperfect shadow maps before
-// their holes are filled. [ISM §3.2]
+// Splats points of the scene into hemispherical depth maps, one per virtual light: imperfect shadow maps before their
+// holes are filled. [ISM §3.2]
 //
-// depth: [count × tile × tile] u32, map after map and in each row by row, the bits of the distance [m]. Distances are not
+// depth: [count × tile × tile] u32, map after map, each row by row: the bits of the distance [m]. Distances are not
 // negative, so their bits are in the order of their values and an integer minimum keeps the nearest.
 
 #option KERNEL box one_of [box, surfel] // the paper's one distance a splat, or that of the point's tangent plane
@@ -17,14 +17,14 @@
 struct Settings {
     depth_count: u32,
     depth_tile: u32,
-    /// Factor on the side of a splat. Holes close and shadows thicken with it. [default: 1.0, min: 0.0, max: 16.0]
+    /// Factor on the side of a splat. Larger: fewer holes, but thicker shadows. [default: 1.0, min: 0.0, max: 16.0]
     splat_scale: f32,
-    /// Greatest side of a splat: a bound on the time that points near a light take. Holes near the light close with it.
+    /// Greatest side of a splat, which bounds the time of points near a light. Larger: fewer holes near the light.
     /// [default: 8.0, min: 1.0, max: 512.0, unit: "px"]
     max_splat: f32,
     /// Splats of all maps that were requested.
     wanted: u32,
-    /// Samples of all maps, where their number is filled up to whole blocks.
+    /// Samples of all maps, where their number is padded to whole blocks.
     threads: u32,
     @align(16) samples: SamplesWanted,
 }
@@ -32,11 +32,11 @@ struct Settings {
 var<uniform> settings: Settings;
 var<storage, read> lights: VirtualLights;
 var<storage, read_write> depth: array<atomic<u32>>;
-/// The same buffer, as whole vectors.
+/// The same buffer, as vectors of four texels.
 var<storage, read_write> cleared: array<vec4<u32>>;
 var<storage, read_write> counters: Counters;
 
-/// Four texels a thread: nothing fell, +∞. One of them keeps count.
+/// Four texels per thread are set to +∞, that is, empty. One thread writes the counters.
 @compute @workgroup_size(64)
 fn clear(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -54,7 +54,7 @@ fn clear(
     }
 }
 
-/// One thread a splat.
+/// One thread per splat.
 @compute @workgroup_size(64)
 fn splat(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -95,11 +95,11 @@ fn splat(
     let height = dot(normal, local);
     let reach = sqrt(point.area) * settings.splat_scale;
 #endif
-    // One loop, not two: neighbouring threads with splats of different sizes wait less for each other.
+    // One loop instead of two: neighbouring threads with splats of different sizes wait less for each other.
     var at = vec2(0u);
     for (var i = 0u; i < size.x * size.y; i++) {
 #if KERNEL == surfel
-        // Where the texel's ray meets the tangent plane, held within the splat's own reach for rays that graze it.
+        // Where the texel's ray meets the tangent plane, limited to the extent of the splat for rays at grazing angles.
         let along = dot(normal, direction_from_paraboloid(texel_centre(low + at, tile)));
         let hit = select(distance, height / along, along * height > 0.0);
         let stored = clamp(hit, max(distance - reach, 0.0), distance + reach);

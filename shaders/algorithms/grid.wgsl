@@ -36,7 +36,7 @@ fn grid_make_keys(
     grid_keys[i] = cell;
 }
 
-/// Finds where each cell begins, a thread a cell.
+/// Finds where each cell begins, one thread per cell.
 @compute @workgroup_size(GROUP_SIZE)
 fn grid_find_starts(
     @builtin(workgroup_id) id: vec3<u32>,

@@ -86,7 +86,7 @@ fn scan_offsets(@builtin(local_invocation_index) thread: u32) {
     }
 }
 
-/// Puts both together, a thread an element.
+/// Combines both, one thread per element.
 @compute @workgroup_size(GROUP_SIZE)
 fn scan_place(
     @builtin(workgroup_id) id: vec3<u32>,

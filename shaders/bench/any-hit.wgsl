@@ -1,4 +1,4 @@
-// Whether each ray hits anything, a thread a ray: 2 where it does, 1 where not, and 0 where there is no ray.
+// Whether each ray hits anything, one thread per ray: 2 if it does, 1 if not, and 0 if there is no ray.
 
 #import "dispatch.wgsl"
 #import "ray-tracing.wgsl"

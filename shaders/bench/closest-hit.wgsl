@@ -1,4 +1,4 @@
-// The closest hit of each ray, a thread a ray. Where there is no ray, all stays zero.
+// The closest hit of each ray, one thread per ray. If there is no ray, the result stays zero.
 
 #import "dispatch.wgsl"
 #import "ray-tracing.wgsl"

@@ -1,4 +1,4 @@
-//! The executor: what it holds, and what a application reads and writes between frames.
+//! The executor: the objects that it holds, and what an application reads and writes between frames.
 
 mod frame;
 mod load;
@@ -19,41 +19,42 @@ use pass::{LinkedStep, LinkedSteps};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// How frames run.
+/// Options of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameOptions {
-    /// Time each pass on the GPU, and wait for the times.
+    /// Time each pass on the GPU, and wait for the results.
     pub timed: bool,
-    /// Time each pass on the GPU without waiting: [`Executor::timings`] has the times some frames later. Passes that are
-    /// timed in either way do not overlap on the GPU.
+    /// Time each pass on the GPU without waiting: [`Executor::timings`] returns the times some frames later.
+    /// Timed passes do not overlap on the GPU, with either option.
     pub monitored: bool,
-    /// Fill what a pass writes with NaN before it runs: pictures must not change.
+    /// Fill the resources that a pass writes with NaN before it runs: pictures must not change.
     pub poison: bool,
 }
 
-/// What loading a plan did.
+/// The result of loading a plan.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LoadReport {
     /// Passes whose steps are new or changed.
     pub changed: Vec<PassId>,
-    /// Pipelines that had to be made.
+    /// Number of pipelines that had to be created.
     pub pipelines: usize,
-    /// Whether the plan has the structure of the one before, so that all objects and histories were kept.
+    /// Whether the plan has the structure of the one before, so that all objects and history buffers were
+    /// kept.
     pub kept: bool,
-    /// Histories that go on.
+    /// Number of history buffers that were kept.
     pub histories: usize,
-    /// Steps whose bindings have to be made again.
+    /// Number of steps whose bind groups must be created again.
     pub steps: usize,
 }
 
-/// What a frame did.
+/// The result of a frame.
 #[derive(Clone, Debug, Default)]
 pub struct FrameReport {
     /// Number of the frame, from 0 for the executor's first.
     pub frame: u64,
-    /// One entry a pass: did it run?
+    /// For each pass, whether it ran.
     pub ran: Vec<bool>,
-    /// Milliseconds on the GPU, one entry a pass; 0 for those that did not run. Empty where not timed.
+    /// Milliseconds on the GPU for each pass; 0 for those that did not run. Empty if the frame was not timed.
     pub times: Vec<f64>,
 }
 
@@ -67,9 +68,9 @@ pub struct Executor {
     scene_indices: u32,
     seed: u32,
     loaded: Option<Loaded>,
-    /// What the next frame is to be told: of plans that were loaded, and of another seed.
+    /// Changes for the next frame: from plans that were loaded, and from another seed.
     pending: Change,
-    /// What the last frame did.
+    /// The result of the last frame.
     report: FrameReport,
     /// The number of the next frame.
     frames: u64,
@@ -79,10 +80,10 @@ pub struct Executor {
 struct Loaded {
     plan: Arc<Plan>,
     objects: Vec<(ObjectUsage, Object)>,
-    /// One entry a pass.
+    /// The steps of each pass.
     steps: Vec<Vec<LoadedStep>>,
-    /// For each pass, whether something is cleared or copied before its steps: apart from the plan, so that a frame of
-    /// many dispatches reads little memory.
+    /// For each pass, whether something is cleared or copied before its steps. It is stored apart from the
+    /// plan, so that a frame of many dispatches reads little memory.
     prepares: Vec<bool>,
     uniforms: Option<Uniforms>,
     state: FrameState,
@@ -113,17 +114,17 @@ impl Executor {
         &self.gpu
     }
 
-    /// Returns the plan that is loaded.
+    /// Returns the loaded plan.
     pub fn plan(&self) -> Option<&Arc<Plan>> {
         self.loaded.as_ref().map(|loaded| &loaded.plan)
     }
 
-    /// Returns the bytes of all objects that the executor holds.
+    /// Returns the size of all objects that the executor holds, in bytes.
     pub fn held_bytes(&self) -> u64 {
         self.pool.held
     }
 
-    /// Returns the most bytes of objects that the executor has held at once.
+    /// Returns the greatest size of all objects that the executor has held at once, in bytes.
     pub fn most_held_bytes(&self) -> u64 {
         self.pool.most_held
     }
@@ -136,12 +137,12 @@ impl Executor {
         }
     }
 
-    /// Sets how many indices a draw of the scene has.
+    /// Sets the number of indices of a draw of the scene.
     pub fn set_scene_indices(&mut self, count: u32) {
         self.scene_indices = count;
     }
 
-    /// Sets the run's seed; passes run again where it is another.
+    /// Sets the run's seed; if it changes, passes run again.
     pub fn set_seed(&mut self, seed: u32) {
         if self.seed != seed {
             self.seed = seed;
@@ -164,11 +165,11 @@ impl Executor {
         Ok(())
     }
 
-    /// Returns the bytes of a resource as the last frame left it: rows and layers without padding. Resources that share
-    /// their object may have been overwritten; outputs of the pipeline never are.
+    /// Returns the bytes of a resource after the last frame, with rows and layers without padding. Resources
+    /// that share their object may have been overwritten; outputs of the pipeline never are.
     ///
     /// # Errors
-    /// Where there is no such resource, or the device is gone.
+    /// Fails if there is no such resource, or the device is lost.
     pub fn read(&self, resource: ResourceId) -> Result<Vec<u8>, ExecutorError> {
         let found = self.loaded.as_ref().and_then(|loaded| loaded.plan.resources.get(resource.0 as usize));
         let (Some(planned), Some(object)) = (found, self.object(resource)) else {
@@ -190,8 +191,9 @@ impl Executor {
         Some(&loaded.objects[allocation.0 as usize].1)
     }
 
-    /// Writes a resource's bytes, as a test or an application that feeds a pass does: of a resource whose past is read,
-    /// both copies. The resource must not be written by the steps of a pass.
+    /// Writes the bytes of a resource, for a test or an application that provides data to a pass. For a
+    /// resource with a history buffer, both copies are written. The resource must not be written by the steps
+    /// of a pass.
     pub fn write(&self, resource: ResourceId, bytes: &[u8]) {
         let Some(loaded) = &self.loaded else { return };
         let planned = &loaded.plan.resources[resource.0 as usize];
@@ -220,7 +222,7 @@ fn write(gpu: &Gpu, object: &Object, desc: &ResourceDesc, bytes: &[u8]) {
     }
 }
 
-/// What every object is used for, from the steps and clears of the plan.
+/// Returns the usage of every object, from the steps and clears of the plan.
 fn allocation_usages<'s>(plan: &Plan, steps: impl Iterator<Item = &'s LinkedStep>) -> Vec<ObjectUsage> {
     let mut usages = vec![ObjectUsage::default(); plan.allocations.len()];
     let mut add = |id: ResourceId, usage: ObjectUsage| {
@@ -244,7 +246,7 @@ fn allocation_usages<'s>(plan: &Plan, steps: impl Iterator<Item = &'s LinkedStep
         if resource.constant.is_some() || resource.history.is_some() {
             add(ResourceId(index as u32), attachment);
         }
-        // Filled by tests, by applications, and with poison; depth formats cannot be copied to.
+        // Tests, applications and poisoning write into it; depth formats cannot be copied to.
         if resource.desc.texture().is_some_and(|texture| texture.format != frame_graph::Format::Depth32Float)
         {
             add(ResourceId(index as u32), ObjectUsage { filled: true, ..ObjectUsage::default() });

@@ -11,25 +11,25 @@ use shader_library::GlobalKind;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A linked step with its pipeline, bind groups and places in the uniform buffer.
+/// A linked step with its pipeline, its bind groups and its place in the uniform buffer.
 #[derive(Debug)]
 pub(crate) struct LoadedStep {
     label: String,
-    /// Apart, so that what a dispatch needs lies close together.
+    /// Behind a pointer, so that what a dispatch needs lies close together.
     linked: Arc<LinkedStep>,
     pipeline: Arc<Pipeline>,
     workgroups: Workgroups,
     /// Offset of each uniform.
     uniforms: Vec<u64>,
-    /// What is bound to resources with a history: their objects change places.
+    /// The sources that are bound to resources with a history buffer: their objects alternate.
     alternating: Vec<Source>,
     /// Bind groups by the objects of `alternating`.
     groups: Vec<(Vec<AllocationId>, wgpu::BindGroup)>,
-    /// The bind group used last.
+    /// The bind group that was used last.
     bound: Option<wgpu::BindGroup>,
 }
 
-/// How many workgroups a dispatch has.
+/// The size of a dispatch, in workgroups.
 #[derive(Clone, Copy, Debug)]
 enum Workgroups {
     Known([u32; 3]),
@@ -37,7 +37,7 @@ enum Workgroups {
     Indirect(u64),
 }
 
-/// What encoding a step needs to know.
+/// The values that encoding a step needs.
 #[derive(Clone, Copy)]
 pub(crate) struct StepContext<'a> {
     pub(crate) gpu: &'a Gpu,
@@ -47,17 +47,17 @@ pub(crate) struct StepContext<'a> {
     pub(crate) objects: FrameObjects<'a>,
 }
 
-/// Where a frame is timed: the queries, and for the last step of a pass the one that it writes at its end.
+/// The queries of a timed frame, and for the last step of a pass the query that it writes at its end.
 pub(crate) type StepQueries<'a> = Option<(&'a wgpu::QuerySet, Option<u32>)>;
 
-/// A compute pass that further dispatches can join.
+/// A compute pass that later dispatches can join.
 pub(crate) struct OpenPass {
     pass: wgpu::ComputePass<'static>,
-    /// The pipeline that is set, to set none twice.
+    /// The current pipeline, so that it is not set twice.
     pipeline: Option<Arc<Pipeline>>,
 }
 
-/// A dispatch as an executor encoded it.
+/// A dispatch that an executor has encoded.
 #[derive(Clone, Copy, Debug)]
 pub struct Dispatch<'a> {
     /// The pipeline.
@@ -68,11 +68,11 @@ pub struct Dispatch<'a> {
     pub workgroups: [u32; 3],
 }
 
-/// More colour attachments no pipeline has: wgpu allows as many on every adapter.
+/// The greatest number of colour attachments: wgpu allows this many on every adapter.
 const MAX_COLOR_ATTACHMENTS: usize = 8;
 
 impl LoadedStep {
-    /// Makes the pipeline; the flag says whether it was not there before.
+    /// Creates the step with its pipeline; the flag returns whether the pipeline is new.
     pub(crate) fn new(
         gpu: &Gpu,
         pipelines: &mut Pipelines,
@@ -117,7 +117,8 @@ impl LoadedStep {
         self.linked.shader.hash
     }
 
-    /// Whether both do the same with the same resources' names; values of the uniforms included.
+    /// Returns whether both do the same work with resources of the same names, including the values of
+    /// uniforms.
     pub(crate) fn same_work(&self, other: &LoadedStep) -> bool {
         self.linked.shader.hash == other.linked.shader.hash
             && self.linked.entries == other.linked.entries
@@ -129,8 +130,8 @@ impl LoadedStep {
                 .map(|fill| &fill.values))
     }
 
-    /// Takes the values of another step, and keeps pipeline and bind groups. Gives the other back where it does not
-    /// bind the same in the same way.
+    /// Takes the values of another step, and keeps pipeline and bind groups. Returns the other step as an
+    /// error if its bindings differ.
     pub(crate) fn take_values(&mut self, new: LoadedStep) -> Result<(), Box<LoadedStep>> {
         let binds = |step: &LinkedStep| {
             step.bindings.iter().map(|bound| (bound.global, bound.source.clone())).collect::<Vec<_>>()
@@ -147,20 +148,20 @@ impl LoadedStep {
         Ok(())
     }
 
-    /// Forgets the bind groups, which hold objects of the plan.
+    /// Drops the bind groups, which hold objects of the plan.
     pub(crate) fn forget_bindings(&mut self) {
         self.groups.clear();
         self.bound = None;
     }
 
-    /// Forgets the bind groups where they hold this scene binding.
+    /// Drops the bind groups if they hold this scene binding.
     pub(crate) fn forget_binding(&mut self, name: &str) {
         if self.linked.scene_bindings().any(|read| read == name) {
             self.forget_bindings();
         }
     }
 
-    /// Reserves places for the uniforms from `offset` on, each aligned; gives the end of the last.
+    /// Reserves aligned places for the uniforms from `offset` on; returns the end of the last.
     pub(crate) fn place_uniforms(&mut self, mut offset: u64, alignment: u64) -> u64 {
         self.uniforms.clear();
         for fill in &self.linked.uniforms {
@@ -171,12 +172,12 @@ impl LoadedStep {
         offset
     }
 
-    /// The uniforms, each with its place in the buffer.
+    /// Returns the uniforms, each with its place in the buffer.
     pub(crate) fn uniforms(&self) -> impl Iterator<Item = (&UniformFill, u64)> {
         self.linked.uniforms.iter().zip(self.uniforms.iter().copied())
     }
 
-    /// Encodes the step. Dispatches that follow each other share one compute pass unless they are timed.
+    /// Encodes the step. Consecutive dispatches share one compute pass unless they are timed.
     pub(crate) fn encode(
         &mut self,
         context: StepContext<'_>,
@@ -230,7 +231,8 @@ impl LoadedStep {
         }
     }
 
-    /// The dispatch as it was encoded last; `None` for draws, for dispatches whose size is on the GPU, and before the first.
+    /// Returns the dispatch that was encoded last; `None` for draws, for sizes on the GPU, and before the
+    /// first.
     pub(crate) fn dispatch(&self) -> Option<Dispatch<'_>> {
         let PipelineKind::Compute(pipeline) = &self.pipeline.kind else { return None };
         let bind_group = self.bound.as_ref()?;
@@ -238,7 +240,7 @@ impl LoadedStep {
         Some(Dispatch { pipeline, bind_group, workgroups })
     }
 
-    /// The buffer that holds the size of the dispatch or draw.
+    /// Returns the buffer that holds the size of the dispatch or draw.
     fn indirect_buffer<'a>(&self, context: StepContext<'a>) -> &'a wgpu::Buffer {
         let found = self.linked.indirect.as_ref().and_then(|source| context.objects.of(source));
         match found.map(|id| context.objects.object(id)) {
@@ -260,7 +262,7 @@ impl LoadedStep {
             let Object::Texture { texture, .. } = context.objects.object(id) else { return None };
             Some(views.get(id, layer, texture).clone())
         };
-        // No list on the heap: a frame allocates nothing of its own.
+        // An array instead of a list on the heap, since a frame should not allocate.
         let mut color_views = [const { None }; MAX_COLOR_ATTACHMENTS];
         for ((place, id), target) in color_views.iter_mut().zip(&self.linked.targets).zip(&raster.targets) {
             *place = view(id, target.layer);
@@ -320,7 +322,7 @@ impl LoadedStep {
         }
     }
 
-    /// Finds the bind group for the objects of this frame, and makes it where it is not there.
+    /// Finds the bind group for the objects of this frame, and creates it if it is missing.
     fn find_group(&mut self, context: StepContext<'_>) {
         if self.alternating.is_empty() && self.bound.is_some() {
             return;
@@ -390,7 +392,7 @@ impl LoadedStep {
     }
 }
 
-/// Tells what a step uses each resource of the plan for.
+/// Reports the usage of each resource of the plan by a step.
 pub(crate) fn usages(step: &LinkedStep, plan: &Plan, add: &mut impl FnMut(ResourceId, ObjectUsage)) {
     let attachment = ObjectUsage { attachment: true, ..ObjectUsage::default() };
     step.targets.iter().chain(&step.depth).for_each(|id| add(*id, attachment));
@@ -411,7 +413,7 @@ pub(crate) fn usages(step: &LinkedStep, plan: &Plan, add: &mut impl FnMut(Resour
     }
 }
 
-/// The workgroups of a step, of which there are at most so many in one dimension; none for a draw.
+/// Returns the workgroups of a step, of which one dimension has at most `most`; none for a draw.
 fn workgroups(linked: &LinkedStep, most: u32) -> Workgroups {
     let Step::Compute(compute) = &linked.step else { return Workgroups::Known([0; 3]) };
     let size = linked.shader.interface.entries[linked.entries[0]].workgroup_size;

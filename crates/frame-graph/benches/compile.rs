@@ -15,7 +15,7 @@ use std::sync::Arc;
 const INTERFACES: &[Interface] =
     &[Interface::new("Irradiance", "", &[Member::required("", Content::Texture(Format::Rgba16Float), "")])];
 
-/// Two kinds: one that makes light from nothing, and one that mixes two.
+/// Two pass types: one that makes light from nothing, and one that mixes two.
 struct Two {
     settings: Arc<[Setting]>,
     source: Arc<Ports>,

@@ -18,17 +18,18 @@ use data_file::Name;
 use numbers::Numbers;
 use smallvec::SmallVec;
 
-/// How to compile.
+/// Options of compiling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompileOptions {
-    /// Whether transients share objects.
+    /// Whether transient resources share objects.
     pub sharing: bool,
-    /// The outputs wanted, by name; all where empty. Whatever none of them needs is culled.
+    /// Names of the requested outputs; all if empty. Passes that none of them needs are culled.
     pub outputs: Vec<String>,
-    /// Further resources to keep for reading back, as `pass`, `pass.port`, `pass.member` or `pass.port.member`.
-    /// What makes them is not culled.
+    /// Further resources to keep for readback, as `pass`, `pass.port`, `pass.member` or `pass.port.member`.
+    /// The passes that write them are not culled.
     pub keep: Vec<String>,
-    /// Interfaces of which all is kept that is made anyway: it keeps no pass from being culled.
+    /// Interfaces whose resources are kept if a pass that runs writes them; this keeps no pass from being
+    /// culled.
     pub keep_interfaces: Vec<String>,
 }
 
@@ -56,42 +57,42 @@ pub fn compile(graph: &Graph, options: &CompileOptions) -> Result<Plan, Diagnost
 /// No index.
 const NONE: u32 = u32::MAX;
 
-/// The work of compiling. Resources are numbered by pass, port and member of the graph.
+/// The state of compiling. Resources are numbered by pass, port and member of the graph.
 struct Work<'a> {
     graph: &'a Graph,
     numbers: Numbers,
     resources: Vec<Resource>,
-    /// The passes that are needed, among them those that only a constant is needed of.
+    /// The passes that are needed, including those of which only a constant is needed.
     needed: Vec<bool>,
-    /// Outputs that are wanted, by index.
+    /// Indices of the requested outputs.
     wanted: Vec<u32>,
 }
 
-/// What stands in the plan for the resources of the graph.
+/// Maps the resources of the graph to those of the plan.
 struct Ids {
     /// For each resource, its index in the plan.
     resources: Vec<u32>,
-    /// For each port of a pass that is needed, what its members are in the plan.
+    /// For each port of a needed pass, its members in the plan.
     ports: Vec<PlannedMembers>,
 }
 
-/// What compiling needs to know of a resource.
+/// The properties of a resource that compiling needs.
 #[derive(Clone, Debug)]
 struct Resource {
     bytes: u64,
     /// Whether it outlives its last reader.
     persistent: bool,
-    /// The value of the constant that stands for it, if that is needed.
+    /// The value of the constant that replaces it, if that is needed.
     constant: Option<Clear>,
-    /// Same-frame links that read it, from passes that are needed.
+    /// Number of links of needed passes that read it in the same frame.
     readers: u32,
-    /// The pass that makes it, or that a constant stands in place of.
+    /// The pass that writes it, or that a constant replaces.
     pass: u32,
-    /// Links that read its past, from passes that are needed.
+    /// Number of links of needed passes that read its history buffer.
     past_readers: u32,
-    /// Index of its history.
+    /// Index of its history buffer.
     history: u32,
-    /// Whether anything reads it, now or later.
+    /// Whether anything reads it, in this frame or the next.
     read: bool,
 }
 
@@ -131,7 +132,7 @@ impl<'a> Work<'a> {
         Work { graph, numbers, resources, needed: vec![false; count], wanted: Vec::new() }
     }
 
-    /// Whether a pass makes anything: one that only hands on has no work in any frame.
+    /// Returns whether a pass writes anything: one that only hands on resources has no work in any frame.
     fn makes(&self, pass: u32) -> bool {
         self.numbers.made_by(pass as usize).next().is_some()
     }
@@ -140,10 +141,11 @@ impl<'a> Work<'a> {
         self.needed[pass] && self.graph.passes[pass].off.is_none()
     }
 
-    /// Finds what must outlive its last reader because its producer may be skipped where a reader is not.
+    /// Finds resources that must outlive their last reader, since their producer may be skipped when a reader
+    /// is not.
     fn trace(&mut self, order: &[u32]) {
-        // What makes a pass run again: bits for the scene bindings, then for histories. Two histories
-        // may share a bit; what is then not kept is made again, so it costs time and is never wrong.
+        // What makes a pass run again: bits for the scene bindings, then for history buffers. Two history
+        // buffers may share a bit; then a pass may run once too often, which costs time but is never wrong.
         let mut sources = vec![0u64; self.graph.passes.len()];
         for i in order {
             let graph = self.graph;
@@ -212,7 +214,7 @@ impl<'a> Work<'a> {
         plan
     }
 
-    /// Numbers the resources in the order in which they are made, constants first.
+    /// Numbers the resources in the order in which they are written, constants first.
     fn plan_resources(&self, plan: &mut Plan, order: &[u32]) -> Ids {
         let mut ids = vec![NONE; self.resources.len()];
         let mut name = String::new();
@@ -399,7 +401,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// What a resource that continues an input begins as.
+    /// Returns the initial content of a resource that continues an input.
     fn begins_as(
         &self,
         pass: &GraphPass,
@@ -413,20 +415,20 @@ impl<'a> Work<'a> {
         let made = &self.resources[from];
         Some(match input.past.is_some() {
             false => Begins::Copy(ResourceId(ids[from])),
-            // Its own past, which nobody else needs once it runs.
+            // Its own history buffer, which no other pass reads.
             true if from == r && made.past_readers == 1 => Begins::InPlace(HistoryId(made.history)),
             true => Begins::CopyOfPast(HistoryId(made.history)),
         })
     }
 
-    /// What became of every pass, and why.
+    /// Returns whether each pass runs, and why.
     fn fates(&self, position: &[u32]) -> Vec<(Name, Fate)> {
         let passes = &self.graph.passes;
         let mut readers: Vec<Vec<Name>> = vec![Vec::new(); passes.len()];
         for (i, pass) in passes.iter().enumerate() {
             for input in &pass.inputs {
                 let producer = input.from.pass as usize;
-                // Of a pass that is kept, those that are kept; of one that is not, all.
+                // For a kept pass, its kept readers count; for a culled one, all of them.
                 let counts = position[i] != NONE || position[producer] == NONE;
                 if counts && readers[producer].last() != Some(&pass.name) {
                     readers[producer].push(pass.name.clone());

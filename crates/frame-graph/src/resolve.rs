@@ -75,7 +75,7 @@ const GIVEN: &str = "--set";
 /// Flattens the pipeline at `path`.
 ///
 /// # Errors
-/// All that is wrong with the file and those that it names, as far as that can be determined without knowing kinds.
+/// All that is wrong with the file and those that it names, as far as that can be determined without the pass types.
 pub fn resolve(path: &str, files: &dyn Files, overrides: &Overrides) -> Result<Resolved, Diagnostics> {
     let Some(source) = files.read(path) else {
         let given = Source::new("pipeline", path);
@@ -127,7 +127,7 @@ impl Resolved {
         Some(self.sources.span(node.place))
     }
 
-    /// Returns the names and kinds of all passes, in the order of the file.
+    /// Returns the names and pass types of all passes, in the order of the file.
     pub fn passes(&self) -> impl Iterator<Item = (&Name, &Name)> {
         self.nodes.iter().filter_map(|node| match &node.decl.body {
             Body::Pass { kind, .. } => Some((&node.name, &kind.value)),

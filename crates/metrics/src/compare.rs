@@ -7,15 +7,15 @@ use crate::{
     hdr_flip,
 };
 
-/// How two pictures are compared.
+/// Options of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ComparisonOptions {
-    /// ε of relMSE, and its root that of MAPE.
+    /// ε of relMSE; its square root is that of MAPE.
     pub epsilon: Epsilon,
     /// The share of pixels that trimmed relMSE leaves out; see [`DEFAULT_TRIM`].
     pub trim: f64,
-    /// How radiance comes to the display on which ꟻLIP and SSIM look; `None` where both pictures are display
-    /// light already, as PNG files are. HDR-ꟻLIP is taken of radiance only.
+    /// How radiance is mapped to display values for ꟻLIP and SSIM; `None` if both pictures are display values
+    /// already, as PNG files are. HDR-ꟻLIP is computed only for radiance.
     pub display: Option<Display>,
     /// The viewing condition of ꟻLIP; see [`PIXELS_PER_DEGREE`].
     pub pixels_per_degree: f32,
@@ -32,15 +32,15 @@ impl Default for ComparisonOptions {
     }
 }
 
-/// Every measure between an image and its reference. Its [`Display`](fmt::Display) is a table; as JSON,
-/// a measure that does not exist is `null`.
+/// All measures between an image and its reference. Its [`Display`](fmt::Display) is a table; in JSON, a
+/// measure that does not exist is `null`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// Width of both (pixels).
     pub width: usize,
     /// Height of both (pixels).
     pub height: usize,
-    /// The options the measures were taken with.
+    /// The options with which the measures were computed.
     pub options: ComparisonOptions,
     /// NaN and infinite pixels.
     pub non_finite: NonFinite,
@@ -66,11 +66,11 @@ pub struct Comparison {
     pub ssim: f64,
     /// [`flip`](fn@flip).
     pub flip: FlipStatistics,
-    /// [`hdr_flip`], of radiance only.
+    /// [`hdr_flip`]; only for radiance.
     pub hdr_flip: Option<FlipStatistics>,
 }
 
-/// A [`FlipMap`] in three numbers, 0..=1.
+/// Statistics of a [`FlipMap`], 0..=1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FlipStatistics {
     /// Mean over the pixels.
@@ -88,10 +88,10 @@ impl From<&FlipMap> for FlipStatistics {
 }
 
 impl Comparison {
-    /// Takes every measure.
+    /// Computes every measure.
     ///
     /// # Errors
-    /// As [`Pair::new`].
+    /// Those of [`Pair::new`].
     pub fn new(image: &Image, reference: &Image, options: ComparisonOptions) -> Result<Self, ImageError> {
         let pair = Pair::new(image, reference)?;
         let [mean, reference_mean] = pair.means();
@@ -123,7 +123,7 @@ impl fmt::Display for Comparison {
         let mut line = |name: &str, value: String, note: &str| {
             writeln!(f, "{}", format!("{name:<17} {value:<30} {note}").trim_end())
         };
-        // Dim scenes have small errors: digits that count, not places.
+        // Dim scenes have small errors, so numbers have significant digits rather than decimals.
         let number = |value: f64| match value.abs() {
             tiny if tiny > 0.0 && tiny < 1e-2 => format!("{value:.4e}"),
             _ => format!("{value:.5}"),

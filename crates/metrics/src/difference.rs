@@ -1,4 +1,4 @@
-//! Pictures of a difference.
+//! Difference images.
 
 use colorous::{MAGMA, RED_BLUE};
 
@@ -6,8 +6,8 @@ use crate::image::luminance;
 use crate::{Image, Pair, linear_from_srgb};
 
 impl Pair<'_> {
-    /// Computes I − R for each RGB channel (radiance), with sign: for an EXR or PFM file. NaN where the difference is;
-    /// alpha 1.
+    /// Computes I − R for each RGB channel (radiance), signed, for an EXR or PFM file. NaN where one of the
+    /// two is NaN; alpha is 1.
     pub fn difference(&self) -> Image {
         self.pixelwise(|i, r| std::array::from_fn(|c| i[c] - r[c]))
     }
@@ -17,9 +17,9 @@ impl Pair<'_> {
         self.pixelwise(|i, r| std::array::from_fn(|c| (i[c] - r[c]).abs() * gain))
     }
 
-    /// Returns the luminance of I − R, times `gain`, as colour: blue where the image is too dark (−1), white where it
-    /// agrees (0), red where it is too bright (+1). Linear display light, to be written with
-    /// [`Display::AS_IS`](crate::Display::AS_IS); NaN and infinite pixels stay NaN.
+    /// Returns the luminance of I − R, times `gain`, as colour: blue where the image is too dark (−1), white
+    /// where it agrees (0), red where it is too bright (+1). The values are linear display light, to be
+    /// written with [`Display::AS_IS`](crate::Display::AS_IS); NaN and infinite pixels stay NaN.
     pub fn signed_difference(&self, gain: f32) -> Image {
         self.pixelwise(|i, r| {
             let difference = luminance(i) - luminance(r);
@@ -42,7 +42,7 @@ impl Pair<'_> {
     }
 }
 
-/// Values 0..=1 through the magma colour map (Smith and van der Walt 2015).
+/// Maps values 0..=1 to the magma colour map (Smith and van der Walt 2015).
 pub(crate) fn magma(width: usize, height: usize, values: &[f32]) -> Image {
     Image::from_fn(width, height, |x, y| {
         let [r, g, b] = linear(MAGMA, values[y * width + x]);
@@ -51,7 +51,7 @@ pub(crate) fn magma(width: usize, height: usize, values: &[f32]) -> Image {
     .expect("the values are those of an image")
 }
 
-/// The colour at `t`, cut to 0..=1, as linear light.
+/// Returns the colour at `t`, clamped to 0..=1, as linear light.
 fn linear(gradient: colorous::Gradient, t: f32) -> [f32; 3] {
     let colorous::Color { r, g, b } = gradient.eval_continuous(f64::from(t.clamp(0.0, 1.0)));
     [r, g, b].map(|channel| linear_from_srgb(f32::from(channel) / 255.0))

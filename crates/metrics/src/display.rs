@@ -1,4 +1,4 @@
-//! From linear radiance to what a display shows.
+//! Maps linear radiance to display values.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use crate::Image;
 use crate::image::luminance;
 
-/// Exposure, then a tone-mapping operator.
+/// An exposure, followed by a tone-mapping operator.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Display {
-    /// The curve from exposed radiance to display light.
+    /// The operator that maps exposed radiance to display light.
     pub tonemap: Tonemap,
     /// Exposure value (EV): radiance is multiplied by 2^exposure first; +1 doubles it.
     pub exposure: f32,
@@ -28,7 +28,7 @@ pub enum Tonemap {
         /// The smallest luminance w that maps to white (exposed radiance), above 0.
         white: Option<f32>,
     },
-    /// Nothing but the cut to 0..=1.
+    /// Only clamps to 0..=1.
     Clamp,
     /// Narkowicz 2015, "ACES Filmic Tone Mapping Curve": x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)
     /// for each channel.
@@ -42,17 +42,17 @@ impl Default for Tonemap {
 }
 
 impl Display {
-    /// Shows display light as it is: for pictures that are tone-mapped already.
+    /// Keeps display light as it is: for pictures that are tone-mapped already.
     pub const AS_IS: Self = Self { tonemap: Tonemap::Clamp, exposure: 0.0 };
 
-    /// Returns the linear display light in 0..=1 of a linear radiance. A NaN or infinite channel gives NaN in every
-    /// channel, so that the caller decides how to show a broken pixel.
+    /// Returns the linear display light in 0..=1 of a linear radiance. If any channel is NaN or infinite, all
+    /// channels are NaN, so that the caller decides how to show such a pixel.
     pub fn map(&self, rgb: [f32; 3]) -> [f32; 3] {
         if !rgb.iter().all(|channel| channel.is_finite()) {
             return [f32::NAN; 3];
         }
         let scale = self.exposure.exp2();
-        // An exposed value past f32 is white, not infinity over infinity.
+        // An exposed value beyond the range of f32 is white, instead of infinity divided by infinity.
         let exposed = rgb.map(|channel| (channel * scale).clamp(0.0, f32::MAX.sqrt() * 0.1));
         let mapped = match self.tonemap {
             Tonemap::Clamp => exposed,
@@ -72,7 +72,7 @@ impl Display {
     }
 }
 
-/// `reinhard`, `reinhard:WHITE`, `clamp` or `aces`, as [`FromStr`] reads it.
+/// Formats `reinhard`, `reinhard:WHITE`, `clamp` or `aces`, as [`FromStr`] reads them.
 impl fmt::Display for Tonemap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -121,7 +121,7 @@ mod tests {
     fn reinhard_halves_luminance_one_and_keeps_hue() {
         let display = Display::default();
         assert_eq!(display.map([1.0; 3]), [0.5; 3]);
-        // L = 0.2126·2 = 0.4252, so red becomes 2 / 1.4252 and is cut to 1; green stays 0.
+        // L = 0.2126·2 = 0.4252, so red becomes 2 / 1.4252 and is clamped to 1; green stays 0.
         assert_eq!(display.map([2.0, 0.0, 0.0]), [1.0, 0.0, 0.0]);
         // +2 EV: L = 4, L′ = 4/5.
         let [r, ..] = Display { exposure: 2.0, ..display }.map([1.0; 3]);

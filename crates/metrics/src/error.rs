@@ -1,16 +1,16 @@
 use std::path::PathBuf;
 
-/// What can go wrong with an image: its file, or a comparison it cannot take part in.
+/// An error of an image: of its file, or of a comparison for which it is not suited.
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
-    /// The file name does not end in a format this crate can use that way.
+    /// The ending of the file name is not that of a format that this crate can read or write.
     #[error("{}: cannot tell how to {verb} this; expected a name that ends in {expected}", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
         /// "read" or "write".
         verb: &'static str,
-        /// The endings that are understood.
+        /// The supported endings.
         expected: &'static str,
     },
     /// The operating system refused.
@@ -23,7 +23,7 @@ pub enum ImageError {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// The folder that should hold a new file is not there.
+    /// The folder for a new file does not exist.
     #[error("{}: the folder {} does not exist; make it first", path.display(), folder.display())]
     NoFolder {
         /// The file that was to be written.
@@ -31,14 +31,14 @@ pub enum ImageError {
         /// Its missing folder.
         folder: PathBuf,
     },
-    /// The file is not what its name says, or is damaged.
+    /// The content does not have the format of the ending, or is damaged.
     #[error("{}: expected {expected}, but {found}", path.display())]
     Malformed {
         /// The file.
         path: PathBuf,
         /// What the reader looked for.
         expected: &'static str,
-        /// What it met.
+        /// What it found.
         found: String,
     },
     /// The pixels could not be encoded.
@@ -58,7 +58,7 @@ pub enum ImageError {
         height: usize,
         /// width × height.
         expected: usize,
-        /// The length that was handed in.
+        /// The length that was given.
         found: usize,
     },
     /// Two images of different sizes cannot be compared.
@@ -87,14 +87,14 @@ pub enum ImageError {
         /// Width and height of that one in pixels.
         expected: (usize, usize),
     },
-    /// A measure over several images got fewer than it needs.
+    /// A measure over several images was given fewer than it needs.
     #[error("this takes at least {expected} {what}, got {found}")]
     TooFew {
         /// What there are too few of, in the plural.
         what: &'static str,
         /// The least number.
         expected: usize,
-        /// How many there were.
+        /// How many were given.
         found: usize,
     },
     /// Every pixel is NaN or infinite in at least one of the images.

@@ -1,4 +1,4 @@
-//! Image files. A new file is complete or absent: it is written beside its place and then renamed.
+//! Image files. A new file is complete or absent: it is written under a temporary name, and then renamed.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 use crate::image::is_finite;
 use crate::{Display, Image, ImageError, linear_from_srgb, pfm, srgb_from_linear};
 
-/// The name under which a picture's provenance stands in its file: a string attribute in EXR, the
+/// The name under which the provenance of a picture is stored in its file: a string attribute in EXR, the
 /// keyword of an iTXt chunk in PNG.
 pub const PROVENANCE_KEY: &str = "lightloom";
 
-/// A damaged header can promise any size; past this many pixels it is refused before memory is taken.
+/// A damaged header can state any size; more pixels than this are refused before memory is allocated.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// The image formats, told apart by the ending of the file name.
+/// The image formats, determined by the ending of the file name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FileFormat {
@@ -27,12 +27,12 @@ pub enum FileFormat {
     Png,
     /// Portable float map: linear `f32` RGB, no provenance.
     Pfm,
-    /// Radiance RGBE: read only.
+    /// Radiance RGBE: only read.
     Hdr,
 }
 
 impl FileFormat {
-    /// Returns the format of a file name, or `None`. Case does not matter.
+    /// Returns the format for a file name, or `None`. Case does not matter.
     pub fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "exr" => Some(Self::Exr),
@@ -43,18 +43,19 @@ impl FileFormat {
         }
     }
 
-    /// Returns true where the values are display light (tone-mapped), false where they are radiance.
+    /// Returns true if the values are display light (tone-mapped), false if they are radiance.
     pub fn is_display_referred(self) -> bool {
         self == Self::Png
     }
 }
 
 impl Image {
-    /// Reads an EXR (first layer that has R, G and B; alpha is 1 where there is none), PNG (decoded
-    /// from sRGB to linear), PFM or HDR file.
+    /// Reads an EXR (the first layer that has R, G and B; alpha is 1 if there is none), PNG (decoded from
+    /// sRGB to linear), PFM or HDR file.
     ///
     /// # Errors
-    /// A name with another ending, a file that cannot be opened, or one that is not what its name says.
+    /// Fails for names with another ending, for files that cannot be opened, and for content of another
+    /// format.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ImageError> {
         let path = path.as_ref();
         match FileFormat::of(path) {
@@ -77,16 +78,16 @@ impl Image {
         }
     }
 
-    /// Writes an EXR, PNG or PFM file; what stood there before is replaced only once the new file is
-    /// complete on disk.
+    /// Writes an EXR, PNG or PFM file. An existing file is replaced only once the new file is complete on
+    /// disk.
     ///
-    /// EXR and PFM hold the linear values untouched. PNG holds 8-bit sRGB of what `display` makes of
-    /// them, with NaN and infinite pixels in pure magenta. `provenance` (JSON, any UTF-8 text) is
-    /// kept in EXR and PNG; PFM has no place for it. Alpha is written only where it is not 1
-    /// throughout, and never to PFM.
+    /// EXR and PFM store the linear values unchanged. PNG stores 8-bit sRGB after applying `display`, with
+    /// NaN and infinite pixels in pure magenta. `provenance` (JSON, any UTF-8 text) is stored in EXR and PNG;
+    /// PFM has no place for it. Alpha is written only if it is not 1 everywhere, and never to PFM.
     ///
     /// # Errors
-    /// A name with another ending, a folder that is missing or not writable, a full disk.
+    /// Fails for names with another ending, if the folder is missing or not writable, and if the disk is
+    /// full.
     pub fn write(
         &self,
         path: impl AsRef<Path>,
@@ -109,17 +110,17 @@ impl Image {
     }
 }
 
-/// Returns the provenance that [`Image::write`] put into an EXR or PNG file; `None` where the file holds none, as PFM
-/// and HDR files never do.
+/// Returns the provenance that [`Image::write`] stored in an EXR or PNG file; `None` if the file has none, as
+/// is always the case for PFM and HDR files.
 ///
 /// # Errors
-/// As [`Image::read`].
+/// Those of [`Image::read`].
 pub fn read_provenance(path: impl AsRef<Path>) -> Result<Option<String>, ImageError> {
     let path = path.as_ref();
     match FileFormat::of(path) {
         Some(FileFormat::Exr) => {
             let meta = exr_meta(path)?;
-            // An attribute that is not part of the format counts as one of the layer.
+            // An attribute that is not part of the format counts as an attribute of the layer.
             let attributes = meta.headers.iter().map(|header| &header.own_attributes.other);
             let mut values = attributes.flat_map(|other| other.get(PROVENANCE_KEY.as_bytes()));
             match values.next() {
@@ -210,7 +211,7 @@ fn write_png(
     writer.finish().map_err(wrong)
 }
 
-/// Runs `write` on a temporary file in the folder of `path`, then puts it in the place of `path`.
+/// Calls `write` with a temporary file in the folder of `path`, then renames that to `path`.
 fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), ImageError>,
@@ -221,7 +222,7 @@ fn replace(
     }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".lightloom-").suffix(".part");
-    // Pictures are for others to read: as a plain new file would be, less the umask.
+    // Pictures can be read by everyone, as any new file (minus the umask).
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder).map_err(io(folder, "cannot make a file in this folder"))?;

@@ -1,8 +1,8 @@
-//! ꟻLIP: the difference a person sees when two pictures alternate in one place.
+//! ꟻLIP: the difference that a person perceives when two pictures alternate in the same place.
 //!
-//! Andersson et al. 2020, "ꟻLIP: A Difference Evaluator for Alternating Images", for display light;
-//! Andersson et al. 2021, "Visualizing Errors in Rendered High Dynamic Range Images", for radiance.
-//! Section numbers are the former's. The filters are separable: Gaussians and their derivatives.
+//! Andersson et al. 2020, "ꟻLIP: A Difference Evaluator for Alternating Images", for display light; Andersson
+//! et al. 2021, "Visualizing Errors in Rendered High Dynamic Range Images", for radiance. Section numbers are
+//! those of the former. The filters are separable: Gaussians and their derivatives.
 
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ pub const PIXELS_PER_DEGREE: f32 = 67.020_645;
 
 /// Exponent q_c of the colour difference (§4.1.3).
 const COLOUR_EXPONENT: f32 = 0.7;
-/// p_c and p_t (§4.1.3): the colour difference p_c of the greatest possible maps to an error p_t.
+/// p_c and p_t (§4.1.3): the share p_c of the greatest possible colour difference is mapped to the error p_t.
 const KNEE: f32 = 0.4;
 const KNEE_ERROR: f32 = 0.95;
 /// Peak-to-trough width w of the feature detectors (degrees) (§4.2.1).
@@ -53,17 +53,17 @@ impl FlipMap {
         *sorted.select_nth_unstable_by(rank.saturating_sub(1), f32::total_cmp).1
     }
 
-    /// Returns the error through the magma colour map, as the original tool shows it: linear display light, to be
+    /// Returns the error in the magma colour map, as the original tool shows it: linear display light, to be
     /// written with [`Display::AS_IS`].
     pub fn to_image(&self) -> Image {
         crate::difference::magma(self.width, self.height, &self.errors)
     }
 }
 
-/// Computes ꟻLIP between what `display` makes of the two pictures ([`Display::AS_IS`] for display light), seen at
-/// `pixels_per_degree`, above 0 ([`PIXELS_PER_DEGREE`]).
+/// Computes ꟻLIP between two pictures after applying `display` ([`Display::AS_IS`] for display light), seen
+/// at `pixels_per_degree`, above 0 ([`PIXELS_PER_DEGREE`]).
 ///
-/// A pixel that is NaN or infinite in either picture is black in both to its neighbours, and its own
+/// A pixel that is NaN or infinite in either picture counts as black in both for its neighbours, and its own
 /// error is 1. O(pixels · pixels_per_degree).
 pub fn flip(pair: &Pair<'_>, display: Display, pixels_per_degree: f32) -> FlipMap {
     let filters = Filters::new(pixels_per_degree);
@@ -72,8 +72,9 @@ pub fn flip(pair: &Pair<'_>, display: Display, pixels_per_degree: f32) -> FlipMa
 
 /// Computes HDR-ꟻLIP: the greatest ꟻLIP error of each pixel over the exposures at which the reference is neither too
 /// dark nor too bright on a display (2021, §4), through the ACES curve of that paper.
-///
-/// The exposures go in steps of at most 1 EV from where the reference's maximum, to where its median
+/// The exposures range, in steps of at most 1 EV, from the one that maps the reference's maximum luminance to
+/// 0.85 to the one that maps its median luminance to 0.85; a median of 0 counts as `f32::EPSILON`. Pixels
+/// that are NaN or infinite are treated as in [`flip`].
 /// luminance, maps to 0.85; a median of 0 counts as `f32::EPSILON`. Broken pixels as in [`flip`].
 pub fn hdr_flip(pair: &Pair<'_>, pixels_per_degree: f32) -> FlipMap {
     let filters = Filters::new(pixels_per_degree);
@@ -94,8 +95,8 @@ pub fn hdr_flip(pair: &Pair<'_>, pixels_per_degree: f32) -> FlipMap {
     .expect("there are at least two exposures")
 }
 
-/// The ACES curve with its pre-exposure of 0.6 folded in, as HDR-ꟻLIP takes it:
-/// (a x² + b x) / (c x² + d x + e), cut to 0..=1.
+/// The ACES curve with its pre-exposure of 0.6 included, as HDR-ꟻLIP uses it: (a x² + b x) / (c x² + d x +
+/// e), clamped to 0..=1.
 struct Aces;
 
 impl Aces {
@@ -106,12 +107,12 @@ impl Aces {
     const E: f32 = 0.14;
 
     fn map(x: f32) -> f32 {
-        // The curve passes 1 long before 100; x² must not overflow.
+        // The curve exceeds 1 long before 100; x² must not overflow.
         let x = x.min(100.0);
         ((x * (Self::A * x + Self::B)) / (x * (Self::C * x + Self::D) + Self::E)).clamp(0.0, 1.0)
     }
 
-    /// The exposed radiance that maps to `t`.
+    /// Returns the exposed radiance that is mapped to `t`.
     fn inverse(t: f32) -> f32 {
         let (a, b, c) = (Self::A - t * Self::C, Self::B - t * Self::D, -t * Self::E);
         let half = -0.5 * b / a;
@@ -119,7 +120,7 @@ impl Aces {
     }
 }
 
-/// First and last exposure (EV) of HDR-ꟻLIP.
+/// Returns the first and last exposure (EV) of HDR-ꟻLIP.
 fn exposure_range(reference: &Image) -> [f32; 2] {
     let finite = reference.pixels().iter().filter(|&&rgba| is_finite(rgba));
     let mut luminances: Vec<f32> = finite.map(|&[r, g, b, _]| luminance([r, g, b])).collect();
@@ -164,8 +165,8 @@ fn map(pair: &Pair<'_>, tone_map: impl Fn([f32; 3]) -> [f32; 3] + Sync, filters:
     FlipMap { width, height, errors }
 }
 
-/// What the eye takes from one picture: per pixel the filtered colour (Hunt-adjusted L*a*b*) and the
-/// strengths of the edge and of the point there.
+/// The features of a picture that the eye perceives: for each pixel the filtered colour (Hunt-adjusted
+/// L*a*b*) and the strengths of the edge and of the point there.
 struct Seen {
     colour: Vec<[f32; 3]>,
     features: Vec<[f32; 2]>,
@@ -175,7 +176,7 @@ struct Seen {
 struct Filters {
     achromatic: Vec<f32>,
     red_green: Vec<f32>,
-    /// The two Gaussians of blue-yellow, and the share of each in the sum.
+    /// The two Gaussians of blue-yellow, and the weight of each in the sum.
     blue_yellow: [(Vec<f32>, f32); 2],
     /// Gaussian, its first derivative and its second, for features.
     smooth: Vec<f32>,
@@ -186,7 +187,7 @@ struct Filters {
 impl Filters {
     fn new(pixels_per_degree: f32) -> Self {
         let ppd = f64::from(pixels_per_degree.max(f32::MIN_POSITIVE));
-        // §4.1.1: 3 standard deviations of the widest filter, for all of them.
+        // §4.1.1: the radius of all filters is 3 standard deviations of the widest.
         let widest = CSF_BLUE_YELLOW[0].1;
         let radius = (3.0 * (widest / (2.0 * std::f64::consts::PI.powi(2))).sqrt() * ppd).ceil() as i32;
         let gaussian = |b: f64| sampled(radius, |x| (-(std::f64::consts::PI * x / ppd).powi(2) / b).exp());
@@ -211,7 +212,7 @@ impl Filters {
         }
     }
 
-    /// `opponent: [height * width]` YCxCz.
+    /// Computes the features of a picture. `opponent: [height * width]` YCxCz.
     fn see(&self, opponent: &[[f32; 3]], width: usize, height: usize) -> Seen {
         let plane = |k: usize| opponent.par_iter().map(|c| c[k]).collect::<Vec<f32>>();
         let blur =
@@ -248,14 +249,14 @@ fn sampled(radius: i32, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     (-radius..=radius).map(|x| weight(f64::from(x))).collect()
 }
 
-/// Scales the positive weights to a sum of 1 and the negative ones, where there are any, to −1.
+/// Scales the positive weights to a sum of 1, and the negative ones, if there are any, to a sum of −1.
 fn normalised(weights: Vec<f64>) -> Vec<f32> {
     let positive: f64 = weights.iter().filter(|w| **w > 0.0).sum();
     let negative: f64 = -weights.iter().filter(|w| **w < 0.0).sum::<f64>();
     weights.into_iter().map(|w| if w > 0.0 { w / positive } else if w < 0.0 { w / negative } else { 0.0 } as f32).collect()
 }
 
-/// Filters each row; past an edge its last value goes on.
+/// Filters each row; values beyond an edge are those at the edge.
 fn rows(plane: &[f32], width: usize, kernel: &[f32]) -> Vec<f32> {
     let radius = kernel.len() / 2;
     let mut out = vec![0.0; plane.len()];
@@ -276,7 +277,7 @@ fn rows(plane: &[f32], width: usize, kernel: &[f32]) -> Vec<f32> {
     out
 }
 
-/// Filters each column; past an edge its last value goes on.
+/// Filters each column; values beyond an edge are those at the edge.
 fn columns(plane: &[f32], width: usize, height: usize, kernel: &[f32]) -> Vec<f32> {
     let radius = kernel.len() / 2;
     let mut out = vec![0.0; plane.len()];
@@ -291,7 +292,7 @@ fn columns(plane: &[f32], width: usize, height: usize, kernel: &[f32]) -> Vec<f3
     out
 }
 
-/// CIE XYZ of linear Rec. 709 over the white point (D65), so that white is (1, 1, 1).
+/// Converts linear Rec. 709 to CIE XYZ relative to the white point (D65), so that white is (1, 1, 1).
 fn relative_xyz([r, g, b]: [f32; 3]) -> [f32; 3] {
     [
         (0.412_386_57 * r + 0.357_591_49 * g + 0.180_450_48 * b) / WHITE[0],
@@ -303,7 +304,7 @@ fn relative_xyz([r, g, b]: [f32; 3]) -> [f32; 3] {
 /// XYZ of linear (1, 1, 1).
 const WHITE: [f32; 3] = [0.950_428_55, 1.0, 1.088_900_4];
 
-/// The inverse of [`relative_xyz`].
+/// Converts relative XYZ back: the inverse of [`relative_xyz`].
 fn linear_from_relative_xyz(xyz: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = [xyz[0] * WHITE[0], xyz[1] * WHITE[1], xyz[2] * WHITE[2]];
     [
@@ -313,14 +314,14 @@ fn linear_from_relative_xyz(xyz: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// YCxCz, the linearised L*a*b* (§4.1.1).
+/// Converts to YCxCz, the linearised L*a*b* (§4.1.1).
 fn opponent_from_linear(rgb: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = relative_xyz(rgb);
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// L*a*b* with the Hunt effect (§4.1.2: a and b times 0.01 L), of filtered YCxCz cut to the colours
-/// that the display has.
+/// Converts filtered YCxCz, clamped to the gamut of the display, to L*a*b* with the Hunt effect (§4.1.2: a
+/// and b times 0.01 L).
 fn hunt_lab_from_opponent([y, cx, cz]: [f32; 3]) -> [f32; 3] {
     let y = (y + 16.0) / 116.0;
     let rgb = linear_from_relative_xyz([y + cx / 500.0, y, y - cz / 200.0]);
@@ -336,17 +337,17 @@ fn hunt_lab(rgb: [f32; 3]) -> [f32; 3] {
     [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
 }
 
-/// HyAB distance (§4.1.3): city block in lightness, Euclidean in a and b.
+/// Returns the HyAB distance (§4.1.3): city block in lightness, Euclidean in a and b.
 fn hyab(p: [f32; 3], q: [f32; 3]) -> f32 {
     (p[0] - q[0]).abs() + (p[1] - q[1]).hypot(p[2] - q[2])
 }
 
-/// Between the green and the blue primary (§4.1.3).
+/// Returns the colour difference between the green and the blue primary (§4.1.3).
 fn greatest_colour_difference() -> f32 {
     hyab(hunt_lab([0.0, 1.0, 0.0]), hunt_lab([0.0, 0.0, 1.0])).powf(COLOUR_EXPONENT)
 }
 
-/// Colour difference to error 0..=1, in two linear pieces (§4.1.3).
+/// Maps a colour difference to an error 0..=1, by two linear segments (§4.1.3).
 fn remap(difference: f32, greatest: f32) -> f32 {
     let knee = KNEE * greatest;
     if difference < knee {

@@ -12,10 +12,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// Takes `pixels: [height * width]` RGBA, row by row from the top left.
+    /// Creates an image from `pixels: [height * width]` RGBA, row by row from the top left.
     ///
     /// # Errors
-    /// [`ImageError::PixelCount`] where the length does not fit or the image is empty.
+    /// [`ImageError::PixelCount`] if the length does not match or the image is empty.
     pub fn new(width: usize, height: usize, pixels: Vec<[f32; 4]>) -> Result<Self, ImageError> {
         let expected = width.saturating_mul(height);
         if expected == 0 || pixels.len() != expected {
@@ -24,10 +24,10 @@ impl Image {
         Ok(Self { width, height, pixels })
     }
 
-    /// Computes each pixel from its column and row.
+    /// Creates an image, computing each pixel from its column and row.
     ///
     /// # Errors
-    /// [`ImageError::PixelCount`] where the image is empty.
+    /// [`ImageError::PixelCount`] if the image is empty.
     pub fn from_fn(
         width: usize,
         height: usize,
@@ -57,8 +57,10 @@ impl Image {
         &mut self.pixels
     }
 
+    /// Checks that the image has the size of `other`.
+    ///
     /// # Errors
-    /// [`ImageError::SizesDiffer`], with what the two are called, where this is not of the size of `other`.
+    /// [`ImageError::SizesDiffer`], with the names of the two images.
     pub(crate) fn expect_size_of(
         &self,
         other: &Self,
@@ -73,7 +75,7 @@ impl Image {
         }
     }
 
-    /// The same size with every pixel's RGB replaced; alpha is kept.
+    /// Returns an image of the same size with every pixel's RGB replaced; alpha is kept.
     pub(crate) fn map_rgb(&self, map: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
         let pixels = self.pixels.iter().map(|&[r, g, b, a]| {
             let [r, g, b] = map([r, g, b]);

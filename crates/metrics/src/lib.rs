@@ -1,4 +1,4 @@
-//! Images, and how far apart two of them are.
+//! Images, and measures of the difference between two of them.
 //!
 //! * [`Image`]: linear Rec. 709 RGBA in `f32`, read from and written to EXR, PNG and PFM, with the
 //!   provenance of the picture inside the file.
@@ -6,12 +6,12 @@
 //!   energy, difference images.
 //! * [`flip`] and [`hdr_flip`]: the perceived difference ꟻLIP.
 //! * [`Comparison`]: all of these at once, as a table or as JSON.
-//! * [`temporal`]: flicker, error over time and lag of a sequence of frames.
-//! * [`virtual_lights`]: how many reach the image, how many move, what a clamp removes.
-//! * [`seeds`] and [`statistics`]: bias and variance apart, and intervals over several runs.
+//! * [`temporal`]: flicker, error over time, and lag of a sequence of frames.
+//! * [`virtual_lights`]: how many lights reach the image, how many move, and how much energy a clamp removes.
+//! * [`seeds`] and [`statistics`]: separate estimates of bias and variance, and intervals over several runs.
 //!
-//! Sums are `f64` in a fixed order, over rows and then over the sums of the rows where threads share the
-//! work, so a measure does not depend on their number.
+//! Sums are `f64` in a fixed order, over each row and then over the rows, so a measure does not depend on the
+//! number of threads.
 
 mod compare;
 mod difference;

@@ -5,10 +5,10 @@ use crate::image::is_finite;
 use crate::{Image, ImageError};
 
 /// The share of pixels that [`Pair::trimmed_rel_mse`] leaves out by default: 0.1 %, as in papers on path
-/// guiding, where a few fireflies would else decide the figure.
+/// guiding, since a few fireflies would otherwise dominate the value.
 pub const DEFAULT_TRIM: f64 = 1e-3;
 
-/// The ε of [`Pair::rel_mse`], which keeps dark pixels from counting without bound.
+/// The ε of [`Pair::rel_mse`], which bounds the weight of dark pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Epsilon {
@@ -21,16 +21,17 @@ pub enum Epsilon {
 }
 
 impl Default for Epsilon {
-    /// 10⁻² of the squared mean.
+    /// Returns a relative ε of 10⁻².
     fn default() -> Self {
         Self::Relative(1e-2)
     }
 }
 
-/// An image and the reference it is judged by: of one size, and with something to compare.
+/// An image and the reference it is compared with: of the same size, and with at least one pixel that is
+/// finite in both.
 ///
-/// A pixel with a NaN or infinite red, green or blue in either image takes no part in the numeric
-/// measures; [`Pair::non_finite`] says how many there are. Alpha is never compared.
+/// A pixel with a NaN or infinite red, green or blue in either image is left out of the numeric measures;
+/// [`Pair::non_finite`] returns how many there are. Alpha is never compared.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a> {
     image: &'a Image,
@@ -45,15 +46,15 @@ pub struct NonFinite {
     pub image: usize,
     /// Number of such pixels in the reference.
     pub reference: usize,
-    /// Pixels left out of the numeric measures: broken in either.
+    /// Pixels left out of the numeric measures: NaN or infinite in either image.
     pub excluded: usize,
 }
 
 impl<'a> Pair<'a> {
-    /// Sets an image beside its reference. O(pixels).
+    /// Pairs an image with its reference. O(pixels).
     ///
     /// # Errors
-    /// [`ImageError::SizeMismatch`]; [`ImageError::NoFinitePixels`] where no pixel is finite in both.
+    /// [`ImageError::SizeMismatch`]; [`ImageError::NoFinitePixels`] if no pixel is finite in both.
     pub fn new(image: &'a Image, reference: &'a Image) -> Result<Self, ImageError> {
         let sizes = [image, reference].map(|i| (i.width(), i.height()));
         if sizes[0] != sizes[1] {
@@ -72,7 +73,7 @@ impl<'a> Pair<'a> {
         Ok(Self { image, reference, non_finite })
     }
 
-    /// Returns the image that is judged.
+    /// Returns the image that is compared.
     pub fn image(&self) -> &'a Image {
         self.image
     }
@@ -106,17 +107,18 @@ impl<'a> Pair<'a> {
     /// al. 2011, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", who take an absolute ε of
     /// 10⁻². `None` where ε is 0, as a relative one is by a black reference.
     ///
-    /// The value depends much on ε where the picture has dark parts: state it beside the figure.
+    /// The value depends strongly on ε if the picture has dark parts: state ε with the value.
     pub fn rel_mse(&self, epsilon: Epsilon) -> Option<f64> {
         let epsilon = self.squared_radiance(epsilon)?;
         Some(self.mean_over_channels(|i, r| (i - r).powi(2) / (r * r + epsilon)))
     }
 
-    /// [`rel_mse`](Self::rel_mse) without its worst pixels: the mean over RGB is taken of each pixel, and
-    /// the share `trim` (0..=1, rounded down to whole pixels) of the pixels with the greatest is left out
-    /// of the mean over pixels. `None` as for `rel_mse`, and where no pixel is left.
+    /// Returns [`rel_mse`](Self::rel_mse) without the worst pixels: the relative squared error of each pixel
+    /// is its mean over RGB, and the share `trim` (0..=1, rounded down to whole pixels) of the pixels with
+    /// the greatest errors is left out of the mean over pixels. `None` as for `rel_mse`, and if no pixel is
+    /// left.
     ///
-    /// It hides fireflies: state it beside the untrimmed figure. [`DEFAULT_TRIM`] leaves nothing out of
+    /// It hides fireflies: state it together with the untrimmed value. [`DEFAULT_TRIM`] leaves nothing out of
     /// a picture of fewer than 1000 pixels. O(pixels log pixels).
     pub fn trimmed_rel_mse(&self, epsilon: Epsilon, trim: f64) -> Option<f64> {
         let epsilon = self.squared_radiance(epsilon)?;
@@ -126,7 +128,7 @@ impl<'a> Pair<'a> {
             .map(|(i, r)| [0, 1, 2].map(|c| term(i[c], r[c])).iter().sum::<f64>() / 3.0)
             .collect();
         errors.sort_unstable_by(f64::total_cmp);
-        // A hair more, so that a share that is whole in decimals is not rounded down a pixel further.
+        // Slightly more, so that a share that is whole in decimals is not rounded down by one pixel.
         let left_out = (trim.clamp(0.0, 1.0) * errors.len() as f64 + 1e-6) as usize;
         let kept = &errors[..errors.len() - left_out];
         (!kept.is_empty()).then(|| kept.iter().sum::<f64>() / kept.len() as f64)
@@ -158,7 +160,7 @@ impl<'a> Pair<'a> {
         ratio(self.mean_over_channels(|i, _| i), self.mean_over_channels(|_, r| r))
     }
 
-    /// ε as squared radiance, where it is above 0.
+    /// Returns ε as squared radiance, if it is above 0.
     fn squared_radiance(&self, epsilon: Epsilon) -> Option<f64> {
         let epsilon = match epsilon {
             Epsilon::Relative(share) => share * self.mean_over_channels(|_, r| r).powi(2),
@@ -177,7 +179,7 @@ impl<'a> Pair<'a> {
         finite_pixels(self.image.pixels(), self.reference.pixels())
     }
 
-    /// Sums over the finite pixels: each row on some thread, then the rows in order.
+    /// Sums over the finite pixels: each row on some thread, then over the rows in order.
     fn sum<const N: usize>(&self, term: impl Fn([f64; 3], [f64; 3]) -> [f64; N] + Sync) -> [f64; N] {
         let width = self.image.width();
         let rows = self.image.pixels().par_chunks(width).zip(self.reference.pixels().par_chunks(width));

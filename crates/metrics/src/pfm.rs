@@ -5,7 +5,7 @@ use std::io::{self, Write};
 
 use crate::Image;
 
-/// Writes little-endian RGB; alpha is dropped, the format has none.
+/// Writes little-endian RGB; alpha is dropped, since the format has none.
 pub(crate) fn write(image: &Image, out: &mut impl Write) -> io::Result<()> {
     write!(out, "PF\n{} {}\n-1.0\n", image.width(), image.height())?;
     for row in image.pixels().chunks_exact(image.width()).rev() {
@@ -16,14 +16,14 @@ pub(crate) fn write(image: &Image, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Reads RGB (`PF`) or grey (`Pf`) of either byte order. On failure says what was found instead.
+/// Reads RGB (`PF`) or grey (`Pf`) of either byte order. The error says what was found instead.
 pub(crate) fn read(bytes: &[u8]) -> Result<Image, String> {
     let mut rest = bytes;
     let mut word = || -> Result<&str, String> {
         let start = rest.iter().position(|b| !b.is_ascii_whitespace()).ok_or("the header ends early")?;
         let length = rest[start..].iter().position(u8::is_ascii_whitespace).ok_or("the header ends early")?;
         let text = std::str::from_utf8(&rest[start..start + length]).map_err(|_| "the header is not text")?;
-        // One blank ends the header; the samples may themselves begin with the byte of a blank.
+        // One blank ends the header; the samples themselves may begin with the byte of a blank.
         rest = &rest[start + length + 1..];
         Ok(text)
     };

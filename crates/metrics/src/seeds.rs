@@ -1,45 +1,45 @@
-//! Bias and variance apart, from pictures of several seeds.
+//! Estimates bias and variance separately, from pictures of several seeds.
 
 use serde::Serialize;
 
 use crate::image::is_finite;
 use crate::{Image, ImageError};
 
-/// The error of an estimator taken apart: mse = bias² + variance, each a mean over pixels and RGB
-/// (squared radiance).
+/// The error of an estimator, decomposed: mse = bias² + variance, each a mean over pixels and RGB (squared
+/// radiance).
 ///
 /// With K pictures I of independent seeds, their mean M and the reference R, at each pixel and channel:
 ///
 /// * variance = Σ (I − M)² / (K − 1),
-/// * bias² = (M − R)² − variance / K, since the mean of K pictures still has that much noise in it,
+/// * bias² = (M − R)² − variance / K, since the mean of K pictures still contains that much noise,
 /// * mse = Σ (I − R)² / K, the sum of the two.
 ///
-/// All three are unbiased. The price is that bias² comes out slightly below 0 now and then where the
-/// bias is small; it is not cut off, for then averages over many would be too high. Noise of the
-/// reference counts as bias: its variance is added.
+/// All three are unbiased. Therefore bias² is sometimes slightly below 0 if the true bias is small; it is not
+/// clamped, since that would raise averages over many estimates. Noise of the reference counts as bias: its
+/// variance is added.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Decomposition {
     /// Number K of pictures.
     pub seeds: usize,
     /// Mean squared error of one picture.
     pub mse: f64,
-    /// What any number of seeds would leave; may be slightly negative.
+    /// The squared error that remains in the mean of any number of seeds; may be slightly negative.
     pub bias_squared: f64,
-    /// What another seed changes.
+    /// The variance between seeds.
     pub variance: f64,
-    /// √(variance / K) (radiance): the noise, root mean square over pixels and RGB, that is left in the
+    /// √(variance / K) (radiance): the noise, as root mean square over pixels and RGB, that remains in the
     /// mean of the K pictures.
     pub standard_error: f64,
-    /// Standard error of `bias_squared` itself (squared radiance), by leaving out one seed at a time
-    /// (jackknife); `None` for two seeds. Pixels of one picture share their virtual lights and do not
-    /// vary independently, so it is taken over seeds.
+    /// Standard error of `bias_squared` itself (squared radiance), computed by leaving out one seed at a time
+    /// (jackknife); `None` for two seeds. It is taken over seeds, since pixels of one picture share their
+    /// virtual lights and are not independent.
     pub bias_squared_error: Option<f64>,
-    /// Pixels left out: NaN or infinite in the reference or in some picture.
+    /// Pixels left out: NaN or infinite in the reference or in any picture.
     pub non_finite: usize,
 }
 
 impl Decomposition {
-    /// Takes apart the error of pictures that differ in their seeds alone. O(pictures · pixels).
+    /// Decomposes the error of pictures that differ only in their seeds. O(pictures · pixels).
     ///
     /// # Errors
     /// [`ImageError::TooFew`] for fewer than two pictures; [`ImageError::SizesDiffer`];
@@ -51,8 +51,8 @@ impl Decomposition {
         for picture in pictures {
             picture.expect_size_of(reference, "a picture", "the reference")?;
         }
-        // With errors e = I − R and their sum S over the seeds, all there is to know are the means of
-        // e² and of e·S for each seed.
+        // With errors e = I − R and their sum S over the seeds, the means of e² and of e·S for each seed
+        // suffice.
         let mut squares = vec![0.0; pictures.len()];
         let mut products = vec![0.0; pictures.len()];
         let mut non_finite = 0;
@@ -83,10 +83,10 @@ impl Decomposition {
 
         let k = pictures.len() as f64;
         let (all_squares, all_products): (f64, f64) = (squares.iter().sum(), products.iter().sum());
-        // Mean of the products of errors of two different seeds, which noise does not enter.
+        // The mean of the products of errors of two different seeds, which does not contain noise.
         let bias_squared = (all_products - all_squares) / (k * (k - 1.0));
         let mse = all_squares / k;
-        // Not below 0 but for rounding.
+        // It is not below 0, except for rounding.
         let variance = (mse - bias_squared).max(0.0);
         let without = |(square, product): (&f64, &f64)| {
             let (products, squares) = (all_products - 2.0 * product + square, all_squares - square);
@@ -110,7 +110,7 @@ impl Decomposition {
     }
 }
 
-/// Returns the mean of each channel of each pixel, alpha too; NaN or infinite where one of the images is.
+/// Returns the mean of each channel of each pixel, alpha included; NaN or infinite if one of the images is.
 ///
 /// # Errors
 /// [`ImageError::TooFew`] for no images; [`ImageError::SizesDiffer`].

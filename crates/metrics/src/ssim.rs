@@ -14,15 +14,15 @@ const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
 impl Pair<'_> {
-    /// Returns the mean structural similarity, −1..=1, where 1 is equality (Wang et al. 2004, Eq. 13 and 17), between
-    /// what `display` makes of the two pictures, as sRGB-encoded luma (Rec. 709 weights, 0..=1): windows of 11×11
-    /// pixels under a Gaussian of σ 1.5, K₁ = 0.01, K₂ = 0.03.
+    /// Returns the mean structural similarity, −1..=1, where 1 is equality (Wang et al. 2004, Eq. 13 and 17),
+    /// between the two pictures after applying `display`, as sRGB-encoded luma (Rec. 709 weights, 0..=1):
+    /// windows of 11×11 pixels weighted by a Gaussian of σ 1.5, K₁ = 0.01, K₂ = 0.03.
     ///
-    /// Only windows that lie wholly inside count, as in the authors' program: the outer 5 pixels are the
-    /// centre of none. A picture with fewer than 11 pixels across or down has windows just as wide or
+    /// Only windows that lie completely inside count, as in the authors' program: the outer 5 pixels are the
+    /// centre of none. A picture with fewer than 11 pixels across or down has windows that are as wide or as
     /// high as itself. As in [`flip`](fn@crate::flip), a pixel that is NaN or infinite in either picture
-    /// is black in both to its neighbours, and the window about it (about the pixel after the middle,
-    /// where that is between two) counts 0.
+    /// counts as black in both for its neighbours, and the window around it (around the pixel after the
+    /// middle, if that is between two) counts as 0.
     pub fn ssim(&self, display: Display) -> f64 {
         let (image, reference) = (self.image(), self.reference());
         let (width, height) = (image.width(), image.height());
@@ -38,7 +38,7 @@ impl Pair<'_> {
         let (across, down) = (kernel(width), kernel(height));
         let (columns, rows) = (width + 1 - across.len(), height + 1 - down.len());
 
-        // Means of x, y, x², y² and xy: filtered along the rows, then down the columns.
+        // Means of x, y, x², y² and xy: filtered along the rows, then along the columns.
         let filtered: Vec<[f64; 5]> = pixels
             .par_chunks(width)
             .flat_map_iter(|row| {
@@ -67,7 +67,7 @@ impl Pair<'_> {
     }
 }
 
-/// Eq. 13 of the window's means of x, y, x², y² and xy.
+/// Computes Eq. 13 from the window's means of x, y, x², y² and xy.
 fn similarity([x, y, xx, yy, xy]: [f64; 5]) -> f64 {
     let (variance_x, variance_y, covariance) = (xx - x * x, yy - y * y, xy - x * y);
     ((2.0 * x * y + C1) * (2.0 * covariance + C2)) / ((x * x + y * y + C1) * (variance_x + variance_y + C2))
@@ -77,7 +77,7 @@ fn luma([r, g, b, _]: [f32; 4], display: Display) -> f64 {
     f64::from(luminance(display.map([r, g, b]).map(srgb_from_linear)))
 }
 
-/// A Gaussian about the middle of `WINDOW` pixels, or of all where there are fewer, with a sum of 1.
+/// Returns a Gaussian around the middle of `WINDOW` pixels, or of all if there are fewer, with a sum of 1.
 fn kernel(length: usize) -> Vec<f64> {
     let taps = length.min(WINDOW);
     let middle = (taps - 1) as f64 * 0.5;

@@ -1,4 +1,4 @@
-//! Figures over several runs, with the interval they are good for.
+//! Statistics over several runs: means with confidence intervals.
 
 use serde::Serialize;
 
@@ -7,19 +7,18 @@ use serde::Serialize;
 pub struct Summary {
     /// Number of values, at least 2.
     pub n: usize,
-    /// Their mean.
+    /// The mean.
     pub mean: f64,
-    /// Their standard deviation, with n − 1 below the line.
+    /// The standard deviation, with the denominator n − 1.
     pub standard_deviation: f64,
-    /// Half the width of the 95 % confidence interval of the mean: t · deviation / √n, t being the 0.975
-    /// quantile of Student's distribution with n − 1 degrees of freedom. It holds for values that are
-    /// normally distributed, or many.
+    /// Half the width of the 95 % confidence interval of the mean: t · deviation / √n, where t is the 0.975
+    /// quantile of Student's distribution with n − 1 degrees of freedom. It is valid for values that are
+    /// normally distributed, or for many values.
     pub half_width_95: f64,
 }
 
 impl Summary {
-    /// Summarises `values`; `None` for fewer than two, which say nothing of their spread, or where one is
-    /// NaN or infinite.
+    /// Summarises `values`; `None` for fewer than two, which have no spread, or if one is NaN or infinite.
     pub fn of(values: &[f64]) -> Option<Self> {
         if values.len() < 2 || !values.iter().all(|value| value.is_finite()) {
             return None;
@@ -33,15 +32,16 @@ impl Summary {
     }
 }
 
-/// Sorts values and returns their median: the middle one, or the mean of the two in the middle; `None` of nothing.
+/// Sorts values and returns their median: the middle one, or the mean of the two in the middle; `None` if
+/// there are none.
 pub fn median(values: &mut [f64]) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let last = values.len().checked_sub(1)?;
     Some(0.5 * (values[last / 2] + values[last.div_ceil(2)]))
 }
 
-/// The t that |T| stays below with a probability of 0.95, T having Student's distribution with `freedom`
-/// degrees of freedom, at least 1. Found by halving an interval of θ = atan(t / √freedom).
+/// Returns the 0.975 quantile of Student's distribution with `freedom` degrees of freedom, at least 1. It is
+/// found by bisection of θ = atan(t / √freedom).
 fn student_t_975(freedom: usize) -> f64 {
     let (mut low, mut high) = (0.0, std::f64::consts::FRAC_PI_2);
     for _ in 0..f64::MANTISSA_DIGITS {
@@ -51,7 +51,7 @@ fn student_t_975(freedom: usize) -> f64 {
     low.tan() * (freedom as f64).sqrt()
 }
 
-/// P(|T| < t) for θ = atan(t / √freedom), as a finite sum (Abramowitz and Stegun, 26.7.3 and 26.7.4).
+/// Returns P(|T| < t) for θ = atan(t / √freedom), as a finite sum (Abramowitz and Stegun, 26.7.3 and 26.7.4).
 /// O(freedom).
 fn probability_below(theta: f64, freedom: usize) -> f64 {
     let (sin, cos) = theta.sin_cos();
@@ -103,7 +103,7 @@ mod tests {
         for (freedom, t) in [(3, 3.182), (4, 2.776), (9, 2.262), (10, 2.228), (30, 2.042), (120, 1.980)] {
             assert!((student_t_975(freedom) - t).abs() < 5e-4, "{freedom}: {}", student_t_975(freedom));
         }
-        // Towards the normal distribution.
+        // It converges to the normal distribution.
         assert!((student_t_975(100_000) - 1.959_964).abs() < 5e-5, "{}", student_t_975(100_000));
     }
 }

@@ -1,5 +1,5 @@
-//! How a sequence of frames behaves: flicker seen through a moving camera, error and its change at
-//! tracked pixels, deviation of a still picture, lag behind a light.
+//! Measures of a sequence of frames: flicker seen through a moving camera, error and its change at tracked
+//! pixels, deviation if nothing moves, lag after a change of the light.
 
 mod difference;
 mod error_series;

@@ -1,5 +1,5 @@
-//! What becomes of virtual lights: how many reach the image, how many move from frame to frame, how
-//! much of their light a clamp removes.
+//! Measures of virtual lights: how many reach the image, how many move from frame to frame, how much of their
+//! energy a clamp removes.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -7,30 +7,30 @@ use rayon::prelude::*;
 use crate::Image;
 use crate::image::{is_finite, luminance};
 
-/// A light on a surface that stands for light reflected there.
+/// A virtual light: a light on a surface that represents the light reflected there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualLight {
-    /// World space \[m\].
+    /// Position in world space \[m\].
     pub position: [f32; 3],
-    /// Unit; light leaves on this side.
+    /// Unit normal; light leaves on this side.
     pub normal: [f32; 3],
-    /// Φ \[W\], RGB.
+    /// Flux Φ \[W\], RGB.
     pub flux: [f32; 3],
-    /// \[m²\]; 0 for a point.
+    /// Area \[m²\]; 0 for a point light.
     pub area: f32,
 }
 
-/// A point of a surface that the image shows.
+/// A point of a visible surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Receiver {
-    /// World space \[m\].
+    /// Position in world space \[m\].
     pub position: [f32; 3],
-    /// Unit, towards the viewer's side.
+    /// Unit normal, on the viewer's side.
     pub normal: [f32; 3],
 }
 
-/// Counts the lights that moved by more than `tolerance_m` \[m\] between two frames. Lights are matched by their place
-/// in the buffer; where the counts differ, each light without a counterpart has come or gone, and counts as moved. So
+/// Counts the lights that moved by more than `tolerance_m` \[m\] between two frames. Lights are matched by
+/// their index in the buffer; if the counts differ, each light without a counterpart counts as moved, and so
 /// does one whose position is NaN.
 pub fn lights_moved(previous: &[VirtualLight], current: &[VirtualLight], tolerance_m: f32) -> usize {
     let stays = |(a, b): &(&VirtualLight, &VirtualLight)| {
@@ -39,7 +39,7 @@ pub fn lights_moved(previous: &[VirtualLight], current: &[VirtualLight], toleran
     previous.len().max(current.len()) - previous.iter().zip(current).filter(stays).count()
 }
 
-/// Returns [`lights_moved`] over the greater of the two counts; `None` where neither frame has lights.
+/// Returns [`lights_moved`] divided by the greater of the two counts; `None` if neither frame has lights.
 pub fn share_of_lights_moved(
     previous: &[VirtualLight],
     current: &[VirtualLight],
@@ -49,12 +49,13 @@ pub fn share_of_lights_moved(
     (all > 0).then(|| lights_moved(previous, current, tolerance_m) as f64 / all as f64)
 }
 
-/// Counts the lights that bring light to at least one of the `receivers`: they have flux in some channel, the two face
-/// each other, and nothing is between. `occluded(light, receiver)` says whether something is, for two positions \[m\];
-/// it keeps off the surfaces themselves. Lights run on all threads, each until the first receiver that it reaches.
-/// O(lights · receivers) at worst.
+/// Counts the lights that illuminate at least one of the `receivers`: their flux is positive in some channel,
+/// the two face each other, and nothing is between them. `occluded(light, receiver)` returns whether
+/// something is between two positions \[m\]; it must ignore the surfaces themselves. The lights are
+/// distributed over all threads; each is tested until the first receiver that it reaches. O(lights ·
+/// receivers) at worst.
 ///
-/// Receivers are a sample of the pixels, so the count is a lower bound that rises with their number.
+/// Receivers are a sample of the pixels, so the count is a lower bound that grows with their number.
 pub fn lights_that_reach(
     lights: &[VirtualLight],
     receivers: &[Receiver],
@@ -72,9 +73,9 @@ pub fn lights_that_reach(
     lights.par_iter().filter(reaches).count()
 }
 
-/// Returns the share of the irradiance that clamping removed: `irradiance` has in RGB what was kept and in alpha the
-/// luminance of what was not. Pixels with a NaN or infinite channel are left out; `None` where there is no light at
-/// all.
+/// Returns the share of the irradiance that clamping removed: `irradiance` has the remaining irradiance in
+/// RGB and the luminance of the removed one in alpha. Pixels with a NaN or infinite channel are left out;
+/// `None` if there is no light at all.
 pub fn clamped_share(irradiance: &Image) -> Option<f64> {
     let (mut kept, mut removed) = (0.0, 0.0);
     let pixels = irradiance.pixels().iter();
@@ -122,7 +123,7 @@ mod tests {
         let lights = [light(0.0, UP), light(5.0, UP), light(0.0, DOWN), dark];
         let free = |_: [f32; 3], _: [f32; 3]| false;
         assert_eq!(lights_that_reach(&lights, &receivers, &free), 2);
-        // Something stands about x = 5; it is asked about the light first, then the receiver.
+        // An occluder is at about x = 5; it is called with the light first, then the receiver.
         let wall = |from: [f32; 3], to: [f32; 3]| from[0] > 4.0 && to[1] == 1.0;
         assert_eq!(lights_that_reach(&lights, &receivers, &wall), 1);
         let turned = [Receiver { normal: UP, ..receivers[0] }];

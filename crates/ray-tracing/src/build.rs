@@ -1,4 +1,5 @@
-//! From triangles to a tree: by obvhs, or, where its tree is too deep for the stack, by halves.
+//! Builds a tree from triangles: by obvhs, or by median splits if the tree of obvhs is too deep for the
+//! traversal stack.
 
 use crate::gpu_data::{Bounds, BvhNode, BvhTriangle, Child};
 use glam::{Vec3, Vec3A};
@@ -9,37 +10,39 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 const MOST_IN_LEAF: u32 = 4;
-/// Of a node, in intersections of a triangle.
+/// Cost of traversing a node, in units of a ray-triangle test.
 pub(crate) const TRAVERSAL_COST: f32 = 1.0;
 
-/// Nodes, children behind their parents and boxes still to be made; and which triangle stands where.
+/// A tree: the nodes, with children after their parents and boxes not yet computed, and the order of the
+/// triangles.
 pub(crate) struct Tree {
     pub(crate) nodes: Vec<BvhNode>,
     pub(crate) order: Vec<u32>,
-    /// Children that wait on a ray's way, at most.
+    /// The greatest number of children that can wait during a traversal.
     pub(crate) stack: usize,
 }
 
-/// The tree over at least one triangle. Its need of a stack is no more than `most`, if that is at least what a
-/// tree by halves needs.
+/// Builds a tree over at least one triangle. It needs a stack of at most `most` entries, if `most` is at
+/// least what median splits need.
 pub(crate) fn tree(triangles: &[BvhTriangle], most: usize) -> Tree {
     let bounds: Vec<Bounds> = triangles.iter().map(BvhTriangle::bounds).collect();
     let tree = widened(clustered(&bounds));
     if tree.stack <= most { tree } else { widened(halved(&bounds)) }
 }
 
-/// A tree of pairs.
+/// A binary tree, as pairs of children.
 struct Binary {
     root: Side,
     pairs: Vec<[Side; 2]>,
     order: Vec<u32>,
 }
 
-/// A child of a [`Binary`] tree: the index of a pair, or triangles.
+/// A child in a [`Binary`] tree: the index of a pair, or a range of triangles.
 #[derive(Clone, Copy)]
 struct Side {
     child: Child,
-    /// The heaviest is opened first: the area of its box, in any unit.
+    /// When nodes are widened, the child with the greatest weight is opened first: the area of its box, in
+    /// any unit.
     weight: f64,
 }
 
@@ -51,10 +54,10 @@ impl Side {
     }
 }
 
-/// A tree by parallel locally ordered clustering and reinsertion of nodes, with leaves as the surface area
-/// heuristic has them (Meister and Bittner 2018 and 2017).
+/// Builds a tree by parallel locally ordered clustering and reinsertion of nodes, with leaves chosen by the
+/// surface area heuristic (Meister and Bittner 2018 and 2017).
 fn clustered(bounds: &[Bounds]) -> Binary {
-    // In a unit cube, so that areas neither overflow nor vanish at any scale.
+    // Coordinates are scaled to a unit cube, so that areas neither overflow nor vanish at any scale.
     let whole = Bounds::around(bounds.iter().copied());
     let center = whole.low * 0.5 + whole.high * 0.5;
     let scale = 1.0 / (whole.high * 0.5 - whole.low * 0.5).max_element().max(f32::MIN_POSITIVE);
@@ -73,10 +76,10 @@ fn clustered(bounds: &[Bounds]) -> Binary {
     ordered(&bvh)
 }
 
-/// The same tree, with triangles in the order of the leaves.
+/// Converts the tree of obvhs, with triangles in the order of the leaves.
 fn ordered(bvh: &Bvh2) -> Binary {
     let mut binary = Binary { root: Side::NONE, pairs: Vec::new(), order: Vec::new() };
-    // Index in obvhs, and the pair and side to write.
+    // A node of obvhs, and the pair and side that it is written to.
     let mut open = vec![(0, None)];
     while let Some((index, place)) = open.pop() {
         let node = &bvh.nodes[index];
@@ -96,8 +99,9 @@ fn ordered(bvh: &Bvh2) -> Binary {
     binary
 }
 
-/// A tree that halves the number of triangles at every pair, across the longest side of their centers: as low
-/// as a tree can be. By their number, in place of areas, sides are opened so that it stays so.
+/// Builds a tree of the least possible depth: each pair divides the triangles into two halves along the
+/// longest side of the box around their centres. Weights are numbers of triangles instead of areas, so that
+/// the tree stays shallow when it is widened.
 fn halved(bounds: &[Bounds]) -> Binary {
     let center = |index: &u32| bounds[*index as usize].low * 0.5 + bounds[*index as usize].high * 0.5;
     let mut order: Vec<u32> = (0..bounds.len() as u32).collect();
@@ -125,7 +129,7 @@ fn halved(bounds: &[Bounds]) -> Binary {
 }
 
 impl Binary {
-    /// The side of a pair, or the root.
+    /// Returns the side of a pair, or the root.
     fn at(&mut self, place: Option<(usize, usize)>) -> &mut Side {
         match place {
             Some((pair, side)) => &mut self.pairs[pair][side],
@@ -133,7 +137,7 @@ impl Binary {
         }
     }
 
-    /// Up to four descendants that together are the side.
+    /// Returns up to four descendants that together make up the side.
     fn opened(&self, side: Side) -> Vec<Side> {
         let mut sides = vec![side];
         while sides.len() < 4 {
@@ -146,7 +150,8 @@ impl Binary {
     }
 }
 
-/// Four children to a node in place of two: half the nodes on a way, and vectors for their boxes.
+/// Converts to a tree with four children per node instead of two: half as many nodes along a path, and their
+/// boxes fit into vectors.
 fn widened(binary: Binary) -> Tree {
     let mut nodes: Vec<BvhNode> = Vec::new();
     let mut open = vec![(binary.root, None)];
@@ -159,7 +164,7 @@ fn widened(binary: Binary) -> Tree {
         let mut node = BvhNode::EMPTY;
         for (k, side) in binary.opened(side).into_iter().enumerate() {
             node.children[k] = side.child;
-            // A box that is there; which one is seen to later.
+            // A placeholder box: marks the child as present until boxes are computed.
             node.set_bounds(k, Bounds { low: Vec3::ZERO, high: Vec3::ZERO });
             if side.is_pair() {
                 open.push((side, Some((index, k))));
@@ -171,8 +176,8 @@ fn widened(binary: Binary) -> Tree {
     Tree { nodes, order: binary.order, stack }
 }
 
-/// Children that wait at most, whatever the order in which a ray meets them: all others of a node while one is
-/// visited, and so on down.
+/// Returns the greatest number of children that can wait during a traversal, whatever their order: at each
+/// level, all others of a node while one is visited.
 fn stack_need(nodes: &[BvhNode]) -> usize {
     let mut needs = vec![0; nodes.len()];
     for (index, node) in nodes.iter().enumerate().rev() {

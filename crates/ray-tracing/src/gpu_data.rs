@@ -1,13 +1,14 @@
-//! Nodes and triangles in the layouts of `shaders/ray-tracing.wgsl`.
+//! Nodes and triangles in the layouts of `shaders/bvh.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, Vec4};
 use shader_library::{StructLayout, struct_layout};
 
-/// The index of no triangle: `NO_HIT` of shaders/ray-tracing.wgsl.
+/// The index that stands for no triangle: `NO_HIT` of shaders/ray-tracing.wgsl.
 pub(crate) const NO_HIT: u32 = u32::MAX;
 
-/// `BvhNode` of shaders/ray-tracing.wgsl: the boxes of four children, a coordinate of all four in a vector.
+/// `BvhNode` of shaders/bvh.wgsl: the boxes of four children; each vector holds one coordinate of all
+/// four.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct BvhNode {
@@ -20,12 +21,12 @@ pub(crate) struct BvhNode {
     pub(crate) children: [Child; 4],
 }
 
-/// `BvhTriangle` of shaders/ray-tracing.wgsl.
+/// `BvhTriangle` of shaders/bvh.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct BvhTriangle {
     pub(crate) a: Vec3,
-    /// `NO_HIT` for one that cannot be hit.
+    /// Index of the triangle, or `NO_HIT` if it cannot be hit.
     pub(crate) index: u32,
     pub(crate) b: Vec3,
     pub(crate) pad0: u32,
@@ -33,7 +34,7 @@ pub(crate) struct BvhTriangle {
     pub(crate) pad1: u32,
 }
 
-/// Returns the layouts that shaders must share.
+/// Returns the layouts of the structs that are shared with shaders.
 pub fn layouts() -> Vec<StructLayout> {
     vec![
         struct_layout!(BvhNode {
@@ -57,12 +58,12 @@ pub fn layouts() -> Vec<StructLayout> {
 }
 
 impl BvhTriangle {
-    /// One that cannot be hit, in place of none.
+    /// A triangle that cannot be hit, for an empty tree.
     pub(crate) const NONE: BvhTriangle =
         BvhTriangle { a: Vec3::ZERO, index: NO_HIT, b: Vec3::ZERO, pad0: 0, c: Vec3::ZERO, pad1: 0 };
 
-    /// The triangle of that index. Without area (exactly: products of differences of `f32` are exact in
-    /// `f64`), or with a vertex that is not finite, it cannot be hit.
+    /// Creates the triangle with this index. It cannot be hit if its area is zero (tested exactly: products
+    /// of differences of `f32` are exact in `f64`) or a vertex is not finite.
     pub(crate) fn new(index: u32, corners: [Vec3; 3]) -> BvhTriangle {
         let [a, b, c] = corners;
         if !corners.iter().all(|corner| corner.is_finite()) {
@@ -78,7 +79,7 @@ impl BvhTriangle {
     }
 }
 
-/// A box.
+/// An axis-aligned bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
     pub(crate) low: Vec3,
@@ -95,7 +96,7 @@ impl Bounds {
         })
     }
 
-    /// Half the area of the surface.
+    /// Returns half the surface area.
     pub(crate) fn half_area(&self) -> f64 {
         let size = (self.high - self.low).as_dvec3();
         size.x * size.y + size.y * size.z + size.z * size.x
@@ -107,7 +108,7 @@ impl Bounds {
 }
 
 impl BvhNode {
-    /// Without children. What stands in their place is where no ray comes, and harmless to one that does.
+    /// A node without children. The boxes in their place are where no ray comes, and harmless if one did.
     pub(crate) const EMPTY: BvhNode = BvhNode {
         low_x: Vec4::MAX,
         low_y: Vec4::MAX,
@@ -118,7 +119,7 @@ impl BvhNode {
         children: [Child::FIRST_TRIANGLE; 4],
     };
 
-    /// The children that there are, with their boxes: the first of the four.
+    /// Returns the children with their boxes; they are the first of the four.
     pub(crate) fn children(&self) -> impl Iterator<Item = (Child, Bounds)> + '_ {
         (0..4)
             .map(|k| (self.children[k], self.bounds_of(k)))
@@ -132,7 +133,7 @@ impl BvhNode {
         }
     }
 
-    /// The box around all children.
+    /// Returns the box around all children.
     pub(crate) fn bounds(&self) -> Bounds {
         Bounds::around(self.children().map(|(_, bounds)| bounds))
     }
@@ -143,7 +144,7 @@ impl BvhNode {
     }
 }
 
-/// What a node says of a child: the index of a node, or a run of triangles.
+/// A reference to a child: the index of a node, or a range of triangles.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct Child(pub(crate) u32);
@@ -151,12 +152,13 @@ pub(crate) struct Child(pub(crate) u32);
 impl Child {
     pub(crate) const ROOT: Child = Child(0);
     const FIRST_TRIANGLE: Child = Child(Self::LEAF);
-    /// Set for triangles: three bits of their number less one follow, then the first.
+    /// The bit that is set for triangles. Three bits follow with their number minus one, then the index of
+    /// the first.
     const LEAF: u32 = 1 << 31;
     const COUNT_SHIFT: u32 = 28;
-    /// The most triangles of a leaf.
+    /// The greatest number of triangles of a leaf.
     pub(crate) const MOST: u32 = 8;
-    /// One more than the greatest first triangle.
+    /// One more than the greatest index of a first triangle.
     pub(crate) const END: u32 = 1 << Self::COUNT_SHIFT;
 
     pub(crate) fn triangles(first: u32, count: u32) -> Child {
@@ -164,7 +166,7 @@ impl Child {
         Child(Self::LEAF | (count - 1) << Self::COUNT_SHIFT | first)
     }
 
-    /// The triangles of a leaf; `None` for a node.
+    /// Returns the triangles of a leaf; `None` for a node.
     pub(crate) fn leaf(self) -> Option<std::ops::Range<usize>> {
         let first = (self.0 & (Self::END - 1)) as usize;
         let count = (self.0 >> Self::COUNT_SHIFT & (Self::MOST - 1)) as usize + 1;

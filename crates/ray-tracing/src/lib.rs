@@ -1,5 +1,6 @@
-//! Which triangle a ray meets: a bounding volume hierarchy (BVH) in the layout that `shaders/ray-tracing.wgsl`
-//! traverses, and its CPU reference on the CPU, which gives the same hits.
+//! Finds the triangle that a ray hits: builds a bounding volume hierarchy (BVH) in the layout that
+//! `shaders/bvh.wgsl` traverses, and traverses it on the CPU (the CPU reference of that shader) with
+//! the same hits.
 //!
 //! ```
 //! use glam::Vec3;
@@ -9,9 +10,9 @@
 //! assert_eq!((hit.distance, hit.triangle, hit.barycentrics.to_array()), (2.0, 0, [0.25, 0.5]));
 //! ```
 //!
-//! Triangles have two sides. The test of Woop, Benthin and Wald 2013 ("Watertight ray/triangle intersection")
-//! lets no ray through between triangles that share an edge or a vertex. Triangles without area, or with
-//! vertices that are not finite, are never hit.
+//! Triangles have two sides. The intersection test is that of Woop, Benthin and Wald 2013 ("Watertight
+//! ray/triangle intersection"): no ray passes between triangles that share an edge or a vertex. Triangles
+//! whose area is zero, or with vertices that are not finite, are never hit.
 
 mod build;
 mod gpu_data;
@@ -23,58 +24,58 @@ use build::{TRAVERSAL_COST, Tree};
 use glam::{Vec2, Vec3};
 use gpu_data::{Bounds, BvhNode, BvhTriangle, Child};
 
-/// Children that can wait on a ray's way: `BVH_STACK` of shaders/ray-tracing.wgsl. No tree is built that needs
-/// more: one by halves over [`MOST_TRIANGLES`] needs 42.
+/// Size of the traversal stack: `BVH_STACK` of shaders/bvh.wgsl. No tree is built that needs more:
+/// median splits over [`MOST_TRIANGLES`] need 42.
 pub const STACK: usize = 64;
 
-/// Triangles of a [`Bvh`], at most.
+/// The greatest number of triangles of a [`Bvh`].
 pub const MOST_TRIANGLES: usize = Child::END as usize;
 
-/// Bytes of a triangle in [`Bvh::triangles_bytes`].
+/// Size of a triangle in [`Bvh::triangles_bytes`], in bytes.
 pub const TRIANGLE_BYTES: u64 = size_of::<BvhTriangle>() as u64;
 
-/// A refitted tree whose cost is more than this times the cost when it was built is rebuilt.
+/// A refitted tree is rebuilt if its cost is more than this times the cost when it was built.
 pub const REBUILD_FACTOR: f64 = 1.5;
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Along the ray, in lengths of its direction.
+    /// Distance along the ray, in units of the length of its direction.
     pub distance: f32,
-    /// Index of the triangle: that of its first index over three.
+    /// Index of the triangle: the position of its first vertex index, divided by three.
     pub triangle: u32,
-    /// Weights of its second and third vertex.
+    /// Barycentric weights of its second and third vertex.
     pub barycentrics: Vec2,
 }
 
-/// What [`Bvh::refit`] did.
+/// The result of [`Bvh::refit`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refit {
-    /// New boxes for the tree as it was.
+    /// The tree is the same, with new boxes.
     Refitted,
-    /// A new tree: nodes may be more or fewer.
+    /// The tree was rebuilt: the number of nodes may differ.
     Rebuilt,
 }
 
 /// A bounding volume hierarchy over triangles.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    /// Children behind their parents.
+    /// The nodes, with children after their parents.
     nodes: Vec<BvhNode>,
-    /// In the order of the leaves.
+    /// The triangles, in the order of the leaves.
     triangles: Vec<BvhTriangle>,
-    /// Their indices, also of those that cannot be hit.
+    /// The indices of the triangles, including those that cannot be hit.
     order: Vec<u32>,
     stack: usize,
     built_cost: f64,
 }
 
 impl Bvh {
-    /// Builds it over triangles of three indices each into `positions`. An index without a position makes its triangle
-    /// one that is never hit.
+    /// Builds a tree over triangles, each given by three indices into `positions`. A triangle with an index
+    /// out of range is never hit.
     ///
     /// # Panics
-    /// Over more than [`MOST_TRIANGLES`].
+    /// Panics for more than [`MOST_TRIANGLES`].
     pub fn build(positions: &[[f32; 3]], indices: &[u32]) -> Bvh {
         let count = indices.len() / 3;
         assert!(count <= MOST_TRIANGLES, "{count} triangles; a hierarchy takes {MOST_TRIANGLES}");
@@ -91,8 +92,8 @@ impl Bvh {
         bvh
     }
 
-    /// Takes the places to which the vertices have moved; the indices are those of [`Bvh::build`]. Builds the
-    /// tree again where its cost has grown by more than [`REBUILD_FACTOR`].
+    /// Updates the tree after vertices have moved; the indices must be those of [`Bvh::build`]. Rebuilds the
+    /// tree if its cost has grown by more than [`REBUILD_FACTOR`].
     pub fn refit(&mut self, positions: &[[f32; 3]], indices: &[u32]) -> Refit {
         for (place, index) in self.triangles.iter_mut().zip(&self.order) {
             *place = triangle(positions, indices, *index);
@@ -105,9 +106,10 @@ impl Bvh {
         Refit::Rebuilt
     }
 
-    /// Boxes from the leaves up.
+    /// Computes the boxes from the leaves up.
     fn fit(&mut self) {
-        // Rounding of what lies in the plane of a box's side: the spacing of floats at the farthest corner.
+        // Boxes are padded for rounding of rays that lie in the plane of a side: by the spacing of floats at
+        // the farthest corner.
         let whole = Bounds::around(self.triangles.iter().map(BvhTriangle::bounds));
         let pad = whole.low.abs().max(whole.high.abs()).max_element() * f32::EPSILON;
         for index in (0..self.nodes.len()).rev() {
@@ -124,7 +126,7 @@ impl Bvh {
         }
     }
 
-    /// Returns the cost of a ray by the surface area heuristic, in tests of a triangle.
+    /// Returns the expected cost of a ray by the surface area heuristic, in units of a ray-triangle test.
     pub fn cost(&self) -> f64 {
         let whole = self.nodes[0].bounds().half_area();
         let node = f64::from(TRAVERSAL_COST);
@@ -136,17 +138,17 @@ impl Bvh {
         cost
     }
 
-    /// Returns the children that wait on a ray's way, at most: no more than [`STACK`].
+    /// Returns the size of the stack that a traversal needs: at most [`STACK`].
     pub fn stack(&self) -> usize {
         self.stack
     }
 
-    /// Returns the nodes as `scene_bvh` of shaders/ray-tracing.wgsl has them.
+    /// Returns the nodes in the layout of `scene_bvh` in shaders/bvh.wgsl.
     pub fn nodes_bytes(&self) -> &[u8] {
         bytemuck::cast_slice(&self.nodes)
     }
 
-    /// Returns the triangles as `scene_bvh_triangles` of shaders/ray-tracing.wgsl has them.
+    /// Returns the triangles in the layout of `scene_bvh_triangles` in shaders/bvh.wgsl.
     pub fn triangles_bytes(&self) -> &[u8] {
         bytemuck::cast_slice(&self.triangles)
     }

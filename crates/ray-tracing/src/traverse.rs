@@ -1,15 +1,16 @@
-//! Rays through the tree: the CPU reference of `shaders/ray-tracing.wgsl`, the same steps in the same order.
+//! Traverses the tree: the CPU reference of `shaders/bvh.wgsl`, with the same steps in the same
+//! order.
 
 use crate::gpu_data::{BvhNode, BvhTriangle, Child, NO_HIT};
 use crate::{Bvh, Hit, STACK};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 
-/// What tests of boxes and triangles need of a ray.
+/// Values of a ray that the tests of boxes and triangles need.
 struct Ray {
     origin: Vec3,
     inverse: Vec3,
-    /// Takes a vertex, seen from the origin, to where the ray is the z axis with its direction's length as
-    /// unit.
+    /// Transforms a vertex, relative to the origin, to a space in which the ray is the z axis, with the
+    /// length of its direction as unit.
     shear: Mat3,
 }
 
@@ -31,7 +32,8 @@ impl Ray {
         Ray { origin, inverse, shear }
     }
 
-    /// Where the ray enters each of four boxes, at least `nearest`; `MISS` where it does not before `farthest`.
+    /// Returns where the ray enters each of four boxes, at least `nearest`; `MISS` if it does not before
+    /// `farthest`.
     fn enter(&self, node: &BvhNode, nearest: f32, farthest: f32) -> Vec4 {
         let (origin, inverse) = (self.origin, self.inverse);
         let (low_x, high_x) = ((node.low_x - origin.x) * inverse.x, (node.high_x - origin.x) * inverse.x);
@@ -63,10 +65,10 @@ impl Ray {
 }
 
 const MISS: f32 = f32::MAX;
-/// Above the rounding of the distances to the sides of a box (Ize 2013).
+/// A factor that covers the rounding of the distances to the sides of a box (Ize 2013).
 const ROUNDING: f32 = 1.0 + 1e-6;
 
-/// On which side of the edge from `a` to `b` the ray passes.
+/// Returns on which side of the edge from `a` to `b` the ray passes.
 fn side(a: Vec3, b: Vec3) -> f32 {
     let swap = a.x > b.x || (a.x == b.x && a.y > b.y);
     let (p, q) = if swap { (b, a) } else { (a, b) };
@@ -75,12 +77,14 @@ fn side(a: Vec3, b: Vec3) -> f32 {
 }
 
 impl Bvh {
-    /// Returns the closest hit in (`nearest`, `farthest`), which count in lengths of `direction`.
+    /// Returns the closest hit with a distance in (`nearest`, `farthest`), in units of the length of
+    /// `direction`.
     pub fn intersect(&self, origin: Vec3, direction: Vec3, nearest: f32, farthest: f32) -> Option<Hit> {
         self.search(origin, direction, nearest, farthest, false)
     }
 
-    /// Returns whether anything is hit in (`nearest`, `farthest`), which count in lengths of `direction`.
+    /// Returns whether anything is hit at a distance in (`nearest`, `farthest`), in units of the length of
+    /// `direction`.
     pub fn occluded(&self, origin: Vec3, direction: Vec3, nearest: f32, farthest: f32) -> bool {
         self.search(origin, direction, nearest, farthest, true).is_some()
     }
@@ -115,7 +119,7 @@ impl Bvh {
                         near.swap(a, b);
                     }
                 }
-                // The nearest is next; of the others, the farthest waits longest.
+                // The nearest box is next; of the others, the farthest is the last to be popped.
                 if near[0].0 < MISS {
                     current = near[0].1;
                     for k in [3, 2, 1] {

@@ -1,4 +1,4 @@
-//! The adapter's own structure for ray queries, over the scene's triangles.
+//! The acceleration structure of the adapter for ray queries, over the scene's triangles.
 
 use executor::wgpu;
 use executor::{Gpu, SceneBinding};
@@ -6,7 +6,7 @@ use scene::{Scene, Vertex};
 
 const NAME: &str = "scene_acceleration";
 
-/// Made when it is first asked for, on adapters that have ray queries.
+/// Built when it is first requested, on adapters that support ray queries.
 #[derive(Debug)]
 pub(crate) struct Acceleration {
     vertices: wgpu::Buffer,
@@ -34,8 +34,8 @@ impl Acceleration {
         scene_bindings.contains(&NAME)
     }
 
-    /// Makes it where it is not there yet, over the vertices as they are now. The executor tells which pass asks an
-    /// adapter for what it has not.
+    /// Builds it if that has not happened yet, over the current vertices. If the adapter has no ray queries,
+    /// the executor reports the pass that requests them.
     pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Option<(&'static str, SceneBinding)> {
         if self.made.is_some() {
             return None;
@@ -52,7 +52,7 @@ impl Acceleration {
         self.stale = true;
     }
 
-    /// Builds it over the vertices as they are now.
+    /// Rebuilds it over the current vertices.
     pub(crate) fn follow(&mut self, gpu: &Gpu) {
         let Some(made) = self.made.as_ref().filter(|_| self.stale) else { return };
         self.stale = false;

@@ -1,6 +1,6 @@
-//! The structs that the application fills and WGSL reads, in the layouts of `shaders/`.
+//! The structs that the application writes and WGSL reads, in the layouts of `shaders/`.
 //!
-//! A test and every load of a shader hold each against the shader's own declaration.
+//! A test, and every load of a shader, compare each with the declaration in the shader.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
@@ -24,7 +24,7 @@ pub(crate) struct Camera {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Frame {
-    /// Frames since the start.
+    /// Number of frames since the start.
     pub index: u32,
     /// Seconds since the start.
     pub time: f32,
@@ -94,7 +94,7 @@ pub(crate) struct LightLayer {
     kind: u32,
 }
 
-/// Returns the layouts that shaders must share.
+/// Returns the layouts of the structs that are shared with shaders.
 pub fn layouts() -> Vec<StructLayout> {
     let named = |mut layout: StructLayout, name: &str| {
         layout.name = name.to_owned();
@@ -220,7 +220,7 @@ impl GpuMaterial {
     }
 }
 
-/// The lights with their header, and the layers of their maps.
+/// Returns the lights with their header, and the layers of their shadow maps.
 pub(crate) fn lights(lights: &[Light], bounds: (Vec3, Vec3)) -> (Vec<u8>, Vec<LightLayer>) {
     let mut layers: Vec<LightLayer> = Vec::new();
     let mut rows: Vec<GpuLight> = Vec::new();
@@ -259,7 +259,7 @@ pub(crate) fn lights(lights: &[Light], bounds: (Vec3, Vec3)) -> (Vec<u8>, Vec<Li
 
 fn light_layers(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> Vec<LightLayer> {
     let extent = (bounds.1 - bounds.0).length();
-    // What is nearer to a light than this lies inside its bulb.
+    // Anything nearer to a light than this lies inside its bulb.
     let near = (extent * 1e-4).max(f32::MIN_POSITIVE * 1e8);
     let perspective = |direction: Vec3, up: Vec3, half_angle: f32| {
         let tan = half_angle.tan();
@@ -289,7 +289,7 @@ fn light_layers(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> Vec<LightLay
     }
 }
 
-/// Axis and up of the six faces: +x −x +y −y +z −z.
+/// Axis and up vector of the six faces: +x −x +y −y +z −z.
 const CUBE_FACES: [(Vec3, Vec3); 6] = [
     (Vec3::X, Vec3::Y),
     (Vec3::NEG_X, Vec3::Y),
@@ -308,7 +308,7 @@ fn infinite_reverse_z(tan: f32, near: f32) -> Mat4 {
     )
 }
 
-/// An orthographic layer around the bounding box, as small as the box allows, a little wider than it.
+/// Returns an orthographic layer around the bounding box, as small as the box allows, with a small margin.
 fn directional_layer(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> LightLayer {
     let direction = light.direction;
     let right = direction.any_orthonormal_vector();
@@ -325,14 +325,14 @@ fn directional_layer(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> LightLa
     let (low, high) = corners
         .map(local)
         .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-    // A box without thickness has maps all the same.
+    // A box without thickness gets maps as well.
     let margin = ((high - low).max_element() * 1e-3).max(f32::MIN_POSITIVE * 1e8);
     let half = (high - low) * 0.5 + margin;
     let center = (high + low) * 0.5;
     let origin = right * center.x + up * center.y + direction * (center.z - half.z);
     let axes =
         Mat4::from_cols(right.extend(0.0), up.extend(0.0), (-direction).extend(0.0), origin.extend(1.0));
-    // z runs from 1 at the origin's plane to 0 at the far side.
+    // z is 1 on the plane of the origin and 0 at the far side.
     let projection = Mat4::from_cols(
         Vec4::new(1.0 / half.x, 0.0, 0.0, 0.0),
         Vec4::new(0.0, 1.0 / half.y, 0.0, 0.0),

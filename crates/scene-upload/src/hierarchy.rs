@@ -1,4 +1,4 @@
-//! The hierarchy over the scene's triangles on the GPU, for passes that trace rays.
+//! The bounding volume hierarchy over the scene's triangles on the GPU, for passes that trace rays.
 
 use crate::buffer;
 use executor::wgpu::{self, BufferUsages};
@@ -9,15 +9,15 @@ use scene::{MovedVertices, Scene};
 const NODES: &str = "scene_bvh";
 const TRIANGLES: &str = "scene_bvh_triangles";
 
-/// Made when it is first asked for.
+/// Built when it is first requested.
 #[derive(Debug, Default)]
 pub(crate) struct Hierarchy {
     made: Option<Made>,
-    /// Whether vertices have moved since it was fitted.
+    /// Whether vertices have moved since it was last updated.
     stale: bool,
 }
 
-/// Globals, and what was made for them.
+/// Names of scene bindings, and the new objects for them.
 type NewBindings = Vec<(&'static str, SceneBinding)>;
 
 #[derive(Debug)]
@@ -32,7 +32,7 @@ impl Hierarchy {
         scene_bindings.contains(&NODES) || scene_bindings.contains(&TRIANGLES)
     }
 
-    /// Makes it where it is not there yet.
+    /// Builds it if that has not happened yet.
     pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Result<NewBindings, ExecutorError> {
         if self.made.is_some() {
             return Ok(Vec::new());
@@ -46,7 +46,7 @@ impl Hierarchy {
         self.stale = true;
     }
 
-    /// Fits it to the vertices that have moved.
+    /// Updates it for vertices that have moved.
     pub(crate) fn follow(
         &mut self,
         gpu: &Gpu,

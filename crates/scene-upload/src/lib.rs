@@ -1,8 +1,9 @@
 //! The scene bindings on the GPU: scene, camera, lights, frame; in the layouts of `shaders/`.
 //!
-//! A [`SceneOnGpu`] holds what all views of a scene share: geometry, materials, textures, and what rays are traced
-//! through. A [`SceneView`] is one view of it: its camera, its frame, and its lights, bound to one executor. Several executors
-//! of one device can so render one scene, by other pipelines, sizes and cameras, after a single upload.
+//! A [`SceneOnGpu`] holds what all views of a scene share: geometry, materials, textures, and the structures
+//! through which rays are traced. A [`SceneView`] is one view of it: its camera, its frame and its lights,
+//! bound to one executor. So several executors on one device can render the same scene, with different
+//! pipelines, sizes and cameras, after a single upload.
 
 mod acceleration;
 mod gpu_data;
@@ -21,7 +22,7 @@ use scene::{Pose, Scene};
 use shared::Wanted;
 use std::sync::Arc;
 
-/// One view of a scene: the buffers that its frames write into, and what they hold.
+/// One view of a scene: the buffers that its frames write into, and their current content.
 #[derive(Debug)]
 pub struct SceneView {
     shared: Arc<SceneOnGpu>,
@@ -29,21 +30,22 @@ pub struct SceneView {
     frame: wgpu::Buffer,
     lights: wgpu::Buffer,
     layers: wgpu::Buffer,
-    /// Bytes as last written, so that what is the same counts as unchanged.
+    /// The bytes that were written last, so that equal bytes count as unchanged.
     camera_bytes: Vec<u8>,
     lights_bytes: (Vec<u8>, Vec<u8>),
-    /// The lights as last seen: where they are the same, their bytes are.
+    /// The lights of the last update: if they are unchanged, so are their bytes.
     seen_lights: Vec<scene::Light>,
     previous_camera: Option<scene::Camera>,
-    /// What the steps of this view's pipeline trace rays through.
+    /// The structures through which the steps of this view's pipeline trace rays.
     wanted: Wanted,
-    /// How often the shared objects had been made, and vertices had moved, when this view last bound and drew them.
+    /// The counters of new shared objects and of movements when this view last bound the objects and ran a
+    /// frame.
     bound: u64,
     seen: u64,
 }
 
 fn buffer(device: &wgpu::Device, label: &str, bytes: &[u8], usage: BufferUsages) -> wgpu::Buffer {
-    // A binding has at least the size of one element of its array.
+    // A binding must be at least as large as one element of its array.
     let size = (bytes.len().max(256) as u64).next_multiple_of(16);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
@@ -59,13 +61,13 @@ fn buffer(device: &wgpu::Device, label: &str, bytes: &[u8], usage: BufferUsages)
 }
 
 impl SceneView {
-    /// Uploads a scene for one view alone and binds it.
+    /// Uploads a scene for a single view, and binds it.
     pub fn upload(executor: &mut Executor, scene: &Scene) -> SceneView {
         let shared = Arc::new(SceneOnGpu::new(executor.gpu(), scene));
         SceneView::new(executor, shared, scene)
     }
 
-    /// Makes a view of a scene that is on the executor's device already, and binds it.
+    /// Creates a view of a scene that is already on the executor's device, and binds it.
     pub fn new(executor: &mut Executor, shared: Arc<SceneOnGpu>, scene: &Scene) -> SceneView {
         let device = executor.gpu().device.clone();
         let (light_bytes, layer_rows) = gpu_data::lights(&scene.lights, scene.bounds());
@@ -89,7 +91,7 @@ impl SceneView {
         view
     }
 
-    /// Binds all of this view, in place of another one that the executor had.
+    /// Binds all objects of this view, in place of those of another view that the executor had.
     pub fn take_over(&mut self, executor: &mut Executor, scene: &Scene) {
         self.bound = 0;
         self.bind(executor);
@@ -105,16 +107,17 @@ impl SceneView {
         }
     }
 
-    /// Binds shared objects that were made since this view last did.
+    /// Binds shared objects that were created since this view last did so.
     fn bind(&mut self, executor: &mut Executor) {
         self.shared.bind(executor, &mut self.bound);
     }
 
-    /// Makes what costs too much to have for every scene and is among `names`, the scene bindings that steps read:
-    /// what rays are traced through. It follows what moves as long as it is requested.
+    /// Creates the scene bindings among `names` that are too expensive to create for every scene: the
+    /// structures through which rays are traced. `names` are the scene bindings that steps read. The
+    /// structures follow moving geometry as long as they are requested.
     ///
     /// # Errors
-    /// Where it is larger than the adapter can bind.
+    /// Fails if one is larger than the adapter can bind.
     pub fn provide(
         &mut self,
         executor: &mut Executor,
@@ -127,10 +130,10 @@ impl SceneView {
         Ok(())
     }
 
-    /// Writes what a frame needs, and says what of it is new.
+    /// Writes the data that a frame needs, and returns what has changed in it.
     ///
     /// # Errors
-    /// As [`SceneView::provide`], where what moves needs more.
+    /// Those of [`SceneView::provide`], if a structure grows as geometry moves.
     pub fn update(
         &mut self,
         executor: &mut Executor,
@@ -170,7 +173,7 @@ impl SceneView {
         Ok(changed)
     }
 
-    /// Writes lights and their layers, into larger buffers where there are more of them than before.
+    /// Writes lights and their layers, into larger buffers if there are more of them than before.
     fn write_lights(&mut self, executor: &mut Executor, (lights, layers): &(Vec<u8>, Vec<u8>)) {
         let gpu = executor.gpu().clone();
         let mut write = |name: &'static str, label, held: &mut wgpu::Buffer, bytes: &[u8]| {

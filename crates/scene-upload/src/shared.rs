@@ -1,4 +1,4 @@
-//! What all views of a scene share on a device.
+//! The objects that all views of a scene share on a device.
 
 use crate::acceleration::Acceleration;
 use crate::gpu_data::{self, GpuMaterial};
@@ -10,10 +10,10 @@ use executor::{Executor, ExecutorError, Gpu, SceneBinding};
 use scene::{MovedVertices, Scene, Vertex};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A scene on a device: geometry, materials, textures, and what rays are traced through. Views share it (see
-/// [`SceneView`](crate::SceneView)).
+/// A scene on a device: geometry, materials, textures, and the structures through which rays are traced.
+/// Views share it (see [`SceneView`](crate::SceneView)).
 ///
-/// Geometry that moves is that of the view whose frame ran last: a view of another time writes it again.
+/// Moving geometry is that of the view whose frame ran last: a view at another time writes it again.
 #[derive(Debug)]
 pub struct SceneOnGpu {
     vertices: wgpu::Buffer,
@@ -22,18 +22,18 @@ pub struct SceneOnGpu {
 
 #[derive(Debug)]
 struct State {
-    /// By the names of globals, each with the number of changes after which it was made.
+    /// By the names of the globals: the objects, each with the value of `made` when it was created.
     scene_bindings: Vec<(&'static str, SceneBinding, u64)>,
-    /// Grows whenever an external is made.
+    /// Increases whenever a scene binding is created.
     made: u64,
     moved: Vec<MovedVertices>,
-    /// Grows whenever vertices move.
+    /// Increases whenever vertices move.
     moves: u64,
     hierarchy: Hierarchy,
     acceleration: Acceleration,
 }
 
-/// What a pipeline traces rays through.
+/// The structures through which a pipeline traces rays.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Wanted {
     pub(crate) hierarchy: bool,
@@ -109,11 +109,11 @@ impl SceneOnGpu {
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        // A panic of another view leaves nothing half done that a later frame does not write again.
+        // If another view panicked, a later frame writes everything again that it left half done.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Binds what was made after the first `bound` changes, and counts on.
+    /// Binds the objects that were created after `bound`, and updates `bound`.
     pub(crate) fn bind(&self, executor: &mut Executor, bound: &mut u64) {
         let state = self.state();
         for (name, external, made) in &state.scene_bindings {
@@ -124,7 +124,8 @@ impl SceneOnGpu {
         *bound = state.made;
     }
 
-    /// Makes what is requested among `scene_bindings` and is not there yet, and says what that is.
+    /// Creates those of the requested `scene_bindings` that do not exist yet. Returns which structures are
+    /// requested.
     pub(crate) fn provide(
         &self,
         gpu: &Gpu,
@@ -147,8 +148,8 @@ impl SceneOnGpu {
         Ok(wanted)
     }
 
-    /// Takes vertices to where they are, and with them what rays are traced through. Returns a number that grows whenever
-    /// vertices move.
+    /// Writes the current positions of moving vertices, and updates the structures through which rays are
+    /// traced. Returns a number that increases whenever vertices move.
     pub(crate) fn follow(
         &self,
         gpu: &Gpu,

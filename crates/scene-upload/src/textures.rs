@@ -1,15 +1,15 @@
-//! The scene's textures as one array with mip levels: every pass, raster or compute, can read any of them on
-//! any adapter, without binding arrays.
+//! The textures of the scene as one array with mip levels: every pass, raster or compute, can read any of
+//! them on any adapter, without binding arrays.
 
 use executor::wgpu;
 use rayon::prelude::*;
 use scene::{Encoding, Texture};
 
-/// The most bytes that the array may take with its mip levels; beyond, its side is halved.
+/// Greatest size of the array with its mip levels, in bytes; the side is halved until it fits.
 const BUDGET: u64 = 512 << 20;
 
-/// Sides of the array's layers: the largest of the textures', a power of two, within the adapter's limits and
-/// the budget.
+/// Returns the side of the array's layers: that of the largest texture, as a power of two, within the
+/// adapter's limits and the budget.
 pub(crate) fn array_side(textures: &[Texture], limit: u32) -> u32 {
     let largest = textures.iter().map(|texture| texture.width.max(texture.height)).max().unwrap_or(1);
     let mut side = largest.next_power_of_two().min(prev_power_of_two(limit));
@@ -23,13 +23,13 @@ fn prev_power_of_two(n: u32) -> u32 {
     1 << n.max(1).ilog2()
 }
 
-/// Views of the array: decoded from sRGB, and as it stands.
+/// Views of the array: decoded from sRGB, and undecoded.
 pub(crate) struct TextureArray {
     pub(crate) color: wgpu::TextureView,
     pub(crate) linear: wgpu::TextureView,
 }
 
-/// Uploads the textures, each stretched over a layer of its own.
+/// Uploads the textures, each stretched to its own layer.
 pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Texture]) -> TextureArray {
     let side = array_side(textures, device.limits().max_texture_dimension_2d);
     let levels = side.ilog2() + 1;
@@ -82,7 +82,7 @@ pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Tex
     }
 }
 
-/// All levels of a texture, RGBA of 8 bits, the finest first.
+/// Returns all mip levels of a texture, RGBA of 8 bits, the finest first.
 fn mip_chain(texture: &Texture, side: u32) -> Vec<Vec<u8>> {
     let base = if texture.width == side && texture.height == side {
         texture.pixels.clone()
@@ -99,7 +99,8 @@ fn mip_chain(texture: &Texture, side: u32) -> Vec<Vec<u8>> {
     chain
 }
 
-/// A texture over a square, colours interpolated in linear light: in their encoding they would come out darker.
+/// Stretches a texture to a square. Colours are interpolated in linear light, since they would become darker
+/// if interpolated in sRGB.
 fn stretch(texture: &Texture, side: u32) -> Vec<u8> {
     let decoded = texture.pixels.iter().enumerate().map(|(i, v)| {
         let value = f32::from(*v) / 255.0;
@@ -115,12 +116,12 @@ fn stretch(texture: &Texture, side: u32) -> Vec<u8> {
     encoded.collect()
 }
 
-/// Whether a channel holds light in the encoding of sRGB: all but alpha.
+/// Returns whether a channel is encoded in sRGB: all channels of a colour texture except alpha.
 fn is_color(encoding: Encoding, channel: usize) -> bool {
     encoding == Encoding::Srgb && channel < 3
 }
 
-/// The mean of each 2×2 texels, of colours in linear light.
+/// Returns the mean of each 2×2 texels, for colours in linear light.
 fn halve(pixels: &[u8], width: u32, encoding: Encoding) -> Vec<u8> {
     let half = (width / 2) as usize;
     let width = width as usize;
@@ -154,7 +155,7 @@ mod tests {
         Texture { name: String::new(), width, height, pixels, encoding, wrap }
     }
 
-    /// The mean light of a checkerboard is ½, which is 188 in sRGB and not 128.
+    /// The mean of a checkerboard is ½ in linear light, which is 188 in sRGB and not 128.
     #[test]
     fn colours_are_mixed_as_light() {
         let (black, white) = ([0, 0, 0, 255], [255; 4]);
@@ -162,7 +163,7 @@ mod tests {
         let stretched = stretch(&texture(3, Encoding::Srgb, row.clone()), 4);
         let light: Vec<f32> =
             stretched.chunks(4).map(|p| metrics::linear_from_srgb(f32::from(p[0]) / 255.0)).collect();
-        // Four texels over three: their centres lie at 1/4 of the way into the neighbours.
+        // Four texels are resampled to three: their centres lie at 1/4 of the distance to the neighbours.
         let expected = [0.0, 0.625, 0.625, 0.0];
         for (found, expected) in light[..4].iter().zip(expected) {
             assert!((found - expected).abs() < 0.01, "{light:?}");

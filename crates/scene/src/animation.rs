@@ -1,22 +1,22 @@
-//! Values that change with time.
+//! Values that change over time.
 
 use glam::{Quat, Vec3};
 
-/// What happens outside a track's keys.
+/// The value of a track outside its keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outside {
-    /// The first and the last key hold.
+    /// The value of the first or last key.
     Hold,
-    /// All is repeated after this many seconds.
+    /// The track repeats with this period \[s\].
     Repeat(f32),
 }
 
-/// How a track goes from key to key.
+/// Interpolation between the keys of a track.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Between<T> {
-    /// The earlier key holds.
+    /// The value of the earlier key.
     Step,
-    /// Linear; along the shorter arc for rotations.
+    /// Linear; for rotations along the shorter arc.
     Linear,
     /// Cubic Hermite, with the slopes \[1/s\] into and out of each key.
     Cubic(Vec<[T; 2]>),
@@ -30,11 +30,11 @@ pub(crate) struct Track<T> {
     pub(crate) outside: Outside,
 }
 
-/// What a track may hold.
+/// A type whose values can be interpolated.
 pub(crate) trait Animated: Copy + PartialEq {
     fn is_finite(self) -> bool;
     fn linear(self, to: Self, t: f32) -> Self;
-    /// `weights` of: this value, its slope, the next value, the next slope.
+    /// Returns the sum, weighted by `weights`, of: this value, its slope, the next value, the next slope.
     fn blend(values: [Self; 4], weights: [f32; 4]) -> Self;
 }
 
@@ -85,8 +85,8 @@ impl Animated for Quat {
 }
 
 impl<T: Animated> Track<T> {
-    /// A track through `keys`, or why there can be none: no keys, or times that do not rise, or numbers that
-    /// are not finite.
+    /// Creates a track through `keys`. Returns the reason as an error if there are no keys, their times do
+    /// not rise, or their numbers are not finite.
     pub(crate) fn new(keys: Vec<(f32, T)>, between: Between<T>, outside: Outside) -> Result<Self, String> {
         if keys.is_empty() {
             return Err("it has no keys".into());
@@ -105,13 +105,13 @@ impl<T: Animated> Track<T> {
         Ok(Track { keys, between, outside })
     }
 
-    /// The value at `time` \[s\].
+    /// Returns the value at `time` \[s\].
     pub(crate) fn at(&self, time: f32) -> T {
         let time = match self.outside {
             Outside::Repeat(period) if period > 0.0 && time.is_finite() => time.rem_euclid(period),
             _ => time,
         };
-        // The first key later than `time`; a time that is no number finds the first key.
+        // The first key later than `time`; if `time` is NaN, this is the first key.
         let next = self.keys.partition_point(|(t, _)| *t <= time);
         let Some(&(t1, after)) = self.keys.get(next) else { return self.keys[self.keys.len() - 1].1 };
         let Some(&(t0, before)) = next.checked_sub(1).and_then(|i| self.keys.get(i)) else { return after };
@@ -134,20 +134,20 @@ impl<T: Animated> Track<T> {
         }
     }
 
-    /// The time of the last key \[s\].
+    /// Returns the time of the last key \[s\].
     pub(crate) fn end(&self) -> f32 {
         self.keys[self.keys.len() - 1].0
     }
 
-    /// Whether the value is not always the same.
+    /// Returns whether the value ever changes.
     pub(crate) fn moves(&self) -> bool {
         self.keys.iter().any(|(_, value)| *value != self.keys[0].1)
     }
 }
 
 impl Track<Vec3> {
-    /// A smooth track: Catmull-Rom for keys at any distances in time. The slope at a key is that from the
-    /// key before it to the key after it; at the ends, that of the only neighbour.
+    /// Creates a smooth track: Catmull-Rom for keys at any times. The slope at a key is that between the keys
+    /// before and after it; at the ends, that to the only neighbour.
     pub(crate) fn smooth(keys: Vec<(f32, Vec3)>, outside: Outside) -> Result<Self, String> {
         let slopes = (0..keys.len())
             .map(|i| {

@@ -1,4 +1,4 @@
-//! Puts models, lights and a camera together to a flat [`Scene`].
+//! Combines models, lights and a camera into a flat [`Scene`].
 
 use std::path::PathBuf;
 
@@ -17,22 +17,22 @@ use crate::scene::{
 };
 use crate::shape::{Shape, usable};
 
-/// Of what a 4 GiB buffer can hold, three quarters: 64 Mi vertices of 48 bytes.
+/// Three quarters of what a 4 GiB buffer can hold: 64 Mi vertices of 48 bytes.
 const MAX_VERTICES: usize = 1 << 26;
 /// 2 GiB of indices.
 const MAX_INDICES: usize = 1 << 29;
-/// The box around a scene that moves is that of this many times, and of the start.
+/// The bounding box of a moving scene is computed at the start and at this many further times.
 const TIMES_OF_BOUNDS: u32 = 64;
 
-/// A scene in the making.
+/// A scene that is being assembled.
 #[derive(Default)]
 pub(crate) struct Assembly {
     pub(crate) name: String,
-    /// What the scene is loaded by.
+    /// The name or path by which the scene is loaded.
     pub(crate) spec: String,
     pub(crate) about: String,
     pub(crate) nodes: Vec<Node>,
-    /// The camera of the description; `near` 0 stands for a ten-thousandth of the extent.
+    /// The camera of the description; if `near` is 0, a ten-thousandth of the scene's extent is used.
     pub(crate) camera: Option<Camera>,
     pub(crate) camera_tracks: Driver,
     pub(crate) lights: Vec<(Light, Driver)>,
@@ -40,7 +40,7 @@ pub(crate) struct Assembly {
     pub(crate) duration: f32,
     pub(crate) repairs: Vec<String>,
     pub(crate) files: Vec<PathBuf>,
-    /// Whether no triangles at all is as it should be.
+    /// Whether a scene without triangles is valid.
     pub(crate) may_be_empty: bool,
     materials: Vec<Material>,
     textures: Vec<Texture>,
@@ -62,7 +62,7 @@ impl Assembly {
         Assembly { name, spec: spec.to_owned(), ..Assembly::default() }
     }
 
-    /// Adds a model below `parent`, with its cameras, and its lights unless they are not wanted.
+    /// Adds a model below `parent`, with its cameras, and with its lights if `with_lights` is set.
     pub(crate) fn place(&mut self, model: Model, parent: Option<usize>, with_lights: bool) {
         let (first_node, first_material) = (self.nodes.len(), self.materials.len() as u32);
         let (first_texture, first_skin) = (self.textures.len() as u32, self.skins.len());
@@ -115,7 +115,7 @@ impl Assembly {
         self.may_be_empty |= model.may_be_empty;
     }
 
-    /// The flat scene.
+    /// Returns the flat scene.
     pub(crate) fn finish(mut self) -> Result<Scene, SceneError> {
         let nodes = std::mem::take(&mut self.nodes);
         let mut motion = Motion { nodes, skins: std::mem::take(&mut self.skins), ..Motion::default() };
@@ -180,7 +180,7 @@ impl Assembly {
             let extent = scene.extent();
             scene.camera.near = if extent > 0.0 { extent * 1e-4 } else { 1e-3 };
         }
-        // What has tracks is at 0 s where its tracks say.
+        // Animated values at 0 s come from their tracks.
         let start = scene.at(0.0);
         (scene.camera, scene.lights) = (start.camera, start.lights);
         scene.hash = hash::scene(&scene);
@@ -189,7 +189,7 @@ impl Assembly {
 }
 
 impl NodeAnimation {
-    /// The time of the last key \[s\].
+    /// Returns the time of the last key \[s\].
     fn end(&self) -> f32 {
         let ends = [
             self.translation.as_ref().map(|t| t.end()),
@@ -201,7 +201,7 @@ impl NodeAnimation {
 }
 
 impl Morph {
-    /// The time of the last key \[s\].
+    /// Returns the time of the last key \[s\].
     fn end(&self) -> f32 {
         self.tracks.iter().map(Track::end).fold(0.0, f32::max)
     }
@@ -215,7 +215,7 @@ struct Flat {
 }
 
 impl Flat {
-    /// Adds a mesh in world space; what it hands back is there for a mesh that moves.
+    /// Adds a mesh in world space; returns its moving form if it moves.
     fn add(
         &mut self,
         placed: &Placed,
@@ -276,9 +276,9 @@ impl Flat {
     }
 }
 
-/// The box around all triangles, wherever they move.
+/// Returns the box around all triangles, at all times.
 fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    // Vertices of no triangle may be anywhere.
+    // Vertices that no triangle uses are ignored.
     let mut used = vec![false; scene.vertices.len()];
     scene.indices.iter().for_each(|i| used[*i as usize] = true);
     let around = |first: usize, vertices: &[Vertex]| {
@@ -296,7 +296,7 @@ fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     around(0, &scene.vertices).into_iter().chain(moved).reduce(join).unwrap_or_default()
 }
 
-/// The box around two.
+/// Returns the box around two boxes.
 fn join(a: (Vec3, Vec3), b: (Vec3, Vec3)) -> (Vec3, Vec3) {
     (a.0.min(b.0), a.1.max(b.1))
 }

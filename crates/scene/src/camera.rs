@@ -3,18 +3,19 @@
 use glam::camera::rh::{proj::directx, view};
 use glam::{Mat4, Vec2, Vec3};
 
-/// A pinhole camera: square pixels, the image's centre on the optical axis, x to the right, row 0 on top.
+/// A pinhole camera: square pixels, the centre of the image on the optical axis, x to the right, row 0 at the
+/// top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The pinhole \[m\].
+    /// Position of the pinhole \[m\].
     pub position: Vec3,
-    /// A point on the optical axis, in front \[m\].
+    /// A point on the optical axis, in front of the camera \[m\].
     pub target: Vec3,
-    /// What is up in the image; neither zero nor along the axis.
+    /// The direction that points up in the image; neither zero nor along the axis.
     pub up: Vec3,
-    /// The whole angle seen from top to bottom \[rad\], in (0, π).
+    /// The whole vertical field of view \[rad\], in (0, π).
     pub vertical_fov: f32,
-    /// Nothing nearer along the axis is seen \[m\], > 0.
+    /// Distance of the near plane along the axis \[m\], > 0.
     pub near: f32,
 }
 
@@ -30,31 +31,33 @@ impl Camera {
         let up = if forward.cross(self.up).length_squared() > 1e-12 * self.up.length_squared() {
             self.up.normalize_or(Vec3::Y)
         } else {
-            // Looking along `up`: any direction across the axis will do, as long as it is always the same.
+            // If `up` is along the axis, any perpendicular direction will do, as long as it is always the
+            // same.
             forward.any_orthonormal_vector()
         };
         view::look_to_mat4(self.position, forward, up)
     }
 
-    /// Returns the matrix from view space to clip space for a frame of `width`/`height` = `aspect`: depth 1 at `near`,
-    /// falling to 0 at infinity.
+    /// Returns the matrix from view space to clip space for a frame with `width`/`height` = `aspect`. Depth
+    /// is 1 at `near` and approaches 0 at infinity.
     pub fn projection(&self, aspect: f32) -> Mat4 {
         directx::perspective_infinite_reverse(self.vertical_fov, aspect, self.near)
     }
 
-    /// Returns [`Camera::projection`] with the picture moved by `offset_px` pixels (x to the right, y down) in a frame
-    /// of `size_px`: for samples at other places of the pixel than its centre.
+    /// Returns [`Camera::projection`] with the picture displaced by `offset_px` pixels (x to the right, y
+    /// down) in a frame of `size_px`: for samples at other positions in the pixel than its centre.
     pub fn projection_offset(&self, size_px: [u32; 2], offset_px: Vec2) -> Mat4 {
         let size = Vec2::new(size_px[0].max(1) as f32, size_px[1].max(1) as f32);
         let mut projection = self.projection(size.x / size.y);
-        // w of clip space is −z of view space, so what is subtracted from z's column is added to x/w and y/w.
+        // w of clip space is −z of view space, so what is subtracted from the column of z is added to x/w and
+        // y/w.
         projection.z_axis.x -= 2.0 * offset_px.x / size.x;
         projection.z_axis.y += 2.0 * offset_px.y / size.y;
         projection
     }
 
-    /// Returns where `point` \[m, world\] falls in a frame of `size_px`, in pixels from the upper left corner (the
-    /// first pixel's centre is (0.5, 0.5)); `None` behind the near plane.
+    /// Returns the position of `point` \[m, world\] in a frame of `size_px`, in pixels from the upper left
+    /// corner (the centre of the first pixel is (0.5, 0.5)); `None` behind the near plane.
     pub fn project(&self, point: Vec3, size_px: [u32; 2]) -> Option<Vec2> {
         let size = Vec2::new(size_px[0].max(1) as f32, size_px[1].max(1) as f32);
         let clip = self.projection(size.x / size.y) * self.view() * point.extend(1.0);
@@ -64,7 +67,7 @@ impl Camera {
         })
     }
 
-    /// A camera that sees the whole box from `min` to `max` from the front, a little from above.
+    /// Returns a camera that sees the whole box from `min` to `max` from the front, slightly from above.
     pub(crate) fn framing(min: Vec3, max: Vec3) -> Camera {
         let vertical_fov = 45.0f32.to_radians();
         let target = (min + max) * 0.5;

@@ -1,53 +1,53 @@
-//! What can be wrong with a scene.
+//! The errors of loading a scene.
 
 use std::io;
 use std::path::PathBuf;
 
 use data_file::Diagnostics;
 
-/// Why a scene could not be loaded.
+/// The reason why a scene could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// There is no such scene or file.
+    /// There is no scene or file with this name.
     #[error("there is no scene `{spec}`{}", did_you_mean(.nearest.as_deref(), .known))]
     NotFound {
         /// What was requested.
         spec: String,
-        /// The nearest of the names of scenes, where one is near.
+        /// The most similar name of a scene, if there is one.
         nearest: Option<String>,
         /// The names of scenes; empty where a glTF file was requested.
         known: Vec<String>,
     },
-    /// The file is there, but cannot be read.
+    /// The file exists, but cannot be read.
     #[error("{}: cannot be read: {error}", .path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's reason.
         error: io::Error,
     },
-    /// The scene description is wrong; each error has its file, line and column.
+    /// The scene description has errors, each with file, line and column.
     #[error("{0}")]
     Description(#[from] Diagnostics),
-    /// The glTF file is wrong.
+    /// The glTF file has an error.
     #[error("{}: {place}: {problem}", .file.display())]
     Gltf {
         /// The file.
         file: PathBuf,
         /// The node, mesh, primitive, accessor, or other part.
         place: String,
-        /// What is wrong there, and what was expected.
+        /// The problem, and what was expected.
         problem: String,
     },
-    /// There is nothing to render. Only the built-in `empty` may be so.
+    /// There is nothing to render. Only the built-in `empty` is allowed to be empty.
     #[error("{file}: the scene has no triangles; an empty scene is available as the built-in `empty`{}", stated(.repairs))]
     Empty {
         /// The file or scene.
         file: String,
-        /// What was repaired or left out before it came to this.
+        /// What was repaired or left out, as a possible cause.
         repairs: Vec<String>,
     },
-    /// The scene does not fit what a GPU can address.
+    /// The scene is larger than a GPU can address.
     #[error("{file}: {problem}")]
     TooLarge {
         /// The file or scene.

@@ -1,12 +1,12 @@
-//! Where scene descriptions come from.
+//! The source of scene descriptions.
 
 use data_file::Files;
 use std::path::PathBuf;
 
-/// The scene descriptions there are, by paths relative to the scenes' folder (`cornell-box.ron`).
+/// Access to the scene descriptions, by paths relative to the scenes' folder (`cornell-box.ron`).
 pub trait SceneFiles: Files {
-    /// The folder on disk from which the geometry files that descriptions name are looked for. The working
-    /// folder unless overridden.
+    /// Returns the folder on disk to which the paths of geometry files in descriptions are relative. The
+    /// default is the working folder.
     fn folder(&self) -> PathBuf {
         PathBuf::new()
     }

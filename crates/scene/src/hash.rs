@@ -1,5 +1,5 @@
-//! A hash of all of a scene that can change a picture: of the data itself, the same on every machine. Names change no
-//! picture, and take no part.
+//! A hash of everything in a scene that can change a picture. It is computed from the data itself, and so is
+//! the same on every machine. Names are left out, since they do not change pictures.
 
 use bytemuck::{Pod, bytes_of, cast_slice};
 use glam::{Affine3A, Quat, Vec3};
@@ -31,7 +31,7 @@ pub(crate) fn scene(scene: &Scene) -> u128 {
     hash.0.digest128()
 }
 
-/// What a hash is made of. Whatever has no fixed size has its length before it, and whatever may be absent a flag.
+/// Computes a hash. A list is preceded by its length, and an optional value by a flag.
 pub(crate) struct Hash(Xxh3);
 
 impl Hash {
@@ -52,7 +52,7 @@ impl Hash {
         items.iter().for_each(|item| add(self, item));
     }
 
-    /// Adds how many there are of something.
+    /// Adds the number of items of a list.
     pub(crate) fn length(&mut self, length: usize) {
         self.value(length as u64);
     }
@@ -124,7 +124,7 @@ impl Hash {
     }
 
     fn node(&mut self, node: &Node) {
-        // The mesh is among the vertices.
+        // The vertices of the mesh are hashed elsewhere.
         let Node { name: _, parent, rest, animation, mesh: _, skin, morph: Morph { rest: weights, tracks } } =
             node;
         self.index(*parent);

@@ -1,11 +1,11 @@
-//! glTF 2.0, `.glb` and `.gltf`, to a [`Model`].
+//! Imports glTF 2.0, `.glb` and `.gltf`, as a [`Model`].
 //!
-//! The `gltf` crate reads the JSON; its own validation and accessor readers are not used, as they panic on
-//! indices and ranges that are wrong. Here every index is looked up and every range checked, and what is
-//! wrong is reported with its place. Read: nodes, meshes, materials (metallic-roughness, KHR_materials_specular,
-//! KHR_materials_emissive_strength), textures, morph targets, skins, perspective cameras, KHR_lights_punctual,
-//! and of the animations the first (what it says of translations, rotations, scales and morph weights): a file
-//! cannot tell which is to play. All surfaces are taken as two-sided.
+//! The `gltf` crate reads the JSON; its own validation and accessor readers are not used, since they panic on
+//! wrong indices and ranges. Here every index is looked up and every range checked, and errors are reported
+//! with their place. What is read: nodes, meshes, materials (metallic-roughness, KHR_materials_specular,
+//! KHR_materials_emissive_strength), textures, morph targets, skins, perspective cameras,
+//! KHR_lights_punctual, and the first of the animations (its translations, rotations, scales and morph
+//! weights), since a file cannot tell which one to play. All surfaces are treated as two-sided.
 
 mod accessor;
 mod deform;
@@ -26,16 +26,16 @@ use self::materials::Materials;
 use crate::error::SceneError;
 use crate::model::Model;
 
-/// Extensions whose content is used.
+/// Extensions that are supported.
 const READ: [&str; 4] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_specular",
-    // Integer positions and the like: accessors are read so in any case.
+    // Integer positions and similar data: accessors are read this way in any case.
     "KHR_mesh_quantization",
 ];
 
-/// A model, and the files besides the first that it came from.
+/// A model, and the other files that were read for it.
 pub(crate) struct Imported {
     pub(crate) model: Model,
     pub(crate) files: Vec<PathBuf>,
@@ -89,7 +89,7 @@ fn wrong(path: &Path, place: impl Into<String>, problem: impl Display) -> SceneE
     SceneError::Gltf { file: path.into(), place: place.into(), problem: problem.to_string() }
 }
 
-/// A file being read.
+/// A file that is being read.
 pub(super) struct Importer<'a> {
     path: &'a Path,
     root: &'a Root,
@@ -103,7 +103,7 @@ impl<'a> Importer<'a> {
         wrong(self.path, place, problem)
     }
 
-    /// The object at `index` of a list of the document.
+    /// Returns the item at `index` of a list in the document.
     fn get<T>(&self, list: &'a [T], index: usize, what: &str, place: &str) -> Result<&'a T, SceneError> {
         list.get(index)
             .ok_or_else(|| self.wrong(place, format!("there is no {what} {index}: there are {}", list.len())))
@@ -145,10 +145,10 @@ impl<'a> Importer<'a> {
         Ok(())
     }
 
-    /// What a URI of the file holds: embedded data, or a file beside it.
+    /// Returns the content behind a URI of the file: embedded data, or another file.
     fn fetch(&mut self, uri: &str) -> Result<Vec<u8>, String> {
         let shown: String = uri.chars().take(80).collect();
-        // The `gltf` crate panics on escapes that make no UTF-8.
+        // The `gltf` crate panics on escapes that are not valid UTF-8.
         let file = unescaped(uri).ok_or_else(|| format!("its URI `{shown}` is not UTF-8"))?;
         let base = self.path.parent().unwrap_or(Path::new(""));
         let data = buffer::Data::from_source(buffer::Source::Uri(uri), Some(base))
@@ -159,7 +159,7 @@ impl<'a> Importer<'a> {
         Ok(data.0)
     }
 
-    /// The bytes of a buffer view.
+    /// Returns the bytes of a buffer view.
     fn view(&self, index: usize, place: &str) -> Result<&[u8], SceneError> {
         let view = self.get(&self.root.buffer_views, index, "buffer view", place)?;
         let buffer = self.buffers.get(view.buffer.value()).ok_or_else(|| {
@@ -184,7 +184,7 @@ impl<'a> Importer<'a> {
     }
 }
 
-/// A URI with its `%xx` escapes replaced, where that makes UTF-8.
+/// Returns a URI with its `%xx` escapes replaced, if the result is UTF-8.
 fn unescaped(uri: &str) -> Option<String> {
     let (mut out, mut rest) = (Vec::with_capacity(uri.len()), uri.as_bytes());
     while let [byte, tail @ ..] = rest {

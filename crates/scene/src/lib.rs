@@ -1,4 +1,4 @@
-//! Scenes: meshes, materials, lights, cameras, and how they move.
+//! Scenes: meshes, materials, lights, cameras, and their animation.
 //!
 //! ```text
 //! scenes/*.ron ─describe─▶ Description ┐
@@ -7,12 +7,12 @@
 //! ```
 //!
 //! A [`Scene`] is flat: one array of vertices in world space and one of indices, ready for upload. Lengths
-//! are metres, angles radians, times seconds; colours are linear Rec. 709; the world is right-handed with
-//! +Y up. Photometric units of glTF's KHR_lights_punctual are read as radiometric ones, channel by channel:
-//! candela as W/sr, lux as W/m².
+//! are in metres, angles in radians, times in seconds; colours are linear Rec. 709; the world is right-handed
+//! with +Y up. Photometric units of glTF's KHR_lights_punctual are read as radiometric units for each
+//! channel: candela as W/sr, lux as W/m².
 //!
-//! Bad input gives a [`SceneError`] that says where and what was expected, or a repair that
-//! [`Scene::repairs`] states; never a panic. Nothing here needs a GPU.
+//! Invalid input gives a [`SceneError`] with the place and what was expected, or a repair that is listed in
+//! [`Scene::repairs`], but never a panic. Nothing here needs a GPU.
 
 mod animation;
 mod assemble;

@@ -1,4 +1,4 @@
-//! From the name of a scene to a [`Scene`].
+//! Loads a [`Scene`] by name or path.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,11 +19,11 @@ use crate::import::import;
 use crate::model::{Model, Node, NodeAnimation, Transform};
 use crate::scene::{Driver, Scene};
 
-/// Loads a scene: the name of one of `files` (`cornell-box`), or the path of a `.ron`, `.glb` or `.gltf`
-/// file, which may also be one of `files`.
+/// Loads a scene: by a name among `files` (`cornell-box`), or by the path of a `.ron`, `.glb` or `.gltf`
+/// file, which may also be among `files`.
 ///
 /// # Errors
-/// See [`SceneError`]. What could be repaired is in [`Scene::repairs`].
+/// See [`SceneError`]. Errors that could be repaired are listed in [`Scene::repairs`].
 pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let path = Path::new(spec);
     let name = path.file_stem().map_or(spec.into(), |stem| stem.to_string_lossy().into_owned());
@@ -48,12 +48,12 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
 /// Returns the `about` line of a scene file, without loading its geometry: for lists of scenes.
 ///
 /// # Errors
-/// As [`load`], of what concerns the description.
+/// Those of [`load`] that concern the description.
 pub fn about(spec: &str, files: &dyn SceneFiles) -> Result<String, SceneError> {
     Ok(parse(&find(spec, files)?.0, None)?.about)
 }
 
-/// The description, the folder its files are looked for in, and its path where it is a file on disk.
+/// Returns the description, the folder of its geometry files, and its path if it is a file on disk.
 fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Option<PathBuf>), SceneError> {
     let path = Path::new(spec);
     if path.extension().is_some_and(|e| e == "ron") {
@@ -81,16 +81,16 @@ fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Opt
     })
 }
 
-/// Named objects: their nodes, and their places where nothing moves them.
+/// Named objects: their nodes, and their transforms if nothing moves them.
 type Objects = BTreeMap<String, (usize, Transform)>;
 
 /// Assembles one description.
 struct Loader<'a> {
     source: &'a Arc<Source>,
     folder: PathBuf,
-    /// Geometry read before, by what names it.
+    /// Geometry that was read before, by its name or path.
     models: BTreeMap<String, Model>,
-    /// What is wrong, as far as it needs the geometry to be told.
+    /// Errors that can be found only with the geometry.
     errors: Vec<Diagnostic>,
 }
 
@@ -116,7 +116,7 @@ impl Loader<'_> {
         assembly.finish()
     }
 
-    /// Places geometry below `parent`; `objects` collects the nodes of named objects.
+    /// Adds geometry below `parent`; `objects` collects the nodes of named objects.
     fn place(
         &mut self,
         assembly: &mut Assembly,
@@ -126,7 +126,7 @@ impl Loader<'_> {
         objects: &mut Objects,
     ) -> Result<(), SceneError> {
         match geometry {
-            // The grammar has told of names that are not built in.
+            // Names that are not built in were reported by the grammar.
             Geometry::BuiltIn(name) => {
                 let model = built_in::make(&name.value).unwrap_or_default();
                 assembly.place(model, parent, with_lights);
@@ -183,7 +183,7 @@ impl Loader<'_> {
             driver.intensity = smooth(keys.intensity);
         }
         for (name, keys) in keyframes.objects {
-            // The grammar has told of names that no object has.
+            // Names that no object has were reported by the grammar.
             let Some((node, base)) = objects.get(&name.value) else { continue };
             let linear = |keys| Track::new(keys, Between::Linear, outside);
             assembly.nodes[*node].animation = Some(NodeAnimation {
@@ -196,7 +196,7 @@ impl Loader<'_> {
         }
     }
 
-    /// A track, where there are keys.
+    /// Returns a track, if there are keys.
     fn track<T: Animated>(
         &mut self,
         place: Place,

@@ -2,39 +2,40 @@
 
 use glam::{Vec3, Vec4};
 
-/// What a surface is made of. Textures multiply the factor beside them.
+/// The material of a surface. Each texture is multiplied by the factor beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// The name in its file.
     pub name: String,
-    /// Albedo of a dielectric, reflectance at normal incidence of a metal; alpha last. Linear, 0..=1.
+    /// Albedo of a dielectric, reflectance at normal incidence of a metal; alpha is the last component.
+    /// Linear, 0..=1.
     pub base_color: Vec4,
     /// Index into [`Scene::textures`](crate::Scene::textures); sRGB.
     pub base_color_texture: Option<u32>,
-    /// Radiance that the surface emits to every side \[W/(m² sr)\], RGB.
+    /// Emitted radiance, the same in all directions \[W/(m² sr)\], RGB.
     pub emission: Vec3,
     /// Index of a texture; sRGB.
     pub emission_texture: Option<u32>,
     /// Reflectance at normal incidence of the dielectric part (F₀), RGB: 0.04 unless KHR_materials_specular
-    /// says other.
+    /// gives another value.
     pub specular: Vec3,
-    /// The share that is metal, 0..=1: its diffuse albedo is `base_color · (1 − metallic)`, its F₀ is
-    /// `base_color`.
+    /// The share that is metal, 0..=1: the diffuse albedo is `base_color · (1 − metallic)`, and F₀ of the
+    /// metal is `base_color`.
     pub metallic: f32,
-    /// Perceived roughness, 0..=1; the microfacet distribution's α is its square.
+    /// Perceptual roughness, 0..=1; α of the microfacet distribution is its square.
     pub roughness: f32,
     /// Index of a texture: roughness in green, metallic in blue; linear.
     pub metallic_roughness_texture: Option<u32>,
     /// Index of a texture of tangent-space normals; linear.
     pub normal_texture: Option<u32>,
-    /// What the x and y of a tangent-space normal are multiplied by.
+    /// Factor of the x and y components of tangent-space normals.
     pub normal_scale: f32,
-    /// Where given, what has less alpha than this is not there.
+    /// Alpha below which the surface is cut out; `None` for opaque surfaces.
     pub alpha_cutoff: Option<f32>,
 }
 
 impl Default for Material {
-    /// A white Lambertian surface.
+    /// Returns a white Lambertian surface.
     fn default() -> Self {
         Material {
             name: String::new(),
@@ -54,13 +55,13 @@ impl Default for Material {
 }
 
 impl Material {
-    /// A Lambertian surface of this albedo.
+    /// Returns a Lambertian surface of this albedo.
     pub(crate) fn matte(name: &str, albedo: [f32; 3]) -> Material {
         Material { name: name.into(), base_color: Vec3::from(albedo).extend(1.0), ..Material::default() }
     }
 
-    /// Returns whether the surface reflects other than as a Lambertian one. A dielectric of roughness 1 counts as
-    /// Lambertian: its specular part is spread over the whole hemisphere.
+    /// Returns whether the surface has specular reflection. A dielectric of roughness 1 counts as Lambertian,
+    /// since its specular reflection is spread over the whole hemisphere.
     pub fn is_glossy(&self) -> bool {
         self.metallic > 0.0 || (self.roughness < 1.0 && self.specular.max_element() > 0.0)
     }
@@ -79,7 +80,8 @@ impl Material {
         [self.base_color_texture, self.emission_texture, self.metallic_roughness_texture, self.normal_texture]
     }
 
-    /// Moves the texture indices, for a material that comes after `offset` textures of other models.
+    /// Adds `offset` to the texture indices, for a material that is appended after `offset` textures of other
+    /// models.
     pub(crate) fn offset_textures(&mut self, offset: u32) {
         for texture in [
             &mut self.base_color_texture,
@@ -95,27 +97,27 @@ impl Material {
     }
 }
 
-/// How a texture's stored numbers are to be read.
+/// The encoding of the values of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Encoding {
-    /// Colours in sRGB; alpha linear.
+    /// Colours in sRGB, with linear alpha.
     Srgb,
-    /// As they stand.
+    /// Linear values.
     Linear,
 }
 
-/// What a texture holds outside 0..1.
+/// The content of a texture outside 0..1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// The same again.
+    /// The texture is repeated.
     Repeat,
-    /// The same again, mirrored every second time.
+    /// The texture is repeated, mirrored every second time.
     Mirror,
-    /// The edge's colour.
+    /// The value at the edge.
     Clamp,
 }
 
-/// An image for materials.
+/// A texture image.
 #[derive(Clone, PartialEq)]
 pub struct Texture {
     /// The name in its file.
@@ -126,9 +128,9 @@ pub struct Texture {
     pub height: u32,
     /// RGBA, 8 bits each, row by row: 4 · width · height bytes.
     pub pixels: Vec<u8>,
-    /// How to read them.
+    /// The encoding of the pixels.
     pub encoding: Encoding,
-    /// What is outside, along u and v.
+    /// The content outside, along u and v.
     pub wrap: [Wrap; 2],
 }
 

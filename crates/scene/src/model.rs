@@ -1,4 +1,4 @@
-//! What an importer or a generator hands over: geometry in its own space, and the nodes that place it.
+//! The output of an importer or a generator: geometry in its own space, and the nodes that place it.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Quat, Vec2, Vec3};
@@ -21,7 +21,7 @@ pub(crate) struct Model {
     pub(crate) lights: Vec<NodeLight>,
     /// What was repaired or left out.
     pub(crate) repairs: Vec<String>,
-    /// Whether no triangles at all is as it should be.
+    /// Whether a model without triangles is valid.
     pub(crate) may_be_empty: bool,
 }
 
@@ -31,7 +31,7 @@ pub(crate) struct Mesh {
     pub(crate) primitives: Vec<Primitive>,
 }
 
-/// Triangles of one material. All arrays of vertices have one length; every index is below it, and the
+/// Triangles of one material. All arrays of vertices have the same length, every index is below it, and the
 /// number of indices is a multiple of three. Numbers need not be finite.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Primitive {
@@ -41,32 +41,33 @@ pub(crate) struct Primitive {
     pub(crate) uvs: Vec<Vec2>,
     pub(crate) indices: Vec<u32>,
     pub(crate) material: u32,
-    /// Whether each triangle has three vertices of its own, in their order, and its own normal.
+    /// Whether each triangle has its own three vertices, in order, and its own normal.
     pub(crate) faceted: bool,
     pub(crate) targets: Vec<MorphTarget>,
-    /// Empty, or of every vertex.
+    /// Empty, or for every vertex.
     pub(crate) influences: Influences,
 }
 
 impl Primitive {
-    /// Whether every vertex has joints to follow.
+    /// Returns whether every vertex has joints to follow.
     pub(crate) fn is_bound(&self) -> bool {
         self.influences.len() == self.positions.len()
     }
 }
 
-/// What is added to each vertex at weight 1; each list may be empty.
+/// The displacement of each vertex at weight 1; each list may be empty.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MorphTarget {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) normals: Vec<Vec3>,
 }
 
-/// What bends a mesh. Joints are nodes; each takes the mesh's space to its own by its inverse bind matrix.
+/// A skin, which bends a mesh. Joints are nodes; each inverse bind matrix transforms from the mesh's space to
+/// that of the joint.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Skin {
     pub(crate) joints: Vec<usize>,
-    /// As many as joints.
+    /// One per joint.
     pub(crate) inverse_binds: Vec<Affine3A>,
 }
 
@@ -74,12 +75,12 @@ pub(crate) struct Skin {
 pub(crate) struct Node {
     pub(crate) name: String,
     pub(crate) parent: Option<usize>,
-    /// To the parent's space, where nothing moves it.
+    /// Transform to the parent's space if nothing moves it.
     pub(crate) rest: Affine3A,
     pub(crate) animation: Option<NodeAnimation>,
     pub(crate) mesh: Option<usize>,
-    /// Places the mesh, instead of the node. Only where every vertex of the mesh has influences, of joints
-    /// that the skin has.
+    /// The skin that places the mesh instead of the node. It is set only if every vertex of the mesh has
+    /// influences, of joints that the skin has.
     pub(crate) skin: Option<usize>,
     pub(crate) morph: Morph,
 }
@@ -87,13 +88,13 @@ pub(crate) struct Node {
 /// The weights of the mesh's morph targets.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Morph {
-    /// Where no track moves them.
+    /// The weights if no track changes them.
     pub(crate) rest: Vec<f32>,
-    /// None, or one a target.
+    /// Empty, or one track per target.
     pub(crate) tracks: Vec<Track<f32>>,
 }
 
-/// Movement of a node; what has no track keeps its part of `base`.
+/// Animation of a node; components without a track keep their value of `base`.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NodeAnimation {
     pub(crate) base: Transform,
@@ -102,7 +103,7 @@ pub(crate) struct NodeAnimation {
     pub(crate) scale: Option<Track<Vec3>>,
 }
 
-/// First scale, then turn, then move.
+/// A transform: scale first, then rotation, then translation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transform {
     pub(crate) translation: Vec3,
@@ -128,7 +129,7 @@ impl Transform {
 }
 
 impl Node {
-    /// To the parent's space at `time` \[s\].
+    /// Returns the transform to the parent's space at `time` \[s\].
     pub(crate) fn local(&self, time: f32) -> Affine3A {
         let Some(animation) = &self.animation else { return self.rest };
         let base = animation.base;
@@ -142,7 +143,7 @@ impl Node {
 }
 
 impl Morph {
-    /// The weights at `time` \[s\].
+    /// Returns the weights at `time` \[s\].
     pub(crate) fn at(&self, time: f32) -> Vec<f32> {
         if self.tracks.is_empty() {
             return self.rest.clone();
@@ -169,7 +170,7 @@ pub(crate) struct NodeLight {
     pub(crate) intensity: Vec3,
 }
 
-/// How much a vertex follows a joint.
+/// The influence of a joint on a vertex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct Influence {
@@ -178,23 +179,23 @@ pub(crate) struct Influence {
     pub(crate) weight: f32,
 }
 
-/// The joints that each vertex follows: at least one each, of weights that sum to 1. Empty for a mesh that
+/// The joints that each vertex follows: at least one each, with weights that sum to 1. Empty for a mesh that
 /// no skin can bend.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Influences {
-    /// Where the influences of each vertex end in `all`.
+    /// The end index in `all` of the influences of each vertex.
     ends: Vec<u32>,
     all: Vec<Influence>,
 }
 
 impl Influences {
-    /// Adds those of the next vertex.
+    /// Adds the influences of the next vertex.
     pub(crate) fn push(&mut self, influences: impl IntoIterator<Item = Influence>) {
         self.all.extend(influences);
         self.ends.push(self.all.len() as u32);
     }
 
-    /// Of how many vertices.
+    /// Returns the number of vertices.
     pub(crate) fn len(&self) -> usize {
         self.ends.len()
     }
@@ -204,13 +205,13 @@ impl Influences {
         &self.all[start as usize..self.ends[vertex] as usize]
     }
 
-    /// Adds all of them.
+    /// Adds all influences to a hash.
     pub(crate) fn hash(&self, hash: &mut Hash) {
         hash.slice(&self.ends);
         hash.slice(&self.all);
     }
 
-    /// Every influence, with its vertex.
+    /// Returns every influence, with the index of its vertex.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Influence)> {
         (0..self.len()).flat_map(|vertex| self.of(vertex).iter().map(move |i| (vertex, i)))
     }

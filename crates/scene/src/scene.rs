@@ -1,4 +1,4 @@
-//! The scene as it is handed to a renderer, and what changes in it with time.
+//! The scene in the form in which a renderer uses it, and its changes over time.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use crate::material::{Material, Texture};
 use crate::model::{Node, Skin};
 use crate::shape::{Placement, Shape, usable};
 
-/// A vertex, as it is uploaded: 48 bytes, in world space. It belongs to one instance and one material.
+/// A vertex in the layout of the GPU: 48 bytes, in world space. It belongs to one instance and one material.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
@@ -22,41 +22,41 @@ pub struct Vertex {
     pub position: [f32; 3],
     /// Index into [`Scene::materials`].
     pub material: u32,
-    /// Shading normal, of length 1, on the side from which the triangle winds counter-clockwise.
+    /// Shading normal, of length 1, on the side from which the triangle is counter-clockwise.
     pub normal: [f32; 3],
     /// Index into [`Scene::instances`].
     pub instance: u32,
-    /// Texture coordinates; v grows downwards, as rows do.
+    /// Texture coordinates; v grows downwards, like rows.
     pub uv: [f32; 2],
     /// Unused; zero.
     pub pad: [f32; 2],
 }
 
-/// One use of a mesh by a node: ranges of the scene's arrays.
+/// One use of a mesh by a node, as ranges of the scene's arrays.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Instance {
-    /// The node's name, or the mesh's.
+    /// The name of the node, or of the mesh.
     pub name: String,
-    /// First of its vertices.
+    /// Index of its first vertex.
     pub first_vertex: u32,
-    /// How many.
+    /// Number of its vertices.
     pub vertex_count: u32,
-    /// First of its indices.
+    /// Index of its first index.
     pub first_index: u32,
-    /// How many; three a triangle.
+    /// Number of its indices; three per triangle.
     pub index_count: u32,
-    /// Whether its vertices are at other places at some times.
+    /// Whether its vertices ever move.
     pub moves: bool,
 }
 
-/// A scene, flat and in world space. All that can move is as it is at 0 s.
+/// A scene, flat and in world space. Everything that moves is in its state at 0 s.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The name of the scene, or the file's without its ending.
+    /// The name of the scene, or of the file without its ending.
     pub name: String,
-    /// What it shows, in a line; empty for a bare glTF file.
+    /// What it shows, in one line; empty for a plain glTF file.
     pub about: String,
-    /// All vertices; those of an instance are neighbours.
+    /// All vertices; those of an instance are contiguous.
     pub vertices: Vec<Vertex>,
     /// Triangles, three indices each into `vertices`, in the order of the instances.
     pub indices: Vec<u32>,
@@ -66,46 +66,47 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// The textures of the materials.
     pub textures: Vec<Texture>,
-    /// The lights; a scene without any is black unless something emits.
+    /// The lights; without any, the scene is black unless something emits.
     pub lights: Vec<Light>,
-    /// The camera of the description, else the file's first, else one that sees everything.
+    /// The camera of the description, otherwise the first of the geometry file, otherwise one that sees
+    /// everything.
     pub camera: Camera,
     /// All cameras of the geometry files, by name.
     pub cameras: Vec<(String, Camera)>,
-    /// Frames per second, for turning the number of a frame into a time; 30 unless the description says.
+    /// Frames per second, to convert frame numbers to times; 30 unless the description gives another rate.
     pub frames_per_second: f32,
-    /// The time of the last key \[s\]; 0 where nothing moves.
+    /// The time of the last key \[s\]; 0 if nothing moves.
     pub duration: f32,
-    /// What was repaired, left out or assumed, a sentence each, for the user to read.
+    /// Repairs, omissions and assumptions of loading, one sentence each, for the user to read.
     pub repairs: Vec<String>,
-    /// What it was loaded by: the name or path that [`load`](crate::load) took.
+    /// The name or path that was passed to [`load`](crate::load).
     pub spec: String,
-    /// The files on disk that were read: those to watch.
+    /// The files on disk that were read, to watch for changes.
     pub files: Vec<PathBuf>,
-    /// A hash of all that can change a picture (xxh3), the same on every machine.
+    /// A hash of everything that can change a picture (xxh3), the same on every machine.
     pub hash: u128,
     pub(crate) bounds: (Vec3, Vec3),
     pub(crate) motion: Motion,
 }
 
-/// What moves, and how.
+/// The moving parts of a scene.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Motion {
-    /// Parents before children.
+    /// The nodes, with parents before children.
     pub(crate) nodes: Vec<Node>,
     pub(crate) camera: Driver,
-    /// As many as lights.
+    /// One per light.
     pub(crate) lights: Vec<Driver>,
     pub(crate) skins: Vec<Skin>,
     pub(crate) meshes: Vec<MovingMesh>,
 }
 
-/// What moves a camera or a light: a node, then tracks of its own, which win.
+/// The animation of a camera or a light: a node, and tracks of its own, which have precedence.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Driver {
     pub(crate) node: Option<usize>,
     pub(crate) position: Option<Track<Vec3>>,
-    /// A camera's target, a light's direction.
+    /// Track of a camera's target, or of a light's direction.
     pub(crate) aim: Option<Track<Vec3>>,
     pub(crate) intensity: Option<Track<Vec3>>,
 }
@@ -116,20 +117,20 @@ pub(crate) struct MovingMesh {
     pub(crate) instance: u32,
     pub(crate) node: usize,
     pub(crate) shape: Shape,
-    /// Whether its triangles wind the other way than in its mesh.
+    /// Whether the winding of its triangles is opposite to that in its mesh.
     pub(crate) mirrors: bool,
 }
 
-/// The scene at one time. (A whole scene's pose, not a skeleton's.)
+/// The state of a scene at one time. (It is the pose of the whole scene, not of a skeleton.)
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
-    /// When \[s\].
+    /// The time \[s\].
     pub time: f32,
-    /// The camera then.
+    /// The camera at this time.
     pub camera: Camera,
-    /// The lights then, in the order of [`Scene::lights`].
+    /// The lights at this time, in the order of [`Scene::lights`].
     pub lights: Vec<Light>,
-    /// The vertices of every instance that moves at some time.
+    /// The vertices of every instance that ever moves.
     pub moved: Vec<MovedVertices>,
     /// Each node's space to world space.
     worlds: Vec<Affine3A>,
@@ -138,20 +139,20 @@ pub struct Pose {
 /// Vertices that replace a range of [`Scene::vertices`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovedVertices {
-    /// The first that is replaced.
+    /// Index of the first vertex that is replaced.
     pub first_vertex: u32,
-    /// The new ones; only position and normal differ.
+    /// The new vertices; only position and normal differ.
     pub vertices: Vec<Vertex>,
 }
 
 /// What differs between two times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
-    /// The camera.
+    /// Whether the camera differs.
     pub camera: bool,
-    /// Any light.
+    /// Whether any light differs.
     pub lights: bool,
-    /// Any vertex.
+    /// Whether any vertex differs.
     pub geometry: bool,
 }
 
@@ -171,7 +172,7 @@ impl PosedLight<'_> {
         Light { name: rest.name.clone(), kind: rest.kind, position, direction, intensity }
     }
 
-    /// Overwrites a light, and allocates nothing where that has the same name.
+    /// Overwrites a light; allocates nothing if that has the same name.
     fn put_into(self, held: &mut Light) {
         held.name.clone_from(&self.rest.name);
         held.kind = self.rest.kind;
@@ -180,9 +181,9 @@ impl PosedLight<'_> {
 }
 
 impl Scene {
-    /// Returns the scene at `time` \[s\]. Keys of a scene file hold outside their range unless it says `repeat`; the
-    /// animation of a glTF file repeats. Meshes follow their nodes, or are bent by morph targets, then by their skins'
-    /// joints. Skips what does not move.
+    /// Returns the state of the scene at `time` \[s\]. The first and last keys of a scene file hold outside
+    /// their range unless it sets `repeat`; the animation of a glTF file repeats. Meshes follow their nodes,
+    /// or are deformed by morph targets, then by the joints of their skins. What does not move is skipped.
     pub fn at(&self, time: f32) -> Pose {
         let (lights, moved, worlds) = (Vec::new(), Vec::new(), Vec::new());
         let mut pose = Pose { time, camera: self.camera, lights, moved, worlds };
@@ -190,8 +191,8 @@ impl Scene {
         pose
     }
 
-    /// Puts the scene at `time` \[s\] into a pose, whatever that was of, and uses its memory again: see [`Scene::at`].
-    /// Allocates nothing where nothing moves and the pose was of this scene.
+    /// Writes the state of the scene at `time` \[s\] into an existing pose, and reuses its memory: see
+    /// [`Scene::at`]. Allocates nothing if nothing moves and the pose was one of this scene.
     pub fn pose(&self, time: f32, pose: &mut Pose) {
         self.motion.put_worlds(time, &mut pose.worlds);
         let worlds = &pose.worlds;
@@ -208,7 +209,7 @@ impl Scene {
         pose.moved.extend(self.moved_at(time, worlds));
     }
 
-    /// Returns what differs between two times, without making vertices.
+    /// Returns what differs between two times, without computing vertices.
     pub fn changes(&self, from: f32, to: f32) -> Changes {
         let (a, b) = (self.motion.worlds(from), self.motion.worlds(to));
         Changes {
@@ -220,23 +221,24 @@ impl Scene {
         }
     }
 
-    /// Returns the time at which frame number `frame` is \[s\].
+    /// Returns the time of frame number `frame` \[s\].
     pub fn frame_time(&self, frame: u32) -> f32 {
         frame as f32 / self.frames_per_second
     }
 
-    /// Returns how many triangles there are.
+    /// Returns the number of triangles.
     pub fn triangles(&self) -> usize {
         self.indices.len() / 3
     }
 
-    /// Returns the least and the greatest corner of the box around all triangles \[m\]; both zero where there are none.
-    /// What moves counts wherever it is at 65 times from 0 s to the end of the movement.
+    /// Returns the minimum and the maximum corner of the box around all triangles \[m\]; both are zero if
+    /// there are none. For moving triangles, it contains their positions at 65 times from 0 s to the end of
+    /// the animation.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds
     }
 
-    /// Returns the diagonal of [`Scene::bounds`] \[m\]: the scale that tolerances go by.
+    /// Returns the diagonal of [`Scene::bounds`] \[m\], to which tolerances are proportional.
     pub fn extent(&self) -> f32 {
         let (min, max) = self.bounds();
         (max - min).length()
@@ -247,7 +249,7 @@ impl Scene {
         self.areas().sum()
     }
 
-    /// The area of each triangle at 0 s \[m²\].
+    /// Returns the area of each triangle at 0 s \[m²\].
     fn areas(&self) -> impl Iterator<Item = f64> {
         self.indices.chunks_exact(3).map(|triangle| {
             let [a, b, c] =
@@ -256,12 +258,12 @@ impl Scene {
         })
     }
 
-    /// Returns the running sum of the triangles' areas at 0 s in fixed point, for drawing triangles in proportion to
-    /// their area: `triangles + 1` entries, the first 0, entry i the area of the first i triangles over the whole area,
-    /// times 2³², rounded, and at most `u32::MAX`.
+    /// Returns the cumulative areas of the triangles at 0 s in fixed point, for sampling triangles in
+    /// proportion to their area: `triangles + 1` entries, of which the first is 0, and entry i is the area of
+    /// the first i triangles divided by the whole area, times 2³², rounded, and at most `u32::MAX`.
     ///
-    /// For a random number u in 0..2³², triangle i is drawn where `table[i] <= u < table[i + 1]`; triangles
-    /// without area are never drawn. Where the whole area is 0, every triangle counts alike.
+    /// For a random number u in 0..2³², triangle i is sampled if `table[i] <= u < table[i + 1]`; triangles
+    /// without area are never sampled. If the whole area is 0, all triangles are equally likely.
     pub fn area_table(&self) -> Vec<u32> {
         let total = self.area();
         let count = self.triangles() as f64;
@@ -269,13 +271,14 @@ impl Scene {
         std::iter::once(0)
             .chain(self.areas().map(|area| {
                 sum += if total > 0.0 { area / total } else { 1.0 / count };
-                // `as` saturates at u32::MAX, which the last entry is to be.
+                // `as` saturates at u32::MAX, the required value of the last entry.
                 (sum * 4_294_967_296.0).round() as u32
             }))
             .collect()
     }
 
-    /// Returns what the scene holds, for the switches of a pipeline. Booleans `textured`, `glossy`, `emissive`,
+    /// Returns the traits of the scene, for the switches of a pipeline. Booleans are `textured`, `glossy`,
+    /// `emissive`,
     /// `masked` (of the materials that triangles have), `environment`, `moving_camera`, `moving_lights`,
     /// `moving_geometry`; integers `lights`, `spot_lights`, `point_lights`, `directional_lights`, `light_layers`
     /// (the sum of [`Light::layers`]), `triangles`.
@@ -283,7 +286,7 @@ impl Scene {
         self.traits_with(&self.lights)
     }
 
-    /// Returns the traits that the scene has with `lights` in place of its own.
+    /// Returns the traits of the scene with `lights` in place of its own.
     pub fn traits_with(&self, lights: &[Light]) -> Traits {
         let mut used = vec![false; self.materials.len()];
         self.indices.iter().for_each(|i| used[self.vertices[*i as usize].material as usize] = true);
@@ -347,7 +350,7 @@ impl Scene {
             if let Some(track) = &driver.aim {
                 light.direction = track.at(time).normalize_or(light.direction);
             }
-            // A cubic track can dip below zero between its keys.
+            // A cubic track can fall below zero between its keys.
             let intensity = driver.intensity.as_ref().map_or(light.intensity, |track| track.at(time));
             light.intensity = intensity.max(Vec3::ZERO);
             let finite = light.position.is_finite() && light.direction.is_finite();
@@ -355,7 +358,7 @@ impl Scene {
         })
     }
 
-    /// The vertices of every instance that moves.
+    /// Returns the vertices of every instance that moves.
     pub(crate) fn moved_at(&self, time: f32, worlds: &[Affine3A]) -> impl Iterator<Item = MovedVertices> {
         self.motion.meshes.iter().map(move |mesh| {
             let first_vertex = self.instances[mesh.instance as usize].first_vertex;
@@ -373,7 +376,7 @@ impl Scene {
 }
 
 impl Motion {
-    /// Each node's space to world space at `time` \[s\].
+    /// Returns the transform from each node's space to world space at `time` \[s\].
     pub(crate) fn worlds(&self, time: f32) -> Vec<Affine3A> {
         let mut worlds = Vec::with_capacity(self.nodes.len());
         self.put_worlds(time, &mut worlds);
@@ -389,11 +392,12 @@ impl Motion {
         }
     }
 
-    /// Where the mesh of a node is at `time` \[s\], given all nodes' places then.
+    /// Returns the placement of a node's mesh at `time` \[s\], given the transforms of all nodes at that
+    /// time.
     pub(crate) fn placement(&self, node: usize, time: f32, worlds: &[Affine3A]) -> Placement {
         let weights = self.nodes[node].morph.at(time);
         match self.nodes[node].skin.map(|skin| &self.skins[skin]) {
-            // glTF 2.0, §3.7.3.3: the transform of a skinned mesh's own node counts for nothing.
+            // glTF 2.0, §3.7.3.3: the transform of the node of a skinned mesh is ignored.
             Some(skin) => Placement {
                 world: Affine3A::IDENTITY,
                 joints: skin
@@ -408,7 +412,7 @@ impl Motion {
         }
     }
 
-    /// Whether the mesh of a node is ever elsewhere, or bent otherwise, than at 0 s.
+    /// Returns whether the mesh of a node is ever placed or deformed otherwise than at 0 s.
     pub(crate) fn mesh_moves(&self, node: usize) -> bool {
         let Node { skin, morph, .. } = &self.nodes[node];
         morph.tracks.iter().any(Track::moves)
@@ -418,7 +422,7 @@ impl Motion {
             }
     }
 
-    /// Whether a node is ever elsewhere than at 0 s.
+    /// Returns whether a node ever has another transform than at 0 s.
     pub(crate) fn node_moves(&self, mut node: usize) -> bool {
         loop {
             if let Some(animation) = &self.nodes[node].animation {
@@ -441,7 +445,7 @@ impl Motion {
     }
 }
 
-/// Where a node is, and its −z axis.
+/// Returns the position of a node, and its −z axis.
 pub(crate) fn place_and_direction(world: &Affine3A) -> (Vec3, Vec3) {
     (world.translation.into(), Vec3::from(-world.matrix3.z_axis).normalize_or(Vec3::NEG_Z))
 }

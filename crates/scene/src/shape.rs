@@ -1,4 +1,4 @@
-//! Shapes: vertices in their mesh's space, and how morph targets, then joints or a node take them to the world.
+//! Shapes: vertices in the space of their mesh, and their deformation and transform to the world.
 
 use std::ops::Range;
 
@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use crate::hash::Hash;
 use crate::model::{Influences, Mesh, Primitive};
 
-/// Fewer vertices than this are not worth a thread of their own.
+/// With fewer vertices than this, a separate thread does not pay off.
 const VERTICES_A_TASK: usize = 8192;
 
-/// What a morph target adds to a vertex at weight 1.
+/// The displacement of a vertex by a morph target at weight 1.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 struct Displacement {
@@ -27,26 +27,26 @@ pub(crate) struct Shape {
     positions: Vec<Vec3>,
     /// Unit vectors.
     normals: Vec<Vec3>,
-    /// Vertices of which each three in a row are a triangle shaded flat.
+    /// Ranges of vertices in which every three consecutive ones are a flat-shaded triangle.
     faceted: Vec<Range<usize>>,
-    /// Of each morph target, the vertices that it moves.
+    /// For each morph target, the vertices that it moves.
     targets: Vec<Vec<Displacement>>,
     influences: Influences,
 }
 
-/// Where a shape is, and how it is bent.
+/// The transform and deformation of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Placement {
-    /// The mesh's space to world space; the identity where joints take over.
+    /// Transform from the mesh's space to world space; the identity if joints are used instead.
     pub(crate) world: Affine3A,
-    /// The mesh's space to world space as each joint has it; empty without a skin.
+    /// Transform from the mesh's space to world space for each joint; empty without a skin.
     pub(crate) joints: Vec<Affine3A>,
-    /// Of the morph targets.
+    /// Weights of the morph targets.
     pub(crate) weights: Vec<f32>,
 }
 
 impl Shape {
-    /// The vertices of all primitives, one primitive after the other.
+    /// Collects the vertices of all primitives, one primitive after the other.
     pub(crate) fn new(mesh: &Mesh) -> Shape {
         let mut shape = Shape::default();
         let count = mesh.primitives.iter().map(|p| p.targets.len()).max().unwrap_or(0);
@@ -75,12 +75,12 @@ impl Shape {
         shape
     }
 
-    /// How many vertices there are.
+    /// Returns the number of vertices.
     pub(crate) fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// Whether most of the shape is mirrored.
+    /// Returns whether most of the shape is mirrored.
     pub(crate) fn mirrors(&self, placement: &Placement) -> bool {
         if placement.joints.is_empty() {
             return Normals::new(&placement.world).mirrors;
@@ -89,9 +89,9 @@ impl Shape {
         2 * (0..self.len()).filter(mirrored).count() > self.len()
     }
 
-    /// Position and unit normal of each vertex in world space. Positions need not be finite. With `mirrors`,
-    /// triangles wind the other way there than in the mesh, and normals stay on the side from which they wind
-    /// counter-clockwise.
+    /// Returns position and unit normal of each vertex in world space. Positions need not be finite. With
+    /// `mirrors`, the winding of triangles in world space is opposite to that in the mesh, and normals stay
+    /// on the side from which triangles are counter-clockwise.
     pub(crate) fn posed(&self, placement: &Placement, mirrors: bool) -> Vec<(Vec3, Vec3)> {
         let morphed = self.morphed(&placement.weights);
         let (positions, normals) = match &morphed {
@@ -113,7 +113,7 @@ impl Shape {
             });
             bent.collect()
         };
-        // A rigid triangle's normal needs no correction.
+        // The normal of a rigid triangle needs no correction.
         if morphed.is_some() || !placement.joints.is_empty() {
             for range in &self.faceted {
                 posed[range.clone()].chunks_exact_mut(3).for_each(|triangle| facet(triangle, mirrors));
@@ -122,7 +122,7 @@ impl Shape {
         posed
     }
 
-    /// Positions and normals with the morph targets added; `None` where none has a weight.
+    /// Returns positions and normals with the morph targets added; `None` if all weights are 0.
     fn morphed(&self, weights: &[f32]) -> Option<(Vec<Vec3>, Vec<Vec3>)> {
         let targets = || self.targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0);
         targets().next()?;
@@ -140,7 +140,7 @@ impl Shape {
         Some((positions, normals))
     }
 
-    /// The mean of its joints' transforms, by weight: linear blend skinning.
+    /// Returns the mean of the transforms of the joints of a vertex, by weight: linear blend skinning.
     fn bent(&self, vertex: usize, joints: &[Affine3A]) -> Affine3A {
         let none = Affine3A { matrix3: Mat3A::ZERO, translation: Vec3A::ZERO };
         self.influences.of(vertex).iter().fold(none, |sum, influence| {
@@ -152,7 +152,7 @@ impl Shape {
         })
     }
 
-    /// Adds all that it holds.
+    /// Adds the content of the shape to a hash.
     pub(crate) fn hash(&self, hash: &mut Hash) {
         let Shape { positions, normals, faceted, targets, influences } = self;
         hash.slice(positions);
@@ -166,7 +166,7 @@ impl Shape {
     }
 }
 
-/// Gives a triangle its own normal, where it has one.
+/// Sets the normals of a triangle to its own, if it has one.
 fn facet(triangle: &mut [(Vec3, Vec3)], mirrors: bool) {
     let [a, b, c] = [0, 1, 2].map(|i| triangle[i].0);
     let sign = if mirrors { -1.0 } else { 1.0 };
@@ -175,12 +175,12 @@ fn facet(triangle: &mut [(Vec3, Vec3)], mirrors: bool) {
     }
 }
 
-/// Whether a position can be computed with: finite, and its square is too.
+/// Returns whether a position is usable in computations: finite, with a finite square.
 pub(crate) fn usable(position: Vec3) -> bool {
     position.abs().max_element() < 1e18
 }
 
-/// Takes normals to world space, also through mirrors and unequal scales.
+/// Transforms normals to world space, also for mirrors and non-uniform scales.
 struct Normals {
     cofactors: [Vec3; 3],
     /// Whether the transform mirrors.
@@ -190,15 +190,15 @@ struct Normals {
 impl Normals {
     fn new(world: &Affine3A) -> Normals {
         let [x, y, z] = [world.matrix3.x_axis, world.matrix3.y_axis, world.matrix3.z_axis].map(Vec3::from);
-        // The matrix of cofactors is det · inverse transpose, and exists where the inverse does not. It is
-        // scaled down first, as its entries are products.
+        // The matrix of cofactors is det · inverse transpose, and exists even if the inverse does not. The
+        // matrix is scaled down before, since the cofactors are products of its entries.
         let scale = x.abs().max(y.abs()).max(z.abs()).max_element().max(f32::MIN_POSITIVE).recip();
         let [x, y, z] = [x, y, z].map(|axis| axis * scale);
         let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
         Normals { cofactors: [yz, zx, xy], mirrors: x.dot(yz) < 0.0 }
     }
 
-    /// The cross product of two edges goes as the cofactors do; `mirrors` turns it around.
+    /// The cross product of two edges is transformed by the cofactors; `mirrors` reverses it.
     fn to_world(&self, normal: Vec3, mirrors: bool) -> Vec3 {
         let [x, y, z] = self.cofactors;
         let normal = if mirrors { -normal } else { normal };

@@ -1,16 +1,17 @@
-//! Equal time: the integer that makes a frame take a given number of milliseconds.
+//! Equal time: finds the integer value of a setting with which a frame takes a given number of milliseconds.
 
 use frame_graph::{Setting, Value, ValueType};
 
-/// How near is near enough.
+/// Relative deviation from the budget at which a search has converged.
 const TOLERANCE: f64 = 0.05;
 const MOST_PROBES: usize = 8;
-/// The largest step up, as a factor: a guess from one slow probe shall not ask for a million lights.
+/// The largest factor by which a value is raised at once: one slow probe must not lead to a guess of a
+/// million lights.
 const LARGEST_STEP: f64 = 8.0;
-/// Where a setting has no greatest value.
+/// Upper limit for settings without a maximum.
 const LARGEST: i64 = 1 << 20;
 
-/// What a search came to.
+/// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Found {
     pub(crate) value: i64,
@@ -18,13 +19,13 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// Whether it is within 5 % of the budget.
+    /// Returns whether the cost is within 5 % of the budget.
     pub(crate) fn meets(&self, ms: f64) -> bool {
         (self.ms / ms - 1.0).abs() <= TOLERANCE
     }
 }
 
-/// The values that a setting may take, in rising order: a range, or choices.
+/// The values that a setting may take, in ascending order: a range, or choices.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Domain {
     Range(i64, i64),
@@ -48,7 +49,7 @@ impl Domain {
         Domain::Range(min.ceil() as i64, max.floor().min(LARGEST as f64) as i64)
     }
 
-    /// First and last place.
+    /// Returns the first and last position.
     fn bounds(&self) -> (i64, i64) {
         match self {
             Domain::Range(min, max) => (*min, *max.max(min)),
@@ -71,12 +72,13 @@ impl Domain {
     }
 }
 
-/// Searches the value at which `cost` is nearest to `ms`, beginning at `start`: the secant through the two nearest
-/// probes, within what is known to be too cheap and too dear, at most eight probes. `cost` rises with the value, noise
-/// apart. A value that cannot be run counts as too dear.
+/// Searches for the value at which `cost` is nearest to `ms`, beginning at `start`. Each guess is that of the
+/// secant through the two nearest probes, within the values that are not yet known to be too cheap or too
+/// expensive; there are at most eight probes. `cost` must rise with the value, up to noise. A value that
+/// cannot be run counts as too expensive.
 ///
 /// # Errors
-/// What `cost` said, where no value can be run.
+/// The error of `cost`, if no value can be run.
 pub(crate) fn search(
     domain: &Domain,
     start: i64,
@@ -85,7 +87,7 @@ pub(crate) fn search(
 ) -> Result<Found, String> {
     let (min, max) = domain.bounds();
     let mut at = domain.place(start).clamp(min, max);
-    // The nearest first.
+    // Sorted, the nearest first.
     let mut probes: Vec<(i64, f64)> = Vec::new();
     let mut between = Between { low: min, high: max };
     let mut refusal = String::new();
@@ -113,7 +115,7 @@ pub(crate) fn search(
     probes.first().map(|(at, ms)| Found { value: domain.value(*at), ms: *ms }).ok_or(refusal)
 }
 
-/// The places that are not known to be too cheap or too dear; never empty.
+/// The positions that are not known to be too cheap or too expensive; never empty.
 #[derive(Clone, Copy, Debug)]
 struct Between {
     low: i64,
@@ -121,13 +123,13 @@ struct Between {
 }
 
 impl Between {
-    /// Where the cost is `ms`, by the two probes that were nearest.
+    /// Returns the position at which the cost should be `ms`, by the two nearest probes.
     fn guess(self, probes: &[(i64, f64)], ms: f64) -> i64 {
         let guess = match probes {
             [(a, a_ms), (b, b_ms), ..] if (b_ms - a_ms) / (b - a) as f64 > 0.0 => {
                 *a as f64 + (ms - a_ms) * (b - a) as f64 / (b_ms - a_ms)
             }
-            // One probe says no more than that cost is at most proportional.
+            // With one probe, the cost is taken to be at most proportional to the value.
             [(at, found)] => (*at).max(1) as f64 * ms / found,
             _ => self.low.midpoint(self.high) as f64,
         };
@@ -169,7 +171,7 @@ mod tests {
         assert_eq!((found.value, found.meets(5.0)), (1, false));
         let (found, _) = counted(&domain, 256, 50.0, cost);
         assert_eq!((found.value, found.meets(50.0)), (512, false));
-        // Of choices, the nearer one: 3.2 is nearer to 5 than 12.8.
+        // Among choices, the nearer one: 3.2 is nearer to 5 than 12.8.
         let choices = Domain::Choices(vec![32, 64, 128, 256]);
         let (found, _) = counted(&choices, 256, 5.0, |n| (n * n) as f64 * 1e-3 * 0.78125);
         assert_eq!(found.value, 64);

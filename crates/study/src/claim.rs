@@ -1,26 +1,26 @@
-//! Whether what a paper says holds of what was measured.
+//! Checks whether the measurements of a study agree with the claims of its paper.
 
 use crate::description::{Claim, Pick, Pins, Relation};
 use crate::interval::Interval;
 use crate::record::{AxisValue, Cell, ClaimRecord, Outcome, PickRecord, RelationRecord, Results};
 use std::collections::BTreeMap;
 
-/// What came of a claim on a scene.
+/// The result of a claim for one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding<'a> {
     /// The claim.
     pub claim: &'a ClaimRecord,
     /// The scene.
     pub scene: &'a str,
-    /// Mean of the measure over the cells of each pick, in the order of [`RelationRecord::picks`]; `None` where no
-    /// cell has it.
+    /// Mean of the measure over the cells of each pick, in the order of [`RelationRecord::picks`]; `None` if
+    /// no cell has the measure.
     pub means: Vec<Option<f64>>,
-    /// Whether it holds; `None` where that was not measured.
+    /// Whether the claim holds; `None` if that was not measured.
     pub holds: Option<bool>,
 }
 
 impl Finding<'_> {
-    /// Returns the ratio of two means; `None` for an order, and where the denominator is not above 0.
+    /// Returns the ratio of the two means; `None` for an order, and if the denominator is not above 0.
     pub fn ratio(&self) -> Option<f64> {
         match (&self.claim.relation, self.means.as_slice()) {
             (RelationRecord::Ratio { .. }, [Some(of), Some(to)]) if *to > 0.0 => Some(of / to),
@@ -30,8 +30,8 @@ impl Finding<'_> {
 }
 
 impl Results {
-    /// Returns what came of each claim on each scene that it is about, in the order of the study. Means are over all
-    /// finished cells that have the measure.
+    /// Returns the result of each claim for each scene that it is about, in the order of the study. Means are
+    /// over all finished cells that have the measure.
     pub fn findings(&self) -> Vec<Finding<'_>> {
         let mut findings = Vec::new();
         for claim in &self.study.claims {
@@ -72,13 +72,13 @@ impl Results {
     }
 }
 
-/// Whether a cell has these values; an axis that its pipeline does not have may be anywhere.
+/// Returns whether a cell has these values; an axis that its pipeline does not have matches any value.
 fn lies_at(cell: &Cell, at: &BTreeMap<String, AxisValue>) -> bool {
     at.iter().all(|(axis, value)| cell.axes.get(axis).is_none_or(|own| own == value))
 }
 
 impl RelationRecord {
-    /// Returns whose means are compared, in the order of the text.
+    /// Returns the picks whose means are compared, in the order of the text.
     pub fn picks(&self) -> Vec<&PickRecord> {
         match self {
             RelationRecord::Order(rising) => rising.iter().collect(),
@@ -88,7 +88,7 @@ impl RelationRecord {
 }
 
 impl Claim {
-    /// As a study's record keeps it.
+    /// Converts the claim to its form in the study's record.
     pub(crate) fn record(&self) -> ClaimRecord {
         let values =
             |at: &Pins| at.iter().map(|(axis, value)| (axis.value.clone(), value.value.clone())).collect();

@@ -1,10 +1,10 @@
-//! The time of day, as records keep it.
+//! The time of day, as records store it.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Now, RFC 3339 in UTC: `2026-11-21T13:52:39Z`.
+/// Returns the current time, RFC 3339 in UTC: `2026-11-21T13:52:39Z`.
 pub(crate) fn now() -> String {
-    // A clock before 1970 is wrong by more than its text could say.
+    // A clock before 1970 counts as 1970.
     format(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs()))
 }
 

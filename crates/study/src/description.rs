@@ -1,4 +1,4 @@
-//! A study as its file says it.
+//! The description of a study, as its file states it.
 
 mod claim;
 mod consistency;
@@ -16,7 +16,7 @@ pub use claim::{Claim, Pick, Pins, Relation};
 pub struct At<T> {
     /// The value.
     pub value: T,
-    /// Where it stands.
+    /// Its place in the file.
     pub span: Span,
 }
 
@@ -27,7 +27,7 @@ pub struct Study {
     pub source: Arc<Source>,
     /// Name of the file, without its ending.
     pub name: String,
-    /// What it shows, in a line.
+    /// What it shows, in one line.
     pub about: String,
     /// The paper's table or figure.
     pub paper: String,
@@ -35,17 +35,17 @@ pub struct Study {
     pub scenes: Vec<At<String>>,
     /// The pipelines.
     pub pipelines: Pipelines,
-    /// The output that is judged.
+    /// The output that is measured.
     pub output: At<String>,
     /// Size of frames \[px\].
     pub size: (u32, u32),
     /// Number of the first frame that runs, warm-up included.
     pub first_frame: u32,
-    /// Number of the frame in which the light jumps, for the measure `lag`.
+    /// Number of the frame in which the light changes suddenly, for the measure `lag`.
     pub jump: Option<At<u32>>,
     /// Values for all pipelines.
     pub set: Vec<Set>,
-    /// What varies: the cells are the product of the groups.
+    /// The axes: the cells are the product of the groups.
     pub vary: Vec<Group>,
     /// How much each cell may spend.
     pub budget: Budget,
@@ -55,24 +55,24 @@ pub struct Study {
     pub seeds: Vec<u32>,
     /// The measures, in order.
     pub measures: Vec<At<Measure>>,
-    /// Passes whose GPU time is taken together, in order.
+    /// Groups of passes whose GPU times are added up, in order.
     pub phases: Vec<Phase>,
     /// What errors are measured against.
     pub reference: Reference,
-    /// What the paper says of the measures, in order.
+    /// The claims of the paper on the measures, in order.
     pub claims: Vec<Claim>,
 }
 
 /// The pipelines of a study.
 #[derive(Clone, Debug)]
 pub enum Pipelines {
-    /// These.
+    /// The listed ones.
     These(Vec<Variant>),
-    /// All that there are and that have the output, except these.
+    /// All pipelines that have the output, except these.
     All {
-        /// Left out.
+        /// The excluded ones.
         except: Vec<At<String>>,
-        /// Where it stands.
+        /// Its place in the file.
         span: Span,
     },
 }
@@ -80,7 +80,7 @@ pub enum Pipelines {
 /// A pipeline with values of its own.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// As tables name it.
+    /// The name in tables.
     pub name: At<String>,
     /// Name or path of the pipeline.
     pub pipeline: At<String>,
@@ -88,30 +88,30 @@ pub struct Variant {
     pub set: Vec<Set>,
 }
 
-/// Passes whose GPU time is taken together.
+/// Passes whose GPU times are added up.
 #[derive(Clone, Debug)]
 pub struct Phase {
-    /// As tables name it.
+    /// The name in tables.
     pub name: At<String>,
-    /// Passes; a sub-graph stands for all passes in it.
+    /// Names of passes; the name of a sub-graph stands for all passes in it.
     pub passes: Vec<At<String>>,
 }
 
 /// A value for a parameter or a setting.
 #[derive(Clone, Debug)]
 pub struct Set {
-    /// `parameter`, `part.parameter` or `pass.setting`.
+    /// `parameter`, `sub-graph.parameter` or `pass.setting`.
     pub path: At<String>,
     /// The value.
     pub value: At<AxisValue>,
-    /// Whether pipelines that have no such path go without it.
+    /// Whether the value is left out for pipelines that have no such path.
     pub optional: bool,
 }
 
-/// An axis.
+/// An axis: a path and the values that it takes.
 #[derive(Clone, Debug)]
 pub struct Vary {
-    /// `parameter`, `part.parameter`, `pass.setting`, or `size`.
+    /// `parameter`, `sub-graph.parameter`, `pass.setting`, or `size`.
     pub path: At<String>,
     /// The values, in order; at least one.
     pub values: Vec<At<AxisValue>>,
@@ -131,23 +131,23 @@ pub enum Group {
 /// How much each cell may spend.
 #[derive(Clone, Debug)]
 pub enum Budget {
-    /// So many measured frames.
+    /// A number of measured frames.
     Frames(u32),
-    /// So much GPU time.
+    /// An amount of GPU time.
     Time {
         /// \[ms\]; > 0.
         ms: f64,
-        /// The whole number that is chosen so that a frame takes the time; without it, frames run until the time is
-        /// spent.
+        /// The integer setting that is chosen so that one frame takes `ms`; without it, frames run until `ms`
+        /// are spent in all.
         by: Option<At<String>>,
-        /// Measured frames; without `by`, the most.
+        /// Number of measured frames; without `by`, the greatest number.
         frames: u32,
     },
-    /// So many virtual lights.
+    /// A number of virtual lights.
     Lights {
         /// How many.
         count: At<u32>,
-        /// The parameter that says so.
+        /// The parameter that sets the number of lights.
         by: At<String>,
         /// Measured frames.
         frames: u32,
@@ -159,7 +159,7 @@ pub enum Budget {
 pub enum Reference {
     /// Nothing.
     None,
-    /// Pictures: of every scene, or of each.
+    /// Pictures: one for all scenes (`None`), or one for each named scene.
     Pictures(Vec<(Option<At<String>>, At<String>)>),
     /// A pipeline.
     Pipeline {
@@ -167,18 +167,18 @@ pub enum Reference {
         pipeline: At<String>,
         /// Its values.
         set: Vec<Set>,
-        /// Axes whose values it takes from the cell; `seed` is one.
+        /// Axes whose values the reference takes from the cell; `seed` is one.
         follow: Vec<At<String>>,
-        /// The most frames that it accumulates.
+        /// The greatest number of frames that it accumulates.
         frames: u32,
-        /// Where it stands.
+        /// Its place in the file.
         span: Span,
     },
 }
 
-/// The axis that is the size of frames.
+/// The name of the axis that is the size of frames.
 pub const SIZE: &str = "size";
-/// The axis that a reference may follow beside those of the study.
+/// The axis that a reference may follow besides those of the study.
 pub const SEED: &str = "seed";
 
 /// Reads a study. All errors of the file are reported at once.
@@ -190,14 +190,14 @@ pub fn parse(source: Arc<Source>) -> Result<Study, Diagnostics> {
 }
 
 impl Budget {
-    /// Returns the measured frames, at most.
+    /// Returns the number of measured frames, or its upper limit.
     pub fn frames(&self) -> u32 {
         match self {
             Budget::Frames(frames) | Budget::Time { frames, .. } | Budget::Lights { frames, .. } => *frames,
         }
     }
 
-    /// Returns what it sets in pipelines.
+    /// Returns the path that the budget sets in pipelines.
     pub fn by(&self) -> Option<&At<String>> {
         match self {
             Budget::Time { by, .. } => by.as_ref(),
@@ -206,7 +206,7 @@ impl Budget {
         }
     }
 
-    /// Writes it as a line to read.
+    /// Formats the budget as a line of text.
     pub fn line(&self) -> String {
         let plural =
             |frames: u32| if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") };
@@ -224,7 +224,7 @@ impl Budget {
 }
 
 impl Group {
-    /// Returns its axes.
+    /// Returns the axes of the group.
     pub fn axes(&self) -> &[Vary] {
         match self {
             Group::Grid(axes) | Group::Paired(axes) => axes,
@@ -238,12 +238,12 @@ impl Group {
     }
 }
 
-/// A size as the value of the axis [`SIZE`]: `640x480`.
+/// Converts a size to a value of the axis [`SIZE`]: `640x480`.
 pub(crate) fn size_value((width, height): (u32, u32)) -> AxisValue {
     AxisValue::Text(format!("{width}x{height}"))
 }
 
-/// The size that a value of the axis [`SIZE`] is.
+/// Converts a value of the axis [`SIZE`] to a size.
 pub(crate) fn size_of(value: &AxisValue) -> Option<(u32, u32)> {
     let AxisValue::Text(text) = value else { return None };
     let (width, height) = text.split_once('x')?;

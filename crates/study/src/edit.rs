@@ -1,21 +1,22 @@
-//! Changes to a study from the command line.
+//! Changes to a study that are given on the command line.
 
 use crate::description::{At, Budget, Group, Reference, SIZE, Set, Study, Vary, size_of, size_value};
 use crate::record::AxisValue;
 use frame_graph::{Diagnostics, Source, Span};
 
-/// What a run asks for in place of what the file says.
+/// Values that replace those of the file for one run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Edits {
     /// Scenes.
     pub scenes: Vec<String>,
     /// Size of frames \[px\].
     pub size: Option<(u32, u32)>,
-    /// Values by path: an axis of that path is pinned to it, and pipelines without the path go without it.
+    /// Values by path: an axis of that path is pinned to the value. Pipelines without the path are run
+    /// without it.
     pub set: Vec<(String, AxisValue)>,
-    /// Values of the pipeline that makes references.
+    /// Values of the pipeline that renders references.
     pub set_reference: Vec<(String, AxisValue)>,
-    /// So many seeds.
+    /// Number of seeds.
     pub seeds: Option<u32>,
     /// Measured frames.
     pub frames: Option<u32>,
@@ -24,10 +25,12 @@ pub struct Edits {
 }
 
 impl Study {
-    /// Changes the study. Names and values are checked with the rest, by [`Plan::new`](crate::Plan::new).
+    /// Changes the study. Names and values are checked later, together with the others, by
+    /// [`Plan::new`](crate::Plan::new).
     ///
     /// # Errors
-    /// What contradicts itself after the change: a measure that needs more frames or seeds than there are now.
+    /// Contradictions after the change: for example a measure that needs more frames or seeds than there are
+    /// now.
     pub fn edit(&mut self, edits: &Edits) -> Result<(), Diagnostics> {
         if edits.quick {
             self.shrink();
@@ -64,7 +67,8 @@ impl Study {
         self.consistent()
     }
 
-    /// A quarter of each side, as few seeds as the measures allow, first and last value of each axis.
+    /// Reduces the study to a preview: a quarter of each side, as few seeds as the measures allow, first and
+    /// last value of each axis.
     fn shrink(&mut self) {
         let quarter = |(width, height): (u32, u32)| (width.div_ceil(4), height.div_ceil(4));
         self.size = quarter(self.size);
@@ -80,7 +84,7 @@ impl Study {
         }
     }
 
-    /// Gives a path one value, wherever the file gives it others.
+    /// Gives a path one value, and removes the values that the file gives it.
     fn pin(&mut self, path: &str, value: &AxisValue) {
         let set = from_outside("--set", path, value, true);
         let pinned = |axis: &Vary| axis.path.value == path;

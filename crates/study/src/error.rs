@@ -1,9 +1,9 @@
-//! What can end a study before its cells are done.
+//! Errors that end a study before its cells are finished.
 
 use metrics::ImageError;
 use std::path::{Path, PathBuf};
 
-/// An error of a study's folder. Cells that fail are no errors: they are reported in their records.
+/// An error of a study's folder. Cells that fail are not errors: they are reported in their records.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The operating system refused.
@@ -19,15 +19,15 @@ pub enum StudyError {
     /// A picture could not be written or read.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// Another run works on the folder.
+    /// Another run is using the folder.
     #[error("{}: another run works here ({by}); wait for it, or give another folder", folder.display())]
     Locked {
         /// The folder.
         folder: PathBuf,
-        /// Which process, since when.
+        /// The process that uses it, and since when.
         by: String,
     },
-    /// A file is not what it should be.
+    /// A file does not have the expected content.
     #[error("{}: {reason}", path.display())]
     Damaged {
         /// The file.
@@ -35,12 +35,12 @@ pub enum StudyError {
         /// What is wrong.
         reason: String,
     },
-    /// Folders that do not belong together.
+    /// Folders that do not belong to the same study.
     #[error("{}: not a part of the study in {}: {reason}", folder.display(), first.display())]
     Foreign {
         /// The folder.
         folder: PathBuf,
-        /// The one that it was to be joined to.
+        /// The folder with which it was to be merged.
         first: PathBuf,
         /// What differs.
         reason: String,

@@ -1,4 +1,4 @@
-//! What the frames of a cell measure.
+//! Takes measurements from the frames of a cell.
 
 mod series;
 mod times;
@@ -15,26 +15,27 @@ use series::Series;
 use std::collections::BTreeMap;
 use times::Times;
 
-/// How far depths may differ and still be of one surface, as a share.
+/// The greatest relative difference of depths that belong to the same surface.
 const SAME_SURFACE: f64 = 0.01;
-/// How near to the settled value the light has arrived, as a share of the way.
+/// The share of the change that may remain when the light counts as converged after a jump, for the measure
+/// `lag`.
 const ARRIVED: f64 = 0.1;
-/// Pixels that are asked which lights reach them.
+/// Number of pixels for which it is tested which lights reach them.
 const RECEIVERS: usize = 256;
 
-/// Takes in the frames of one cell.
+/// Collects the measurements of the frames of one cell.
 pub(crate) struct Evaluator<'a> {
     measures: &'a [Measure],
     facts: &'a SceneFacts,
-    /// Frame of the jump, counted from the first measured one.
+    /// Index of the frame of the jump among the measured ones.
     jump: Option<usize>,
     truth: Option<Truth>,
     pub(crate) frames: u32,
-    /// Number of the first of them.
+    /// Number of the first measured frame.
     first: u32,
     times: Times<'a>,
     series: Series,
-    /// Errors of the frames that are judged.
+    /// Errors of each frame that is compared with a reference.
     errors: BTreeMap<Measure, Vec<Option<f64>>>,
     tid: Tid,
     tracked: Vec<(usize, usize)>,
@@ -47,11 +48,11 @@ pub(crate) struct Evaluator<'a> {
     pictures: Vec<Image>,
     moved: Vec<f64>,
     last: Option<Observed>,
-    /// The first frame with pixels that are no numbers.
+    /// The first frame with pixels that are NaN or infinite.
     broken: Option<String>,
 }
 
-/// What a cell came to.
+/// The measurements of a cell.
 #[derive(Debug, Default)]
 pub(crate) struct Verdict {
     pub(crate) measures: BTreeMap<String, Option<f64>>,
@@ -60,7 +61,7 @@ pub(crate) struct Verdict {
     pub(crate) frames: u32,
     pub(crate) image: Option<Image>,
     pub(crate) flip: Option<Image>,
-    /// Why errors are missing.
+    /// The reason why errors are missing.
     pub(crate) failure: Option<String>,
 }
 
@@ -99,7 +100,7 @@ impl<'a> Evaluator<'a> {
         self.measures.contains(&measure)
     }
 
-    /// Takes in the next measured frame.
+    /// Adds the next measured frame.
     pub(crate) fn observe(&mut self, frame: Observed) -> Result<(), String> {
         if self.frames == 0 {
             self.first = frame.frame;
@@ -128,7 +129,7 @@ impl<'a> Evaluator<'a> {
         Ok(())
     }
 
-    /// Takes the value of the frame that is being observed, where its scene moves.
+    /// Adds a value of the current frame to the series, if the scene moves.
     fn put(&mut self, measure: Measure, value: Option<f64>) {
         if self.facts.moves {
             self.series.put(measure.key(), self.frames as usize, value);
@@ -148,7 +149,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// What is measured on a frame beside its neighbours and its reference.
+    /// Measures a frame in comparison with the frame before and with its reference.
     fn compare(&mut self, frame: &Observed) -> Result<(), String> {
         let index = self.frames as usize;
         if self.facts.moves {
@@ -204,7 +205,7 @@ impl<'a> Evaluator<'a> {
         Ok(())
     }
 
-    /// Adds the errors of a picture beside the reference of frame number `index` of those measured.
+    /// Adds the errors of a picture in comparison with the reference of measured frame number `index`.
     fn judge(&mut self, image: &Image, index: usize) -> Result<(), String> {
         let Some(truth) = &mut self.truth else { return Ok(()) };
         let pair = Pair::new(image, truth.frame(index)?).map_err(|error| error.to_string())?;
@@ -222,7 +223,8 @@ impl<'a> Evaluator<'a> {
         Ok(())
     }
 
-    /// Returns the verdict on all frames. `occluded` is called where lights that reach the image are counted.
+    /// Returns the measurements over all frames. `occluded` is called if lights that reach the image are
+    /// counted.
     pub(crate) fn finish(
         mut self,
         run: &CellRun,
@@ -295,7 +297,8 @@ impl<'a> Evaluator<'a> {
             Measure::Mean if self.facts.moves => mean(&self.means),
             Measure::Mean => self.means.last().copied(),
             Measure::ClampedEnergy => virtual_lights::clamped_share(last?.irradiance.as_ref()?),
-            // Taken from the pictures of all seeds, once they are there; or beside this.
+            // These are measured elsewhere: from the pictures of all seeds once they are complete, or by the
+            // code around this.
             Measure::Bias2 | Measure::Variance | Measure::LightsThatReach => None,
             _ => {
                 let values: Option<Vec<f64>> = self.errors.get(&measure)?.iter().copied().collect();
@@ -310,12 +313,12 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// Whether a picture that is no picture leaves the measure without meaning.
+/// Returns whether the measure is undefined for a picture with pixels that are NaN or infinite.
 fn needs_pixels(measure: Measure) -> bool {
     !matches!(measure, Measure::GpuMs | Measure::Memory | Measure::LightsMoved | Measure::LightsThatReach)
 }
 
-/// An error of one picture.
+/// Returns an error measure of one picture.
 fn error_of(measure: Measure, pair: &Pair<'_>) -> Option<f64> {
     let epsilon = Epsilon::default();
     match measure {
@@ -336,7 +339,7 @@ fn grey([r, g, b, _]: [f32; 4]) -> f64 {
     f64::from(luminance([r, g, b]))
 }
 
-/// Mean over pixels and RGB.
+/// Returns the mean over pixels and RGB.
 fn intensity(image: &Image) -> f64 {
     let sum: f64 = image.pixels().iter().flat_map(|pixel| &pixel[..3]).map(|c| f64::from(*c)).sum();
     sum / (3 * image.pixels().len()) as f64
@@ -346,7 +349,8 @@ fn view(frame: &Observed) -> Option<View<'_>> {
     Some(View { image: &frame.image, depth: frame.depth.as_ref()?, camera: frame.camera })
 }
 
-/// The share of the lights of a frame that reach a sample of its pixels; `None` without lights or G-buffer.
+/// Returns the share of the lights of a frame that reach a sample of its pixels; `None` without lights or
+/// G-buffer.
 fn reaching(
     frame: Option<&Observed>,
     occluded: &mut dyn FnMut(u32) -> Result<Occluded, String>,
@@ -385,7 +389,7 @@ mod tests {
 
     #[test]
     fn intensity_is_the_mean_over_rgb() {
-        // Not luminance, and alpha is no light.
+        // The mean is of RGB, not of luminance, and alpha does not count.
         let image = Image::new(2, 1, vec![[1.0, 2.0, 6.0, 1.0], [0.0, 0.0, 0.0, 1.0]]).unwrap();
         assert_eq!(intensity(&image), 1.5);
     }

@@ -1,4 +1,4 @@
-//! The folder of a study: who works in it, and files that are complete or absent.
+//! The folder of a study: the lock that only one process holds, and files that are complete or absent.
 //!
 //! ```text
 //! study.json  index.json  cells/KEY.json  images/KEY.exr, KEY-flip.png  references/KEY.json, KEY-N.exr
@@ -20,14 +20,14 @@ const INDEX: &str = "index.json";
 pub(crate) const CELLS: &str = "cells";
 pub(crate) const IMAGES: &str = "images";
 pub(crate) const REFERENCES: &str = "references";
-/// Beginning and end of the names of files that are not complete yet.
+/// Beginning and end of the names of files that are still being written.
 const PART: (&str, &str) = (".lightloom-", ".part");
 
-/// A folder that this process alone works in.
+/// A folder, locked by this process.
 #[derive(Debug)]
 pub(crate) struct Folder {
     pub(crate) path: PathBuf,
-    /// Held until the folder is dropped, or the process ends however it may.
+    /// The lock: held until the folder is dropped or the process ends in any way.
     _lock: File,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct Index {
 }
 
 impl Folder {
-    /// Makes the folder where it is missing, and takes it for this process.
+    /// Creates the folder if it is missing, and locks it for this process.
     pub(crate) fn open(path: &Path) -> Result<Folder, StudyError> {
         for part in [CELLS, IMAGES, REFERENCES] {
             let part = path.join(part);
@@ -56,7 +56,7 @@ impl Folder {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut by = String::new();
-                // Who holds it is told where it can be read.
+                // The holder of the lock is reported if it can be read.
                 let _ = lock.read_to_string(&mut by);
                 let by =
                     if by.trim().is_empty() { "an unknown process".to_owned() } else { by.trim().to_owned() };
@@ -75,7 +75,7 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Removes what a killed run left half written.
+    /// Removes files that an interrupted run left half written.
     fn sweep(&self) {
         for part in ["", CELLS, IMAGES, REFERENCES] {
             let entries = std::fs::read_dir(self.path.join(part)).into_iter().flatten().flatten();
@@ -83,14 +83,14 @@ impl Folder {
                 let name = entry.file_name();
                 let name = name.to_string_lossy();
                 if name.starts_with(PART.0) && name.ends_with(PART.1) {
-                    // One that stays is in nobody's way.
+                    // A file that cannot be removed does no harm.
                     let _ = std::fs::remove_file(entry.path());
                 }
             }
         }
     }
 
-    /// The record of a cell, where it is there and whole.
+    /// Returns the record of a cell, if it is there and complete.
     pub(crate) fn cell(&self, key: &str) -> Option<Cell> {
         read_json(&self.path.join(CELLS).join(format!("{key}.json"))).ok()
     }
@@ -120,7 +120,7 @@ impl Folder {
         Ok(image.write(self.path.join(name), Display::AS_IS, provenance)?)
     }
 
-    /// How many records of cells there are that the study does not have.
+    /// Returns the number of records of cells that the study does not have.
     pub(crate) fn stale(&self, index: &Index) -> usize {
         let entries = std::fs::read_dir(self.path.join(CELLS)).into_iter().flatten().flatten();
         let keys = entries.filter_map(|entry| {
@@ -131,7 +131,7 @@ impl Folder {
     }
 }
 
-/// The record of the study in a folder, and its index.
+/// Returns the record of the study in a folder, and its index.
 pub(crate) fn read_study(folder: &Path) -> Result<(StudyRecord, Index), StudyError> {
     if !folder.join(STUDY).is_file() {
         let reason = "there is no study here: `lightloom study FILE -o DIR` makes one".to_owned();
@@ -141,8 +141,8 @@ pub(crate) fn read_study(folder: &Path) -> Result<(StudyRecord, Index), StudyErr
 }
 
 impl Results {
-    /// Reads a study back from its folder: the cells that are there, in the order of the study. Measures over seeds
-    /// are taken from the pictures.
+    /// Reads the results of a study from its folder: the cells that are there, in the order of the study.
+    /// Measures over seeds are computed from the pictures.
     ///
     /// # Errors
     /// Where there is no study, or a file of it is damaged.
@@ -165,7 +165,7 @@ pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, StudyErro
     })
 }
 
-/// Writes a file beside its place and puts it there once it is whole on disk.
+/// Writes a file under a temporary name and renames it once it is complete on disk.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
@@ -179,7 +179,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Copies a file in the same way; folders are made.
+/// Copies a file in the same way, and creates missing folders.
 pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), StudyError> {
     if let Some(folder) = to.parent() {
         std::fs::create_dir_all(folder).map_err(io(folder, "cannot make the folder"))?;

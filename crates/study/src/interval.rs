@@ -1,21 +1,21 @@
-//! A figure over seeds.
+//! A mean over seeds, with its confidence interval.
 
 use metrics::statistics::Summary;
 
-/// A mean over seeds, with how sure it is.
+/// A mean over seeds, with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// How many seeds, at least 1.
+    /// Number of seeds, at least 1.
     pub seeds: usize,
-    /// Their mean.
+    /// The mean over the seeds.
     pub mean: f64,
-    /// Half the width of the 95 % interval of the mean (Student's t); `None` for one seed, and where all seeds agree:
-    /// what does not depend on them has no spread to tell.
+    /// Half the width of the 95 % confidence interval of the mean (Student's t); `None` for one seed, and if
+    /// all seeds have the same value, since such a measure does not depend on the seed.
     pub half: Option<f64>,
 }
 
 impl Interval {
-    /// Of a value a seed; `None` where there is none.
+    /// Computes the interval of one value per seed; `None` if there are none.
     pub(crate) fn of(values: &[f64]) -> Option<Interval> {
         let first = *values.first()?;
         let half = if values.iter().all(|value| *value == first) { None } else { Summary::of(values) };

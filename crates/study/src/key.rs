@@ -1,4 +1,4 @@
-//! Keys: hashes of all that a cell or a reference depends on.
+//! Keys: hashes of everything on which a cell or a reference depends.
 
 use crate::description::Phase;
 use crate::laboratory::{Laboratory, RunRequest};
@@ -17,7 +17,8 @@ impl fmt::Display for Key {
     }
 }
 
-/// The key of parts: each with its length before it, so that no two lists of parts read alike.
+/// Returns the key of several texts, each preceded by its length, so that different lists give different
+/// keys.
 fn of(parts: &[&str]) -> Key {
     let text: String = parts.iter().map(|part| format!("{}:{part}\n", part.len())).collect();
     Key(xxh3_128(text.as_bytes()))
@@ -25,16 +26,17 @@ fn of(parts: &[&str]) -> Key {
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What is taken of the frames of a cell.
+/// What is measured in the frames of a cell.
 pub(crate) struct Taken<'a> {
     pub(crate) measures: &'a [Measure],
     pub(crate) phases: &'a [Phase],
-    /// Whether values are kept frame by frame.
+    /// Whether the values of single frames are stored.
     pub(crate) by_frame: bool,
 }
 
 impl Taken<'_> {
-    /// What does not occur leaves no trace: cells from before it could be taken stay valid without it.
+    /// Formats what is measured. What does not occur adds no text, so that keys of cells from before it
+    /// existed stay valid.
     fn text(&self) -> String {
         let mut text = format!("{DEFINITIONS} {:?}", self.measures);
         for phase in self.phases {
@@ -48,8 +50,8 @@ impl Taken<'_> {
     }
 }
 
-/// The key of a cell, whose pipeline has that name in the study. Where the pipeline cannot be made, that is what the
-/// cell depends on.
+/// Returns the key of a cell, whose pipeline has the name `pipeline` in the study. If the pipeline is broken,
+/// the key depends on its error.
 pub(crate) fn of_cell(
     cell: &PlannedCell,
     pipeline: &str,
@@ -58,12 +60,12 @@ pub(crate) fn of_cell(
     lab: &mut dyn Laboratory,
 ) -> Key {
     let identity = identity(&cell.request, lab).unwrap_or_else(|why| format!("none: {why}"));
-    // What a request is written as in Debug is all its fields.
+    // The `Debug` form of a request has all its fields.
     let (request, search) = (format!("{:?}", cell.request), format!("{:?}", cell.search));
     of(&[VERSION, &lab.adapter(), pipeline, &identity, &request, &search, &taken.text(), reference])
 }
 
-/// The key of a reference, or why it cannot be made.
+/// Returns the key of a reference, or why there is none.
 pub(crate) fn of_reference(made: &Made, lab: &mut dyn Laboratory) -> Result<Key, String> {
     match made {
         Made::Picture(file) => {
@@ -89,7 +91,7 @@ fn identity(request: &RunRequest, lab: &mut dyn Laboratory) -> Result<String, St
 mod tests {
     use super::{Measure, Taken};
 
-    /// Keys of cells without phases and series are those from before there were any.
+    /// Keys of cells without phases and series are the same as those from before these existed.
     #[test]
     fn what_is_not_taken_leaves_no_trace() {
         let taken = Taken { measures: &[Measure::Rmse, Measure::Tid], phases: &[], by_frame: false };

@@ -1,4 +1,4 @@
-//! What a study asks of the renderer.
+//! The interface between a study and the renderer.
 
 use crate::record::{AxisValue, Memory, SceneRecord};
 use frame_graph::{Settable, Value};
@@ -7,47 +7,49 @@ use metrics::temporal::Pinhole;
 use metrics::virtual_lights::VirtualLight;
 use std::collections::BTreeMap;
 
-/// What there is to study, asked before anything runs. It needs no GPU.
+/// Describes the scenes and pipelines that can be studied, before anything runs. It needs no GPU.
 pub trait Registry {
-    /// Names of the scenes, for errors that offer the nearest.
+    /// Returns the names of the scenes, for errors that suggest the nearest one.
     fn scenes(&self) -> Vec<String>;
 
-    /// A scene by name or path.
+    /// Returns a scene by name or path.
     ///
     /// # Errors
-    /// Why it cannot be loaded, for the user to read.
+    /// The reason why it cannot be loaded, for the user to read.
     fn scene(&self, name: &str) -> Result<SceneFacts, String>;
 
-    /// Names of the pipelines that are no parts.
+    /// Returns the names of the pipelines, without those that are only sub-graphs.
     fn pipelines(&self) -> Vec<String>;
 
-    /// A pipeline by name or path.
+    /// Returns a pipeline by name or path.
     ///
     /// # Errors
     /// What is wrong with it, for the user to read.
     fn pipeline(&self, name: &str) -> Result<PipelineFacts, String>;
 
-    /// What the second differs in from the first, each with values by path: lines of `lightloom diff`.
+    /// Returns the differences between two pipelines, each with values by path: the lines of `lightloom
+    /// diff`.
     fn differences(&self, first: (&str, &Values), second: (&str, &Values)) -> Vec<String>;
 }
 
 /// Values by path, applied in order.
 pub type Values = Vec<(String, AxisValue)>;
 
-/// What a study asks of a scene.
+/// The properties of a scene that a study uses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFacts {
-    /// For the record.
+    /// The entry in the study's record.
     pub record: SceneRecord,
-    /// Whether camera, lights or geometry move: then every frame has a reference of its own.
+    /// Whether camera, lights or geometry move: then every frame has its own reference.
     pub moves: bool,
     /// Time from frame to frame \[s\].
     pub seconds_per_frame: f64,
-    /// A length that is nothing in the scene, by which a virtual light may be elsewhere without having moved \[m\].
+    /// A distance that is negligible in the scene: a virtual light that is displaced by less counts as
+    /// unmoved \[m\].
     pub small_length: f32,
 }
 
-/// What a study asks of a pipeline.
+/// The properties of a pipeline that a study uses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PipelineFacts {
     /// What it renders.
@@ -56,40 +58,42 @@ pub struct PipelineFacts {
     pub paper: String,
     /// Names of its outputs.
     pub outputs: Vec<String>,
-    /// Names of its passes, those that are switched off too: `lights`, or `shadows/splat` within a part.
+    /// Names of its passes, including those that are switched off: `lights`, or `shadows/splat` within a
+    /// sub-graph.
     pub passes: Vec<String>,
-    /// All that values can be given to.
+    /// Everything to which values can be given.
     pub settings: Vec<Settable>,
 }
 
-/// Whether something stands between two points \[m\].
+/// Returns whether something lies between two points \[m\].
 pub type Occluded = Box<dyn Fn([f32; 3], [f32; 3]) -> bool + Sync>;
 
-/// Renders cells. The program's own is over a GPU; tests have one of their own.
+/// Renders cells. The implementation of the program uses a GPU; tests have their own.
 pub trait Laboratory {
-    /// Adapter and driver, in words; part of every cell's key.
+    /// Returns adapter and driver as text; they are part of every cell's key.
     fn adapter(&self) -> String;
 
-    /// What a request depends on, without running it: its plan, shaders and scene.
+    /// Returns the identity of what a request depends on, without running it: its plan, shaders and scene.
     ///
     /// # Errors
     /// What is wrong with the pipeline, its values or the scene, for the user to read.
     fn identity(&mut self, request: &RunRequest) -> Result<Identity, String>;
 
-    /// Runs a request, and hands every measured frame to `observe`, in order.
+    /// Runs a request, and passes every measured frame to `observe`, in order.
     ///
     /// # Errors
-    /// What the device or the pipeline said, or what `observe` returned. Other cells go on.
+    /// The error of the device, of the pipeline or of `observe`. Other cells still run.
     fn run(
         &mut self,
         request: &RunRequest,
         observe: &mut dyn FnMut(Observed) -> Result<(), String>,
     ) -> Result<CellRun, String>;
 
-    /// Tells what stands between points of a scene in a frame, for the measure `lights-that-reach`.
+    /// Returns a function that tests whether something lies between two points of a scene in a frame, for the
+    /// measure `lights-that-reach`.
     ///
     /// # Errors
-    /// Why that cannot be told.
+    /// The reason why that cannot be tested.
     fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, String>;
 }
 
@@ -102,7 +106,7 @@ pub struct RunRequest {
     pub pipeline: String,
     /// Values by path, applied in order.
     pub set: Values,
-    /// Output that is judged.
+    /// The output that is measured.
     pub output: String,
     /// Size of frames \[px\].
     pub size: (u32, u32),
@@ -110,28 +114,29 @@ pub struct RunRequest {
     pub seed: u32,
     /// Number of the first frame that runs, which sets the time of animations.
     pub first_frame: u32,
-    /// Frames that run before the measured ones, after the first frame was repeated, untimed, until the pipeline's
-    /// output `progress` says that it is done, where it has one.
+    /// Frames that run before the measured ones. If the pipeline has an output `progress`, the first frame is
+    /// repeated before them, untimed, until `progress` says that it has converged.
     pub warm_up: u32,
-    /// Measured frames. For a pipeline that accumulates until it says that it is done: the most there may be.
+    /// Number of measured frames; for a pipeline that accumulates until it has converged, the greatest
+    /// number.
     pub frames: u32,
-    /// Whether to time passes: then every pass runs in every frame.
+    /// Whether to time passes: if so, every pass runs in every frame.
     pub timed: bool,
-    /// Whether the sequence needs depth and camera in [`Observed`].
+    /// Whether [`Observed`] needs depth and camera.
     pub views: bool,
-    /// Whether it needs the virtual lights.
+    /// Whether [`Observed`] needs the virtual lights.
     pub lights: bool,
-    /// Stops before `frames` when so much GPU time \[ms\] has gone into measured frames.
+    /// GPU time of measured frames \[ms\] after which the run stops, even before `frames`.
     pub stop_after_ms: Option<f64>,
-    /// Stops when the pipeline's output `progress` says that it is done. Time stands still then: every frame is that
-    /// of `first_frame`, and only the last is handed to `observe`.
+    /// Whether to stop when the pipeline's output `progress` says that it has converged. If set, time stands
+    /// still: every frame is that of `first_frame`, and only the last one is passed to `observe`.
     pub until_done: bool,
 }
 
-/// What a request depends on.
+/// Identifies what a request depends on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
-    /// Plan, shaders, scene and version: equal where the pictures are.
+    /// A hash of plan, shaders, scene and version: equal hashes give equal pictures.
     pub hash: u128,
 }
 
@@ -140,37 +145,38 @@ pub struct Identity {
 pub struct Observed {
     /// Its number.
     pub frame: u32,
-    /// The judged output.
+    /// The measured output.
     pub image: Image,
-    /// GPU time of each pass \[ms\], in the plan's order; empty where not timed.
+    /// GPU time of each pass \[ms\], in the plan's order; empty if not timed.
     pub passes: Vec<(String, f64)>,
-    /// Distance along the viewing axis \[m\], where asked for and the pipeline has a G-buffer.
+    /// Distance along the viewing axis \[m\], if requested and the pipeline has a G-buffer.
     pub depth: Option<Image>,
-    /// Unit normals, where asked for and the pipeline has a G-buffer.
+    /// Unit normals, if requested and the pipeline has a G-buffer.
     pub normal: Option<Image>,
     /// The camera.
     pub camera: Pinhole,
-    /// The virtual lights, where asked for and the pipeline has any.
+    /// The virtual lights, if requested and the pipeline has any.
     pub lights: Option<Vec<VirtualLight>>,
-    /// Indirect irradiance with the luminance of what clamping removed in alpha, where there is any.
+    /// Indirect irradiance, with the luminance of what clamping removed in alpha, if the pipeline computes
+    /// it.
     pub irradiance: Option<Image>,
 }
 
-/// What a run tells besides its frames.
+/// The results of a run other than its frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellRun {
     /// Memory of the plan.
     pub memory: Memory,
-    /// Provenance, as in pictures.
+    /// Provenance, as stored in pictures.
     pub provenance: String,
-    /// Values that were in force for the parameters, for the record.
+    /// The values of the parameters in this run, for the record.
     pub parameters: BTreeMap<String, AxisValue>,
-    /// Estimated relMSE of the pipeline's own picture, where it says so (output `progress`).
+    /// Estimated relMSE of the pipeline's own picture, if it has an output `progress`.
     pub noise: Option<f64>,
 }
 
 impl AxisValue {
-    /// Converts it to a value of the frame graph: an integer where it is one.
+    /// Converts it to a value of the frame graph: an integer if it is one.
     pub fn to_value(&self) -> Value {
         match self {
             AxisValue::Bool(truth) => Value::Bool(*truth),
@@ -188,7 +194,8 @@ impl AxisValue {
         }
     }
 
-    /// Converts a value of the frame graph. A real number is the shortest decimal that stands for it; a vector is text.
+    /// Converts a value of the frame graph. A real number becomes the shortest decimal that represents it; a
+    /// vector becomes text.
     pub fn from_value(value: &Value) -> AxisValue {
         match value {
             Value::Bool(truth) => AxisValue::Bool(*truth),

@@ -2,7 +2,7 @@
 
 use crate::record::{Better, MeasureInfo};
 
-/// Bumped when a measure comes to mean something else: its cells are then measured again.
+/// Incremented when the definition of a measure changes: its cells are then measured again.
 pub(crate) const DEFINITIONS: u32 = 1;
 
 /// A measure.
@@ -14,7 +14,7 @@ pub enum Measure {
     NormalisedRmse,
     /// Relative mean squared error.
     RelMse,
-    /// The same without the worst pixels.
+    /// Relative mean squared error without the worst pixels.
     TrimmedRelMse,
     /// Mean absolute percentage error.
     Mape,
@@ -24,7 +24,7 @@ pub enum Measure {
     Flip,
     /// HDR-ꟻLIP.
     HdrFlip,
-    /// Energy over the reference's.
+    /// Mean energy over that of the reference.
     Energy,
     /// Mean intensity.
     Mean,
@@ -42,9 +42,9 @@ pub enum Measure {
     E,
     /// |E′| at tracked pixels.
     EPrime,
-    /// Deviation of a still picture over frames.
+    /// Deviation of pixels over frames, if nothing moves.
     StaticDeviation,
-    /// Frames until a jump of the light has arrived.
+    /// Frames until the picture has converged after a sudden change of the light.
     Lag,
     /// Virtual lights that move from frame to frame.
     LightsMoved,
@@ -54,13 +54,13 @@ pub enum Measure {
     ClampedEnergy,
 }
 
-/// What a measure asks of a study.
+/// What a measure needs from a study.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Needs {
     pub(crate) reference: bool,
-    /// A reference for every frame, also of a scene that stands still.
+    /// A reference for every frame, even if the scene stands still.
     pub(crate) every_frame: bool,
-    /// Frames, at least.
+    /// The least number of frames.
     pub(crate) frames: u32,
     pub(crate) seeds: bool,
     pub(crate) jump: bool,
@@ -164,7 +164,7 @@ static ROWS: &[Row] = &[
         "hdr-flip",
         "HDR-ꟻLIP",
         "",
-        "The same over all exposures (Andersson et al. 2021)",
+        "Mean perceived difference over all exposures (Andersson et al. 2021)",
     ),
     Row {
         better: Better::One,
@@ -185,7 +185,7 @@ static ROWS: &[Row] = &[
             "mean intensity",
             RADIANCE,
             NONE,
-            "Mean of the picture over pixels and RGB, as `energy` takes it; of a scene that moves, over the frames too (TCAS Fig. 6)",
+            "Mean of the picture over pixels and RGB, as for `energy`; for a scene that moves, over the frames too (TCAS Fig. 6)",
         )
     },
     Row {
@@ -195,7 +195,7 @@ static ROWS: &[Row] = &[
             "bias2",
             "bias²",
             "(W/(m² sr))²",
-            "What any number of seeds would leave of the squared error; one figure for all seeds",
+            "The squared error that remains in the mean of any number of seeds; one value for all seeds",
         )
     },
     Row {
@@ -205,7 +205,7 @@ static ROWS: &[Row] = &[
             "variance",
             "variance",
             "(W/(m² sr))²",
-            "What another seed changes, squared; one figure for all seeds",
+            "The variance between seeds; one value for all seeds",
         )
     },
     other(
@@ -222,7 +222,7 @@ static ROWS: &[Row] = &[
         "memory",
         "MiB",
         NONE,
-        "All that frames work on, histories too, the scene apart",
+        "Memory of all objects that frames use, with history buffers, without the scene",
     ),
     Row {
         needs: Needs { frames: 2, views: true, ..NONE },
@@ -261,7 +261,7 @@ static ROWS: &[Row] = &[
             "static-deviation",
             "static deviation",
             "",
-            "Standard deviation of each pixel's luminance over the frames, its mean over the mean luminance; of a scene that stands still",
+            "Standard deviation of each pixel's luminance over the frames, its mean divided by the mean luminance; for a scene that stands still",
         )
     },
     other(
@@ -270,7 +270,7 @@ static ROWS: &[Row] = &[
         "lag",
         "frames",
         Needs { frames: 3, jump: true, ..NONE },
-        "Frames after `jump` until the mean luminance stays within a tenth of the way of where it settles",
+        "Frames from `jump` until the mean luminance stays within a tenth of the change around its final value",
     ),
     Row {
         better: Better::Neither,
@@ -280,7 +280,7 @@ static ROWS: &[Row] = &[
             "lights moved",
             "",
             Needs { frames: 2, lights: true, ..NONE },
-            "Share of the virtual lights that are elsewhere in the next frame, mean over the frames",
+            "Share of the virtual lights that move from one frame to the next, mean over the frames",
         )
     },
     Row {
@@ -291,7 +291,7 @@ static ROWS: &[Row] = &[
             "lights that reach",
             "",
             Needs { views: true, lights: true, ..NONE },
-            "Share of the virtual lights that bring light to some of 256 pixels of the last frame",
+            "Share of the virtual lights that illuminate at least one of 256 pixels of the last frame",
         )
     },
     other(
@@ -310,13 +310,13 @@ impl Measure {
         ROWS.iter().map(|row| row.measure)
     }
 
-    /// Returns the measure of that key.
+    /// Returns the measure with this key.
     pub fn find(key: &str) -> Option<Measure> {
         ROWS.iter().find(|row| row.key == key).map(|row| row.measure)
     }
 
     fn row(self) -> &'static Row {
-        // The order of the rows is that of the variants.
+        // The rows are in the order of the variants.
         &ROWS[self as usize]
     }
 
@@ -329,12 +329,12 @@ impl Measure {
         self.row().needs
     }
 
-    /// Returns whether it is one figure for all seeds of a cell.
+    /// Returns whether the measure is one value for all seeds of a cell.
     pub fn is_over_seeds(self) -> bool {
         self.row().needs.seeds
     }
 
-    /// Returns how tables and charts show it.
+    /// Returns its description for tables and charts.
     pub fn info(self) -> MeasureInfo {
         let row = self.row();
         MeasureInfo {

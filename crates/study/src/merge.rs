@@ -1,15 +1,17 @@
-//! One study from the folders of its parts.
+//! Merges the folders of the shards of a study.
 
 use crate::error::StudyError;
 use crate::folder::{CELLS, Folder, IMAGES, REFERENCES, copy, read_json, read_study};
 use crate::record::{Cell, Outcome, Results};
 use std::path::{Path, PathBuf};
 
-/// Joins the folders of the parts of a study in another folder, which may be one of them: cells, pictures,
-/// references, tables. A finished cell comes before a failed one of the same key.
+/// Merges the folders of the shards of a study into a folder, which may be one of them: cells, pictures,
+/// references and tables. If two folders have a cell with the same key, a finished one has precedence over a
+/// failed one.
 ///
 /// # Errors
-/// Folders that are no studies, or of another study, adapter or version; what the new folder refused.
+/// Fails for folders that are not studies, or belong to another study, adapter or version, and if writing to
+/// `into` fails.
 pub fn merge(parts: &[PathBuf], into: &Path) -> Result<Results, StudyError> {
     let mut studies = Vec::with_capacity(parts.len());
     for part in parts {
@@ -48,7 +50,7 @@ pub fn merge(parts: &[PathBuf], into: &Path) -> Result<Results, StudyError> {
                 .iter_mut()
                 .find(|known| known.scene == reference.scene && known.from == reference.from);
             match same {
-                // One that was made comes before one that failed.
+                // A rendered reference has precedence over a failed one.
                 Some(known) if known.image.is_none() => known.clone_from(reference),
                 Some(_) => {}
                 None => record.references.push(reference.clone()),
@@ -64,7 +66,7 @@ pub fn merge(parts: &[PathBuf], into: &Path) -> Result<Results, StudyError> {
     Ok(results)
 }
 
-/// Copies what another folder has: pictures and references first, records of cells last.
+/// Copies the files that another folder has: pictures and references first, records of cells last.
 fn take(from: &Path, folder: &Folder, keys: &[String]) -> Result<(), StudyError> {
     for name in [IMAGES, REFERENCES] {
         let mut entries: Vec<PathBuf> = std::fs::read_dir(from.join(name))
@@ -73,7 +75,7 @@ fn take(from: &Path, folder: &Folder, keys: &[String]) -> Result<(), StudyError>
             .flatten()
             .map(|entry| entry.path())
             .collect();
-        // Of a reference, pictures before the record that says they are all there.
+        // The pictures of a reference are copied before its record, which states that they are complete.
         entries.sort_by_key(|path| path.extension().is_some_and(|extension| extension == "json"));
         for entry in entries {
             if let Some(file) = entry.file_name() {

@@ -1,4 +1,4 @@
-//! Results in a page of documentation: sections that studies write and people do not.
+//! Inserts results into a page of documentation: sections that are generated, not written by hand.
 
 use crate::description::SIZE;
 use crate::error::{StudyError, io};
@@ -14,11 +14,12 @@ fn begin(name: &str) -> String {
     format!("<!-- study: {name} -->")
 }
 
-/// Puts the results of studies into a page of Markdown, each between `<!-- study: NAME -->` and `<!-- end -->`; at the
-/// end of the page where it has no such place. All else stays as it is. Writes the studies' reports again.
+/// Inserts the results of studies into a page of Markdown. Each section lies between `<!-- study: NAME -->`
+/// and `<!-- end -->`; if the page has no such section, it is added at the end. The rest of the page stays as
+/// it is. Also writes the reports of the studies again.
 ///
 /// # Errors
-/// Folders that are no studies, a section without its end, what the disk refused.
+/// Fails for folders that are not studies, for a section without its end, and if a file cannot be written.
 pub fn publish(folders: &[PathBuf], page: &Path) -> Result<(), StudyError> {
     let mut text = match std::fs::read_to_string(page) {
         Ok(text) => text,
@@ -39,7 +40,7 @@ pub fn publish(folders: &[PathBuf], page: &Path) -> Result<(), StudyError> {
     write(page, text.as_bytes())
 }
 
-/// The page with another text in the section of that name.
+/// Returns the page with the content of the section `name` replaced.
 fn replaced(page: &str, name: &str, section: &str) -> Result<String, String> {
     let begin = begin(name);
     let Some((before, rest)) = page.split_once(&begin) else {

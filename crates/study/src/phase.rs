@@ -5,17 +5,17 @@ use crate::measure::Measure;
 use crate::record::{Better, MeasureInfo};
 
 impl Phase {
-    /// Returns its key among the measures: `gpu-ms:NAME`.
+    /// Returns the key of its measure: `gpu-ms:NAME`.
     pub fn key(&self) -> String {
         format!("{}:{}", Measure::GpuMs.key(), self.name.value)
     }
 
-    /// Returns whether a pass is one of it.
+    /// Returns whether a pass belongs to the phase.
     pub fn has(&self, pass: &str) -> bool {
         self.passes.iter().any(|at| names(&at.value, pass))
     }
 
-    /// Returns how tables and charts show it.
+    /// Returns its description for tables and charts.
     pub fn info(&self) -> MeasureInfo {
         let passes: Vec<String> = self.passes.iter().map(|at| format!("`{}`", at.value)).collect();
         MeasureInfo {
@@ -33,12 +33,12 @@ impl Phase {
     }
 }
 
-/// Whether the name of a pass or sub-graph stands for a pass.
+/// Returns whether `name`, of a pass or a sub-graph, stands for a pass.
 pub(crate) fn names(name: &str, pass: &str) -> bool {
     pass.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }
 
-/// All names that stand for some of these passes: parts, and the passes themselves.
+/// Returns all names that stand for some of these passes: those of sub-graphs, and of the passes themselves.
 pub(crate) fn all_names<'a>(passes: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let mut found = Vec::new();
     for pass in passes {
@@ -60,7 +60,7 @@ mod tests {
     fn a_part_stands_for_all_passes_in_it() {
         assert!(names("shadows", "shadows/splat") && names("shadows", "shadows"));
         assert!(names("shadows/splat", "shadows/splat") && !names("shadows/splat", "shadows"));
-        // A name that only begins alike is another.
+        // A name that only shares a prefix is a different one.
         assert!(!names("shadow", "shadows/splat") && !names("shadows", "shadows2"));
         assert_eq!(
             all_names(["view", "shadows/a/points", "shadows/splat"]),

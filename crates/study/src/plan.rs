@@ -1,4 +1,4 @@
-//! From a study to its cells: every name looked up, every value checked, before anything runs.
+//! Derives the cells of a study: every name is looked up and every value checked before anything runs.
 
 mod check;
 
@@ -10,22 +10,22 @@ use check::Checker;
 use frame_graph::{Diagnostics, Setting};
 use std::collections::BTreeMap;
 
-/// A study with every name resolved.
+/// A study with all names resolved.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// What was asked.
+    /// The study, as described.
     pub study: Study,
     /// The scenes, in order.
     pub scenes: Vec<SceneFacts>,
     /// The pipelines, in order.
     pub pipelines: Vec<PipelineRecord>,
-    /// What varies, in order.
+    /// The axes, in order.
     pub axes: Vec<Axis>,
     /// The measures, in order.
     pub measures: Vec<Measure>,
-    /// What each pipeline differs in from the first.
+    /// The differences of each pipeline from the first.
     pub differences: Vec<Difference>,
-    /// The cells: scene, pipeline, axes, seed.
+    /// The cells, ordered by scene, pipeline, axes, seed.
     pub cells: Vec<PlannedCell>,
     pub(crate) references: Vec<PlannedReference>,
 }
@@ -39,50 +39,50 @@ pub struct PlannedCell {
     pub pipeline: usize,
     /// Value of each axis that the pipeline has.
     pub axes: BTreeMap<String, AxisValue>,
-    /// What is run.
+    /// The request that is run.
     pub request: RunRequest,
     pub(crate) search: Option<Search>,
     /// Index into [`Plan::references`].
     pub(crate) reference: Option<usize>,
 }
 
-/// The value that a budget of time chooses.
+/// The setting whose value a budget of time determines.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Search {
     pub(crate) setting: Setting,
     pub(crate) path: String,
-    /// \[ms\] a frame.
+    /// Time per frame \[ms\].
     pub(crate) ms: f64,
 }
 
-/// A reference before it is made.
+/// A reference before it is rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlannedReference {
     /// Index into [`Plan::scenes`].
     pub(crate) scene: usize,
     pub(crate) size: (u32, u32),
-    /// What it comes from, in words.
+    /// A description of its source.
     pub(crate) from: String,
     pub(crate) made: Made,
 }
 
-/// How a reference is made.
+/// The source of a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Made {
-    /// Read from this file.
+    /// Reads this file.
     Picture(String),
-    /// Run: one request for all frames, or one a frame.
+    /// Runs requests: one for all frames, or one per frame.
     Run(Vec<RunRequest>),
 }
 
-/// The most cells of a study.
+/// The greatest number of cells of a study.
 const MOST_CELLS: usize = 100_000;
 
 impl Plan {
-    /// Resolves a study.
+    /// Resolves the names of a study, and derives its cells.
     ///
     /// # Errors
-    /// All that is wrong with its names and values, each at its place in the file.
+    /// All errors of its names and values, each with its place in the file.
     pub fn new(study: Study, registry: &dyn Registry) -> Result<Plan, Diagnostics> {
         let mut checker = Checker::new(&study, registry);
         let scenes = checker.scenes();
@@ -118,7 +118,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// All that is measured, phases last, as tables show it.
+    /// Returns all measures, with phases last, as tables show them.
     pub(crate) fn infos(&self) -> impl Iterator<Item = MeasureInfo> {
         let measures = self.measures.iter().map(|measure| measure.info());
         measures.chain(self.study.phases.iter().map(Phase::info))
@@ -136,7 +136,7 @@ impl Plan {
             let has = |path: &str| path == SIZE || pipeline.has(path);
             let axes: BTreeMap<String, AxisValue> =
                 combination.iter().filter(|(path, _)| has(path)).cloned().collect();
-            // Combinations that differ only in axes that this pipeline does not have.
+            // Skips combinations that differ only in axes that this pipeline does not have.
             if seen.contains(&axes) {
                 continue;
             }
@@ -210,7 +210,7 @@ impl Plan {
         (request, search)
     }
 
-    /// The index of the reference that judges a request, added where it is new.
+    /// Returns the index of the reference for a request, and adds it if it is new.
     fn reference_of(
         &mut self,
         scene: usize,
@@ -288,7 +288,7 @@ impl Plan {
     }
 }
 
-/// A pipeline of the study with its facts.
+/// A pipeline of the study with its properties.
 struct Resolved {
     record: PipelineRecord,
     facts: PipelineFacts,
@@ -322,13 +322,13 @@ fn differences(registry: &dyn Registry, pipelines: &[Resolved]) -> Vec<Differenc
         .collect()
 }
 
-/// The frame's size in a combination, where it varies.
+/// Returns the size of frames in a combination, if it varies.
 fn size_in(combination: &[(String, AxisValue)]) -> Option<(u32, u32)> {
     let (_, value) = combination.iter().find(|(path, _)| *path == SIZE)?;
     size_of(value)
 }
 
-/// Every combination of the values of a group: the first axis varies slowest.
+/// Returns every combination of the values of a group: the first axis varies slowest.
 fn combinations_of(group: &Group) -> Vec<Values> {
     let pair = |axis: &Vary, row: usize| (axis.path.value.clone(), axis.values[row].value.clone());
     match group {
@@ -342,7 +342,7 @@ fn combinations_of(group: &Group) -> Vec<Values> {
     }
 }
 
-/// Every row of `slow` followed by every row of `fast`.
+/// Returns every row of `slow` followed by every row of `fast`.
 fn product(slow: &[Values], fast: &[Values]) -> Vec<Values> {
     slow.iter().flat_map(|row| fast.iter().map(move |tail| [&row[..], tail].concat())).collect()
 }

@@ -1,5 +1,5 @@
-//! What a study leaves behind: plain data, in `study.json` and `cells/*.json`, from which tables and the report
-//! are made.
+//! The results of a study: plain data, stored in `study.json` and `cells/*.json`, from which tables and the
+//! report are generated.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -8,28 +8,28 @@ use std::fmt;
 /// A whole study as read back from its folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// What was asked.
+    /// The study.
     pub study: StudyRecord,
     /// The cells that are finished or failed, in the order of the study: scene, pipeline, axes, seed.
     pub cells: Vec<Cell>,
 }
 
-/// What was asked, with every name resolved: `study.json`.
+/// The description of a study, with every name resolved: `study.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StudyRecord {
     /// Name of the file, without its ending.
     pub name: String,
-    /// What it shows, in a line.
+    /// What it shows, in one line.
     pub about: String,
     /// The paper's table or figure; empty for none.
     pub paper: String,
-    /// The description's text.
+    /// The text of the study file.
     pub source: String,
     /// Size of frames \[px\].
     pub size: (u32, u32),
-    /// The output of the pipelines that is judged.
+    /// The output of the pipelines that is measured.
     pub output: String,
-    /// The budget, as a line to read: "8 frames", "20 ms a frame by `lights`".
+    /// The budget, as a line of text: "8 frames", "20 ms a frame by `lights`".
     pub budget: String,
     /// Frames before those that are measured.
     pub warm_up: u32,
@@ -39,26 +39,26 @@ pub struct StudyRecord {
     pub scenes: Vec<SceneRecord>,
     /// Pipelines, in order.
     pub pipelines: Vec<PipelineRecord>,
-    /// What is varied, in order.
+    /// The axes, in order.
     pub axes: Vec<Axis>,
-    /// What is measured, in order.
+    /// The measures, in order.
     pub measures: Vec<MeasureInfo>,
-    /// References: one a scene, or several where they follow an axis or the frame's size.
+    /// References: one per scene, or several if they follow an axis or the size of frames.
     pub references: Vec<ReferenceRecord>,
-    /// What each pipeline differs in from the first, in the words of `lightloom diff`.
+    /// The differences of each pipeline from the first, as `lightloom diff` prints them.
     pub differences: Vec<Difference>,
-    /// How many cells there are in all, of every shard.
+    /// The number of cells of all shards together.
     pub cell_count: usize,
     /// Adapter and driver.
     pub adapter: String,
     /// Version of Lightloom.
     pub version: String,
-    /// When it began, RFC 3339 in UTC.
+    /// The time when it began, RFC 3339 in UTC.
     pub started: String,
-    /// The command that makes it again; empty where it was not run by the program.
+    /// The command that repeats the run; empty if it was not run by the program.
     #[serde(default)]
     pub command: String,
-    /// What the paper says of the measures, in order.
+    /// The claims of the paper, in order.
     #[serde(default)]
     pub claims: Vec<ClaimRecord>,
 }
@@ -66,7 +66,7 @@ pub struct StudyRecord {
 /// A scene of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
-    /// As the study names it.
+    /// The name in the study.
     pub name: String,
     /// What it shows.
     pub about: String,
@@ -76,10 +76,10 @@ pub struct SceneRecord {
     pub triangles: usize,
 }
 
-/// A pipeline of a study, with values of its own.
+/// A pipeline of a study, with its own values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PipelineRecord {
-    /// As tables and charts name it.
+    /// The name in tables and charts.
     pub name: String,
     /// Name or path of the pipeline.
     pub pipeline: String,
@@ -91,12 +91,12 @@ pub struct PipelineRecord {
     pub set: BTreeMap<String, AxisValue>,
 }
 
-/// Something that varies.
+/// An axis: a parameter or setting that varies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Path of the parameter or setting: `lights`, `gather.clamp`.
     pub name: String,
-    /// What it is, from its declaration.
+    /// Its description, from its declaration.
     pub doc: String,
     /// Unit; empty for none.
     pub unit: String,
@@ -108,16 +108,16 @@ pub struct Axis {
 #[derive(Clone, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum AxisValue {
-    /// A switch.
+    /// A boolean.
     Bool(bool),
-    /// A number, whole or not.
+    /// A number, integer or real.
     Number(f64),
-    /// A choice.
+    /// A text, such as a choice.
     Text(String),
 }
 
 impl fmt::Display for AxisValue {
-    /// Writes it as it is typed: `true`, `64`, `0.01`, `flux`.
+    /// Formats the value as it is typed: `true`, `64`, `0.01`, `flux`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             AxisValue::Bool(truth) => write!(f, "{truth}"),
@@ -127,34 +127,34 @@ impl fmt::Display for AxisValue {
     }
 }
 
-/// Which way a measure improves.
+/// The direction in which a measure improves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Better {
-    /// Less is better: errors, times, bytes.
+    /// Lower values are better: errors, times, bytes.
     Lower,
-    /// More is better: SSIM.
+    /// Higher values are better: SSIM.
     Higher,
-    /// Nearer to 1: energy.
+    /// Values nearer to 1 are better: energy.
     One,
-    /// Neither.
+    /// No value is better than another.
     Neither,
 }
 
-/// A measure, as tables and charts show it.
+/// The description of a measure for tables and charts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasureInfo {
     /// Its key in [`Cell::measures`]: `rel-mse`, `gpu-ms`.
     pub key: String,
-    /// As it is printed: "relMSE".
+    /// The printed name: "relMSE".
     pub label: String,
     /// Unit; empty for none.
     pub unit: String,
-    /// Which way it improves.
+    /// The direction in which it improves.
     pub better: Better,
-    /// What it is and where it is defined.
+    /// Its definition and source.
     pub doc: String,
-    /// Whether it is an error that can stand on the y axis of a chart over time.
+    /// Whether it is an error that can be plotted against time.
     pub is_error: bool,
 }
 
@@ -163,53 +163,53 @@ pub struct MeasureInfo {
 pub struct ReferenceRecord {
     /// The scene.
     pub scene: String,
-    /// What made it: "pipeline reference, bounces = 1, 4096 samples", or the file.
+    /// Its source: "pipeline reference, bounces = 1, 4096 samples", or the file.
     pub from: String,
-    /// The picture (of the measured frame), relative to the study's folder; `None` where it failed.
+    /// The picture (of the last measured frame), relative to the study's folder; `None` if rendering failed.
     pub image: Option<String>,
-    /// Seconds that it took to make; 0 for a file.
+    /// Seconds that rendering took; 0 for a file.
     pub seconds: f64,
-    /// Estimated relMSE of the reference itself; `None` where unknown.
+    /// Estimated relMSE of the reference itself; `None` if unknown.
     pub noise: Option<f64>,
-    /// Why there is none; empty where there is.
+    /// The reason why there is none; empty if there is one.
     pub error: String,
-    /// Provenance, as in pictures; empty where unknown.
+    /// Provenance, as stored in pictures; empty if unknown.
     pub provenance: String,
 }
 
-/// What a pipeline differs in from the first.
+/// The differences of a pipeline from the first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Difference {
     /// The first pipeline's name.
     pub from: String,
     /// The other's.
     pub to: String,
-    /// Lines of `lightloom diff`; empty where they are the same.
+    /// Lines of `lightloom diff`; empty if the pipelines are the same.
     pub lines: Vec<String>,
 }
 
-/// What a paper says of a measure.
+/// A claim of a paper about a measure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClaimRecord {
     /// Key of the measure.
     pub measure: String,
-    /// What is to hold.
+    /// The relation that should hold.
     pub relation: RelationRecord,
-    /// Values of axes: cells with others take no part, those without the axis do.
+    /// Values of axes: cells with other values are left out, but those without the axis count.
     pub at: BTreeMap<String, AxisValue>,
-    /// Names of the scenes that it is about, each by itself; empty for all.
+    /// Names of the scenes that it is about, each checked separately; all if empty.
     pub scenes: Vec<String>,
-    /// Where it is said; empty where nowhere.
+    /// Where the paper makes the claim; may be empty.
     pub says: String,
 }
 
-/// What is to hold of means over cells.
+/// A relation between means over cells.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RelationRecord {
-    /// Each is less than the next.
+    /// Each mean is less than the next.
     Order(Vec<PickRecord>),
-    /// One over another lies within bounds.
+    /// The ratio of two means lies within bounds.
     Ratio {
         /// The numerator.
         of: PickRecord,
@@ -222,19 +222,19 @@ pub enum RelationRecord {
     },
 }
 
-/// Cells of a pipeline.
+/// The cells of a pipeline that a claim is about.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PickRecord {
     /// Its name in the study.
     pub pipeline: String,
-    /// Values of axes, beside those of the claim.
+    /// Values of axes, in addition to those of the claim.
     pub at: BTreeMap<String, AxisValue>,
 }
 
 /// One cell: one pipeline with one set of values on one scene with one seed. `cells/KEY.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// Hash of everything it depends on, hexadecimal.
+    /// Hash of everything on which the cell depends, hexadecimal.
     pub key: String,
     /// Name of the scene.
     pub scene: String,
@@ -246,37 +246,37 @@ pub struct Cell {
     pub seed: u32,
     /// How it ended.
     pub outcome: Outcome,
-    /// What was measured, by [`MeasureInfo::key`]; a measure that does not exist here is `None`, never NaN.
+    /// The measurements, by [`MeasureInfo::key`]; `None` for a measure that has no value here, never NaN.
     pub measures: BTreeMap<String, Option<f64>>,
-    /// GPU time of each pass: median over the measured frames, in the order of the plan.
+    /// GPU time of each pass: the median over the measured frames, in the order of the plan.
     pub passes: Vec<PassTime>,
-    /// The frames one by one, of a scene that moves.
+    /// The values of single frames, for a scene that moves.
     #[serde(default)]
     pub series: FrameSeries,
     /// Memory of the plan.
     pub memory: Memory,
-    /// Values that the budget chose: `lights` of an equal-time study.
+    /// Values that the budget determined: `lights` in an equal-time study.
     pub chosen: BTreeMap<String, AxisValue>,
     /// Measured frames.
     pub frames: u32,
-    /// Seconds that the cell took, all in all.
+    /// Seconds that the whole cell took.
     pub seconds: f64,
     /// Pictures of the last frame.
     pub images: CellImages,
-    /// What the reader of its figures must know, a sentence each: a budget that could not be met.
+    /// Notes for readers of the measurements, one sentence each: for example, that a budget could not be met.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// Provenance, as in pictures: plan, flattened RON, shaders, scene, seed, adapter, version.
+    /// Provenance, as stored in pictures: plan, flattened RON, shaders, scene, seed, adapter, version.
     pub provenance: String,
 }
 
-/// What was measured of each frame; empty of a scene that stands still, and of a single frame.
+/// Measurements of single frames; empty for a scene that stands still, and for a single frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrameSeries {
     /// Number of the first measured frame.
     pub first: u32,
-    /// By [`MeasureInfo::key`], a value a frame: `[frames]`; `None` where there is none, as of a difference to the
-    /// frame before in the first.
+    /// By [`MeasureInfo::key`], one value per frame: `[frames]`. `None` if a frame has no value, as the first
+    /// one for differences from the frame before.
     pub values: BTreeMap<String, Vec<Option<f64>>>,
 }
 
@@ -288,7 +288,7 @@ pub enum Outcome {
     Done,
     /// It failed; the others go on.
     Failed {
-        /// What was wrong, for the user to read.
+        /// The error, for the user to read.
         error: String,
     },
 }
@@ -302,27 +302,27 @@ pub struct PassTime {
     pub gpu_ms: f64,
 }
 
-/// Bytes of a plan.
+/// Memory of a plan, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Memory {
-    /// With memory of its own for each resource.
+    /// If every resource had its own memory.
     pub unshared: u64,
-    /// As it is.
+    /// As allocated, with memory shared between resources.
     pub shared: u64,
-    /// The largest sum alive at once.
+    /// The lower bound: the largest sum of resources alive at once.
     pub bound: u64,
-    /// Of all objects that frames work on, histories too, the scene's apart.
+    /// The memory of all objects that frames use, with history buffers, but without the scene.
     pub held: u64,
 }
 
-/// Pictures of a cell, relative to the study's folder; `None` where not wanted or not made.
+/// Pictures of a cell, relative to the study's folder; `None` if not requested or not rendered.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CellImages {
-    /// The judged output: EXR, linear.
+    /// The measured output: EXR, linear.
     pub image: Option<String>,
-    /// The ꟻLIP map beside the reference: PNG.
+    /// The ꟻLIP error map: PNG.
     pub flip: Option<String>,
-    /// The reference by which it was judged: EXR. One scene has several where the frame's size varies.
+    /// The reference that it was compared with: EXR. A scene has several if the size of frames varies.
     #[serde(default)]
     pub reference: Option<String>,
 }

@@ -1,4 +1,5 @@
-//! References: made once, kept in the study's folder, shared by the cells that they judge.
+//! References: rendered once, stored in the study's folder, and shared by the cells that are compared with
+//! them.
 
 use crate::error::StudyError;
 use crate::folder::{Folder, REFERENCES, read_json};
@@ -11,31 +12,31 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What stands beside the pictures of a reference, once all are there.
+/// The record of a reference, stored once all its pictures are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Kept {
     from: String,
-    /// One for all frames, or one a frame; relative to the study's folder.
+    /// One picture for all frames, or one per frame; relative to the study's folder.
     images: Vec<String>,
     seconds: f64,
     noise: Option<f64>,
     provenance: String,
 }
 
-/// The references of a study, as far as they are known.
+/// The references of a study, with the state of each.
 #[derive(Debug)]
 pub(crate) struct References<'a> {
     planned: &'a [PlannedReference],
     scenes: Vec<String>,
-    /// Key of each, or why there is none.
+    /// The key of each, or the reason why there is none.
     keys: Vec<Result<Key, String>>,
-    /// What became of the references that were requested.
+    /// The results of the references that were requested so far.
     known: Vec<Option<Result<Kept, String>>>,
-    /// Where references of other studies are looked for and put as well.
+    /// A folder in which references of other studies are looked up and stored as well.
     shared: Option<PathBuf>,
 }
 
-/// The pictures that judge a cell.
+/// The reference pictures of a cell.
 #[derive(Debug)]
 pub(crate) struct Truth {
     files: Vec<PathBuf>,
@@ -43,9 +44,9 @@ pub(crate) struct Truth {
 }
 
 impl Truth {
-    /// The reference of a frame, counted from the first measured one.
+    /// Returns the reference of a frame, counted from the first measured one.
     pub(crate) fn frame(&mut self, index: usize) -> Result<&Image, String> {
-        // One picture stands for all frames of a scene that stands still.
+        // For a scene that stands still, one picture is the reference of all frames.
         let file = if self.files.len() > 1 { index } else { 0 };
         if self.read.as_ref().is_none_or(|(read, _)| *read != file) {
             let path = self.files.get(file).ok_or_else(|| format!("frame {index} has no reference"))?;
@@ -69,7 +70,7 @@ impl<'a> References<'a> {
         References { planned, scenes, keys, known: vec![None; planned.len()], shared }
     }
 
-    /// The key of a reference: part of those of the cells that it judges.
+    /// Returns the key of a reference, which is part of the keys of its cells.
     pub(crate) fn key(&self, index: usize) -> String {
         match &self.keys[index] {
             Ok(key) => key.to_string(),
@@ -77,7 +78,7 @@ impl<'a> References<'a> {
         }
     }
 
-    /// Estimate of the time of those that have not been asked for yet: as the others took.
+    /// Returns an estimate of the time for those that were not requested yet, from the time of the others.
     pub(crate) fn left(&self) -> Duration {
         let made = self.known.iter().flatten().flatten();
         let (seconds, count) = made.fold((0.0, 0), |sum, kept| (sum.0 + kept.seconds, sum.1 + 1));
@@ -86,7 +87,7 @@ impl<'a> References<'a> {
         Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX)
     }
 
-    /// Takes up references that are in the folder already, without making any.
+    /// Looks up the references that are in the folder already, without rendering any.
     pub(crate) fn recall(&mut self, folder: &Folder) {
         for (index, key) in self.keys.iter().enumerate() {
             if let Ok(key) = key
@@ -97,13 +98,13 @@ impl<'a> References<'a> {
         }
     }
 
-    /// Whether it is known what became of a reference.
+    /// Returns whether the result of a reference is known: its pictures, or why it failed.
     pub(crate) fn is_known(&self, index: usize) -> bool {
         self.known[index].is_some()
     }
 
-    /// The pictures of a reference, made where they are not there yet; why there are none. An error of the folder
-    /// ends the study.
+    /// Returns the pictures of a reference, which is rendered if it is missing, or the reason why there are
+    /// none. An error of the folder ends the study.
     pub(crate) fn get(
         &mut self,
         index: usize,
@@ -184,7 +185,7 @@ impl<'a> References<'a> {
         Ok(Ok(kept))
     }
 
-    /// What is known of each, for the record.
+    /// Returns what is known of each reference, for the record.
     pub(crate) fn records(&self) -> Vec<ReferenceRecord> {
         let pairs = self.planned.iter().zip(&self.known);
         pairs
@@ -214,19 +215,19 @@ impl<'a> References<'a> {
             .collect()
     }
 
-    /// The picture of a reference that stands beside the last frame of its cells.
+    /// Returns the reference picture of the last frame of its cells.
     pub(crate) fn image(&self, index: usize) -> Option<String> {
         self.known[index].as_ref()?.as_ref().ok()?.images.last().cloned()
     }
 
-    /// In words, what failed.
+    /// Returns a description of the reference, for messages.
     pub(crate) fn name(&self, index: usize) -> String {
         let planned = &self.planned[index];
         format!("{} at {}x{}", self.scenes[planned.scene], planned.size.0, planned.size.1)
     }
 }
 
-/// Runs one request of a reference and keeps its pictures.
+/// Runs one request of a reference and stores its pictures.
 fn run(
     request: &RunRequest,
     key: &Key,
@@ -234,7 +235,7 @@ fn run(
     folder: &Folder,
     lab: &mut dyn Laboratory,
 ) -> Result<Result<(), String>, StudyError> {
-    // The folder's error is kept apart: it ends the study, not the reference.
+    // An error of the folder is stored separately: it ends the study, not only the reference.
     let mut disk = None;
     let images = &mut kept.images;
     let done = lab.run(request, &mut |frame| {
@@ -264,7 +265,7 @@ fn run(
     })
 }
 
-/// Whether a picture can judge others.
+/// Checks that a picture can be a reference: its size, and that its pixels are finite.
 fn sound(image: &Image, size: (u32, u32)) -> Result<(), String> {
     let found = (image.width(), image.height());
     if found != (size.0 as usize, size.1 as usize) {
@@ -288,7 +289,7 @@ fn recall(folder: &Path, key: &Key) -> Option<Kept> {
     kept.images.iter().all(|image| folder.join(image).is_file()).then_some(kept)
 }
 
-/// Copies a reference from folder to folder; its record last, so that it is whole or absent.
+/// Copies a reference from one folder to another; its record last, so that it is complete or absent.
 fn copy(kept: &Kept, key: &Key, from: &Path, to: &Path) -> Result<(), StudyError> {
     let record = format!("{REFERENCES}/{key}.json");
     for name in kept.images.iter().chain([&record]) {

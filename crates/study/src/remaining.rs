@@ -1,13 +1,13 @@
-//! How long the rest of a study takes.
+//! Estimates the remaining time of a study.
 
 use crate::record::Cell;
 use std::collections::HashMap;
 use std::time::Duration;
 
-/// Times of cells so far.
+/// Times of finished cells.
 #[derive(Debug, Default)]
 pub(crate) struct Remaining {
-    /// Seconds and number, by scene and pipeline.
+    /// Seconds and number of cells, by scene and pipeline.
     known: HashMap<(String, String), (f64, usize)>,
 }
 
@@ -18,8 +18,8 @@ impl Remaining {
         known.1 += 1;
     }
 
-    /// The time of this many cells, each given by its scene and pipeline: estimated from finished cells of the same, or
-    /// else of all.
+    /// Returns an estimate of the time of these cells, each given by its scene and pipeline: from finished
+    /// cells with the same scene and pipeline, or otherwise from all.
     pub(crate) fn estimate<'a>(&self, cells: impl Iterator<Item = (&'a str, &'a str)>) -> Duration {
         let mean = |(seconds, count): (f64, usize)| seconds / count.max(1) as f64;
         let all = mean(self.known.values().fold((0.0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1)));

@@ -1,4 +1,4 @@
-//! The report of a study: one page, figures and tables, made from what the study left behind.
+//! The report of a study: one page, figures and tables, generated from the study's results.
 
 mod chart;
 mod digest;
@@ -23,13 +23,13 @@ use table::Table;
 const FIGURES: &str = "figures";
 const TABLES: &str = "tables";
 
-/// Writes into the study's folder, which holds the pictures that `results` names: `report.html`, a single file
-/// that needs no other and no network; the charts in it as `figures/*.svg`; the tables as `tables/*.md` and
-/// `tables/*.tex`. The same results give the same bytes. A file is complete or absent, also while it replaces
-/// one. Gives the files that were written, the page first.
+/// Writes a report into the study's folder, which holds the pictures that `results` names: `report.html`, a
+/// single file that needs no other files and no network; its charts as `figures/*.svg`; its tables as
+/// `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is always complete or
+/// absent, also while it replaces another. Returns the files that were written, the page first.
 ///
 /// # Errors
-/// Where a file cannot be written. Pictures that cannot be read are no errors, the page tells them.
+/// Fails if a file cannot be written. Pictures that cannot be read are no errors; the page reports them.
 pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     let digest = Digest::new(results);
     let figures = Figures::new(&digest);

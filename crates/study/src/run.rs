@@ -17,21 +17,21 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How a study runs.
+/// Options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct RunOptions {
-    /// Which part of how many, from 1.
+    /// The shard of the study to run, if not all of it.
     pub shard: Option<Shard>,
-    /// A folder where references of other studies are looked for, and put.
+    /// A folder in which references of other studies are looked up and stored.
     pub references: Option<PathBuf>,
-    /// The command, for the record.
+    /// The command that started the run, for the record.
     pub command: String,
 }
 
-/// Part `part` of `parts`, from 1: every n-th cell.
+/// Shard `part` of `parts`: every n-th cell, with n = `parts`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1.
+    /// The number of the shard, from 1.
     pub part: u32,
     /// At least `part`.
     pub parts: u32,
@@ -56,57 +56,57 @@ impl std::str::FromStr for Shard {
     }
 }
 
-/// What happens while a study runs.
+/// Progress of a running study.
 #[derive(Debug)]
 pub enum Event<'a> {
     /// Before the first cell.
     Begin {
-        /// Cells of this part.
+        /// Number of cells of this shard.
         cells: usize,
-        /// How many of them are finished already.
+        /// Number of cells that are finished already.
         finished: usize,
-        /// Records in the folder that are not of this study as it is now.
+        /// Records in the folder that do not belong to the current version of the study.
         stale: usize,
     },
-    /// A reference is being made.
+    /// A reference is being rendered.
     Reference {
-        /// What it is of.
+        /// A description of the reference.
         name: String,
     },
     /// A cell is being rendered.
     Cell {
-        /// What it is, in words.
+        /// A description of the cell.
         name: String,
     },
     /// A cell has ended.
     Ended {
         /// Its record.
         cell: &'a Cell,
-        /// Cells of this part that are finished or failed.
+        /// Number of cells of this shard that are finished or failed.
         ended: usize,
-        /// Estimate of the time that the others take.
+        /// Estimate of the remaining time.
         left: Duration,
     },
-    /// Something that is reported once.
+    /// A message that is reported once.
     Note(String),
 }
 
-/// What became of a run.
+/// The result of a run.
 #[derive(Debug)]
 pub struct Ran {
-    /// The study as it is in the folder now.
+    /// The current content of the study's folder.
     pub results: Results,
-    /// Cells that were run now.
+    /// Number of cells that ran now.
     pub run: usize,
-    /// Cells of this part that failed.
+    /// Number of cells of this shard that failed.
     pub failed: usize,
 }
 
-/// Runs what is not finished of a study, into a folder.
+/// Runs the unfinished cells of a study, and stores the results in a folder.
 ///
 /// # Errors
-/// What the folder refused: what is finished is kept, and the same call goes on from there. A cell or reference that
-/// fails is no error: it is reported in its record.
+/// Fails if a file cannot be written: what is finished is kept, and the same call continues from there. A
+/// cell or reference that fails is no error: it is reported in its record.
 pub fn run(
     plan: &Plan,
     lab: &mut dyn Laboratory,
@@ -157,15 +157,15 @@ pub fn run(
     Ok(Ran { results, run, failed })
 }
 
-/// A run of a study.
+/// The state of a running study.
 struct Session<'a> {
     plan: &'a Plan,
     lab: &'a mut dyn Laboratory,
     folder: Folder,
     references: References<'a>,
-    /// What budgets chose, by all that a cell is but its seed: seeds share it.
+    /// Values that budgets determined, by all properties of a cell except its seed: seeds share the value.
     chosen: HashMap<String, (AxisValue, Option<String>)>,
-    /// References whose failure has been reported.
+    /// References whose failure was reported.
     refused: Vec<usize>,
 }
 
@@ -216,7 +216,7 @@ impl Session<'_> {
         }
     }
 
-    /// Takes up what a finished cell knows.
+    /// Takes over what is known from a finished cell.
     fn remember(&mut self, index: usize, kept: &Cell, remaining: &mut Remaining) {
         remaining.add(kept);
         let planned = &self.plan.cells[index];
@@ -255,7 +255,7 @@ impl Session<'_> {
         };
         tell(Event::Cell { name: name_of(&cell) });
         let start = Instant::now();
-        // Cells that measure more than errors are run without a reference, and tell what is missing.
+        // Cells with other measures than errors also run without a reference, and record what is missing.
         let only_errors =
             plan.study.phases.is_empty() && plan.measures.iter().all(|measure| measure.needs().reference);
         let failure = match truth {
@@ -278,7 +278,7 @@ impl Session<'_> {
         Ok(cell)
     }
 
-    /// The reference of a cell; its failure is reported once.
+    /// Returns the reference of a cell; a failure is reported once.
     fn truth(
         &mut self,
         reference: usize,
@@ -332,7 +332,7 @@ impl Session<'_> {
         Ok(verdict)
     }
 
-    /// Puts a verdict into the record, and its pictures on disk. Returns why the cell failed, where it did.
+    /// Adds measurements to the record, and writes its pictures. Returns the reason if the cell failed.
     fn keep(
         &mut self,
         verdict: Verdict,
@@ -357,7 +357,8 @@ impl Session<'_> {
         Ok(verdict.failure)
     }
 
-    /// The value that gives a frame its time, searched once for all seeds; a note where none does.
+    /// Searches for the value with which a frame takes the budgeted time, once for all seeds; returns a note
+    /// if there is none.
     fn choose(
         &mut self,
         planned: &PlannedCell,
@@ -373,7 +374,7 @@ impl Session<'_> {
             set.push((wanted.path.clone(), AxisValue::Number(value as f64)));
             let probe = RunRequest {
                 set,
-                // Drivers compile in the first frame.
+                // Drivers compile shaders in the first frame.
                 warm_up: request.warm_up.max(1),
                 frames: request.frames.min(3),
                 views: false,
@@ -412,7 +413,7 @@ fn without_seed(cell: &PlannedCell) -> String {
     format!("{:?} {:?}", RunRequest { seed: 0, ..cell.request.clone() }, cell.search)
 }
 
-/// Describes a cell in words: `ism on atrium, lights = 256, seed 3`.
+/// Returns a description of a cell: `ism on atrium, lights = 256, seed 3`.
 pub fn name_of(cell: &Cell) -> String {
     let axes: String = cell.axes.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
     format!("{} on {}{axes}, seed {}", cell.pipeline, cell.scene, cell.seed)

@@ -1,4 +1,4 @@
-//! Measures that are one figure for all seeds: bias² and variance, from the pictures of the cells.
+//! Measures that are one value for all seeds: bias² and variance, computed from the pictures of the cells.
 
 use crate::error::StudyError;
 use crate::measure::Measure;
@@ -7,7 +7,7 @@ use metrics::Image;
 use metrics::seeds::Decomposition;
 use std::path::Path;
 
-/// Puts bias² and variance into the first finished cell of each group of seeds; the others have none.
+/// Adds bias² and variance to the first finished cell of each group of seeds; the others have no value.
 pub(crate) fn add(results: &mut Results, folder: &Path) -> Result<(), StudyError> {
     let wanted: Vec<Measure> = [Measure::Bias2, Measure::Variance]
         .into_iter()
@@ -52,12 +52,12 @@ fn decompose(cells: &[Cell], done: &[usize], folder: &Path) -> Result<Option<Dec
     Ok(Some(Decomposition::of(&pictures, &reference)?))
 }
 
-/// Indices of cells that differ in their seeds alone, in order.
+/// Returns the indices of cells that differ only in their seeds, in order.
 pub(crate) fn groups(cells: &[Cell]) -> Vec<Vec<usize>> {
     let same = |a: &Cell, b: &Cell| a.scene == b.scene && a.pipeline == b.pipeline && a.axes == b.axes;
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, cell) in cells.iter().enumerate() {
-        // Seeds vary fastest, so a cell belongs to the last group or opens one.
+        // Seeds vary fastest, so a cell belongs to the last group or starts a new one.
         match groups.last_mut().filter(|group| same(&cells[group[0]], cell)) {
             Some(group) => group.push(index),
             None => groups.push(vec![index]),

@@ -1,5 +1,5 @@
-//! Tables: `cells.csv`, tidy, a row for each cell and measure; `summary.csv`, with intervals over seeds; `frames.csv`,
-//! tidy, a row for each frame of scenes that move.
+//! Tables in CSV: `cells.csv`, tidy, with one row per cell and measure; `summary.csv`, with intervals over
+//! seeds; `frames.csv`, tidy, with one row per frame of scenes that move.
 
 use crate::error::StudyError;
 use crate::folder::write as write_file;
@@ -9,7 +9,7 @@ use crate::seeds::groups;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Cells that differ in their seeds alone.
+/// The cells that differ only in their seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row<'a> {
     /// The scene.
@@ -18,12 +18,12 @@ pub struct Row<'a> {
     pub pipeline: &'a str,
     /// Value of each axis that the pipeline has.
     pub axes: &'a BTreeMap<String, AxisValue>,
-    /// The cells, a seed each.
+    /// The cells, one per seed.
     pub cells: Vec<&'a Cell>,
 }
 
 impl Results {
-    /// Returns the cells by all that they are but their seeds, in the order of the study.
+    /// Returns the cells grouped by everything except their seeds, in the order of the study.
     pub fn rows(&self) -> Vec<Row<'_>> {
         groups(&self.cells)
             .into_iter()
@@ -37,8 +37,8 @@ impl Results {
 }
 
 impl Row<'_> {
-    /// Returns a measure over the seeds; `None` where no cell has it. Cells that failed take no part, whatever was
-    /// measured of them: that stands in `cells.csv` alone.
+    /// Returns a measure over the seeds; `None` if no cell has it. Failed cells are left out, even if they
+    /// have measurements: those are only in `cells.csv`.
     pub fn figure(&self, measure: &str) -> Option<Interval> {
         let done = self.cells.iter().filter(|cell| cell.outcome == Outcome::Done);
         let values: Vec<f64> =
@@ -50,14 +50,14 @@ impl Row<'_> {
 /// Writes the three tables into a folder.
 ///
 /// # Errors
-/// What the folder refused.
+/// Fails if a file cannot be written.
 pub fn write(results: &Results, folder: &Path) -> Result<(), StudyError> {
     write_file(&folder.join("cells.csv"), cells(results).as_bytes())?;
     write_file(&folder.join("summary.csv"), summary(results).as_bytes())?;
     write_file(&folder.join("frames.csv"), frames(results).as_bytes())
 }
 
-/// One row a cell and measure; the GPU time of each pass is the measure `gpu-ms/PASS`.
+/// Formats one row per cell and measure; the GPU time of each pass is the measure `gpu-ms/PASS`.
 fn cells(results: &Results) -> String {
     let mut lines = Lines::new(results, &["seed", "measure", "value", "unit", "outcome", "chosen", "note"]);
     for cell in &results.cells {
@@ -98,7 +98,7 @@ fn summary(results: &Results) -> String {
     lines.text
 }
 
-/// One row a finished cell, frame and measure, of scenes that move.
+/// Formats one row per finished cell, frame and measure, for scenes that move.
 fn frames(results: &Results) -> String {
     let mut lines = Lines::new(results, &["seed", "frame", "measure", "value", "unit"]);
     for cell in results.cells.iter().filter(|cell| cell.outcome == Outcome::Done) {
@@ -118,7 +118,7 @@ fn frames(results: &Results) -> String {
     lines.text
 }
 
-/// Rows that begin with scene, pipeline and axes.
+/// Formats rows that begin with scene, pipeline and axes.
 struct Lines<'a> {
     axes: Vec<&'a str>,
     text: String,
@@ -149,7 +149,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A field of a CSV file (RFC 4180); line breaks become spaces, so that a row is a line.
+/// Formats a field of a CSV file (RFC 4180); line breaks become spaces, so that each row is one line.
 fn quoted(field: &str) -> String {
     let field = field.replace(['\r', '\n'], " ");
     if field.contains([',', '"']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field }

@@ -15,8 +15,8 @@ pub fn luminance(rgb: Rgb) -> f64 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
-/// Returns the encoded colour, in 0..=1, of a radiance; `name` is a choice of the setting `tonemap`, and any other name
-/// than the curves' only cuts at 1.
+/// Returns the encoded colour, in 0..=1, of a radiance. `name` is a choice of the setting `tonemap`; any name
+/// that is not one of a curve only clamps at 1.
 pub fn displayed(name: &str, radiance: Rgb, exposure: f64, white: f64) -> Rgb {
     if !radiance.iter().all(|x| x.is_finite()) {
         return [1.0, 0.0, 1.0];

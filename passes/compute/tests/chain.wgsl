@@ -23,7 +23,7 @@ var picture: texture_storage_2d<rgba32float, write>;
 
 var<workgroup> part: array<f32, 64>;
 
-/// A thread a number. [threads: elements(numbers)]
+/// One thread per number. [threads: elements(numbers)]
 @compute @workgroup_size(64)
 fn add(
     @builtin(workgroup_id) group: vec3<u32>,

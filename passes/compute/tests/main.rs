@@ -221,7 +221,7 @@ const STEPS: &str = "struct Settings {
     var squared: texture_2d<f32>;
     var picture: texture_storage_2d<rgba16float, write>;
 
-    /// Adds up, a thread a number. [threads: elements(numbers)]
+    /// Adds up, one thread per number. [threads: elements(numbers)]
     @compute @workgroup_size(64) fn add(@builtin(global_invocation_id) id: vec3<u32>) {
         sums[id.x / 64u] = numbers[id.x];
     }
@@ -272,7 +272,7 @@ fn attributes_that_mean_nothing_are_told_where_they_stand() {
         (
             "elements(numbers)",
             "elements(number)",
-            "own.wgsl:16:37: `add`: there is no input, output or scratch `number` | did you mean `numbers`?",
+            "own.wgsl:16:41: `add`: there is no input, output or scratch `number` | did you mean `numbers`?",
         ),
         ("repeat: rounds", "repeat: round", "there is no setting `round` | did you mean `rounds`?"),
         ("repeat: rounds", "repeet: rounds", "did you mean `repeat`?"),

@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3, UVec2};
 
-/// How steep a plane may rise from texel to texel, in sides of a texel.
+/// The greatest slope of a plane from texel to texel, in sides of a texel.
 pub const STEEPEST: f64 = 8.0;
 
 /// A shadow map: distances along the axis \[m\], 0 where empty, row by row from the top.
@@ -11,16 +11,16 @@ pub const STEEPEST: f64 = 8.0;
 pub struct Map {
     /// Side \[px\].
     pub size: u32,
-    /// Half the width and height at distance 1; in metres where parallel.
+    /// Half the width and height at distance 1; in metres if the projection is parallel.
     pub half_extent: DVec2,
-    /// Of a spot or point light.
+    /// Whether the map belongs to a spot or point light, and so is a perspective projection.
     pub perspective: bool,
     /// `size`² distances.
     pub distances: Vec<f64>,
 }
 
 impl Map {
-    /// Returns the map of one plane through `at` across `normal`.
+    /// Returns the map of one plane through `at` with the normal `normal`.
     pub fn of_plane(size: u32, half_extent: DVec2, perspective: bool, at: DVec3, normal: DVec3) -> Map {
         let mut map = Map { size, half_extent, perspective, distances: Vec::new() };
         map.distances = (0..size * size)
@@ -37,7 +37,7 @@ impl Map {
         ndc * self.half_extent * DVec2::new(1.0, -1.0)
     }
 
-    /// Returns the share of the light that reaches `receiver`, whose surface is across `n`. `pcf` is odd, `bias` in
+    /// Returns the share of the light that reaches `receiver`, whose normal is `n`. `pcf` is odd, `bias` in
     /// texels.
     pub fn visibility(&self, receiver: DVec3, n: DVec3, pcf: u32, bias: f64) -> f64 {
         let distance = -receiver.z;
@@ -74,8 +74,8 @@ impl Map {
     }
 }
 
-/// Returns the distance along the axis \[m\] at which the plane through `receiver` across `n` is met by the ray through
-/// `tap`, a point of the image plane.
+/// Returns the distance along the axis \[m\] at which the ray through `tap`, a point of the image plane,
+/// meets the plane through `receiver` with the normal `n`.
 pub fn plane_distance(receiver: DVec3, n: DVec3, tap: DVec2, perspective: bool) -> f64 {
     if perspective {
         let facing = n.dot(tap.extend(-1.0));

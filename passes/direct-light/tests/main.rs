@@ -91,7 +91,7 @@ fn the_glossy_part_reflects_no_more_than_it_receives() {
             let (rings, spokes) = (600, 600);
             let mut albedo = 0.0;
             for i in 0..rings * spokes {
-                // Evenly over the disc, so each stands for π / n of the projected solid angle.
+                // Uniformly over the disc, so each stands for π / n of the projected solid angle.
                 let r2 = (f64::from(i / spokes) + 0.5) / f64::from(rings);
                 let turn = (f64::from(i % spokes) + 0.5) / f64::from(spokes) * 2.0 * PI;
                 let light = dvec3(r2.sqrt() * turn.cos(), r2.sqrt() * turn.sin(), (1.0 - r2).sqrt());

@@ -1,4 +1,4 @@
-//! The algorithm in plain f64: same names as gather.wgsl.
+//! The CPU reference in `f64`, with the names of gather.wgsl.
 
 use glam::DVec3;
 
@@ -15,8 +15,8 @@ pub struct VirtualLight {
     pub area: f64,
 }
 
-/// Returns the geometry term of a light without its visibility [1/m²], as the clamp leaves it, and what the clamp
-/// removes.
+/// Returns the geometry term of a light without its visibility \[1/m²\]: what remains after the clamp, and
+/// what the clamp removes.
 pub fn geometry(light: &VirtualLight, at: DVec3, normal: DVec3, clamp: f64, extent: f64) -> (f64, f64) {
     let offset = at - light.position;
     let distance2 = offset.length_squared().max((1e-6 * extent).powi(2));

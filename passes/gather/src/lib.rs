@@ -22,11 +22,11 @@ const SHADER: &str = "passes/gather/gather.wgsl";
 const SPAN: &str = "SPAN";
 
 pass::choice! {
-    /// Which lights a sub-image takes.
+    /// Which subset of the lights a sub-image takes.
     pub enum Subsets {
-        /// Neighbours in their order.
+        /// Consecutive lights.
         Runs = "runs",
-        /// Every n·m-th.
+        /// Every (n·m)-th light.
         Strides = "strides",
     }
 }
@@ -34,21 +34,25 @@ pass::choice! {
 pass::settings! {
     /// The settings of the pass type `gather` that are not the shader's alone.
     pub struct GatherSettings {
-        /// Sub-images along a row; each pixel takes one of interleave_x · interleave_y subsets of the lights. Time falls,
-        /// and the noise that a filter must remove rises with it; 1 × 1 takes all lights. ISM Tab. 1 uses 4 and 8.
+        /// Number of sub-images along a row. Each pixel takes one of interleave_x · interleave_y subsets of
+        /// the lights. More: less time, but more noise for a filter to remove. With 1 × 1 each pixel takes
+        /// all lights. ISM Tab. 1 uses 4 and 8.
         interleave_x: u32 = 4, min: 1, max: 16;
-        /// Sub-images along a column; each pixel takes one of interleave_x · interleave_y subsets of the lights. Time
-        /// falls, and the noise that a filter must remove rises with it; 1 × 1 takes all lights. ISM Tab. 1 uses 4 and 8.
+        /// Number of sub-images along a column. Each pixel takes one of interleave_x · interleave_y subsets
+        /// of the lights. More: less time, but more noise for a filter to remove. With 1 × 1 each pixel takes
+        /// all lights. ISM Tab. 1 uses 4 and 8.
         interleave_y: u32 = 4, min: 1, max: 16;
-        /// Which lights a sub-image takes: a run of neighbours in their order, or every n·m-th. Runs of a Halton sequence
-        /// are even; strides of it share digits, and so lie in strips. Strides suit lights that are sorted by place.
+        /// Which lights form a subset. runs: consecutive lights. strides: every (n·m)-th light. Consecutive
+        /// elements of a Halton sequence are stratified; every (n·m)-th ones share digits, and so lie in
+        /// strips. Strides suit lights that are sorted by position.
         subsets: Subsets = Subsets::Runs;
     }
 }
 
-/// Lights of a subset that one dispatch takes, where a lookup of visibility makes so many loop iterations.
+/// Lights of a subset that one dispatch takes, if a visibility lookup takes `lookup_iterations` loop
+/// iterations.
 fn lights_of_part(span: u32, lookup_iterations: u32) -> u32 {
-    // An iteration for the light itself.
+    // One iteration is for the light itself.
     (LOOP_ITERATIONS / (1 + span * span * (1 + lookup_iterations))).max(1)
 }
 
@@ -71,14 +75,18 @@ impl Pass for Gather {
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
-                pass::input("view", "GBuffer", "Where the light is gathered."),
-                pass::input("lights", "VirtualLights", "What gives it."),
-                pass::optional("visibility", "Visibility", "Which lights are seen; without it, all."),
+                pass::input("view", "GBuffer", "The pixels at which light is gathered."),
+                pass::input("lights", "VirtualLights", "The lights."),
+                pass::optional(
+                    "visibility",
+                    "Visibility",
+                    "The visibility of the lights; without it, all are visible.",
+                ),
             ],
             outputs: vec![pass::output(
                 "irradiance",
                 "Irradiance",
-                "Diffuse irradiance, noisy where interleaved.",
+                "Diffuse irradiance, with noise if interleaved.",
             )],
             scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA),
         })

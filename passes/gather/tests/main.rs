@@ -15,7 +15,7 @@ struct View {
 }
 
 impl View {
-    fn stand(&self, lights: &[VirtualLight]) -> Harness<'static> {
+    fn harness(&self, lights: &[VirtualLight]) -> Harness<'static> {
         self.stand_at_depth(lights, 2.0)
     }
 
@@ -105,7 +105,7 @@ fn one_light_over_a_plane_gives_the_closed_form() {
     for area in [0.0, 0.04] {
         let light = VirtualLight { area, ..light };
         let outputs =
-            view.stand(&[light]).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+            view.harness(&[light]).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
         let Some(outputs) = outputs else { return };
         for ((x, y), got) in view.pixels().zip(read(&outputs)) {
             let d2 = view.position(x, y).distance_squared(light.position);
@@ -137,7 +137,7 @@ fn a_disc_of_lights_gives_the_form_factor_of_a_disc() {
         })
         .collect();
     let view = View { width: 1, height: 1, fov: 0.5 };
-    let outputs = view.stand(&disc).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+    let outputs = view.harness(&disc).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
     let Some(outputs) = outputs else { return };
     let wanted = 1.0 / (PI * a * a) * a * a / (a * a + h * h);
     let got = f64::from(read(&outputs)[0][0]);
@@ -167,7 +167,7 @@ fn each_sub_image_sums_its_subset() {
             let view = View { width, height, fov: 0.8 };
             let lights = lights(count);
             let outputs = view
-                .stand(&lights)
+                .harness(&lights)
                 .set("interleave_x", n)
                 .set("interleave_y", m)
                 .set("subsets", subsets)
@@ -203,8 +203,8 @@ fn the_mean_over_the_sub_images_is_the_sum_over_all_lights() {
     // A view so narrow that all pixels see one place.
     let view = View { width: 12, height: 12, fov: 1e-5 };
     let lights = lights(100);
-    let all = view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).run();
-    let interleaved = view.stand(&lights).set("interleave_x", 4).set("interleave_y", 3).run();
+    let all = view.harness(&lights).set("interleave_x", 1).set("interleave_y", 1).run();
+    let interleaved = view.harness(&lights).set("interleave_x", 4).set("interleave_y", 3).run();
     let (Some(all), Some(interleaved)) = (all, interleaved) else { return };
     let mean = |outputs: &Outputs| read(outputs).iter().map(|e| f64::from(e[0])).sum::<f64>() / 144.0;
     let (all, interleaved) = (mean(&all), mean(&interleaved));
@@ -218,7 +218,7 @@ fn many_lights_take_several_dispatches() {
     let light = lights(1)[0];
     let run = |count: usize| {
         let lights = vec![light; count];
-        Some(read(&view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).run()?))
+        Some(read(&view.harness(&lights).set("interleave_x", 1).set("interleave_y", 1).run()?))
     };
     let (Some(one), Some(many)) = (run(1), run(70_000)) else { return };
     for (one, many) in one.iter().zip(&many) {
@@ -235,7 +235,7 @@ fn extremes_stay_finite() {
     let behind = VirtualLight { position: DVec3::NEG_Y, normal: UP, ..on_the_receiver };
     for lights in [vec![on_the_receiver], vec![facing], vec![behind], Vec::new()] {
         let outputs =
-            view.stand(&lights).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+            view.harness(&lights).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
         let Some(outputs) = outputs else { return };
         for value in read(&outputs).into_iter().flatten() {
             assert!(value.is_finite() && value >= 0.0, "{value} of {lights:?}");
@@ -257,7 +257,7 @@ fn with_map(stored: f32) -> Option<Vec<[f32; 4]>> {
     let light = VirtualLight { position: dvec3(0.1, 1.0, 0.0), normal: DOWN, flux: 1.0, area: 0.0 };
     let atlas = pass::ResourceDesc::texture_2d_array(pass::Format::R32Float, (8, 8), 1);
     let outputs = view
-        .stand(&[light])
+        .harness(&[light])
         .set("interleave_x", 1)
         .set("interleave_y", 1)
         .input(
@@ -290,9 +290,9 @@ fn a_map_shadows_what_is_behind_its_distance() {
 fn the_module_of_no_visibility_is_the_same_as_none() {
     let view = View { width: 5, height: 5, fov: 0.6 };
     let lights = lights(20);
-    let none = view.stand(&lights).run();
+    let none = view.harness(&lights).run();
     let module = view
-        .stand(&lights)
+        .harness(&lights)
         .input("visibility", "Visibility", &[], Vec::new())
         .module("shaders/visibility-none.wgsl")
         .run();

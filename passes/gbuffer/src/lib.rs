@@ -21,8 +21,8 @@ const MOTION: &str = "passes/gbuffer/motion.wgsl";
 pass::settings! {
     /// The settings of the pass type `gbuffer`.
     pub struct GbufferSettings {
-        /// Whether the G-buffer has the member `motion`. It takes one more draw over the frame; the scene is taken to
-        /// be at rest.
+        /// Whether the G-buffer has the member `motion`, which takes one more draw over the frame. The scene
+        /// is assumed to stand still: only the camera moves.
         motion: bool = false;
     }
 }

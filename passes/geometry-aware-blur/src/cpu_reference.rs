@@ -1,11 +1,11 @@
-//! The window in plain f64: same names as geometry-aware-blur.wgsl.
+//! The CPU reference of the window, in `f64`, with the names of geometry-aware-blur.wgsl.
 
 /// Returns the weight of an offset along one side of a window of this many pixels.
 pub fn window_weight(offset: i32, window: u32) -> f64 {
     if window.is_multiple_of(2) && offset.unsigned_abs() * 2 == window { 0.5 } else { 1.0 }
 }
 
-/// Returns a coordinate brought back into the image by one period; still outside where the image is narrower.
+/// Returns a coordinate moved back into the image by one period; still outside if the image is narrower.
 pub fn inside(at: i32, size: u32, period: u32) -> i32 {
     at + if at < 0 { period as i32 } else { 0 } - if at >= size as i32 { period as i32 } else { 0 }
 }

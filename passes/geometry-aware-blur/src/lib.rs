@@ -1,4 +1,4 @@
-//! Averages interleaved irradiance over pixels of one surface.
+//! Averages interleaved irradiance over pixels of the same surface.
 
 pub mod cpu_reference;
 
@@ -20,13 +20,14 @@ const SHADER: &str = "passes/geometry-aware-blur/geometry-aware-blur.wgsl";
 pass::settings! {
     /// The settings of the pass type `geometry-aware-blur` that are not the shader's alone.
     pub struct GeometryAwareBlurSettings {
-        /// Width of the window; 0 takes the interleaving of the input (its fact `interleave_x`). Multiples of that leave
-        /// no pattern. Noise falls and detail is lost with it.
+        /// Width of the window; 0 takes the interleaving of the input (the fact `interleave_x` of its output
+        /// metadata). Multiples of the interleaving leave no pattern. Larger: less noise, but less detail.
         width: u32 = 0, max: 64, unit: "px";
-        /// Height of the window; 0 takes the interleaving of the input (its fact `interleave_y`).
+        /// Height of the window; 0 takes the interleaving of the input (the fact `interleave_y` of its output
+        /// metadata).
         height: u32 = 0, max: 64, unit: "px";
-        /// Filter rows, then columns: the time of width + height reads in place of width · height. The result differs
-        /// only where pixels are rejected.
+        /// Whether to filter rows first, then columns, which reads width + height pixels in place of width ·
+        /// height. The result differs only where pixels are rejected.
         separable: bool = true;
     }
 }
@@ -50,8 +51,8 @@ impl Pass for GeometryAwareBlur {
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
-                pass::input("view", "GBuffer", "Says which pixels see the same surface."),
-                pass::input("irradiance", "Irradiance", "What is averaged; of the size of `view`."),
+                pass::input("view", "GBuffer", "Determines which pixels see the same surface."),
+                pass::input("irradiance", "Irradiance", "The irradiance to average; of the size of `view`."),
             ],
             outputs: vec![pass::output("filtered", "Irradiance", "The averages.")],
             scene_bindings: SceneBindings::CAMERA,

@@ -17,7 +17,7 @@ pub struct ViewSample {
     pub response: DVec3,
 }
 
-/// Returns the pixel that two numbers in [0, 1) pick.
+/// Returns the pixel that two numbers in [0, 1) select.
 pub fn pixel(numbers: [f64; 2], size: (u32, u32)) -> (u32, u32) {
     let pick = |number: f64, of: u32| ((number * f64::from(of)) as u32).min(of - 1);
     (pick(numbers[0], size.0), pick(numbers[1], size.1))
@@ -55,8 +55,8 @@ pub fn contribution(
     sum.sum::<f64>() / samples.len() as f64
 }
 
-/// Returns the mixture of contributions with flux: `defensive` is δ. The mean is 1; less where the view sees none of
-/// the lights, or they reflect nothing.
+/// Returns the mixture of contributions with flux: `defensive` is δ. The mean is 1, or less if the view sees
+/// none of the lights, or they reflect nothing.
 pub fn mix_with_flux(contribution: &[f64], flux: &[f64], defensive: f64) -> Vec<f64> {
     let whole = |values: &[f64]| values.iter().sum::<f64>();
     let (by_view, by_flux) = (whole(contribution), whole(flux));

@@ -24,11 +24,11 @@ const VIEW_SAMPLE: Struct = Struct::new(VIEW_SAMPLES, "ViewSample");
 const SUMS: Struct = Struct::new("passes/importance-map/sums.wgsl", "Sums");
 
 pass::choice! {
-    /// What importance is.
+    /// How importance is defined.
     pub enum Measure {
-        /// What a texel adds to samples of the view.
+        /// What a texel contributes to samples of the view.
         Contribution = "contribution",
-        /// The luminance of the flux that it reflects.
+        /// The luminance of the flux that a texel reflects.
         Flux = "flux",
     }
 }
@@ -36,20 +36,22 @@ pass::choice! {
 pass::settings! {
     /// The settings of the pass type `importance-map`.
     pub struct ImportanceMapSettings {
-        /// What importance is. contribution: what the texel adds to samples of the view, visibility left out (TCAS
-        /// Eq. 1-2). flux: luminance of the flux that it reflects, whatever the camera sees (ISM §4).
+        /// How importance is defined. contribution: what the texel contributes to samples of the view,
+        /// without visibility (TCAS Eq. 1-2). flux: the luminance of the flux that it reflects, independent
+        /// of the camera (ISM §4).
         measure: Measure = Measure::Contribution;
-        /// Samples of the view P, for the measure contribution. Noise of the importance falls as P^-½, time rises with
-        /// P × texels of the map. TCAS §2 names 0.1 % of the pixels.
+        /// Number P of samples of the view, for the measure contribution. Noise of the importance falls as
+        /// P^-½; time rises with P × texels of the map. TCAS §2 names 0.1 % of the pixels.
         // DEVIATION(sample-count): a number, not a share of the pixels.
         view_samples: u32 = 256, min: 1, max: 65_536;
-        /// Distance that a texel and a sample of the view have at least when their geometry term is taken. Larger:
-        /// fewer lights crowd where a sample happens to lie near a lit surface; too large: lights miss corners, which
-        /// are lit from near by.
+        /// Lower bound on the distance between a texel and a sample of the view in the geometry term. Larger:
+        /// fewer lights cluster where a sample happens to lie near a lit surface. Too large: corners, which
+        /// nearby lights illuminate, get too few lights.
         min_distance: f32 = 0.01, min: 1e-4, max: 1.0, unit: "scene extents";
-        /// Share δ of the lights that is drawn by flux whatever the view, for the measure contribution. Bounds the
-        /// weight of a light by 1/δ times that of drawing by flux, and draws texels that no sample of the view saw.
-        /// Larger: fewer bright outliers, but more lights out of sight. 0: as in the paper.
+        /// Share δ of the lights that is sampled by flux, independent of the view, for the measure
+        /// contribution. It bounds the weight of a light to 1/δ times its weight when sampled by flux alone,
+        /// and reaches texels that no sample of the view saw. Larger: fewer bright outliers, but more lights
+        /// out of sight. 0: as in the paper.
         defensive: f32 = 0.05, min: 0.0, max: 1.0;
     }
 }

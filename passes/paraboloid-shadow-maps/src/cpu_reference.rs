@@ -1,4 +1,4 @@
-//! The algorithm in plain f64: same names as paraboloid-shadow-maps.wgsl.
+//! The CPU reference in `f64`, with the names of paraboloid-shadow-maps.wgsl.
 
 pub use gpu_algorithms::reference::paraboloid;
 
@@ -10,7 +10,8 @@ use paraboloid::{
 /// A box in the square [-1, 1]²: least and greatest coordinates.
 pub type Box = (DVec2, DVec2);
 
-/// Returns a box that holds another, and the image of the segment between two points above or on the light's plane.
+/// Returns a box that contains another and the image of the segment between two points above or on the
+/// light's plane.
 pub fn grown(bounds: Box, p: DVec3, q: DVec3, extent: f64) -> Box {
     if p.length().min(q.length()) <= 1e-6 * extent {
         return (DVec2::NEG_ONE, DVec2::ONE);

@@ -1,4 +1,4 @@
-//! Renders every triangle into a paraboloid depth map a virtual light: the exact baseline of visibility.
+//! Renders every triangle into one paraboloid depth map per virtual light: the exact baseline of visibility.
 
 pub mod cpu_reference;
 
@@ -21,14 +21,14 @@ pub struct ParaboloidShadowMaps {
 
 const SHADER: &str = "passes/paraboloid-shadow-maps/paraboloid-shadow-maps.wgsl";
 
-/// Bias that the depth test needs, in widths of a texel along the receiver's plane: half a diagonal, which is how
-/// far a receiver may be from the ray of its texel.
+/// Depth bias that the depth test needs, in widths of a texel along the receiver's plane. It is half the
+/// diagonal of a texel: the greatest distance of a receiver from the ray through the centre of its texel.
 const DEPTH_BIAS: f32 = 0.7;
 
 pass::settings! {
-    /// The settings of the pass type `paraboloid-shadow-maps`, beside the bias of its maps.
+    /// The settings of the pass type `paraboloid-shadow-maps`, apart from the depth bias of its maps.
     pub struct ParaboloidShadowMapsSettings {
-        /// Side of a map (ISM compares with 256). Shadows sharpen and time grows with it.
+        /// Side of a map (ISM compares with 256). Larger: sharper shadows, but more time.
         map: u32 = 64, min: 1, max: 8192, unit: "px";
     }
 }
@@ -54,7 +54,7 @@ impl Pass for ParaboloidShadowMaps {
             inputs: vec![pass::input(
                 "lights",
                 "VirtualLights",
-                "From where: a map a light, over the hemisphere of its normal.",
+                "The lights: one map each, over the hemisphere around its normal.",
             )],
             outputs: vec![pass::output("visibility", "Visibility", "The maps.")],
             scene_bindings: SceneBindings::SCENE,

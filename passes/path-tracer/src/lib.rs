@@ -1,4 +1,4 @@
-//! The truth: paths from the camera with next-event estimation, accumulated from frame to frame.
+//! The reference: paths from the camera with next-event estimation, accumulated from frame to frame.
 
 use gpu_algorithms::reduce;
 use interfaces::progress;
@@ -22,16 +22,16 @@ const MEAN: &str = "passes/path-tracer/mean.wgsl";
 /// Textures of the sums, by member of `PathSamples`.
 const SUMS: [&str; 4] = ["image", "direct", "indirect", "irradiance"];
 
-/// Rays of a pixel in one dispatch, at most. A driver takes a dispatch that goes on for seconds for a hang, and
-/// lavapipe ends all loops of a thread after 65,535 rounds, of which a ray takes up to some hundreds.
+/// Most rays of a pixel in one dispatch. A driver may treat a dispatch that takes seconds as a hang, and
+/// lavapipe ends all loops of a thread after 65,535 iterations, of which a ray takes up to some hundreds.
 const RAYS: u32 = 128;
 
 pass::choice! {
-    /// What a pixel is.
+    /// What the value of a pixel is.
     pub enum Filter {
-        /// The mean over its square.
+        /// The mean over the square of the pixel.
         Box = "box",
-        /// What its centre sees.
+        /// The value at the centre of the pixel.
         Centre = "centre",
     }
 }
@@ -39,20 +39,23 @@ pass::choice! {
 pass::settings! {
     /// The settings of the pass type `path-tracer` that are not options of its shaders.
     pub struct PathTracerSettings {
-        /// Most reflections between the surface that a light shines on and the one that is seen: 0 is direct light
-        /// alone. Time grows with it.
+        /// Most reflections between the surface that a light illuminates and the one that the camera sees; 0
+        /// is direct light alone. Time grows with it.
         bounces: u32 = 3, min: 0, max: 63;
-        /// Samples a pixel after which it stops. Error falls as N^-½ or better.
+        /// Number N of samples per pixel after which rendering stops. Error falls as N^-½ or better.
         samples: u32 = 1024, min: 1, max: 16_777_216;
-        /// Samples a pixel in one frame; fewer where these would be more than 128 rays. The picture is done in fewer
-        /// frames, each of which takes longer.
+        /// Samples per pixel in one frame, or fewer if they would take more than 128 rays. More: the picture
+        /// is complete after fewer frames, each of which takes longer.
         samples_per_frame: u32 = 4, min: 1, max: 64;
-        /// Estimated relMSE of the whole picture at which it stops before all samples are there; 0 takes all.
+        /// Estimated relMSE of the whole picture at which rendering stops before all samples are taken; 0
+        /// takes all samples.
         error: f32 = 0.0, min: 0.0, max: 1e6;
-        /// Length of a path's first indirect segment below which its geometry term grows no more, as a fraction of the
-        /// scene's extent; 0 is no bound. As in `gather`: what virtual lights converge to that are clamped so.
+        /// Length of a path's first indirect segment below which its geometry term is bounded, as a fraction
+        /// of the scene's extent; 0 is no bound. With the same value as the `clamp` of `gather`, the picture
+        /// is what virtual lights with that clamp converge to.
         clamp: f32 = 0.0, min: 0.0, max: 1.0;
-        /// What a pixel is: the mean over its square, or what its centre sees, as in a G-buffer.
+        /// What the value of a pixel is. box: the mean over its square. centre: what its centre sees, as in a
+        /// G-buffer.
         filter: Filter = Filter::Box;
     }
 }
@@ -126,7 +129,7 @@ impl Pass for PathTracer {
         let paths = Compute::per_texel(paths, "trace_paths", size)
             .value("samples_per_frame", at_once.clone())
             .value("over_square", switch(settings.filter == Filter::Box))
-            // What nobody reads is not worth a ray.
+            // An output that nothing reads is not worth a ray.
             .value("direct", switch(cx.connected("image") || cx.connected("direct")))
             .value("emissive", switch(cx.trait_bool("emissive")));
         let mut estimate = Vec::new();

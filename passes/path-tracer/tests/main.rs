@@ -16,13 +16,13 @@ fn pixels(outputs: &Outputs, name: &str) -> Vec<[f32; 4]> {
     outputs.read(name)
 }
 
-/// In a closed room of even surfaces that emit E and reflect ρ, every direction brings E · Σ ρᵏ: each sample is exact.
+/// In a closed room of uniform surfaces that emit E and reflect ρ, every direction brings E · Σ ρᵏ: samples are exact.
 #[test]
 fn a_furnace_is_even() {
     let (emitted, albedo) = ([0.5, 0.25, 1.0], [0.2, 0.5, 0.8]);
     let bounces = 6;
-    let stand = Harness::new(path_tracer::PASS).with_scene(furnace(emitted, albedo)).frame(24, 16);
-    let Some(outputs) = stand.set("bounces", bounces).set("samples_per_frame", 8u32).run() else { return };
+    let harness = Harness::new(path_tracer::PASS).with_scene(furnace(emitted, albedo)).frame(24, 16);
+    let Some(outputs) = harness.set("bounces", bounces).set("samples_per_frame", 8u32).run() else { return };
     let series = |c: usize, terms: std::ops::RangeInclusive<u32>| -> f64 {
         terms.map(|k| emitted[c] * albedo[c].powi(k as i32)).sum()
     };
@@ -50,8 +50,8 @@ fn a_furnace_is_even() {
 #[test]
 fn a_patch_under_a_spot() {
     let camera = boxes::camera_at([0.0, 0.5, 0.0], [0.0; 3], 1e-3);
-    let stand = Harness::new(path_tracer::PASS).with_scene(scene("plane")).camera(camera).frame(4, 4);
-    let Some(outputs) = stand.set("samples_per_frame", 1u32).run() else { return };
+    let harness = Harness::new(path_tracer::PASS).with_scene(scene("plane")).camera(camera).frame(4, 4);
+    let Some(outputs) = harness.set("samples_per_frame", 1u32).run() else { return };
     for pixel in pixels(&outputs, "direct") {
         assert!((f64::from(pixel[0]) * PI / 0.5 - 1.0).abs() < 1e-4, "{pixel:?}");
         assert_eq!(pixel[3], 1.0);
@@ -69,8 +69,8 @@ fn a_screen_shades() {
         scene.lights[0].intensity = glam::Vec3::ONE;
         // Below the screen in either case.
         let camera = boxes::camera_at([0.3, 0.2, 0.0], [0.0; 3], 1e-3);
-        let stand = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
-        let outputs = stand.set("samples_per_frame", 1u32).run()?;
+        let harness = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
+        let outputs = harness.set("samples_per_frame", 1u32).run()?;
         Some(spread(pixels(&outputs, "direct").iter().map(|pixel| pixel[0])).0)
     };
     // The spot hangs 1 m above the floor: below a screen at 2 m, and above one at half a metre.
@@ -105,8 +105,8 @@ fn clamped_form_factor(away: f64, height: f64, width: f64, closest: f64) -> f64 
 /// A wall under a sun that grazes the floor, which sees the wall alone.
 fn irradiance_of_floor(away: f32, clamp: f32) -> Option<[(f64, f64); 2]> {
     let camera = boxes::camera_at([away, 0.5, 0.0], [away, 0.0, 0.0], 1e-3);
-    let stand = Harness::new(path_tracer::PASS).with_scene(floor_and_wall()).camera(camera).frame(64, 64);
-    let outputs = stand
+    let harness = Harness::new(path_tracer::PASS).with_scene(floor_and_wall()).camera(camera).frame(64, 64);
+    let outputs = harness
         .set("bounces", 1u32)
         .set("samples_per_frame", 32u32)
         .set("clamp", clamp)
@@ -152,8 +152,8 @@ fn the_clamp_bounds_the_first_segment() {
 #[test]
 fn a_seed_is_a_picture() {
     let run = |seed: u32| {
-        let stand = Harness::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
-        let outputs = stand.seed(seed).set("samples_per_frame", 2u32).run()?;
+        let harness = Harness::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
+        let outputs = harness.seed(seed).set("samples_per_frame", 2u32).run()?;
         Some(pixels(&outputs, "image"))
     };
     let (Some(one), Some(again), Some(other)) = (run(1), run(1), run(2)) else { return };
@@ -169,8 +169,8 @@ fn queries_give_the_same_picture() {
         return;
     }
     let run = |rays: &str| {
-        let stand = Harness::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
-        let outputs = stand.set("rays", rays).set("samples_per_frame", 16u32).run()?;
+        let harness = Harness::new(path_tracer::PASS).scene("cornell-box").frame(16, 16);
+        let outputs = harness.set("rays", rays).set("samples_per_frame", 16u32).run()?;
         Some(pixels(&outputs, "image"))
     };
     let (Some(bvh), Some(query)) = (run("bvh"), run("query")) else { return };
@@ -190,8 +190,8 @@ fn masked_surfaces_let_light_through() {
             scene.materials[1].base_color.w = 0.25;
         }
         let camera = boxes::camera_at([0.4, 0.5, 0.0], [0.4, 0.0, 0.0], 1e-3);
-        let stand = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
-        let outputs = stand.set("samples_per_frame", 8u32).run()?;
+        let harness = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
+        let outputs = harness.set("samples_per_frame", 8u32).run()?;
         Some(spread(pixels(&outputs, "indirect").iter().map(|p| p[0])).0)
     };
     let (Some(whole), Some(cut)) = (run(false), run(true)) else { return };

@@ -1,12 +1,12 @@
-//! CPU reference: the same lookup in plain f64.
+//! The CPU reference: the same lookup in `f64`.
 
-/// Returns the part of a light that is seen through a square map of `tile` × `tile` distances \[m\]: `position` \[px\] is
-/// where the receiver falls in the map, and `nearest` \[m\] its distance less the bias.
+/// Returns the visible share of a light through a square map of `tile` × `tile` distances \[m\]: `position`
+/// \[px\] is the position of the receiver in the map, and `nearest` \[m\] its distance minus the depth bias.
 pub fn filtered(map: &[f64], tile: u32, position: [f64; 2], nearest: f64, taps: u32) -> f64 {
     let start = position.map(|x| x - 0.5 * f64::from(taps));
     let corner = start.map(f64::floor);
     let last = f64::from(tile - 1);
-    // Of a window that is cut at its edges, texel by texel along an axis: the part of it that is inside.
+    // Along an axis, the share of each texel that is inside a window that is cut at its edges.
     let weight = |axis: usize, i: u32| match i {
         0 => 1.0 - (start[axis] - corner[axis]),
         i if i == taps => start[axis] - corner[axis],

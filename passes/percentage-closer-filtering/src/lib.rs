@@ -1,4 +1,4 @@
-//! Filters lookups of shadow maps after the depth test.
+//! Filters shadow-map lookups after the depth test.
 
 pub mod cpu_reference;
 
@@ -11,7 +11,7 @@ use pass::{
 /// The pass type `percentage-closer-filtering`.
 pub const PASS: &dyn Pass = &PercentageCloserFiltering;
 
-/// Shadows with soft edges from any maker of maps.
+/// Shadows with soft edges, for shadow maps of any producer.
 pub struct PercentageCloserFiltering;
 
 const MODULE: &str = "passes/percentage-closer-filtering/percentage-closer-filtering.wgsl";
@@ -19,9 +19,9 @@ const MODULE: &str = "passes/percentage-closer-filtering/percentage-closer-filte
 pass::settings! {
     /// The settings of the pass type `percentage-closer-filtering`.
     pub struct PercentageCloserFilteringSettings {
-        /// Bilinear taps along each side of the window, a texel apart. Edges of shadows soften with it, contact shadows
-        /// fade, since the bias of the depth test grows as the window does, and time grows with its square. 1 is
-        /// bilinear filtering of four texels.
+        /// Bilinear taps along each side of the window, one texel apart; 1 is bilinear filtering of four
+        /// texels. More: softer edges of shadows; but contact shadows fade, since the depth bias grows with
+        /// the window, and time grows with the square.
         taps: u32 = 1, min: 1, max: 16;
     }
 }
@@ -57,7 +57,8 @@ impl Pass for PercentageCloserFiltering {
             .help("link what makes depth maps, or take this pass out"));
         }
         let taps = PercentageCloserFilteringSettings::read(cx.settings).taps;
-        // The farthest texel is as much further from the receiver as the window is wider than that of one tap.
+        // The farthest texel is farther from the receiver than with one tap, in proportion to the width of
+        // the window.
         let reach = (taps + 1) as f32 / 2.0;
         let bias = cx.fact("maps", DEPTH_BIAS)? * reach;
         Ok(vec![

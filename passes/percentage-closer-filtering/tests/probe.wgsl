@@ -1,4 +1,4 @@
-// Writes what the module of a port Visibility answers, a thread a receiver, beside what a bilinear lookup of four texels
+// Writes what the module of a port Visibility returns, one thread per receiver, beside what a bilinear lookup of four texels
 // answers by itself.
 
 #import "paraboloid.wgsl"

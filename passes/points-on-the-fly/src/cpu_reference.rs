@@ -1,4 +1,4 @@
-//! The WGSL of the pass and `shaders/points-on-the-fly.wgsl` with the same integers, and double precision before them.
+//! The WGSL of the pass and `shaders/points-on-the-fly.wgsl`, in double precision up to the same integers.
 
 pub use gpu_algorithms::reference::triangle_samples::{
     normal_and_area, scramble, triangle_at, triangle_from_square,
@@ -8,31 +8,32 @@ use crate::BLOCK;
 use glam::DVec3;
 use gpu_algorithms::reference::triangle_samples::edges;
 
-/// All that is shared out.
+/// The sum of all shares.
 pub const WHOLE: u32 = 0x8000_0000;
-/// As many points as are wanted.
+/// Stands for as many points as are requested.
 pub const ANY_NUMBER: u32 = u32::MAX;
 
-/// Returns the level of a tessellator for an edge \[m\] or an area \[m²\] between the least and the greatest there are:
-/// ACRSM Eq. 5.3 and 5.4, within `factors`.
+/// Returns the level of a tessellator for an edge \[m\] or an area \[m²\], given the least and the greatest
+/// value of the scene (ACRSM Eq. 5.3 and 5.4) and the range `factors`.
 pub fn level(bounds: [f64; 2], value: f64, factors: [u32; 2]) -> u32 {
     let x = if bounds[1] > bounds[0] { (value - bounds[0]) / (bounds[1] - bounds[0]) } else { 1.0 };
     let x = x.clamp(0.0, 1.0);
     ((x * x * (3.0 - 2.0 * x) * f64::from(factors[1])).ceil() as u32).max(factors[0])
 }
 
-/// Vertices of a triangle at these levels of its edges and inside.
+/// Returns the number of vertices of a triangle with these levels of its edges and inside.
 pub fn tessellated_points(edges: [u32; 3], inside: u32) -> u32 {
     let around: u32 = edges.iter().sum();
     if inside == 1 && around == 3 {
         return 3;
     }
-    // Rings around the middle: two segments fewer on each side than the one around them.
+    // Rings around the middle: each side has two segments fewer than that of the ring around it.
     let rings = (1..).map(|ring| inside.max(2).saturating_sub(2 * ring)).take_while(|side| *side > 0);
     around + rings.map(|side| 3 * side).sum::<u32>() + u32::from(inside.max(2).is_multiple_of(2))
 }
 
-/// Returns the weight of each triangle: its area \[m²\], or with factors the points of a tessellator.
+/// Returns the weight of each triangle: its area \[m²\]; if `factors` are given, the number of points of a
+/// tessellator.
 pub fn weights(triangles: &[[DVec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> {
     let measured: Vec<(f64, [f64; 3])> = triangles
         .iter()
@@ -60,8 +61,8 @@ pub fn weights(triangles: &[[DVec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> 
         .collect()
 }
 
-/// Returns where the intervals of triangles of these weights begin, and where the last ends; `dither` in \[0, 1)
-/// rounds.
+/// Returns where the intervals of triangles with these weights begin, and where the last ends; `dither` in
+/// \[0, 1) decides the rounding.
 pub fn starts(weights: &[f64], dither: impl Fn(u32) -> f64) -> Vec<u32> {
     let whole: f64 = weights.iter().sum();
     let mut sum = 0_u32;
@@ -78,45 +79,45 @@ pub fn starts(weights: &[f64], dither: impl Fn(u32) -> f64) -> Vec<u32> {
     starts
 }
 
-/// What samples are wanted for.
+/// The samples that a consumer requests.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted {
-    /// Maps.
+    /// Number of maps.
     pub maps: u32,
-    /// Samples for each.
+    /// Samples per map.
     pub per_map: u32,
-    /// What the triangles ask for, or [`ANY_NUMBER`].
+    /// Number that the triangles ask for, or [`ANY_NUMBER`].
     pub requested: u32,
-    /// Binary logarithm of how many maps take turns.
+    /// Binary logarithm of the number of maps that take turns.
     pub block_bits: u32,
 }
 
 impl Wanted {
-    /// Blocks are as large as they may be without being much larger than all maps.
+    /// Creates a request whose blocks are as large as they may be without being much larger than all maps.
     pub fn new(maps: u32, per_map: u32, requested: u32) -> Wanted {
         Wanted { maps, per_map, requested, block_bits: BLOCK.min(maps.next_power_of_two()).ilog2() }
     }
 
-    /// Returns the samples of all maps, where their number is filled up to whole blocks.
+    /// Returns the samples of all maps, with their number padded to whole blocks.
     pub fn threads(&self) -> u32 {
         self.maps.next_multiple_of(1 << self.block_bits) * self.per_map
     }
 }
 
-/// Where a sample lies.
+/// The place of a sample in the sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// The map that it is for.
+    /// The map that it belongs to.
     pub map: u32,
-    /// Its number among those of the map, in the order of the triangles.
+    /// Its number among the samples of the map, in the order of the triangles.
     pub stratum: u32,
-    /// In 0..2³¹.
+    /// Its coordinate along the cumulated shares, in 0..2³¹.
     pub number: u32,
-    /// Samples that there are, of all maps together.
+    /// Number of samples that are produced, for all maps together.
     pub made: u32,
 }
 
-/// Returns where sample `index` lies; `None` where there is none.
+/// Returns the place of sample `index`; `None` if there is no such sample.
 pub fn place(index: u32, wanted: &Wanted) -> Option<Place> {
     let turns = 1 << wanted.block_bits;
     let (row, turn) = (index / turns, index % turns);
@@ -144,7 +145,7 @@ pub struct Sample {
     pub triangle: u32,
     /// Unit.
     pub normal: DVec3,
-    /// What it stands for among the samples of its map \[m²\].
+    /// The area that it stands for among the samples of its map \[m²\].
     pub area: f64,
 }
 

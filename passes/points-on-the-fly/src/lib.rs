@@ -1,4 +1,4 @@
-//! Triangles amplified into points when they are wanted, and stored nowhere.
+//! Amplifies triangles into on-the-fly points, which are generated where they are read and stored nowhere.
 
 pub mod cpu_reference;
 
@@ -27,16 +27,16 @@ const BOUNDS_OF_SCENE: Struct = Struct::new(BOUNDS, "Bounds");
 /// Bytes of a weight, a f32.
 const WEIGHT_BYTES: u64 = 4;
 
-/// The most maps whose samples neighbouring threads make in turns: as many threads stand on triangles near each other.
-/// A power of two.
+/// The most maps whose samples neighbouring threads generate in turn, so that this many threads work on
+/// nearby triangles. A power of two.
 pub const BLOCK: u32 = 32;
 
 pass::choice! {
-    /// How many points a triangle has.
+    /// How many points a triangle gets.
     pub enum Rule {
-        /// Its share of the area.
+        /// In proportion to its area.
         Area = "area",
-        /// The vertices of its tessellation.
+        /// The number of vertices of its tessellation.
         Tessellation = "tessellation",
     }
 }
@@ -44,9 +44,10 @@ pass::choice! {
 pass::settings! {
     /// The settings of the pass type `points-on-the-fly` that are not the shaders' alone.
     pub struct PointsOnTheFlySettings {
-        /// How many points a triangle has. `area`: its share of the area, of any number. `tessellation`: those of a
-        /// tessellator whose levels rise with edges and area (ACRSM Eq. 5.3-5.4), so small triangles have more than
-        /// their share; a number of its own, of which no more are made than fit.
+        /// How many points a triangle gets. area: in proportion to its area; the total is as many as are
+        /// requested. tessellation: as many as the vertices of a tessellator whose levels rise with edges and
+        /// area (ACRSM Eq. 5.3-5.4), so that small triangles get more than in proportion to their area; the
+        /// total follows from the scene, and is cut to the points that fit.
         rule: Rule = Rule::Area;
     }
 }
@@ -132,7 +133,7 @@ fn tessellates(settings: &Settings) -> bool {
     PointsOnTheFlySettings::read(settings).rule == Rule::Tessellation
 }
 
-/// Binary logarithm of the entries of the guide: about as many as triangles.
+/// Binary logarithm of the number of entries of the guide table, which is about the number of triangles.
 fn guide_bits(triangles: u32) -> u32 {
     triangles.max(1).ilog2().min(20)
 }

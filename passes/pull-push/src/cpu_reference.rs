@@ -1,4 +1,4 @@
-//! The algorithm in plain f64 on one map: same names as the WGSL, levels as whole images.
+//! The CPU reference in `f64`, for one map: the names of the WGSL, with levels as whole images.
 
 /// An image of distances \[m\], infinite in holes.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +25,7 @@ impl Level {
     }
 }
 
-/// Least and greatest of the values that are no holes; `None` where all are.
+/// Least and greatest of the values that are not holes; `None` if all are.
 fn span(values: &[f64]) -> Option<(f64, f64)> {
     let valid = values.iter().filter(|value| value.is_finite());
     valid.fold(None, |span: Option<(f64, f64)>, value| {
@@ -34,7 +34,8 @@ fn span(values: &[f64]) -> Option<(f64, f64)> {
     })
 }
 
-/// Returns the mean of those of four that are no holes, where they are within `threshold` of each other; else a hole.
+/// Returns the mean of those of four that are not holes, if they are within `threshold` of each other;
+/// otherwise a hole.
 pub fn pulled(values: [f64; 4], threshold: f64) -> f64 {
     match span(&values) {
         Some((nearest, farthest)) if farthest - nearest <= threshold => {

@@ -29,13 +29,13 @@ const MAX_GROUPS: u32 = 65_535;
 pass::settings! {
     /// The settings of the pass type `pull-push` that are not the shaders' alone.
     pub struct PullPushSettings {
-        /// Levels of the pyramid above the maps. 0 leaves holes as they are. Larger holes close, and small openings with
-        /// them.
+        /// Levels of the pyramid above the maps; 0 leaves holes as they are. More: larger holes close, but
+        /// small openings close as well.
         levels: u32 = 2, min: 0, max: 4;
     }
 }
 
-/// The levels of the maps' pyramids: one buffer, level 1 first.
+/// The pyramids of all maps without their finest levels: one buffer, level 1 first.
 #[derive(Clone, Copy)]
 struct Pyramid {
     tile: u32,
@@ -48,12 +48,12 @@ impl Pyramid {
         self.tile.div_ceil(1 << level)
     }
 
-    /// Where a level begins; level 0 is not in it.
+    /// Offset at which a level begins; level 0 is stored elsewhere.
     fn begin(self, level: u32) -> u32 {
         (1..level).map(|finer| self.count * self.side(finer).pow(2)).sum()
     }
 
-    /// A step between a level and the coarser one, with a thread a texel of level `threads`.
+    /// A step between a level and the coarser one, with one thread per texel of level `threads`.
     fn step(self, finer: u32, threads: u32, shader: pass::Request, entry: &str) -> Compute {
         let side = self.side(threads);
         let begin = |level| Value::U32(self.begin(level));

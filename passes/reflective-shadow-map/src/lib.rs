@@ -11,14 +11,14 @@ pub mod cpu_reference;
 /// The pass.
 pub const PASS: &dyn Pass = &ReflectiveShadowMap;
 
-/// Rasterises the scene from each layer of each light, then works out the reflected flux of every texel.
+/// Rasterises the scene from each layer of each light, then computes the reflected flux of every texel.
 #[derive(Debug)]
 pub struct ReflectiveShadowMap;
 
 const SURFACES: &str = "passes/reflective-shadow-map/surfaces.wgsl";
 const FLUX: &str = "passes/reflective-shadow-map/flux.wgsl";
 
-/// The scene's layers: one for a spot or directional light, six for a point light.
+/// Number of layers of the scene's lights: one for a spot or directional light, six for a point light.
 fn light_layers(traits: &pass::Traits) -> u32 {
     traits.0.get("light_layers").and_then(Value::as_u32).unwrap_or(0)
 }
@@ -26,7 +26,7 @@ fn light_layers(traits: &pass::Traits) -> u32 {
 pass::settings! {
     /// The settings of the pass type `reflective-shadow-map`.
     pub struct ReflectiveShadowMapSettings {
-        /// Side of a layer. Shadows sharpen and virtual lights have more places to stand as it grows; time and memory
+        /// Side of a layer. Larger: sharper shadows and more positions for virtual lights; time and memory
         /// grow with its square.
         size: u32 = 512, min: 1, max: 8192, unit: "px";
     }
@@ -65,7 +65,7 @@ impl Pass for ReflectiveShadowMap {
         let lit = light_layers(outputs.traits);
         let layers = lit.max(1);
         let array = |format| ResourceDesc::texture_2d_array(format, extent.clone(), layers);
-        // Without lights nothing is drawn: one layer that sees nothing.
+        // Without lights nothing is rendered: there is one layer, which sees nothing.
         let usage = if lit == 0 { Usage::ClearFirst(pass::Clear::Zero) } else { Usage::Overwrites };
         let members = vec![
             ("position".into(), array(Format::Rgba32Float), usage.clone()),
@@ -91,7 +91,8 @@ impl Pass for ReflectiveShadowMap {
                     shader: shader.clone(),
                     vertex: "project".into(),
                     fragment: Some("surfaces".into()),
-                    // With the flux it would be more than the 32 bytes a texel that WebGPU promises.
+                    // Together with the flux, it would be more than the 32 bytes per texel that WebGPU
+                    // guarantees.
                     targets: vec![target("rsm.position"), target("rsm.normal"), target("albedo")],
                     depth: Some(DepthTarget { resource: "nearest".into(), layer: 0, clear: 0.0 }),
                     draw: Draw::Scene,

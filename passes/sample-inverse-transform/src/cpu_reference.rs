@@ -15,7 +15,7 @@ pub struct Cdf {
     pub layers: Vec<f64>,
 }
 
-/// A texel with the probability of drawing it.
+/// A texel with the probability of sampling it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texel {
     /// Layer of the importance map.
@@ -35,11 +35,11 @@ pub struct Choice {
     pub index: u32,
     /// Width of its interval over the total.
     pub probability: f64,
-    /// Where in the interval the number fell, in [0, 1).
+    /// Position of the number in the interval, in [0, 1).
     pub rest: f64,
 }
 
-/// Returns what can be summed as a weight: NaN and what is negative count as 0, infinity as the greatest number.
+/// Returns the value that counts as a weight: NaN and negative values become 0, infinity the greatest number.
 pub fn weight_of(x: f32) -> f64 {
     if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 }
 }
@@ -54,7 +54,8 @@ impl Cdf {
         Cdf { size, rows, columns, layers }
     }
 
-    /// Returns the texel that these numbers draw with 2 or 3 `dimensions`; `None` where the importance is 0 everywhere.
+    /// Returns the texel that these numbers select with 2 or 3 `dimensions`; `None` if the importance is 0
+    /// everywhere.
     pub fn draw(&self, numbers: [f64; 3], dimensions: u32) -> Option<Texel> {
         if self.layers.last().is_none_or(|total| *total == 0.0) {
             return None;

@@ -22,7 +22,7 @@ const DRAW: &str = "passes/sample-inverse-transform/draw.wgsl";
 pass::settings! {
     /// The settings of the pass type `sample-inverse-transform` that are not draw.wgsl's alone.
     pub struct SampleInverseTransformSettings {
-        /// Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.
+        /// Number N of virtual lights. Error falls as N^-½; the time for shadows and gathering rises with N.
         count: u32 = 1024, min: 1, max: 2_097_152;
     }
 }

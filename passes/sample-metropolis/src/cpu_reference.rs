@@ -26,7 +26,8 @@ pub struct Chain {
     pub steps: u32,
 }
 
-/// Returns what can be an importance: NaN and what is negative count as 0, infinity as the greatest number.
+/// Returns the value that counts as an importance: NaN and negative values become 0, infinity the greatest
+/// number.
 pub fn importance_of(x: f32) -> f64 {
     if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 }
 }
@@ -51,7 +52,8 @@ impl Chain {
         }
     }
 
-    /// Returns w / f, given the mean of f over the proposals of all chains: flux · texels / N times this is a light's.
+    /// Returns w / f, given the mean of f over the proposals of all chains. A light's flux is flux · texels /
+    /// N times it.
     pub fn ratio(&self, weights: Weights, mean: f64) -> f64 {
         let w = match weights {
             Weights::LocalMean => self.sum / f64::from(self.steps),
@@ -62,14 +64,14 @@ impl Chain {
     }
 }
 
-/// Returns the element of Halton's sequence that is proposed to a chain at a step, by the `keys` of that step's
-/// shuffle.
+/// Returns the element of Halton's sequence that is proposed to a chain at a step, given the `keys` of that
+/// step's shuffle.
 pub fn element(chain: u32, step: u32, count: u32, keys: [u32; 4]) -> u32 {
     let place = if step > 0 { shuffled(chain, count, keys) } else { chain };
     step * count + place + 1
 }
 
-/// Returns where `place` goes in a permutation of `count`, by a key a round.
+/// Returns the position of `place` in a permutation of `count` elements, with one key per round.
 pub fn shuffled(place: u32, count: u32, keys: [u32; 4]) -> u32 {
     let bits = 32 - (count - 1).leading_zeros();
     let within_power_of_two = |mut place: u32| {

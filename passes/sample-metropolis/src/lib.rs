@@ -21,9 +21,10 @@ const MEAN: &str = "passes/sample-metropolis/mean.wgsl";
 const SCALED: Struct = Struct::new("shaders/algorithms/scaled.wgsl", "Scaled");
 
 pass::choice! {
-    /// What stands for the mean importance in a light's weight; the words are those of the shader's option `WEIGHTS`.
+    /// The estimate of the mean importance in a light's weight; the values are those of the shader option
+    /// `WEIGHTS`.
     pub enum Weights {
-        /// The mean over the chain's proposals.
+        /// The mean over the chain's own proposals.
         LocalMean = "local-mean",
         /// The importance of the first proposal.
         Single = "single",
@@ -35,16 +36,17 @@ pass::choice! {
 pass::settings! {
     /// The settings of the pass type `sample-metropolis`.
     pub struct SampleMetropolisSettings {
-        /// Number of virtual lights N, a chain each. Error falls as N^-½; the time for shadows and gathering rises
-        /// with N.
+        /// Number N of virtual lights, one per chain. Error falls as N^-½; the time for shadows and gathering
+        /// rises with N.
         count: u32 = 1024, min: 1, max: 2_097_152;
-        /// Samples of a chain M; the last is the light. Larger: lights follow the importance more closely; time rises
-        /// with N M. 1: uniform. 5 suffices (TCAS §4.3.1).
-        // N M elements of the sequence have numbers of 32 bits.
+        /// Number M of samples of a chain, of which the last is the light. Larger: lights follow the
+        /// importance more closely; time rises with N M. 1: uniform sampling. 5 suffices (TCAS §4.3.1).
+        // The N M elements of the sequence are numbered with 32 bits.
         steps: u32 = 5, min: 1, max: 1024;
-        /// What stands for the mean importance in a light's weight. local-mean: the mean over the chain's proposals,
-        /// which takes out most of the start-up bias. single: the importance of the first; unbiased, but lights vary
-        /// more (Veach & Guibas 1997). none: the mean over the proposals of all chains; start-up bias stays.
+        /// The estimate of the mean importance in a light's weight. local-mean: the mean over the chain's
+        /// proposals, which removes most of the start-up bias. single: the importance of the first proposal,
+        /// which is unbiased, but light intensities vary more (Veach & Guibas 1997). none: the mean over the
+        /// proposals of all chains, which leaves the start-up bias.
         weights: Weights = Weights::LocalMean;
     }
 }
@@ -106,7 +108,7 @@ impl Pass for SampleMetropolis {
     }
 }
 
-/// Proposals of all chains.
+/// Number of proposals of all chains.
 fn proposals(settings: &SampleMetropolisSettings) -> u32 {
     settings.count * settings.steps
 }

@@ -17,7 +17,7 @@ pub struct SampleUniform;
 pass::settings! {
     /// The settings of the pass type `sample-uniform`.
     pub struct SampleUniformSettings {
-        /// Number of virtual lights N. Error falls as N^-½; the time for shadows and gathering rises with N.
+        /// Number N of virtual lights. Error falls as N^-½; the time for shadows and gathering rises with N.
         count: u32 = 1024, min: 1, max: 2_097_152;
     }
 }

@@ -25,8 +25,8 @@ pub fn numbers(index: u32, seeds: [u32; 2]) -> [u32; 2] {
     [scramble(sobol[0], seeds[0]).min(0xffff_fffe), scramble(sobol[1], seeds[1])]
 }
 
-/// Returns the point that a pair of numbers places: `corner` gives vertex 0, 1 or 2 of a triangle; at least one
-/// triangle.
+/// Returns the point that a pair of numbers selects: `corner` gives vertex 0, 1 or 2 of a triangle, of which
+/// there is at least one.
 pub fn place(numbers: [u32; 2], table: &[u32], corner: impl Fn(u32, u32) -> DVec3) -> Point {
     let [first, second] = numbers;
     let triangle = triangle_at(table, first);

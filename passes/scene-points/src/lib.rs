@@ -1,4 +1,4 @@
-//! Samples of the scene's surfaces, sampled uniformly by area.
+//! Samples the surfaces of the scene uniformly by area.
 
 pub mod cpu_reference;
 
@@ -19,8 +19,9 @@ const POINT: Struct = Struct::new("shaders/points.wgsl", "Point");
 pass::settings! {
     /// The settings of the pass type `scene-points`.
     pub struct ScenePointsSettings {
-        /// Number of points, 32 bytes each; all maps share them. More: fewer holes in the shadow maps; time and memory
-        /// rise with it. Beyond 4,194,304 the adapter must bind buffers of more than 128 MiB.
+        /// Number of points, which all maps share; 32 bytes each. More: fewer holes in the shadow maps, but
+        /// more time and memory. More than 4,194,304 require an adapter that binds buffers of more than 128
+        /// MiB.
         count: u32 = 262_144, min: 1, max: 8_388_608;
     }
 }

@@ -8,7 +8,7 @@ use paraboloid::{
     tile_position,
 };
 
-/// What a point leaves in a map: a square of one distance.
+/// The trace of a point in a map: a square of one distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Centre in the tile \[px\].
@@ -19,7 +19,7 @@ pub struct Splat {
     pub distance: f64,
 }
 
-/// The settings that shape a splat, and what the scene gives.
+/// The settings that shape a splat, and the values from the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
     /// Side of a map \[px\].

@@ -1,4 +1,4 @@
-//! Splats points of the scene into hemispherical depth maps, one a virtual light.
+//! Splats points of the scene into hemispherical depth maps, one per virtual light.
 
 pub mod cpu_reference;
 
@@ -19,18 +19,19 @@ pub struct Splat;
 
 const SHADER: &str = "passes/splat/splat.wgsl";
 
-/// The most texels of all maps: their index is a u32. Where an adapter allows less, the allocation fails with an error.
+/// The most texels of all maps together, since a texel's index is a u32. If an adapter allows less, the
+/// allocation fails with an error.
 const MAX_TEXELS: u64 = u32::MAX as u64;
 
-/// The most splats of a frame: each has a place of its own in 0..2³¹, also where maps are filled up to whole blocks.
+/// The most splats of a frame: each has its own index in 0..2³¹, also where maps are padded to whole blocks.
 const MAX_SPLATS: u32 = 1 << 30;
 
 pass::choice! {
     /// What a splat stores.
     pub enum Kernel {
-        /// One distance.
+        /// One distance for all texels.
         Box = "box",
-        /// The distance of the point's tangent plane in each texel.
+        /// The distance of the point's tangent plane, in each texel.
         Surfel = "surfel",
     }
 }
@@ -38,16 +39,16 @@ pass::choice! {
 pass::settings! {
     /// The settings of the pass type `splat` that are not the shader's alone.
     pub struct SplatSettings {
-        /// Side of a map (ISM uses 128 and 256). Shadows sharpen and time grows with it.
+        /// Side of a map (ISM uses 128 and 256). Larger: sharper shadows, but more time.
         map: u32 = 64, min: 1, max: 512, unit: "px";
-        /// Points splatted into each map. 0 takes ISM §5.2's guideline, a quarter of the texels of the hemisphere.
-        /// Error falls and time grows with it.
+        /// Points that are splatted into each map; 0 takes the guideline of ISM §5.2, a quarter of the texels
+        /// of the hemisphere. More: less error, but more time.
         points_per_map: u32 = 0;
-        /// The most points of all maps together. Where more are requested, all maps lose alike, and the port `counters`
-        /// says how many were left out. Time is bounded by it.
+        /// The most points of all maps together, which bounds the time. If more are requested, all maps lose
+        /// the same share; the port `counters` gives the numbers of points requested and produced.
         budget: u32 = 33_554_432, min: 1, max: MAX_SPLATS;
-        /// What a splat stores: one distance (ISM §3.2), or in each texel the distance of the point's tangent plane,
-        /// which shadows less of the surface itself and takes longer.
+        /// What a splat stores. box: one distance (ISM §3.2). surfel: in each texel the distance of the
+        /// point's tangent plane, so that a surface shadows itself less; takes longer.
         kernel: Kernel = Kernel::Box;
     }
 }
@@ -78,11 +79,11 @@ impl Pass for Splat {
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
             inputs: vec![
-                pass::input("points", "Points", "What is splatted."),
+                pass::input("points", "Points", "The points to splat."),
                 pass::input(
                     "lights",
                     "VirtualLights",
-                    "From where: a map a light, over the hemisphere of its normal.",
+                    "The lights: one map each, over the hemisphere around its normal.",
                 ),
             ],
             outputs: vec![
@@ -90,7 +91,7 @@ impl Pass for Splat {
                 pass::output(
                     "counters",
                     "Counters",
-                    "How many splats were requested, and for how many there were points.",
+                    "The numbers of splats that were requested and that were produced.",
                 ),
             ],
             scene_bindings: SceneBindings::SCENE,
@@ -114,8 +115,8 @@ impl Pass for Splat {
             )
             .help(format!("take smaller maps, or at most {most} virtual lights")));
         }
-        // How far a receiver may be from where its distance was taken, in texels along the receiver's plane: within a
-        // texel, or within a splat of the usual two to four.
+        // How far a receiver may be from the position whose distance is stored, in texels along the
+        // receiver's plane: within a texel, or within a splat of the usual two to four texels.
         let needed = match settings.kernel {
             Kernel::Surfel => 1.0,
             Kernel::Box => 2.0,

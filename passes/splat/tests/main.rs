@@ -11,7 +11,7 @@ use splat::cpu_reference::{Shape, map, splat};
 use splat::points_of_guideline;
 use std::f64::consts::PI;
 
-/// Points spread evenly over the unit sphere, by the golden angle.
+/// Points spread uniformly over the unit sphere, by the golden angle.
 fn sphere(count: usize) -> impl Iterator<Item = DVec3> {
     (0..count).map(move |i| {
         let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;

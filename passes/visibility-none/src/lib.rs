@@ -1,4 +1,4 @@
-//! Says that every virtual light is seen from everywhere.
+//! Visibility 1 for every virtual light from everywhere.
 
 use pass::{
     Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
@@ -8,7 +8,7 @@ use pass::{
 /// The pass type `visibility-none`.
 pub const PASS: &dyn Pass = &VisibilityNone;
 
-/// No shadows: what the others are compared with, and exact in a scene without occluders.
+/// Visibility without shadows: the baseline for the others, and exact in a scene without occluders.
 pub struct VisibilityNone;
 
 impl Pass for VisibilityNone {
@@ -32,7 +32,7 @@ impl Pass for VisibilityNone {
                 "VirtualLights",
                 "Not read: here so that the pass type takes the place of one that renders maps of them.",
             )],
-            outputs: vec![pass::output("visibility", "Visibility", "Nothing but the module that answers 1.")],
+            outputs: vec![pass::output("visibility", "Visibility", "Only the module that returns 1.")],
             scene_bindings: SceneBindings::NONE,
         })
     }

@@ -1,4 +1,4 @@
-//! Says which virtual lights are seen by a ray to each.
+//! Visibility of virtual lights by one ray to each of them.
 
 use interfaces::visibility;
 use pass::{
@@ -15,11 +15,11 @@ pub struct VisibilityRayTraced;
 
 const MODULE: &str = "shaders/visibility-ray-traced.wgsl";
 
-/// The option of the module that says how rays are traced, and in small letters the setting.
+/// The option of the module that selects how rays are traced; in lower case, the name of the setting.
 const RAYS: &str = "RAYS";
 
-/// Loop iterations of a ray, for consumers that must not make too many at once. Threads that go together make those of
-/// any of them: of eight rays through 10⁵ triangles that were seen to be up to this many.
+/// Loop iterations of a ray, for consumers that must limit those of one dispatch. Threads that run together
+/// all take as many as the longest of them: groups of eight rays through 10⁵ triangles took up to this many.
 const LOOP_ITERATIONS: u32 = 400;
 
 impl Pass for VisibilityRayTraced {
@@ -43,11 +43,7 @@ impl Pass for VisibilityRayTraced {
                 "VirtualLights",
                 "Not read: here so that the pass type takes the place of one that renders maps of them.",
             )],
-            outputs: vec![pass::output(
-                "visibility",
-                "Visibility",
-                "Nothing but the module that traces a ray.",
-            )],
+            outputs: vec![pass::output("visibility", "Visibility", "Only the module that traces a ray.")],
             scene_bindings: SceneBindings::NONE,
         })
     }

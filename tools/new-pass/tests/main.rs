@@ -17,13 +17,13 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         (0..width * height).map(f32::from).map(|i| [i, 1e30 * i, -1e-30 * i, i % 2.0]).collect();
     let bytes = radiance.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     let texture = ResourceDesc::texture_2d(Format::Rgba32Float, (width.into(), height.into()));
-    let stand = Harness::new(PASS).set("gain", 2.5f32).frame(width.into(), height.into()).input(
+    let harness = Harness::new(PASS).set("gain", 2.5f32).frame(width.into(), height.into()).input(
         "radiance",
         "Radiance",
         &[],
         vec![("", texture, bytes)],
     );
-    let Some(outputs) = stand.run() else { return };
+    let Some(outputs) = harness.run() else { return };
 
     let image: Vec<[f32; 4]> = outputs.read("image");
     assert_eq!(image.len(), radiance.len());

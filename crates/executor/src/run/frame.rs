@@ -1,4 +1,4 @@
-//! Encoding a frame.
+//! Encodes and submits a frame.
 
 use super::{Executor, FrameOptions, FrameReport, Loaded};
 use crate::current::{FrameObjects, LayerViews};
@@ -11,14 +11,14 @@ use frame_graph::Change;
 use frame_graph::plan::{Begins, Plan, PlannedPass};
 
 impl Executor {
-    /// Runs a frame: what `change` and what followed from earlier ones ask for, and submits it. A frame like the one
-    /// before allocates no memory, but what wgpu does.
+    /// Runs a frame: encodes what `change` and pending earlier changes require, and submits it. A frame that
+    /// is like the one before allocates no memory, except within wgpu.
     ///
     /// # Errors
-    /// What the driver said of the frame's commands; the device gone; no plan loaded.
+    /// The driver's error for the commands of the frame, a lost device, or no loaded plan.
     ///
     /// # Panics
-    /// Where a scene binding that a shader reads is not set: defects of the application.
+    /// Panics if a scene binding that a shader reads is not set, which is a defect of the application.
     pub fn frame(&mut self, change: &Change, options: FrameOptions) -> Result<&FrameReport, ExecutorError> {
         let Executor { gpu, scene_bindings, scene_indices, seed, loaded, pending, report, frames, .. } = self;
         let Some(loaded) = loaded else { return Err(ExecutorError::NotLoaded) };
@@ -44,7 +44,7 @@ impl Executor {
         report.times.clear();
         let ends_past = schedule.histories.iter().any(|slot| slot.reset.is_some());
         if target.is_none() && !ends_past && schedule.runs.iter().all(|runs| !runs) {
-            // What was written into buffers goes to the GPU all the same: else it would pile up.
+            // Pending writes to buffers must reach the GPU even so: otherwise they would accumulate.
             gpu.queue.submit([]);
             return match gpu.take_fault() {
                 Some(message) => Err(frame_error(message)),
@@ -73,7 +73,7 @@ impl Executor {
         }
         let passes = steps.iter_mut().zip(prepares.iter()).enumerate();
         for (index, (steps, prepares)) in passes.filter(|(index, _)| schedule.runs[*index]) {
-            // What has no steps is written by the application, before the frame.
+            // A resource whose pass has no steps is written by the application before the frame.
             let poison = frame.poison.filter(|_| !steps.is_empty());
             if *prepares || poison.is_some() {
                 frame.prepare(&plan.passes[index], poison);
@@ -101,21 +101,21 @@ impl Executor {
         Ok(report)
     }
 
-    /// Returns what the last frame did; empty before the first.
+    /// Returns the report of the last frame; empty before the first.
     pub fn report(&self) -> &FrameReport {
         &self.report
     }
 
-    /// Returns the GPU times of the newest frame of the loaded plan that was [timed](FrameOptions::timed), or was
-    /// [monitored](FrameOptions::monitored) and is done: as a rule one to three frames ago. Never waits. `None` before
-    /// there is one, and where the adapter has no timestamps.
+    /// Returns the GPU times of the newest frame of the loaded plan that was [timed](FrameOptions::timed), or
+    /// [monitored](FrameOptions::monitored) and has finished, usually one to three frames ago. Never waits.
+    /// `None` until there is one, and if the adapter has no timestamps.
     pub fn timings(&mut self) -> Option<&Timings> {
         let timers = self.loaded.as_mut()?.timers.as_mut()?;
         timers.newest(&self.gpu)
     }
 
-    /// Returns the dispatches of the passes that the last frame ran, without those whose size is on the GPU: to measure
-    /// what encoding them costs otherwise.
+    /// Returns the dispatches of the passes that the last frame ran, without those whose size is on the GPU.
+    /// This serves to measure the cost of encoding them in another way.
     pub fn dispatches(&self) -> impl Iterator<Item = Dispatch<'_>> {
         let passes =
             self.loaded.iter().flat_map(|loaded| loaded.state.schedule().runs.iter().zip(&loaded.steps));
@@ -139,12 +139,13 @@ struct FrameEncoder<'a> {
 }
 
 impl FrameEncoder<'_> {
-    /// Fills pasts that have ended with what they begin as.
+    /// Fills history buffers that were reset with their initial content.
     fn begin_pasts(&mut self) {
         let FrameObjects { plan, schedule, .. } = self.context.objects;
         for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
             let resource = &plan.resources[history.resource.0 as usize];
-            // Where the past lies in the object that holds the newest version, it ends when the pass runs.
+            // If the history buffer is in the object that holds the newest version, it is reset when the pass
+            // runs.
             let runs = resource.producer.is_some_and(|pass| schedule.runs[pass.0 as usize]);
             if slot.reset.is_some() && (runs || !history.in_place) {
                 let id = history.copies[slot.previous];
@@ -154,7 +155,7 @@ impl FrameEncoder<'_> {
         }
     }
 
-    /// Poisons, clears and copies what a pass writes.
+    /// Poisons, clears and copies the resources that a pass writes.
     fn prepare(&mut self, pass: &PlannedPass, poison: Option<&wgpu::Buffer>) {
         self.open = None;
         if let Some(poison) = poison {
@@ -191,7 +192,7 @@ impl FrameEncoder<'_> {
         }
     }
 
-    /// Fills what a pass writes with NaN.
+    /// Fills the resources that a pass writes with NaN.
     fn poison(&mut self, poison: &wgpu::Buffer, pass: &PlannedPass) {
         let objects = self.context.objects;
         let written = pass.outputs.iter().flat_map(|output| output.members.iter().map(|(_, id)| *id));

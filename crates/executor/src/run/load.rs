@@ -1,4 +1,4 @@
-//! Loading a plan in place of another: what goes on, what is made again, and what is left where that fails.
+//! Loads a plan in place of another: what is kept, what is created, and what remains if that fails.
 
 use super::{Executor, LoadReport, Loaded, allocation_usages};
 use crate::current::LayerViews;
@@ -15,34 +15,36 @@ use pass::LinkedSteps;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// An object that goes on in another plan, with what is in it.
+/// An object that is kept for another plan, with its content.
 struct Carried {
     from: AllocationId,
     to: AllocationId,
-    /// Whether its contents are copied, because the object cannot be used as the new plan uses it.
+    /// Whether its content is copied, because the object does not allow the usage of the new plan.
     copied: bool,
 }
 
 /// A pass and its steps, built.
 type Built = (PassId, Vec<LoadedStep>);
 
-/// Objects by allocation; `None` for one that was given back.
+/// Objects by allocation; `None` for one that was released.
 type Objects = Vec<Option<(ObjectUsage, Object)>>;
 
 impl Executor {
-    /// Takes a plan with the linked steps of its passes, in place of the one before. If anything fails, the
-    /// one before stays.
+    /// Loads a plan with the linked steps of its passes, in place of the loaded one. If anything fails, the
+    /// loaded one stays.
     ///
-    /// Where both have the same [structure](Plan::structure), only values change: objects, histories, and the
-    /// pipelines and bind groups of all steps that bind the same are kept, and the passes whose values differ run
-    /// in the next frame. A pass whose steps are the very ones that are loaded costs nothing. Otherwise histories of the same name, description and initial value go on (see
-    /// [`Succession`]), and all passes run in the next frame. Objects are given back before others are made, so
-    /// that no more than the larger of both plans is held at once.
+    /// If both have the same [structure](Plan::structure), only values change: objects, history buffers, and
+    /// the pipelines and bind groups of all steps with the same bindings are kept, and the passes whose
+    /// values differ run in the next frame. A pass whose steps are the very ones that are loaded costs nothing.
+    /// Otherwise history buffers with the same name, description and initial value are kept (see
+    /// [`Succession`]), and all passes run in the next frame. Objects are released before others are created,
+    /// so that no more memory than the larger of both plans needs is held at once.
     ///
     /// # Errors
-    /// A feature that the adapter lacks, a pipeline that the driver refuses, a limit, or memory used up: with
-    /// the pass and the bytes. Where memory is used up, the objects of the plan before are made again; if that
-    /// fails as well, nothing is loaded any more ([`ExecutorError::NothingLeft`]).
+    /// A feature that the adapter lacks, a pipeline that the driver rejects, an exceeded limit, or
+    /// insufficient memory, with the pass and the bytes. If memory is insufficient, the objects of the plan
+    /// before are created again; if that fails too, no plan is loaded any more
+    /// ([`ExecutorError::NothingLeft`]).
     pub fn load(&mut self, plan: Arc<Plan>, steps: Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError> {
         self.check_features(&plan, &steps)?;
         let usages = allocation_usages(&plan, steps.iter().flatten().map(|step| &**step));
@@ -101,7 +103,7 @@ impl Executor {
         Ok((built, pipelines))
     }
 
-    /// Compares passes whose steps were built with those that are loaded, by name.
+    /// Compares passes whose steps were built with the loaded ones, by name.
     fn compare(&self, plan: &Plan, built: &[Built], succession: Option<&Succession>) -> Differences {
         let mut found = Differences::default();
         let old: HashMap<&Name, &Vec<LoadedStep>> =
@@ -127,8 +129,8 @@ impl Executor {
         found
     }
 
-    /// Takes the values of a plan of the same structure, with the steps of passes that differ; returns the number of steps
-    /// whose bindings have to be made again.
+    /// Takes the values of a plan with the same structure, with the steps of passes that differ; returns the number
+    /// of steps whose bind groups must be created again.
     fn exchange_values(&mut self, plan: Arc<Plan>, others: Vec<Built>) -> usize {
         let Some(loaded) = &mut self.loaded else { return 0 };
         let mut renewed = 0;
@@ -155,7 +157,7 @@ impl Executor {
         renewed
     }
 
-    /// Takes a plan of another structure.
+    /// Takes a plan with another structure.
     fn exchange(
         &mut self,
         plan: Arc<Plan>,
@@ -226,8 +228,8 @@ impl Executor {
         Ok(())
     }
 
-    /// Fills the gaps among the objects of a plan: first with those that were given back, then, once all others of
-    /// these are gone, with new ones.
+    /// Creates the missing objects of a plan: first from those that were released, then, once the rest of
+    /// these are freed, as new ones.
     fn complete(
         &mut self,
         plan: &Plan,
@@ -244,7 +246,7 @@ impl Executor {
             }
         }
         if self.pool.trim() {
-            // Objects live on until the frames are done that use them.
+            // Objects live until the frames that use them have finished.
             self.gpu.wait()?;
         }
         for (i, allocation) in plan.allocations.iter().enumerate() {
@@ -270,7 +272,8 @@ impl Executor {
         Ok(objects.into_iter().flatten().collect())
     }
 
-    /// Makes again what the plan before gave back, because of `error`; gives the error to tell.
+    /// Creates the released objects of the plan before again, because of `error`; returns the error to
+    /// report.
     fn restore(
         &mut self,
         old: Option<Loaded>,
@@ -307,8 +310,8 @@ impl Executor {
         }
     }
 
-    /// Writes what objects hold from the beginning: constants, and what is carried over by a copy. Nothing else has
-    /// a place in the objects of constants.
+    /// Writes the initial content of objects: constants, and content that is carried over by a copy. The
+    /// objects of constants hold nothing else.
     fn write_contents(
         &self,
         plan: &Plan,
@@ -340,16 +343,16 @@ fn holds(loaded: &[LoadedStep], steps: &LinkedSteps) -> bool {
     loaded.len() == steps.len() && loaded.iter().zip(steps).all(|(loaded, step)| loaded.is(step))
 }
 
-/// How passes differ from those loaded before.
+/// The differences between passes and those loaded before.
 #[derive(Default)]
 struct Differences {
-    /// Passes whose settings, shaders or links are others.
+    /// Passes whose settings, shaders or links differ.
     reloaded: Vec<PassId>,
-    /// Passes that do something else for whatever reason, these included.
+    /// All passes whose work differs for any reason, including these.
     changed: Vec<PassId>,
 }
 
-/// Finds the passes of a change again, by name, in a plan that takes the place of another.
+/// Finds the passes of a change, by name, in a plan that replaces another.
 fn follow(pending: &mut Change, old: &Plan, new: &Plan) {
     // All passes run anyway.
     pending.again.clear();
@@ -357,7 +360,7 @@ fn follow(pending: &mut Change, old: &Plan, new: &Plan) {
     pending.passes = found.collect();
 }
 
-/// The objects of histories that go on. Only the newest version of each has a meaning.
+/// Returns the objects of history buffers that are kept. Only the newest version of each is meaningful.
 fn carry(old: &Loaded, plan: &Plan, usages: &[ObjectUsage], succession: &Succession) -> Vec<Carried> {
     let histories = succession.histories.iter().zip(&plan.histories);
     histories
@@ -376,8 +379,8 @@ fn name_of<'p>(plan: &'p Plan, allocation: &frame_graph::plan::Allocation) -> &'
     allocation.resources.first().map_or("unused", |id| plan.resources[id.0 as usize].name.as_str())
 }
 
-/// What the size of a resource follows from, for the error that it is too large: the facts of its port, and the numbers
-/// among the settings of the pass that writes it.
+/// Returns what determines the size of a resource, for the error that it is too large: the facts of its port,
+/// and the numbers among the settings of the pass that writes it.
 fn size_from(plan: &Plan, allocation: &frame_graph::plan::Allocation) -> String {
     let Some(id) = allocation.resources.first() else { return String::new() };
     let Some(producer) = plan.resources[id.0 as usize].producer else { return String::new() };

@@ -1,4 +1,4 @@
-//! The stable name of a plan.
+//! The hash that identifies a plan.
 
 use crate::plan::{Begins, Plan, PlanId, ResourceId};
 use crate::port::Facts;
@@ -6,10 +6,10 @@ use crate::resource::{Clear, ResourceDesc};
 use crate::value::Value;
 use xxhash_rust::xxh3::xxh3_128;
 
-/// Changes whenever the encoding does, so that names of old plans are never those of new ones.
+/// Incremented whenever the encoding changes, so that hashes of old plans never equal those of new ones.
 const VERSION: u32 = 2;
 
-/// All that matters, in one fixed form.
+/// Everything that identifies a plan, in one fixed encoding.
 struct Encoder(Vec<u8>);
 
 impl Encoder {
@@ -57,7 +57,7 @@ impl Encoder {
         }
     }
 
-    /// By bits; zero has one sign.
+    /// Encodes the bits; −0 is encoded as 0.
     fn f32(&mut self, x: f32) {
         self.u32((x + 0.0).to_bits());
     }
@@ -113,7 +113,8 @@ impl Encoder {
     }
 }
 
-/// The names of a plan: of its structure, and of all that it says but what became of passes that it does not hold.
+/// Returns the two hashes of a plan: of its structure, and of everything except the fates of passes that it
+/// lacks.
 pub(crate) fn of(plan: &Plan) -> (PlanId, PlanId) {
     let mut e = Encoder(Vec::with_capacity(plan.passes.len() * 192 + plan.resources.len() * 64));
     e.u32(VERSION);
@@ -124,7 +125,7 @@ pub(crate) fn of(plan: &Plan) -> (PlanId, PlanId) {
 }
 
 impl Encoder {
-    /// What objects, links and histories depend on.
+    /// Encodes what objects, links and history buffers depend on.
     fn structure(&mut self, plan: &Plan) {
         let e = self;
         e.len(plan.passes.len());
@@ -183,7 +184,7 @@ impl Encoder {
         }
     }
 
-    /// The rest: what may be another in a plan of the same structure.
+    /// Encodes the rest: what may differ between plans of the same structure.
     fn values(&mut self, plan: &Plan) {
         let e = self;
         e.u32(plan.frame.0);
@@ -196,7 +197,7 @@ impl Encoder {
             }
             e.len(pass.overrides.len());
             for (port, said) in pass.overrides.iter() {
-                // Format and size are in the resources; a shader may ask for the rest.
+                // Format and size are encoded with the resources; a shader may use the rest.
                 e.text(port);
                 e.text(said.interface.as_deref().unwrap_or(""));
                 e.u32(said.count.unwrap_or(0));

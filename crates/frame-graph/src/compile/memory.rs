@@ -1,8 +1,9 @@
-//! Which object backs which resource.
+//! Assigns objects to resources.
 //!
-//! wgpu cannot place two resources in one piece of memory, so sharing is by whole object: a resource takes over
-//! an object of the same shape whose resource is no longer alive. Resources are taken in the order in which they
-//! are made; for resources of one shape, that uses no more objects than are alive at once.
+//! wgpu cannot place two resources in one piece of memory, so whole objects are shared: a resource takes over
+//! an object of the same shape whose resource is no longer alive. Resources are assigned in the order in
+//! which they are written; for resources of the same shape, that needs no more objects than are alive at
+//! once.
 
 use crate::plan::{Allocation, AllocationId, Plan, ResourceId};
 use crate::resource::{BufferDesc, Format, ResourceDesc};
@@ -10,7 +11,7 @@ use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// What textures must have in common to share an object.
+/// The properties that textures must have in common to share an object.
 type Shape = (Format, (u32, u32), u32, bool);
 
 fn shape(desc: &ResourceDesc) -> Option<Shape> {
@@ -33,8 +34,8 @@ impl Free {
         }
     }
 
-    /// An object for a resource. A buffer may take one that is up to a quarter larger, or one that becomes large
-    /// enough if it grows by no more than that.
+    /// Returns an object for a resource. A buffer may take one that is up to a quarter larger, or one that
+    /// becomes large enough if it grows by at most that much.
     fn take(&mut self, desc: &ResourceDesc) -> Option<u32> {
         if let Some(shape) = shape(desc) {
             return self.textures.get_mut(&shape)?.pop();
@@ -52,14 +53,14 @@ impl Free {
     }
 }
 
-/// Gives every resource its object, and adds up the memory.
+/// Assigns an object to every resource, and adds up the memory.
 pub(super) fn share(plan: &mut Plan, sharing: bool) {
     let mut free = Free::default();
-    // Objects in use: the end of the resource in them, and which.
+    // Objects in use: the end of the lifetime of the resource in them, and the object.
     let mut used: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
     let allocations = &mut plan.allocations;
     let memory = &mut plan.memory;
-    // Bytes that begin and cease to be alive, by position.
+    // Bytes whose lifetime begins and ends, by position.
     let mut begins = vec![0u64; plan.passes.len() + 1];
     let mut ends = vec![0u64; plan.passes.len() + 1];
     let mut transient: Vec<u32> = Vec::new();

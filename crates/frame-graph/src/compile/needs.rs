@@ -1,4 +1,4 @@
-//! What a plan must make: what is requested, what that needs, and what is kept besides.
+//! Determines what a plan must write: what is requested, what that needs, and what is kept besides.
 
 use super::{CompileOptions, NONE, Work};
 use crate::codes;
@@ -8,7 +8,7 @@ use crate::resource::Clear;
 use std::ops::Range;
 
 impl<'a> Work<'a> {
-    /// Takes the outputs and resources that are requested.
+    /// Takes the requested outputs and resources.
     pub(super) fn want(&mut self, options: &CompileOptions) -> Result<(), Diagnostics> {
         let mut errors = Vec::new();
         if options.outputs.is_empty() {
@@ -43,7 +43,7 @@ impl<'a> Work<'a> {
         if errors.is_empty() { Ok(()) } else { Err(Diagnostics(errors)) }
     }
 
-    /// Keeps what an output of the pipeline shows.
+    /// Keeps the resources that an output of the pipeline shows.
     fn take(&mut self, from: LinkSource, constant: Option<Clear>) {
         self.needed[from.pass as usize] = true;
         self.keep(self.numbers.in_port(&from));
@@ -54,7 +54,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Keeps resources for who reads them after the frame.
+    /// Keeps resources that are read after the frame.
     fn keep(&mut self, resources: Range<usize>) {
         for r in resources {
             self.resources[r].read = true;
@@ -64,7 +64,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The pass and resources of `pass`, `pass.port`, `pass.member` or `pass.port.member`.
+    /// Returns the pass and the resources of `pass`, `pass.port`, `pass.member` or `pass.port.member`.
     fn find(&self, name: &str) -> Result<(usize, Range<usize>), Diagnostic> {
         let mut parts = name.split('.');
         let pass = parts.next().unwrap_or("");
@@ -102,12 +102,12 @@ impl<'a> Work<'a> {
             let first = of_port(at).start + m;
             Some(first..first + 1)
         };
-        // Scratch comes after all ports, and can be kept by name alone.
+        // Scratch resources come after all ports, and can be kept by name only.
         let seen = found.outputs.iter().filter(|p| !p.interface.is_empty()).count();
         let of_name = |port: &str| found.outputs.iter().position(|p| p.port == *port);
         let resources = match (port, member, parts.next()) {
             (None, ..) if seen > 0 => Some(of_port(0).start..of_port(seen - 1).end),
-            // A port, or a member of the first port that has one of that name.
+            // A port, or a member of the first port that has one with this name.
             (Some(port), None, _) => match of_name(port) {
                 Some(at) => Some(of_port(at)),
                 None => (0..seen).find_map(|at| of_member(at, port)),
@@ -118,7 +118,7 @@ impl<'a> Work<'a> {
         resources.map(|resources| (i, resources)).ok_or_else(unknown)
     }
 
-    /// Marks what is needed, through links of this frame and of the last.
+    /// Marks what is needed, through links of this frame and of the frame before.
     pub(super) fn cull(&mut self) {
         let mut open: Vec<u32> =
             (0..self.graph.passes.len() as u32).filter(|i| self.needed[*i as usize]).collect();
@@ -160,7 +160,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Keeps what ports of these interfaces make in passes that run.
+    /// Keeps the resources of ports with these interfaces, in passes that run.
     pub(super) fn keep_made(&mut self, interfaces: &[String]) {
         if interfaces.is_empty() {
             return;
@@ -178,7 +178,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// An error about what was requested from outside.
+/// Returns an error about something that an option requested.
 fn asked(option: &str, name: &str, what: &str) -> Diagnostic {
     let source = Source::new(format!("--{option}"), name);
     let span = Span { source, start: 0, end: name.len() as u32 };

@@ -1,31 +1,31 @@
-//! How the resources of a graph are numbered, and where those are made that passes hand on.
+//! Numbers the resources of a graph, and finds the producers of those that passes hand on.
 
 use crate::link::{Graph, GraphInput, GraphPass, LinkSource, Made};
 use std::ops::Range;
 
-/// How resources are numbered: by pass, port and member.
+/// The numbering of resources: by pass, port and member.
 pub(super) struct Numbers {
     /// First entry in `ports` of each pass, and the end.
     pub(super) first_port: Vec<u32>,
     /// First resource of each port, and the end.
     pub(super) ports: Vec<u32>,
-    /// For each resource itself, or the one of another pass that it hands on.
+    /// For each resource, itself, or the resource of another pass that it hands on.
     pub(super) made: Vec<u32>,
 }
 
 impl Numbers {
-    /// The numbers of all ports of a pass, those among them that it hands on included.
+    /// Returns the numbers of all ports of a pass, including resources that it hands on.
     pub(super) fn of_pass(&self, pass: usize) -> Range<usize> {
         let ports = |i: usize| self.ports[self.first_port[i] as usize] as usize;
         ports(pass)..ports(pass + 1)
     }
 
-    /// The resources that a pass makes.
+    /// Returns the resources that a pass writes.
     pub(super) fn made_by(&self, pass: usize) -> impl Iterator<Item = usize> + Clone + '_ {
         self.of_pass(pass).filter(|r| self.made[*r] as usize == *r)
     }
 
-    /// The number of a port.
+    /// Returns the number of a port.
     pub(super) fn port(&self, pass: u32, port: u32) -> usize {
         (self.first_port[pass as usize] + port) as usize
     }
@@ -35,7 +35,7 @@ impl Numbers {
         self.ports[at] as usize..self.ports[at + 1] as usize
     }
 
-    /// The numbers in a port that a link takes.
+    /// Returns the numbers of the resources in a port that a link takes.
     pub(super) fn in_port(&self, source: &LinkSource) -> Range<usize> {
         let whole = self.of_port(source.pass, source.port);
         match source.member {
@@ -44,12 +44,13 @@ impl Numbers {
         }
     }
 
-    /// The resources that a link takes, wherever they are made.
+    /// Returns the resources that a link takes, as numbered in their producers.
     pub(super) fn of_source(&self, source: &LinkSource) -> impl Iterator<Item = usize> + '_ {
         self.in_port(source).map(|r| self.made[r] as usize)
     }
 
-    /// The input of that name, and the number of the resource that it sees under the name of a member.
+    /// Returns the input with this name, and the number of the resource that it has under the name of a
+    /// member.
     pub(super) fn member_of<'g>(
         &self,
         graph: &Graph,
@@ -62,12 +63,12 @@ impl Numbers {
         let port = &graph.passes[source.pass as usize].outputs[source.port as usize];
         let first = self.of_port(source.pass, source.port).start;
         let named = range.clone().find(|r| port.members[r - first].0 == *member);
-        // A single resource goes without its name.
+        // A single resource needs no name.
         Some((input, named.unwrap_or(range.start)))
     }
 
-    /// Finds where each resource is made that a pass hands on. A pass that is off hands on nothing: what stands
-    /// in its place is its own.
+    /// Finds the producer of each resource that a pass hands on. A pass that is off hands on nothing: what
+    /// replaces it counts as its own.
     pub(super) fn trace_handed(&mut self, graph: &Graph) {
         for (i, pass) in graph.passes.iter().enumerate().filter(|(_, pass)| pass.off.is_none()) {
             let members = pass.outputs.iter().flat_map(|port| &port.members);
@@ -79,7 +80,7 @@ impl Numbers {
             }
         }
         for r in 0..self.made.len() {
-            // Links of one frame lead to no cycle.
+            // Links within a frame have no cycle.
             while self.made[r] != self.made[self.made[r] as usize] {
                 self.made[r] = self.made[self.made[r] as usize];
             }

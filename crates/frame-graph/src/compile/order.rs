@@ -1,18 +1,18 @@
 //! The order in which passes run.
 //!
-//! Every order is by data. Among those, finding the one that needs the least memory is hard; three are made and
-//! the best is taken: the file's own, one that at each step frees the most, and one that follows each output to
-//! its sources.
+//! Every order must respect the flow of data. Finding the one that needs the least memory is hard, so three
+//! are computed and the best is taken: that of the file, one that frees the most at each step, and one that
+//! follows each output to its sources.
 
 use super::Work;
 use smallvec::SmallVec;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The order with the lowest peak of transient memory; of equal ones, the file's own.
+/// Returns the order with the lowest peak of transient memory; among equal ones, that of the file.
 pub(super) fn order(work: &Work<'_>, file: Vec<u32>) -> Vec<u32> {
     let mut best = (peak(work, &file), file);
-    // No order needs less than the pass that needs most while it runs.
+    // No order needs less memory than the pass that needs the most while it runs.
     if best.0 <= floor(work, &best.1) {
         return best.1;
     }
@@ -25,7 +25,7 @@ pub(super) fn order(work: &Work<'_>, file: Vec<u32>) -> Vec<u32> {
     best.1
 }
 
-/// For each pass, how many links of this frame it waits for; and for each pass, which passes wait for it, as
+/// For each pass, the number of links of this frame that it waits for, and the passes that wait for it, as
 /// ranges of a list.
 struct Waits {
     count: Vec<u32>,
@@ -61,7 +61,7 @@ impl Waits {
         Waits { count, first, readers }
     }
 
-    /// Takes a pass as done; calls `ready` with each pass that waited for it alone.
+    /// Marks a pass as done; calls `ready` with each pass that waited only for it.
     fn done(&mut self, pass: u32, mut ready: impl FnMut(u32)) {
         for at in self.first[pass as usize]..self.first[pass as usize + 1] {
             let reader = self.readers[at as usize];
@@ -77,7 +77,7 @@ fn roots(work: &Work<'_>, waits: &Waits) -> Vec<u32> {
     (0..work.graph.passes.len()).filter(|i| work.runs(*i) && waits.count[*i] == 0).map(|i| i as u32).collect()
 }
 
-/// The order of the file, as far as data allows.
+/// Returns the order of the file, as far as the flow of data allows.
 pub(super) fn by_file(work: &Work<'_>) -> Vec<u32> {
     let mut waits = Waits::new(work);
     let mut ready: BinaryHeap<Reverse<u32>> = roots(work, &waits).into_iter().map(Reverse).collect();
@@ -89,11 +89,11 @@ pub(super) fn by_file(work: &Work<'_>) -> Vec<u32> {
     order
 }
 
-/// At each step the pass after which the least is alive.
+/// Returns the order that chooses, at each step, the pass after which the fewest bytes are alive.
 fn by_bytes(work: &Work<'_>) -> Vec<u32> {
     let mut waits = Waits::new(work);
     let mut left: Vec<u32> = work.resources.iter().map(|r| r.readers).collect();
-    // Bytes that are alive after the pass and were not before, for transients.
+    // Bytes that are alive after the pass but were not before, for transient resources.
     let cost = |pass: u32, left: &[u32]| -> i64 {
         let made = work
             .numbers
@@ -113,7 +113,7 @@ fn by_bytes(work: &Work<'_>) -> Vec<u32> {
         }
         made - freed
     };
-    // A pass may stand in the heap more than once: costs only fall, and the lowest comes first.
+    // A pass may be in the heap more than once: costs only decrease, and the lowest comes first.
     let mut heap: BinaryHeap<Reverse<(i64, u32)>> = BinaryHeap::new();
     let mut done = vec![false; work.graph.passes.len()];
     for root in roots(work, &waits) {
@@ -135,7 +135,7 @@ fn by_bytes(work: &Work<'_>) -> Vec<u32> {
                 cheaper |= left[r] == 1 && !work.resources[r].persistent;
             }
             if cheaper {
-                // The one reader that is left may be ready: it now frees the resource.
+                // The last remaining reader may be ready: it now frees the resource.
                 let range = waits.first[input.from.pass as usize]..waits.first[input.from.pass as usize + 1];
                 for at in range {
                     let reader = waits.readers[at as usize];
@@ -150,7 +150,7 @@ fn by_bytes(work: &Work<'_>) -> Vec<u32> {
     order
 }
 
-/// Each output followed to its sources, which come right before what reads them.
+/// Returns the order that follows each output to its sources, which come right before their readers.
 fn by_depth(work: &Work<'_>) -> Vec<u32> {
     let passes = &work.graph.passes;
     let mut order = Vec::with_capacity(passes.len());
@@ -182,7 +182,7 @@ fn by_depth(work: &Work<'_>) -> Vec<u32> {
     order
 }
 
-/// The most transient bytes that any one pass reads and writes.
+/// Returns the most transient bytes that any single pass reads and writes.
 fn floor(work: &Work<'_>, order: &[u32]) -> u64 {
     let transient = |r: usize| if work.resources[r].persistent { 0 } else { work.resources[r].bytes };
     let needs = |pass: &u32| {
@@ -199,7 +199,7 @@ fn floor(work: &Work<'_>, order: &[u32]) -> u64 {
     order.iter().map(needs).max().unwrap_or(0)
 }
 
-/// The largest sum of transient bytes alive at once.
+/// Returns the largest sum of transient bytes that are alive at once.
 fn peak(work: &Work<'_>, order: &[u32]) -> u64 {
     let mut left: Vec<u32> = work.resources.iter().map(|r| r.readers).collect();
     let (mut alive, mut peak) = (0u64, 0u64);

@@ -1,4 +1,4 @@
-//! Works out the resources of every output: formats, sizes, facts.
+//! Computes the resources of every output: formats, sizes, output metadata (facts).
 
 use super::answers::{Answers, Question};
 use super::wires::is_bare;
@@ -19,28 +19,29 @@ const MAX_SIDE: u32 = 32_768;
 const MAX_LAYERS: u32 = 4_096;
 /// Largest buffer, in bytes.
 const MAX_BYTES: u64 = 1 << 40;
-/// Rounds in which sizes that depend on the past must settle.
+/// Iterations in which sizes that depend on history buffers must converge.
 const MAX_ROUNDS: usize = 16;
 
 static NO_FACTS: LazyLock<Arc<Facts>> = LazyLock::new(Arc::default);
 
 /// Why the outputs of a pass are not known.
 pub(super) enum Unknown {
-    /// An input that reads the past has no size yet.
+    /// An input that reads a history buffer has no size yet.
     Waits(PassTypeError),
-    /// An error.
+    /// The description is wrong.
     Wrong(Diagnostic),
-    /// The pass type refuses.
+    /// The pass type refuses the use.
     Refused(PassTypeError),
 }
 
 impl<'a> Linker<'a> {
-    /// The resources of every pass's outputs, in the order of data. What reads the past of a later pass takes
-    /// further rounds, until nothing changes.
+    /// Computes the resources of every pass's outputs, in the order of data. Sizes that depend on the history
+    /// buffer of a later pass take further iterations, until nothing changes.
     pub(super) fn find_sizes(&mut self, order: &[u32]) -> Vec<Described> {
         let mut ports: Vec<Described> = vec![None; self.nodes.len()];
         let mut answers = Answers::default();
-        // Passes that read the past of what comes later, or of what waits: these are asked again.
+        // Passes that read a history buffer of a later pass, or of one whose size is not known yet, are asked
+        // again.
         let mut waiting = false;
         for i in order {
             let i = *i as usize;
@@ -63,7 +64,7 @@ impl<'a> Linker<'a> {
         ports
     }
 
-    /// Asks again until nothing changes.
+    /// Repeats the computation until the sizes converge.
     fn settle(&mut self, order: &[u32], ports: &mut [Described], answers: &mut Answers) {
         for round in 0..MAX_ROUNDS {
             let last = round + 1 == MAX_ROUNDS;
@@ -79,7 +80,7 @@ impl<'a> Linker<'a> {
                             changed = true;
                             if last {
                                 unknown
-                                    .push((i, Unknown::Waits(PassTypeError::new("its size never settles"))));
+                                    .push((i, Unknown::Waits(PassTypeError::new("its size keeps changing"))));
                             }
                             ports[i] = Some(found);
                         }
@@ -96,7 +97,8 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Tells why outputs are not known. A pass that is off is only told of where its outputs are needed.
+    /// Reports why the outputs of a pass are not known. A pass that is off is checked where something reads what replaces
+    /// it.
     fn note_unknown(&mut self, node: usize, unknown: Unknown, settled: bool) {
         if !self.is_on(node) {
             return;
@@ -110,7 +112,7 @@ impl<'a> Linker<'a> {
             Unknown::Waits(error) if settled => {
                 let past = self.wires_now(node).iter().find(|wire| wire.end.past.is_some());
                 let message =
-                    format!("the size of `{}` depends on itself through the past", self.nodes[node].name);
+                    format!("the size of `{}` depends on itself through `Prev`", self.nodes[node].name);
                 let mut told = Diagnostic::new(&codes::SIZE_LOOP, message)
                     .label(self.span(self.nodes[node].place), "of this pass");
                 if let Some(wire) = past {
@@ -125,13 +127,13 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// The wires whose ends a pass is described by. A pass that is off is described as if all were on: the shape of what
-    /// stands in its place.
+    /// Returns the wires that determine the outputs of a pass. A pass that is off is described as if all
+    /// passes were on: what replaces it must have the same shape.
     fn describing_wires(&self, node: usize) -> &[Wire<'a>] {
         if self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] }
     }
 
-    /// What a pass type is asked about the outputs of a node; `None` where the node is no pass.
+    /// Returns the question to a pass type about the outputs of a node; `None` if the node is no pass.
     fn question(&self, node: usize, ports: &[Described]) -> Option<Question> {
         let mut question = Question::of(self.uses[node].as_ref()?);
         for wire in self.describing_wires(node) {
@@ -140,7 +142,7 @@ impl<'a> Linker<'a> {
         Some(question)
     }
 
-    /// The outputs of a pass: as known from an equal question, or asked for.
+    /// Returns the outputs of a pass: the known answer to an equal question, or that of the pass type.
     fn answer(
         &self,
         node: usize,
@@ -156,7 +158,7 @@ impl<'a> Linker<'a> {
         Ok(answers.add(question, found))
     }
 
-    /// The connected inputs of a pass, without those that have no size yet.
+    /// Returns the connected inputs of a pass, without those whose size is not known yet.
     fn describe_inputs(&self, node: usize, ports: &[Described]) -> Vec<InputDesc> {
         let Some(used) = &self.uses[node] else { return Vec::new() };
         let describe = |wire: &Wire<'_>| {
@@ -180,13 +182,13 @@ impl<'a> Linker<'a> {
         self.describing_wires(node).iter().filter_map(describe).collect()
     }
 
-    /// The name of a member that a link takes.
+    /// Returns the name of the member that a link takes.
     pub(super) fn member(&self, interface: &str, member: Option<u32>) -> Option<&'static str> {
         let found = self.interfaces.iter().find(|i| member.is_some() && i.name == interface)?;
         found.members.get(member? as usize).map(|m| m.name)
     }
 
-    /// Asks the pass type for its outputs and works their sizes out.
+    /// Asks the pass type for its outputs, and computes their sizes.
     fn describe(&self, node: usize, whole: bool, inputs: &[InputDesc]) -> Result<Vec<GraphPort>, Unknown> {
         let waits =
             |error: PassTypeError| if whole { Unknown::Refused(error) } else { Unknown::Waits(error) };
@@ -208,7 +210,7 @@ impl<'a> Linker<'a> {
         for output in outputs {
             let place = found.len();
             let declared = &used.names.outputs;
-            // Pass types describe their ports in order; any other order is taken too.
+            // Pass types usually describe their ports in order; any other order is accepted too.
             let port = match declared.get(place) {
                 _ if output.scratch => None,
                 Some((port, _)) if *port == output.port => Some(place),
@@ -263,7 +265,7 @@ impl<'a> Linker<'a> {
             check_facts(known, &port, &output.facts).map_err(|what| self.defect(node, what))?;
         }
         let facts = if output.facts.is_empty() { Arc::clone(&NO_FACTS) } else { Arc::new(output.facts) };
-        // One resource without a name, as most ports have, needs no search.
+        // A single resource without a name, as in most ports, needs no search.
         let plain = known.is_none_or(|i| matches!(i.members, [only] if only.name.is_empty()));
         let plain = plain && matches!(&output.members[..], [(name, _, _)] if name.is_empty());
         let mut members = SmallVec::new();
@@ -324,7 +326,7 @@ impl<'a> Linker<'a> {
         Unknown::Wrong(error)
     }
 
-    /// Size and limits of one resource.
+    /// Computes the size of one resource, and checks the limits.
     fn work_out(
         &self,
         node: usize,
@@ -399,7 +401,7 @@ impl<'a> Linker<'a> {
     }
 }
 
-/// `Texture` or `Buffer`.
+/// Returns `Texture` or `Buffer`.
 pub(super) fn sort(desc: &ResourceDesc) -> &'static str {
     if desc.texture().is_some() { "Texture" } else { "Buffer" }
 }

@@ -14,19 +14,19 @@ use std::hash::{Hash, Hasher};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// What a pass type says of one use.
+/// The answer of a pass type about one use of it.
 #[derive(Clone, Debug)]
 pub(super) struct UseOf {
     pub(super) ports: Arc<Ports>,
     pub(super) names: Rc<PortNames>,
     pub(super) settings: Arc<Settings>,
-    /// For each link of the description, the index of its input, where there is one.
+    /// For each link of the description, the index of its input, if there is one.
     pub(super) linked: Vec<Option<u32>>,
-    /// Names of the inputs that it links, where they are not those of the description.
+    /// Names of the inputs that it links, if they differ from those of the description.
     pub(super) inputs: Option<Arc<[String]>>,
 }
 
-/// The names of ports, ready to be shared by all uses of the same ports.
+/// The names of ports, shared by all uses with the same ports.
 #[derive(Debug)]
 pub(super) struct PortNames {
     /// Port and interface.
@@ -35,24 +35,24 @@ pub(super) struct PortNames {
     pub(super) outputs: Vec<(Name, Name)>,
 }
 
-/// What was made from a value that pass types share between uses, by its address; the value is held, so that the
-/// address stays its own.
+/// Values derived from a value that pass types share between uses, by its address. The shared value is held,
+/// so that its address stays unique.
 type Shared<K, V> = FxHashMap<*const (), (Arc<K>, V)>;
 
-/// Uses of one hash.
+/// Uses with the same hash.
 type Alike<'a> = SmallVec<[(&'a PassDecl, Rc<UseOf>); 1]>;
 
 #[derive(Default)]
 struct Caches<'a> {
-    /// The uses that have been asked for and are sound, by a hash of what a pass type may look at: another use that says
-    /// the same gets the same answer.
+    /// The uses that were asked about and are valid, by a hash of everything that a pass type may look at: an
+    /// equal use gets the same answer.
     uses: FxHashMap<u64, Alike<'a>>,
     defaults: FxHashMap<*const (), (Arc<[Setting]>, Arc<Settings>)>,
     names: Shared<Ports, Rc<PortNames>>,
 }
 
 impl UseOf {
-    /// How the pass type is asked.
+    /// Returns the form in which the pass type is asked about a use.
     pub(super) fn ask<'u>(&'u self, decl: &'u PassDecl) -> Option<Use<'u>> {
         let Body::Pass { kind, shader } = &decl.body else { return None };
         let inputs = self.inputs.as_deref().unwrap_or(&decl.link_names);
@@ -73,7 +73,7 @@ fn hash_use(decl: &PassDecl, kind: &Name, shader: Option<&Name>) -> u64 {
     hasher.finish()
 }
 
-/// Whether a pass type cannot tell two uses of it from each other.
+/// Returns whether two uses are equal in everything that a pass type may look at.
 fn same_use(a: &PassDecl, b: &PassDecl) -> bool {
     let (Body::Pass { kind: kind_a, shader: shader_a }, Body::Pass { kind: kind_b, shader: shader_b }) =
         (&a.body, &b.body)
@@ -103,7 +103,7 @@ impl<'a> Linker<'a> {
         self.uses = Rc::new(uses);
     }
 
-    /// The use as found for an equal one, or asked for.
+    /// Returns the answer of an equal use, or asks the pass type.
     fn known_use(
         &mut self,
         node: &'a Node,
@@ -119,7 +119,7 @@ impl<'a> Linker<'a> {
         }
         let told = self.errors.len();
         let used = Rc::new(self.find_use(node, kind, shader, caches)?);
-        // What is wrong is told at each place where it is said.
+        // Errors are reported for each use separately, so uses with errors are not shared.
         if self.errors.len() == told && used.inputs.is_none() {
             caches.uses.entry(hash).or_default().push((decl, Rc::clone(&used)));
         }
@@ -140,7 +140,7 @@ impl<'a> Linker<'a> {
                 let error =
                     Diagnostic::new(&codes::UNKNOWN_KIND, format!("there is no pass type `{}`", kind.value))
                         .label(self.span(kind.place), "")
-                        .suggest("kinds", &kind.value, names.iter().map(String::as_str));
+                        .suggest("pass types", &kind.value, names.iter().map(String::as_str));
                 self.errors.push(error);
                 return None;
             }
@@ -163,7 +163,7 @@ impl<'a> Linker<'a> {
             _ => {}
         }
         let shader = shader.map(|s| s.value.as_str());
-        // Inputs that `Replace` kept are dropped one by one where the new kind has no use for them.
+        // Inputs that `Replace` kept are dropped one by one if the new pass type does not have them.
         let mut inputs: Option<Arc<[String]>> = None;
         loop {
             let names = inputs.as_deref().unwrap_or(&decl.link_names);
@@ -201,7 +201,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Tells what a pass type said against a use.
+    /// Reports the error of a pass type about a use.
     pub(super) fn refused(&mut self, node: &Node, error: &PassTypeError) {
         let decl = &node.decl;
         let Body::Pass { kind, .. } = &decl.body else { return };
@@ -221,7 +221,7 @@ impl<'a> Linker<'a> {
         self.errors.push(told);
     }
 
-    /// The settings of a use, checked and complete.
+    /// Returns the settings of a use, checked and complete.
     fn settings(&mut self, node: &Node, schema: &Arc<[Setting]>, caches: &mut Caches<'a>) -> Arc<Settings> {
         let set = &node.decl.set;
         let key = schema.as_ptr().cast::<()>();

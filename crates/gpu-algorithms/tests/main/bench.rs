@@ -41,14 +41,14 @@ impl Bench {
 
     /// `None` where there is no adapter.
     pub(crate) fn run(&self) -> Option<Outputs> {
-        let mut stand = Harness::new(self);
+        let mut harness = Harness::new(self);
         for (name, words) in &self.inputs {
             // No buffer is empty.
             let bytes = 4 * words.len().max(1) as u64;
             let member = ("", pass_test::buffer(bytes), bytemuck::cast_slice(words).to_vec());
-            stand = stand.input(name, "Buffer", &[], vec![member]);
+            harness = harness.input(name, "Buffer", &[], vec![member]);
         }
-        stand.run()
+        harness.run()
     }
 }
 

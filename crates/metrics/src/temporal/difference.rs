@@ -4,28 +4,28 @@ use super::Pinhole;
 use crate::image::{is_finite, luminance};
 use crate::{Image, ImageError};
 
-/// A frame with what its pixels see.
+/// A frame with the depth of its pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
     /// The picture.
     pub image: &'a Image,
-    /// Distance along the viewing axis \[m\] in the red channel, of the picture's size; 0 where a pixel
-    /// sees nothing.
+    /// Distance along the viewing axis \[m\] in the red channel, of the picture's size; 0 where a pixel sees
+    /// nothing.
     pub depth: &'a Image,
-    /// What it was seen with.
+    /// The camera of the picture.
     pub camera: Pinhole,
 }
 
-/// How much surfaces changed between two frames: the sum and the counts of [`temporal_difference`].
+/// The difference between the surfaces of two frames: the sum and the counts of [`temporal_difference`].
 ///
 /// Every pixel of the previous frame that sees something is in one of the four counts.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct TemporalDifference {
-    /// Σ (L₁ − L₀)² over the matched pixels, L being luminance (squared units of the picture).
+    /// Σ (L₁ − L₀)² over the matched pixels, where L is luminance (squared units of the picture).
     pub sum_of_squares: f64,
     /// Pixels of the previous frame whose surface the current frame sees.
     pub matched: usize,
-    /// Pixels whose surface lies behind another in the current frame, or is seen past.
+    /// Pixels whose surface is hidden by another in the current frame, or no longer in the line of sight.
     pub disoccluded: usize,
     /// Pixels whose surface left the frame.
     pub outside: usize,
@@ -34,24 +34,24 @@ pub struct TemporalDifference {
 }
 
 impl TemporalDifference {
-    /// Returns the root mean square of the differences (units of the picture); `None` where nothing matched.
+    /// Returns the root mean square of the differences (units of the picture); `None` if nothing matched.
     pub fn rms(&self) -> Option<f64> {
         (self.matched > 0).then(|| (self.sum_of_squares / self.matched as f64).sqrt())
     }
 }
 
-/// Compares what two frames show of the same surfaces (TCAS §6.2): each pixel of the previous frame is
-/// carried by the world position of its centre to the current frame, and its luminance compared with
-/// that of the pixel it falls in, without interpolation. Where the depth there differs from that of
-/// the point by more than the share `tolerance`, the pixel sees another surface and is left out.
+/// Compares the same surfaces in two frames (TCAS §6.2): each pixel of the previous frame is projected, by
+/// the world position of its centre, to the current frame, and its luminance is compared with that of the
+/// pixel it falls in, without interpolation. If the depth there differs from that of the point by more than
+/// the share `tolerance`, the pixel sees another surface and is left out.
 ///
-/// It means flicker where radiance does not depend on the view and nothing but the camera moves. The
-/// paper says "intensities"; here they are luminances of the pictures as they are, so the caller
-/// chooses radiance or display light. Detail smaller than a pixel counts as difference.
-/// O(pixels), in order of the pixels.
+/// The result measures flicker if radiance does not depend on the view and nothing but the camera moves. The
+/// paper says "intensities"; here they are luminances of the pictures as given, so the caller chooses
+/// radiance or display light. Detail smaller than a pixel counts as difference. O(pixels), in order of the
+/// pixels.
 ///
 /// # Errors
-/// [`ImageError::SizesDiffer`] where the four images are not of one size.
+/// [`ImageError::SizesDiffer`] if the four images do not have the same size.
 pub fn temporal_difference(
     previous: &View<'_>,
     current: &View<'_>,
@@ -95,8 +95,8 @@ pub fn temporal_difference(
     Ok(found)
 }
 
-/// The temporal image difference of a walk (TCAS §6.2): the root mean square over all matched pixels of
-/// all consecutive pairs of frames.
+/// The temporal image difference of a camera path (TCAS §6.2): the root mean square over all matched pixels
+/// of all consecutive pairs of frames.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tid {
     sum_of_squares: f64,
@@ -104,13 +104,13 @@ pub struct Tid {
 }
 
 impl Tid {
-    /// Takes in the next pair of frames.
+    /// Adds the next pair of frames.
     pub fn add(&mut self, pair: &TemporalDifference) {
         self.sum_of_squares += pair.sum_of_squares;
         self.matched += pair.matched;
     }
 
-    /// Returns the measure so far (units of the picture); `None` while nothing matched.
+    /// Returns the measure of the pairs so far (units of the picture); `None` as long as nothing matched.
     pub fn value(&self) -> Option<f64> {
         (self.matched > 0).then(|| (self.sum_of_squares / self.matched as f64).sqrt())
     }

@@ -2,28 +2,28 @@ use serde::Serialize;
 
 use crate::Image;
 
-/// How many pixels SMC-IR §5.2 tracks in a sequence.
+/// Number of pixels that SMC-IR §5.2 tracks in a sequence.
 pub const TRACKED_PIXELS: usize = 8;
 
 /// Error of the luminance at tracked pixels and its change with time (SMC-IR §5.2).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ErrorSeries {
-    /// Average |E| over frames and pixels (display luminance, 0..=1), E being found − reference after
-    /// tone mapping.
+    /// Mean |E| over frames and pixels (display luminance, 0..=1), where E is found − reference after tone
+    /// mapping.
     pub average_error: f64,
-    /// Average |E′| (1/s), E′ = ΔE / Δt (Eq. 10) from each frame to the next.
+    /// Mean |E′| (1/s), where E′ = ΔE / Δt (Eq. 10) from each frame to the next.
     pub average_change: f64,
 }
 
 impl ErrorSeries {
-    /// Takes the luminance of each tracked pixel in each frame, `found` and `reference`:
-    /// `[frames][pixels]`, exposed radiance, and the time `delta_t` \[s\] from frame to frame.
+    /// Computes the errors of `found` with respect to `reference`: the luminance of each tracked pixel in
+    /// each frame, `[frames][pixels]`, exposed radiance. `delta_t` is the time \[s\] from frame to frame.
     ///
-    /// Both go through the Reinhard operator without a white point, L / (1 + L), as in the paper;
-    /// multiply them by 2^exposure first where the picture is shown at another exposure than 0. A
-    /// negative luminance counts as 0.
+    /// Both are mapped by the Reinhard operator without a white point, L / (1 + L), as in the paper; multiply
+    /// them by 2^exposure before the call if the picture is shown at another exposure than 0. A negative
+    /// luminance counts as 0.
     ///
-    /// `None` for fewer than two frames, no pixels, frames or pixels that do not pair up, a NaN or
+    /// Returns `None` for fewer than two frames, no pixels, different numbers of frames or pixels, a NaN or
     /// infinite luminance, or a `delta_t` that is not above 0.
     pub fn of(found: &[Vec<f64>], reference: &[Vec<f64>], delta_t: f64) -> Option<Self> {
         let pixels = found.first()?.len();
@@ -59,12 +59,12 @@ fn reinhard(luminance: f64) -> f64 {
     luminance / (1.0 + luminance)
 }
 
-/// Columns and rows of `count` pixels spread over what is seen: those whose `depth` (red channel) is
-/// above 0. All of them where fewer are seen.
+/// Returns columns and rows of `count` pixels that are distributed over the visible surfaces: over the pixels
+/// whose `depth` (red channel) is above 0. Returns all of these if there are fewer.
 ///
-/// The pixels that see something are put in the order of a Hilbert curve and cut into `count` parts of
-/// equal number; each gives the one in its middle. So the choice depends on `depth` alone, and each
-/// tracked pixel stands for a patch of the same area. O(pixels log pixels).
+/// These pixels are sorted along a Hilbert curve and divided into `count` parts of equal number; the middle
+/// one of each part is taken. So the choice depends only on `depth`, and each tracked pixel represents a
+/// patch of the same area. O(pixels log pixels).
 pub fn tracked_pixels(depth: &Image, count: usize) -> Vec<(usize, usize)> {
     let side = depth.width().max(depth.height()).next_power_of_two();
     let mut seen: Vec<(usize, usize)> = (0..depth.height())
@@ -79,14 +79,15 @@ pub fn tracked_pixels(depth: &Image, count: usize) -> Vec<(usize, usize)> {
     (0..count).map(|part| seen[(2 * part + 1) * seen.len() / (2 * count)]).collect()
 }
 
-/// Position of a cell along the Hilbert curve through a square of `side` cells, a power of two.
+/// Returns the position of a cell along the Hilbert curve through a square of `side` cells, a power of two.
 fn along_hilbert_curve(mut x: usize, mut y: usize, side: usize) -> usize {
     let mut position = 0;
     let mut half = side / 2;
     while half > 0 {
         let (right, below) = (x & half != 0, y & half != 0);
         position += half * half * ((3 * usize::from(right)) ^ usize::from(below));
-        // Each quadrant holds the curve again: the first transposed, the last transposed the other way.
+        // Each quadrant contains the curve again: the first transposed, the last transposed along the other
+        // diagonal.
         if !below {
             if right {
                 (x, y) = (side - 1 - x, side - 1 - y);

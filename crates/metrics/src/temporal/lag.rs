@@ -1,14 +1,14 @@
-/// Returns the frames from a jump of the light until `series` has arrived and stays.
+/// Returns the number of frames from a jump of the light until `series` has converged to its new value.
 ///
-/// `series` is one value a frame, as the mean luminance of the picture, and `jump` the first frame under
-/// the new light. The old value is that of the frame before; the settled value the mean of the last
-/// quarter (rounded up) of the frames from `jump` on. The lag is the smallest n such that each frame
-/// from `jump + n` on is within `share` of the way, |settled − old|, of the settled value: 0 where the
-/// frame of the jump is there already.
+/// `series` has one value per frame, such as the mean luminance of the picture, and `jump` is the first frame
+/// under the new light. The old value is that of the frame before; the new value is the mean of the last
+/// quarter (rounded up) of the frames from `jump` on. The lag is the smallest n such that all frames from
+/// `jump + n` on differ from the new value by at most `share` of |new − old|; it is 0 if the frame of the
+/// jump does so already.
 ///
-/// `None` where there is nothing to tell: `jump` has no frame before it or is past the end, a value is
-/// NaN or infinite, the value did not change, or the last frame is still too far off. A jump needs
-/// frames enough for the last quarter to be settled, and noise well below `share` of the way.
+/// Returns `None` if there is no such n: `jump` has no frame before it or is past the end, a value is NaN or
+/// infinite, the value did not change, or the last frame still differs by more. There must be enough frames
+/// for the last quarter to have converged, and noise must be well below `share` of the change.
 pub fn lag(series: &[f64], jump: usize, share: f64) -> Option<usize> {
     let old = *series.get(jump.checked_sub(1)?)?;
     let after = series.get(jump..).filter(|after| !after.is_empty())?;
@@ -28,16 +28,16 @@ mod tests {
 
     #[test]
     fn by_hand() {
-        // Old 0; 12 frames after the jump, of which the last three are the settled value 8. A tenth of the
-        // way is 0.8: 7.5 is within, and what comes before it is not.
+        // The old value is 0; of the 12 frames after the jump, the last three give the new value 8. A tenth
+        // of the change is 0.8: 7.5 is within, and what comes before it is not.
         let series = [9.0, 0.0, 4.0, 6.0, 7.0, 7.5, 7.75, 8.0, 8.0, 8.0, 8.0, 8.0, 8.0, 8.0];
         assert_eq!(lag(&series, 2, 0.1), Some(3));
         assert_eq!(lag(&series, 2, 0.5), Some(0));
-        // A value that arrives and leaves again has not arrived.
+        // A value that arrives and leaves again has not converged.
         let mut leaves = series;
         leaves[8] = 5.0;
         assert_eq!(lag(&leaves, 2, 0.1), Some(7));
-        // Downwards alike.
+        // The same for falling values.
         assert_eq!(lag(&series.map(|value| 10.0 - value), 2, 0.1), Some(3));
     }
 
@@ -50,7 +50,7 @@ mod tests {
         assert_eq!(lag(&series, 9, 0.1), None, "far past the end");
         assert_eq!(lag(&[1.0; 5], 2, 0.1), None, "no change");
         assert_eq!(lag(&[0.0, f64::NAN, 1.0, 1.0, 1.0, 1.0], 1, 0.1), None, "broken");
-        // The last two of eight swing about their mean 2 by 1, which is more than a tenth of 2.
+        // The last two of eight alternate around their mean 2 by 1, which is more than a tenth of 2.
         assert_eq!(lag(&[0.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 3.0], 1, 0.1), None, "never stays");
     }
 }

@@ -3,27 +3,27 @@ use serde::Serialize;
 use crate::image::{is_finite, luminance};
 use crate::{Image, ImageError};
 
-/// How much each pixel of a still scene varies from frame to frame.
+/// The deviation of each pixel from frame to frame, of a scene in which nothing moves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StaticDeviation {
-    /// Standard deviation of each pixel's luminance (units of the frames), grey; NaN where a frame is
-    /// NaN or infinite. Alpha 1.
+    /// Standard deviation of each pixel's luminance (units of the frames), grey; NaN if a frame is NaN or
+    /// infinite there. Alpha is 1.
     #[serde(skip)]
     pub map: Image,
     /// Mean of the map (units of the frames).
     pub mean: f64,
-    /// The mean of the map over the mean luminance of all frames (1); `None` where that is 0.
+    /// The mean of the map divided by the mean luminance of all frames (1); `None` if that is 0.
     pub normalised: Option<f64>,
-    /// Pixels left out of the means: NaN or infinite in some frame.
+    /// Pixels left out of the means: NaN or infinite in any frame.
     pub non_finite: usize,
 }
 
-/// Takes the standard deviation over `frames` (n − 1 below the line) of the luminance of each pixel.
-/// It means flicker where neither camera nor scene nor light moves. O(frames · pixels).
+/// Computes the standard deviation over `frames` (denominator n − 1) of the luminance of each pixel. It
+/// measures flicker if camera, scene and lights do not move. O(frames · pixels).
 ///
 /// # Errors
 /// [`ImageError::TooFew`] for fewer than two frames; [`ImageError::SizesDiffer`];
-/// [`ImageError::NoFinitePixels`] where each pixel is broken in some frame.
+/// [`ImageError::NoFinitePixels`] if each pixel is NaN or infinite in some frame.
 pub fn static_deviation(frames: &[Image]) -> Result<StaticDeviation, ImageError> {
     let Some(first) = frames.first().filter(|_| frames.len() > 1) else {
         return Err(ImageError::TooFew { what: "frames", expected: 2, found: frames.len() });

@@ -6,27 +6,27 @@ use glam::Vec3;
 
 use super::builder::{Builder, MaterialId};
 
-/// How many pieces an arch is made of.
+/// Number of segments of an arch.
 const ARCH_PIECES: usize = 16;
 
 /// An opening in a wall, in the middle of its width, with an elliptic arch above.
 #[derive(Clone, Copy)]
 pub(super) struct Opening {
     pub(super) half_width: f32,
-    /// The opening's lower edge; the wall's own lower edge for one that is open below.
+    /// Lower edge of the opening; that of the wall if the opening reaches the floor.
     pub(super) sill: f32,
-    /// Where the arch begins.
+    /// Height at which the arch begins.
     pub(super) spring: f32,
-    /// How high the arch is.
+    /// Height of the arch.
     pub(super) rise: f32,
 }
 
-/// A piece of wall, upright.
+/// A vertical piece of wall.
 #[derive(Clone, Copy)]
 pub(super) struct Wall {
-    /// The middle of its width and thickness, at height 0.
+    /// Centre of its width and thickness, at height 0.
     pub(super) place: Vec3,
-    /// The direction of its width, level, of length 1.
+    /// Horizontal unit vector along its width.
     pub(super) along: Vec3,
     pub(super) width: f32,
     pub(super) bottom: f32,
@@ -35,7 +35,7 @@ pub(super) struct Wall {
 }
 
 impl Wall {
-    /// The point at `s` along and `y` up, on the front (`side` 1) or the back (−1).
+    /// Returns the point at `s` along and `y` up, on the front (`side` 1) or the back (−1).
     fn point(&self, s: f32, y: f32, side: f32) -> Vec3 {
         self.place + self.along * s + Vec3::Y * y + self.front() * (side * self.thickness * 0.5)
     }
@@ -44,7 +44,8 @@ impl Wall {
         self.along.cross(Vec3::Y)
     }
 
-    /// A piece of front and back: from `s[0]` to `s[1]`, between `low` and `high`, each at both ends.
+    /// Adds a piece of front and back: from `s[0]` to `s[1]`, between `low` and `high`, each given at both
+    /// ends.
     fn sides(&self, builder: &mut Builder, material: MaterialId, s: [f32; 2], low: [f32; 2], high: [f32; 2]) {
         let corners = |side: f32| {
             [(s[0], low[0]), (s[1], low[1]), (s[1], high[1]), (s[0], high[0])]
@@ -55,11 +56,11 @@ impl Wall {
         builder.quad(material, [b, a, d, c]);
     }
 
-    /// The wall with its opening. Its ends and top are not covered: others stand against them.
+    /// Adds the wall with its opening. Its ends and top are left open, since other parts adjoin them.
     pub(super) fn with_opening(&self, builder: &mut Builder, material: MaterialId, opening: Opening) {
         let Opening { half_width, sill, spring, rise } = opening;
         let (edge, bottom, top) = (self.width * 0.5, self.bottom, self.top);
-        // Beside the opening, in pieces that end where those beside them do.
+        // Beside the opening, in pieces whose edges match those of the pieces next to them.
         for s in [[-edge, -half_width], [half_width, edge]] {
             for y in [[bottom, sill], [sill, spring], [spring, top]] {
                 if y[1] > y[0] {
@@ -100,7 +101,7 @@ impl Wall {
         }
     }
 
-    /// The two ends, for a wall that stands free.
+    /// Adds the two ends, for a free-standing wall.
     pub(super) fn ends(&self, builder: &mut Builder, material: MaterialId) {
         for end in [-0.5, 0.5] {
             let s = self.width * end;
@@ -111,7 +112,7 @@ impl Wall {
         }
     }
 
-    /// A level piece through the wall's thickness, facing up (`side` 1) or down (−1).
+    /// Adds a horizontal piece through the wall's thickness, facing up (`side` 1) or down (−1).
     fn level(&self, builder: &mut Builder, material: MaterialId, s: [f32; 2], y: f32, side: f32) {
         let [a, b] = s.map(|s| self.point(s, y, side));
         let [c, d] = [s[1], s[0]].map(|s| self.point(s, y, -side));
@@ -119,35 +120,35 @@ impl Wall {
     }
 }
 
-/// One bay of a vault: two barrels that cross.
+/// One bay of a groin vault: two barrels that cross.
 #[derive(Clone, Copy)]
 pub(super) struct Vault {
-    /// The middle of the bay, at height 0.
+    /// Centre of the bay, at height 0.
     pub(super) place: Vec3,
     /// Half its size along x and z.
     pub(super) half: [f32; 2],
     pub(super) spring: f32,
     pub(super) rise: f32,
-    /// 0 for elliptic barrels; the greater, the more pointed.
+    /// 0 for elliptic barrels; larger values are more pointed.
     pub(super) pointed: f32,
 }
 
 impl Vault {
-    /// Height above the spring of one barrel at `t` in −1..=1 across, over the rise.
+    /// Returns the height of one barrel at `t` in −1..=1 across, above the spring, divided by the rise.
     fn barrel(&self, t: f32) -> f32 {
         let c = self.pointed;
-        // Two arcs of circles whose centres lie `c` beyond the middle.
+        // Two circular arcs whose centres lie `c` beyond the middle.
         ((1.0 + c).powi(2) - (t.abs() + c).powi(2)).max(0.0).sqrt() / (1.0 + 2.0 * c).sqrt()
     }
 
-    /// The ceiling's point at (tx, tz), each in −1..=1.
+    /// Returns the point of the ceiling at (tx, tz), each in −1..=1.
     pub(super) fn point(&self, tx: f32, tz: f32) -> Vec3 {
         // The room is the union of both barrels, so the ceiling is the higher one.
         let height = self.spring + self.rise * self.barrel(tx).max(self.barrel(tz));
         self.place + Vec3::new(tx * self.half[0], height, tz * self.half[1])
     }
 
-    /// The normal of the ceiling, downwards: of the higher barrel, on a crease of both.
+    /// Returns the normal of the ceiling, pointing down: that of the higher barrel, or of both on a crease.
     fn normal(&self, tx: f32, tz: f32) -> Vec3 {
         let side = |t: f32, half: f32| {
             let slope = -(t.abs() + self.pointed).copysign(t) / half;
@@ -166,9 +167,9 @@ impl Vault {
         }
     }
 
-    /// The ceiling, in `pieces` × `pieces` cells (an even number, so that the creases are edges).
+    /// Adds the ceiling, in `pieces` × `pieces` cells (an even number, so that the creases are edges).
     pub(super) fn build(&self, builder: &mut Builder, material: MaterialId, pieces: usize) {
-        // Steps of equal angle: barrels are steep at their edges.
+        // Steps of equal angle, since barrels are steep at their edges.
         let across = |u: f32| if u == 0.5 { 0.0 } else { -(u * PI).cos() };
         builder.surface(material, pieces, pieces, |u, v| {
             let (tx, tz) = (across(u), across(v));
@@ -176,7 +177,7 @@ impl Vault {
         });
     }
 
-    /// Ribs of this radius along both creases.
+    /// Adds ribs with this radius along both creases.
     pub(super) fn ribs(&self, builder: &mut Builder, material: MaterialId, radius: f32, pieces: usize) {
         for turn in [1.0, -1.0] {
             let path = |u: f32| {
@@ -194,7 +195,7 @@ impl Vault {
     }
 }
 
-/// A round column with plinth, base, capital and abacus, from `foot` to `height` above it.
+/// Adds a round column with plinth, base, capital and abacus, from `foot` to `height` above it.
 pub(super) fn column(
     builder: &mut Builder,
     material: MaterialId,

@@ -1,5 +1,6 @@
-//! A colonnaded atrium, after the structure of Sponza's: a court open to the sky, around it two storeys of
-//! arcades, the lower with groin vaults; drapes of strong colours in the arches. About 31 m × 16 m × 9 m.
+//! A colonnaded atrium, modelled on the structure of Sponza: a court open to the sky, surrounded by two
+//! storeys of arcades, the lower with groin vaults; drapes of strong colours in the arches. About 31 m × 16 m
+//! × 9 m.
 
 use std::f32::consts::TAU;
 
@@ -10,16 +11,17 @@ use super::builder::{Builder, MaterialId};
 use crate::material::Material;
 use crate::model::Model;
 
-/// All bays are squares of this size \[m\].
+/// All bays are squares of this side \[m\].
 const BAY: f32 = 3.0;
 /// Bays of the court, along x and z.
 const BAYS: [usize; 2] = [8, 3];
-/// Half the court, between the axes of its columns, along x and z \[m\].
+/// Half the size of the court, between the axes of its columns, along x and z \[m\].
 const COURT: [f32; 2] = [12.0, 4.5];
-/// Half the building, inside its walls \[m\].
+/// Half the size of the building, inside its walls, along x and z \[m\].
 const INSIDE: [f32; 2] = [COURT[0] + BAY, COURT[1] + BAY];
 const WALL: f32 = 0.5;
-/// Where the lower arches spring, the slab between the storeys, where the upper arches spring, the roof.
+/// Heights of the springs of the lower arches, the slab between the storeys, the springs of the upper arches,
+/// and the roof.
 const SPRING: [f32; 2] = [2.6, 6.7];
 const SLAB: [f32; 2] = [4.2, 4.6];
 const ROOF: [f32; 2] = [8.5, 8.8];
@@ -62,15 +64,15 @@ pub(super) fn atrium() -> Model {
     builder.finish("atrium")
 }
 
-/// The bays of the arcade around the court: the middle of each on the columns' axis, its direction (the
-/// court in front), its number.
+/// Returns the bays of the arcade around the court: the centre of each on the columns' axis, its direction
+/// (with the court in front), its number.
 fn arcade_bays() -> Vec<(Vec3, Vec3, usize)> {
     let mut bays = Vec::new();
     for (axis, along, across) in [(0, Vec3::X, Vec3::Z), (1, Vec3::NEG_Z, Vec3::X)] {
         for side in [-1.0, 1.0] {
             for i in 0..BAYS[axis] {
                 let s = (i as f32 + 0.5) * BAY - COURT[axis];
-                // Turned so that its front, along × up, looks at the court.
+                // Turned so that its front, along × up, faces the court.
                 bays.push((along * s + across * (side * COURT[1 - axis]), along * -side, bays.len()));
             }
         }
@@ -78,7 +80,7 @@ fn arcade_bays() -> Vec<(Vec3, Vec3, usize)> {
     bays
 }
 
-/// The feet of all columns, and whether they stand at a corner.
+/// Returns the feet of all columns, and whether they stand at a corner.
 fn supports() -> Vec<(Vec3, bool)> {
     let [nx, nz] = BAYS;
     let grid = (0..=nx).flat_map(|i| (0..=nz).map(move |k| (i, k)));
@@ -90,7 +92,7 @@ fn supports() -> Vec<(Vec3, bool)> {
         .collect()
 }
 
-/// Floor, outer walls, slab and roof.
+/// Adds floor, outer walls, slab and roof.
 fn shell(builder: &mut Builder, materials: &Materials) {
     let [x, z] = [INSIDE[0] + WALL, INSIDE[1] + WALL];
     builder.cuboid(materials.stone, Vec3::new(-x, -0.5, -z), Vec3::new(x, -0.1, z));
@@ -107,7 +109,7 @@ fn shell(builder: &mut Builder, materials: &Materials) {
     ring(builder, materials.roof, edge, [x, z], [ROOF[0] + 0.15, ROOF[1]]);
 }
 
-/// Four boxes between two rectangles around the origin.
+/// Adds four boxes between two rectangles around the origin.
 fn ring(builder: &mut Builder, material: MaterialId, inner: [f32; 2], outer: [f32; 2], y: [f32; 2]) {
     let mut cuboid = |x: [f32; 2], z: [f32; 2]| {
         builder.cuboid(material, Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]));
@@ -118,7 +120,7 @@ fn ring(builder: &mut Builder, material: MaterialId, inner: [f32; 2], outer: [f3
     cuboid([-outer[0], -inner[0]], [-inner[1], inner[1]]);
 }
 
-/// One bay of both storeys' arches, with the balustrade of the upper.
+/// Adds one bay of the arches of both storeys, with the balustrade of the upper one.
 fn arcade(builder: &mut Builder, materials: &Materials, place: Vec3, along: Vec3) {
     for (spring, top) in [(SPRING[0], SLAB[0]), (SPRING[1], ROOF[0])] {
         let wall = Wall { place, along, width: BAY, bottom: spring, top, thickness: 0.5 };
@@ -139,7 +141,7 @@ fn arcade(builder: &mut Builder, materials: &Materials, place: Vec3, along: Vec3
     }
 }
 
-/// A column in each storey; a pier at the corners.
+/// Adds a column in each storey, or a pier at the corners.
 fn support(builder: &mut Builder, materials: &Materials, place: Vec3, corner: bool) {
     for (foot, top) in [(0.0, SPRING[0]), (SLAB[1], SPRING[1])] {
         let foot = place + Vec3::Y * foot;
@@ -152,7 +154,7 @@ fn support(builder: &mut Builder, materials: &Materials, place: Vec3, corner: bo
         }
     }
     if corner {
-        // The arcades of two sides meet above the pier: between their ends, up to slab and roof.
+        // The arcades of two sides meet above the pier: it continues between their ends, up to slab and roof.
         let half = Vec3::new(0.32, 0.0, 0.32);
         for (bottom, top) in [(SPRING[0], SLAB[0]), (SPRING[1], ROOF[0])] {
             builder.cuboid(materials.stone, place - half + Vec3::Y * bottom, place + half + Vec3::Y * top);
@@ -160,7 +162,7 @@ fn support(builder: &mut Builder, materials: &Materials, place: Vec3, corner: bo
     }
 }
 
-/// The vaults around the court, with arches from each column to the wall.
+/// Adds the vaults around the court, with arches from each column to the wall.
 fn aisles(builder: &mut Builder, materials: &Materials) {
     let [nx, nz] = [BAYS[0] + 2, BAYS[1] + 2];
     let middle = |i: usize, axis: usize| (i as f32 + 0.5) * BAY - INSIDE[axis];
@@ -190,7 +192,7 @@ fn aisles(builder: &mut Builder, materials: &Materials) {
     }
 }
 
-/// A pleated cloth that hangs from a rod in a lower arch.
+/// Adds a pleated cloth that hangs from a rod in a lower arch.
 fn drape(builder: &mut Builder, material: MaterialId, place: Vec3, along: Vec3) {
     let (width, top, length, pleats, depth) = (2.1, 3.25, 2.2, 7.0, 0.07);
     let front = along.cross(Vec3::Y);

@@ -1,15 +1,15 @@
-//! What the makers build with: quads and surfaces, collected by material.
+//! The tools of the generators: quads and surfaces, collected by material.
 
 use glam::{Vec2, Vec3};
 
 use crate::material::Material;
 use crate::model::{Mesh, Model, Node, Primitive};
 
-/// Which material.
+/// Index of a material.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct MaterialId(u32);
 
-/// Geometry in the making: one node with one mesh, one primitive a material.
+/// Geometry that is being built: one node with one mesh, which has one primitive per material.
 #[derive(Default)]
 pub(super) struct Builder {
     materials: Vec<Material>,
@@ -24,14 +24,14 @@ impl Builder {
         MaterialId(id)
     }
 
-    /// A flat quad; its corners go counter-clockwise seen from the side it faces.
+    /// Adds a flat quad; its corners are counter-clockwise seen from the side it faces.
     pub(super) fn quad(&mut self, material: MaterialId, corners: [Vec3; 4]) {
-        // Both diagonals together, so that a quad with two corners in one place still has a normal.
+        // Computed from both diagonals, so that a quad with two corners at the same point still has a normal.
         let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or(Vec3::Y);
         self.smooth_quad(material, corners, [normal; 4]);
     }
 
-    /// A quad with a normal at each corner.
+    /// Adds a quad with a normal at each corner.
     pub(super) fn smooth_quad(&mut self, material: MaterialId, corners: [Vec3; 4], normals: [Vec3; 4]) {
         let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
         let primitive = &mut self.primitives[material.0 as usize];
@@ -47,7 +47,7 @@ impl Builder {
         }
     }
 
-    /// A box with its faces outwards.
+    /// Adds a box with its faces outwards.
     pub(super) fn cuboid(&mut self, material: MaterialId, min: Vec3, max: Vec3) {
         let corner =
             |x: usize, y: usize, z: usize| Vec3::new([min.x, max.x][x], [min.y, max.y][y], [min.z, max.z][z]);
@@ -60,8 +60,8 @@ impl Builder {
         self.quad(material, [c(0, 0, 0), c(1, 0, 0), c(1, 0, 1), c(0, 0, 1)]);
     }
 
-    /// A smooth surface over a grid of `columns`×`rows` cells: `point` gives position and normal for
-    /// (u, v) in 0..=1 each. The normal decides which side is the outer one.
+    /// Adds a smooth surface over a grid of `columns`×`rows` cells: `point` returns position and normal for
+    /// (u, v) in 0..=1 each. The normal determines which side is the outer one.
     pub(super) fn surface(
         &mut self,
         material: MaterialId,
@@ -103,14 +103,14 @@ impl Builder {
         }
     }
 
-    /// A body of revolution about the vertical through `foot`: its outline is points of (radius, height),
-    /// going up, with edges between them; `sides` quads around.
+    /// Adds a surface of revolution around the vertical axis through `foot`: its outline is points of
+    /// (radius, height), going up, joined by straight lines; `sides` quads around.
     pub(super) fn lathe(&mut self, material: MaterialId, foot: Vec3, outline: &[[f32; 2]], sides: usize) {
         for pair in outline.windows(2) {
             let [[r0, y0], [r1, y1]] = [pair[0], pair[1]];
             let slope = Vec2::new(y1 - y0, r0 - r1);
             self.surface(material, sides, 1, |u, v| {
-                // The seam's two ends are to be the same point, also in the last digit.
+                // The two ends of the seam must be bitwise the same point.
                 let angle = if u == 1.0 { 0.0 } else { u * std::f32::consts::TAU };
                 let (sin, cos) = angle.sin_cos();
                 let (radius, height) = (r0 + (r1 - r0) * v, y0 + (y1 - y0) * v);
@@ -122,7 +122,7 @@ impl Builder {
         }
     }
 
-    /// The model, with one node of this name.
+    /// Returns the model, with one node of this name.
     pub(super) fn finish(self, name: &str) -> Model {
         let mut primitives = self.primitives;
         primitives.retain(|primitive| !primitive.indices.is_empty());

@@ -1,11 +1,11 @@
-//! A cloth that hangs from a rod and waves, for what follows deforming geometry.
+//! A cloth that hangs from a rod and waves: a test of methods that follow deforming geometry.
 //!
 //! It hangs in the plane z = 0 from y = 0 down, and a wave runs down it: at time t each point is displaced by
 //!
 //! z(x, y, t) = a (y/h)² sin(φ − ωt), with φ = kₓ x − k_y y
 //!
-//! which is cos ωt · [a (y/h)² sin φ] + sin ωt · [−a (y/h)² cos φ]: two morph targets, exactly. The normal,
-//! (−∂z/∂x, −∂z/∂y, 1) before it is made a unit vector, is linear in z, and so is exact too.
+//! which is cos ωt · [a (y/h)² sin φ] + sin ωt · [−a (y/h)² cos φ]: exactly two morph targets. The normal,
+//! (−∂z/∂x, −∂z/∂y, 1) before normalisation, is linear in z, and so is exact too.
 
 use std::f32::consts::TAU;
 
@@ -26,10 +26,11 @@ const AMPLITUDE: f32 = 0.25;
 const WAVE: [f32; 2] = [0.5 * TAU / WIDTH, 1.25 * TAU / HEIGHT];
 /// 2π/ω \[s\].
 const PERIOD: f32 = 2.0;
-/// Keys a period, cubic between: they miss sine and cosine by less than 4·10⁻⁶.
+/// Keys per period, with cubic interpolation: its error for sine and cosine is below 4·10⁻⁶.
 const KEYS: usize = 32;
 
-/// A cloth of 1 m × 1.5 m, 3072 triangles, that hangs from y = 0 at z = 0 and waves once in two seconds.
+/// Returns a cloth of 1 m × 1.5 m, 3072 triangles, that hangs from y = 0 at z = 0 and waves with a period of
+/// two seconds.
 pub(super) fn cloth() -> Model {
     let mut builder = Builder::default();
     let blue = builder.material(Material::matte("cloth", BLUE));
@@ -49,7 +50,7 @@ pub(super) fn cloth() -> Model {
     model
 }
 
-/// Displaces along z by a (y/h)² f(φ); `wave` gives f and its derivative.
+/// Returns the displacement along z by a (y/h)² f(φ); `wave` returns f and its derivative.
 fn target(positions: &[Vec3], wave: impl Fn(f32) -> (f32, f32)) -> MorphTarget {
     let displaced = positions.iter().map(|p| {
         let (value, slope) = wave(WAVE[0] * p.x - WAVE[1] * p.y);
@@ -62,7 +63,7 @@ fn target(positions: &[Vec3], wave: impl Fn(f32) -> (f32, f32)) -> MorphTarget {
     MorphTarget { positions, normals }
 }
 
-/// A track of one period; `wave` gives the value at a phase and its derivative.
+/// Returns a track of one period; `wave` returns the value at a phase and its derivative.
 fn weight(wave: impl Fn(f32) -> (f32, f32)) -> Track<f32> {
     let phases = (0..=KEYS).map(|i| i as f32 / KEYS as f32);
     let (keys, slopes): (Vec<_>, Vec<_>) = phases

@@ -1,9 +1,9 @@
 //! The Cornell box.
 //!
 //! Geometry: the measured data of Cornell University's Program of Computer Graphics
-//! (graphics.cornell.edu/online/box/data.html), in millimetres there, metres here. The box is open towards
+//! (graphics.cornell.edu/online/box/data.html), converted from millimetres to metres. The box is open towards
 //! the camera at z < 0; red is on the left, at large x. Colours: the measured reflectances converted to
-//! linear Rec. 709, as the Computer Graphics Archive (McGuire 2017, CornellBox-Original) has them.
+//! linear Rec. 709, with the values of the Computer Graphics Archive (McGuire 2017, CornellBox-Original).
 
 use glam::{Vec3, Vec4};
 
@@ -17,10 +17,10 @@ const GREEN: [f32; 3] = [0.14, 0.45, 0.091];
 /// The lamp's reflectance, and its radiance \[W/(m² sr)\]: the archive's values.
 const LAMP: [f32; 3] = [0.78, 0.78, 0.78];
 const LAMP_RADIANCE: [f32; 3] = [17.0, 12.0, 4.0];
-/// How far the lamp hangs below the ceiling \[mm\], so that the two do not fight.
+/// Distance of the lamp from the ceiling \[mm\], so that the two do not coincide.
 const LAMP_GAP: f32 = 0.5;
 
-/// Millimetres.
+/// Corners of a quad, in millimetres.
 type Corners = [[f32; 3]; 4];
 
 const FLOOR: Corners = [[552.8, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 559.2], [549.6, 0.0, 559.2]];
@@ -45,12 +45,12 @@ const TALL_BLOCK: [Corners; 5] = [
     [[265.0, 0.0, 296.0], [265.0, 330.0, 296.0], [423.0, 330.0, 247.0], [423.0, 0.0, 247.0]],
 ];
 
-/// The box without a lamp, for lights that have no extent.
+/// Returns the box without a lamp, for lights without extent.
 pub(super) fn cornell_box() -> Model {
     build().finish("cornell-box")
 }
 
-/// The box with its lamp, a quad that emits (17, 12, 4) W/(m² sr).
+/// Returns the box with its lamp, a quad that emits (17, 12, 4) W/(m² sr).
 pub(super) fn cornell_box_lamp() -> Model {
     let mut builder = build();
     let lamp = builder.material(Material {
@@ -76,8 +76,8 @@ fn build() -> Builder {
     builder
 }
 
-/// In metres, and counter-clockwise seen from inside the box or outside a block: the data go clockwise in a
-/// right-handed system.
+/// Converts corners to metres, counter-clockwise seen from inside the box or outside a block: in the data
+/// they are clockwise in a right-handed system.
 fn metres(corners: Corners) -> [Vec3; 4] {
     corners.map(|corner| Vec3::from(corner) / 1000.0)
 }

@@ -1,5 +1,6 @@
-//! A vaulted nave with aisles and an apse, after the structure of Sibenik's cathedral: ribbed vaults on
-//! compound piers, windows in the clerestory and the aisles. About 36 m × 17 m × 14 m, x from west to east.
+//! A vaulted nave with aisles and an apse, modelled on the structure of Sibenik's cathedral: ribbed vaults on
+//! compound piers, windows in the clerestory and the aisles. About 36 m × 17 m × 14 m, with x from west to
+//! east.
 
 use std::f32::consts::{PI, TAU};
 
@@ -10,15 +11,15 @@ use super::builder::{Builder, MaterialId};
 use crate::material::Material;
 use crate::model::Model;
 
-/// A bay's length along x \[m\], and how many there are.
+/// Length of a bay along x \[m\], and the number of bays.
 const BAY: f32 = 5.0;
 const BAYS: usize = 6;
-/// Half the nave's length; its piers stand at z = ±`NAVE`, the aisles' walls at z = ±`AISLE` \[m\].
+/// Half the length of the nave; its piers are at z = ±`NAVE`, the walls of the aisles at z = ±`AISLE` \[m\].
 const LENGTH: f32 = BAY * BAYS as f32 * 0.5;
 const NAVE: f32 = 4.0;
 const AISLE: f32 = 8.0;
 const WALL: f32 = 0.6;
-/// Heights: where arcades and aisles spring, the aisles' roof, where the nave springs, its roof.
+/// Heights \[m\]: springs of arcades and aisles, roof of the aisles, springs of the nave, its roof.
 const ARCADE: f32 = 4.4;
 const AISLE_ROOF: [f32; 2] = [7.0, 7.4];
 const SPRING: f32 = 9.0;
@@ -66,7 +67,7 @@ pub(super) fn nave() -> Model {
     builder.finish("nave")
 }
 
-/// Floor, roofs, and the walls of both ends.
+/// Adds floor, roofs, and the walls of both ends.
 fn shell(builder: &mut Builder, materials: &Materials) {
     let (x, z) = (LENGTH + WALL, AISLE + WALL);
     let mut cuboid =
@@ -81,7 +82,7 @@ fn shell(builder: &mut Builder, materials: &Materials) {
         cuboid(materials.stone, [-x, 0.0, near], [-LENGTH, AISLE_ROOF[0], far]);
         cuboid(materials.stone, [LENGTH, 0.0, near], [x, AISLE_ROOF[0], far]);
     }
-    // The west wall has one great window; the arch to the apse has the same frame.
+    // The west wall has one large window; the arch to the apse has the same frame.
     let wall = |x: f32, along: Vec3| Wall {
         place: Vec3::new(x, 0.0, 0.0),
         along,
@@ -100,7 +101,7 @@ fn shell(builder: &mut Builder, materials: &Materials) {
     east.ends(builder, materials.stone);
 }
 
-/// The vault of a bay of the nave.
+/// Adds the vault of a bay of the nave.
 fn middle(builder: &mut Builder, materials: &Materials, x: f32) {
     let place = Vec3::new(x, 0.0, 0.0);
     let vault = Vault { place, half: [BAY * 0.5, NAVE], spring: SPRING, rise: 3.8, pointed: 0.4 };
@@ -108,7 +109,7 @@ fn middle(builder: &mut Builder, materials: &Materials, x: f32) {
     vault.ribs(builder, materials.rib, 0.15, 24);
 }
 
-/// One side of a bay: arcade, clerestory, aisle with its vault and window.
+/// Adds one side of a bay: arcade, clerestory, aisle with its vault and window.
 fn flank(builder: &mut Builder, materials: &Materials, x: f32, side: f32) {
     let along = Vec3::X * side;
     let mut wall = |z: f32, bottom: f32, top: f32, thickness: f32, opening: Opening| {
@@ -130,7 +131,7 @@ fn flank(builder: &mut Builder, materials: &Materials, x: f32, side: f32) {
     vault.build(builder, materials.vault, 16);
 }
 
-/// A pier of five shafts; the one towards the nave goes up to the vault.
+/// Adds a pier of five shafts; the one towards the nave reaches up to the vault.
 fn pier(builder: &mut Builder, materials: &Materials, place: Vec3) {
     column(builder, materials.stone, place, 0.5, ARCADE, 32);
     for (along, across) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
@@ -140,7 +141,7 @@ fn pier(builder: &mut Builder, materials: &Materials, place: Vec3) {
     }
 }
 
-/// Arches over nave and aisles between the bays.
+/// Adds arches over nave and aisles between the bays.
 fn arches_across(builder: &mut Builder, materials: &Materials, x: f32) {
     let mut wall = |z: f32, width: f32, bottom: f32, top: f32, rise: f32| {
         let wall = Wall { place: Vec3::new(x, 0.0, z), along: Vec3::Z, width, bottom, top, thickness: 0.45 };
@@ -153,7 +154,7 @@ fn arches_across(builder: &mut Builder, materials: &Materials, x: f32) {
     }
 }
 
-/// Half a cylinder with half a dome, two shells a wall's thickness apart.
+/// Adds half a cylinder with half a dome, as two shells one wall thickness apart.
 fn apse(builder: &mut Builder, materials: &Materials) {
     let centre = Vec3::new(LENGTH + WALL, 0.0, 0.0);
     for (radius, rise, outside) in [(NAVE, 3.6, -1.0), (NAVE + WALL, 4.1, 1.0)] {
@@ -175,7 +176,7 @@ fn apse(builder: &mut Builder, materials: &Materials) {
     }
 }
 
-/// Pews, a carpet between them, an altar with a bowl.
+/// Adds pews, a carpet between them, and an altar with a bowl.
 fn furniture(builder: &mut Builder, materials: &Materials) {
     let mut cuboid =
         |material, min: [f32; 3], max: [f32; 3]| builder.cuboid(material, min.into(), max.into());

@@ -1,4 +1,4 @@
-//! Small bodies: for closed forms, and as objects of other scenes.
+//! Simple shapes: for tests against closed forms, and as objects of other scenes.
 
 use std::f32::consts::{PI, TAU};
 
@@ -8,10 +8,10 @@ use super::builder::Builder;
 use crate::material::Material;
 use crate::model::Model;
 
-/// Half of the light comes back.
+/// Albedo ½.
 const GREY: [f32; 3] = [0.5, 0.5, 0.5];
 
-/// A square of 2 m × 2 m at y = 0, facing up, of albedo ½.
+/// Returns a square of 2 m × 2 m at y = 0, facing up, of albedo ½.
 pub(super) fn plane() -> Model {
     let mut builder = Builder::default();
     let grey = builder.material(Material::matte("grey", GREY));
@@ -20,7 +20,7 @@ pub(super) fn plane() -> Model {
     builder.finish("plane")
 }
 
-/// A cube of edge 1 m around the origin, of albedo ½.
+/// Returns a cube of edge 1 m around the origin, of albedo ½.
 pub(super) fn cube() -> Model {
     let mut builder = Builder::default();
     let grey = builder.material(Material::matte("grey", GREY));
@@ -28,7 +28,7 @@ pub(super) fn cube() -> Model {
     builder.finish("cube")
 }
 
-/// A sphere of radius 1 m around the origin, 48 × 24 quads, of albedo ½.
+/// Returns a sphere of radius 1 m around the origin, 48 × 24 quads, of albedo ½.
 pub(super) fn sphere() -> Model {
     let mut builder = Builder::default();
     let grey = builder.material(Material::matte("grey", GREY));
@@ -41,7 +41,7 @@ pub(super) fn sphere() -> Model {
     builder.finish("sphere")
 }
 
-/// Nothing at all.
+/// Returns a model without geometry.
 pub(super) fn empty() -> Model {
     Model { may_be_empty: true, ..Model::default() }
 }

@@ -1,5 +1,5 @@
-//! From the tree of a scene file to its description: every value is checked at its place, and all that is wrong is
-//! reported at once.
+//! Reads a description from the syntax tree of a scene file: every value is checked at its place, and all
+//! errors are reported at once.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -27,10 +27,10 @@ const GEOMETRY: &str = "`BuiltIn(\"name\")`, `File(\"model.glb\")` or `Objects([
 const TRANSFORM: &str = "`Transform(translate: (x, y, z), rotate_deg: (x, y, z), scale: (x, y, z))`";
 const FINITE: &str = "a finite number";
 
-/// Reads a scene file. Geometry files are looked for in `folder`, where one is given.
+/// Reads a scene file. Geometry files are looked up in `folder`, if one is given.
 ///
 /// # Errors
-/// All that is wrong with the file, as far as that can be determined without reading geometry.
+/// All errors of the file that can be found without reading geometry.
 pub(crate) fn parse(source: &Arc<Source>, folder: Option<&Path>) -> Result<Description, Diagnostics> {
     reader::parse(source, |reader, tree| Grammar { reader, folder, objects: Vec::new() }.scene(tree))
 }
@@ -38,11 +38,11 @@ pub(crate) fn parse(source: &Arc<Source>, folder: Option<&Path>) -> Result<Descr
 struct Grammar<'a, 'b> {
     reader: &'a mut Reader<'b>,
     folder: Option<&'a Path>,
-    /// Names of objects, wherever they are nested.
+    /// Names of objects, at any depth.
     objects: Vec<At<String>>,
 }
 
-/// A condition on a number, and how it reads.
+/// A condition on a number, and its description for messages.
 type Rule = (&'static str, fn(f32) -> bool);
 
 impl Grammar<'_, '_> {
@@ -308,7 +308,7 @@ impl Grammar<'_, '_> {
         }
     }
 
-    /// The entries of a map by names, each once.
+    /// Reads the entries of a map whose keys are names, and reports names that are given twice.
     fn named<'n>(&mut self, node: &'n Node, what: &str) -> Vec<(At<String>, &'n Node)> {
         let Form::Map(entries) = &node.form else {
             self.reader.wrong(node, &format!("a map: {{ \"the name of {what}\": [Key(…), …] }}"));
@@ -327,7 +327,7 @@ impl Grammar<'_, '_> {
         found
     }
 
-    /// The fields of each key with its time, as far as that is sound; `end` grows to the last of them.
+    /// Reads the fields of each valid key with its time; `end` is raised to the last time.
     fn keys<'n>(&mut self, node: &'n Node, names: &'static [&'static str], end: &mut f32) -> Vec<Key<'n>> {
         let items = self.reader.list(node, "a list: [Key(time: …, …), …]");
         let mut keys = Vec::with_capacity(items.len());
@@ -344,7 +344,7 @@ impl Grammar<'_, '_> {
         keys
     }
 
-    /// The keys that set one value; their times must rise.
+    /// Reads the keys that set one value; their times must rise.
     fn channel(
         &mut self,
         keys: &[Key<'_>],
@@ -393,7 +393,7 @@ impl Grammar<'_, '_> {
         None
     }
 
-    /// A number that keeps the rule.
+    /// Reads a number that satisfies the rule.
     fn number(&mut self, node: &Node, (expected, keeps): Rule) -> Option<f32> {
         let value = match node.form {
             Form::Number(Number::Integer(n)) => n as f32,
@@ -411,7 +411,7 @@ impl Grammar<'_, '_> {
         None
     }
 
-    /// Three numbers that keep the rule, each.
+    /// Reads three numbers, each of which satisfies the rule.
     fn vector(&mut self, node: &Node, expected: &str, rule: Rule) -> Option<Vec3> {
         match &node.form {
             Form::Tuple(None, items) if items.len() == 3 => {
@@ -452,7 +452,7 @@ struct Key<'n> {
     fields: Fields<'n>,
 }
 
-/// The glTF files of `folder`/`inner`, as a scene file in `folder` names them.
+/// Returns the glTF files of `folder`/`inner`, as a scene file in `folder` names them.
 fn models_in(folder: &Path, inner: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder.join(inner)).into_iter().flatten().flatten();
     let names = entries.map(|entry| inner.join(entry.file_name()).to_string_lossy().into_owned());

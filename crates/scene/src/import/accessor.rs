@@ -1,4 +1,4 @@
-//! Accessors, with every range checked.
+//! Reads accessors, checking every range.
 
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
@@ -6,10 +6,10 @@ use gltf::json::validation::Checked;
 use super::Importer;
 use crate::error::SceneError;
 
-/// Elements that no buffer backs (a sparse accessor without a base) may be this many.
+/// The greatest number of elements without a buffer (of a sparse accessor without a base).
 const MAX_ZEROS: u64 = 1 << 24;
 
-/// The elements of an accessor, one after the other.
+/// The elements of an accessor, packed.
 struct Elements {
     bytes: Vec<u8>,
     component: ComponentType,
@@ -18,8 +18,8 @@ struct Elements {
 }
 
 impl Importer<'_> {
-    /// The elements of an accessor of `N` components each, as floats; normalised integers are scaled to
-    /// 0..1 or −1..1.
+    /// Returns the elements of an accessor with `N` components each, as floats; normalised integers are
+    /// scaled to 0..1 or −1..1.
     pub(super) fn floats<const N: usize>(
         &self,
         index: usize,
@@ -36,7 +36,7 @@ impl Importer<'_> {
         Ok(elements.bytes.chunks_exact(N * size).map(element).collect())
     }
 
-    /// The elements of an accessor of indices.
+    /// Returns the elements of an accessor of indices.
     pub(super) fn indices(&self, index: usize, place: &str) -> Result<Vec<u32>, SceneError> {
         let elements = self.elements(index, place)?;
         let unsigned =
@@ -51,7 +51,7 @@ impl Importer<'_> {
         Ok(unsigned_integers(&elements.bytes, elements.component))
     }
 
-    /// The elements of an accessor of four joints each.
+    /// Returns the elements of an accessor of joints, four each.
     pub(super) fn joints(&self, index: usize, place: &str) -> Result<Vec<[u32; 4]>, SceneError> {
         let elements = self.elements(index, place)?;
         let unsigned = matches!(elements.component, ComponentType::U8 | ComponentType::U16);
@@ -66,7 +66,7 @@ impl Importer<'_> {
         Ok(joints.chunks_exact(4).map(|four| std::array::from_fn(|i| four[i])).collect())
     }
 
-    /// An error unless a list has as many entries as there are positions.
+    /// Returns an error unless a list has as many entries as there are positions.
     pub(super) fn same_count(
         &self,
         positions: usize,
@@ -123,7 +123,7 @@ impl Importer<'_> {
         Ok(Elements { bytes, component: component.0, kind, normalized: accessor.normalized })
     }
 
-    /// `count` elements of `size` bytes from a buffer view, without the gaps of its stride.
+    /// Returns `count` elements of `size` bytes from a buffer view, without the gaps of its stride.
     fn packed(
         &self,
         view: usize,
@@ -161,7 +161,7 @@ impl Importer<'_> {
     }
 }
 
-/// One component from its bytes, little-endian, of just its size.
+/// Converts one component from exactly its bytes, little-endian.
 fn component(bytes: &[u8], component: ComponentType, normalized: bool) -> f32 {
     let (value, max) = match (component, bytes) {
         (ComponentType::I8, &[a]) => (f32::from(a as i8), 127.0),

@@ -1,4 +1,4 @@
-//! What deforms a mesh: morph targets and skins.
+//! Reads what deforms a mesh: morph targets and skins.
 
 use glam::{Affine3A, Mat4, Vec3};
 use gltf::json::mesh::Primitive as JsonPrimitive;
@@ -10,11 +10,12 @@ use super::Importer;
 use crate::error::SceneError;
 use crate::model::{Influence, Influences, Mesh, Model, Morph, MorphTarget, Skin};
 
-/// A vertex's weights may sum to 1 ± this before it is reported; more than rounding to 8 bits, four times, does.
+/// Greatest deviation of the sum of a vertex's weights from 1 that is not reported; rounding four weights to
+/// 8 bits stays below it.
 const TOLERANCE: f32 = 0.01;
 
 impl Importer<'_> {
-    /// The morph targets of a primitive of `count` vertices.
+    /// Reads the morph targets of a primitive of `count` vertices.
     pub(super) fn targets(
         &self,
         json: &JsonPrimitive,
@@ -38,7 +39,8 @@ impl Importer<'_> {
         Ok(targets)
     }
 
-    /// The joints and weights of a primitive of `count` vertices, of all its sets; weights of 0 are left out.
+    /// Reads the joints and weights of a primitive of `count` vertices, of all its sets; weights of 0 are
+    /// left out.
     pub(super) fn influences(
         &mut self,
         json: &JsonPrimitive,
@@ -95,7 +97,8 @@ impl Importer<'_> {
         Ok(influences)
     }
 
-    /// The weights at rest of the morph targets of a node's mesh: the node's own, else the mesh's, else 0.
+    /// Returns the initial weights of the morph targets of a node's mesh: those of the node, otherwise of the
+    /// mesh, otherwise 0.
     pub(super) fn morph(
         &mut self,
         json: &scene::Node,
@@ -121,14 +124,14 @@ impl Importer<'_> {
         Ok(Morph { rest: (0..count).map(weight).collect(), tracks: Vec::new() })
     }
 
-    /// Gives the nodes their skins; `skinned` has the nodes of the model that name one, with its index.
+    /// Assigns skins to nodes; `skinned` are the nodes of the model that name one, with its index.
     pub(super) fn skins(
         &mut self,
         skinned: &[(usize, usize)],
         placed: &[Option<usize>],
         model: &mut Model,
     ) -> Result<(), SceneError> {
-        // Those of the document's skins that are used, by their index there.
+        // For each skin of the document, its index in the model once it is used.
         let mut made: Vec<Option<usize>> = vec![None; self.root.skins.len()];
         for &(node, index) in skinned {
             let Some(mesh) = model.nodes[node].mesh else { continue };
@@ -165,7 +168,7 @@ impl Importer<'_> {
         Ok(())
     }
 
-    /// A skin of the document, or `None` where some of its joints are not in the scene.
+    /// Returns a skin of the document, or `None` if some of its joints are not in the scene.
     fn skin(&self, index: usize, placed: &[Option<usize>]) -> Result<Option<Skin>, SceneError> {
         let json = self.get(&self.root.skins, index, "skin", "skins")?;
         let place = match &json.name {
@@ -198,7 +201,7 @@ impl Importer<'_> {
     }
 }
 
-/// How many morph targets a mesh has.
+/// Returns the number of morph targets of a mesh.
 pub(super) fn targets_of(mesh: &Mesh) -> usize {
     mesh.primitives.iter().map(|primitive| primitive.targets.len()).max().unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! Materials, textures, images.
+//! Reads materials, textures and images.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,23 +13,23 @@ use super::Importer;
 use crate::error::SceneError;
 use crate::material::{Encoding, Material, Texture, Wrap};
 
-/// Wider or higher images are refused; GPUs promise no more.
+/// Greatest width and height of images: GPUs guarantee no more.
 const MAX_IMAGE_SIZE: u32 = 16384;
 
-/// A texture of the document, as a material means it.
+/// A texture of the document, with the encoding in which a material uses it.
 type Key = (usize, Encoding);
 
-/// Where a material keeps the index of one of its textures.
+/// Access to the field of a material that holds the index of one of its textures.
 type Slot = fn(&mut Material) -> &mut Option<u32>;
 
-/// The materials, their textures, and for each material the set of texture coordinates it goes by.
+/// The materials, their textures, and for each material the set of texture coordinates that it uses.
 pub(super) struct Materials {
     pub(super) materials: Vec<Material>,
     pub(super) textures: Vec<Texture>,
     pub(super) uv_sets: Vec<u32>,
 }
 
-/// A use of a texture: where its index is to go once it is known.
+/// A use of a texture: the field for its index, which is not yet known.
 struct Use {
     material: usize,
     key: Key,
@@ -37,7 +37,7 @@ struct Use {
 }
 
 impl Importer<'_> {
-    /// All materials, and the textures they use.
+    /// Returns all materials, and the textures that they use.
     pub(super) fn materials(&mut self) -> Result<Materials, SceneError> {
         let (mut materials, mut uses, mut uv_sets) = (Vec::new(), Vec::new(), Vec::new());
         for (index, material) in self.root.materials.iter().enumerate() {
@@ -108,7 +108,7 @@ impl Importer<'_> {
         Ok(Materials { materials, textures, uv_sets })
     }
 
-    /// Brings numbers into the ranges that glTF gives them, and says so.
+    /// Clamps numbers to the ranges of glTF, and reports that as a repair.
     fn clamped(&mut self, material: Material) -> Material {
         let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
         let [r, g, b, a] = material.base_color.to_array().map(unit);
@@ -129,7 +129,8 @@ impl Importer<'_> {
         clamped
     }
 
-    /// The textures that are used, and where each stands. What cannot be read is left out and stated.
+    /// Returns the textures in use, and the index of each. Textures that cannot be read are left out and
+    /// reported.
     fn textures(
         &mut self,
         uses: &[Use],
@@ -201,7 +202,7 @@ impl Importer<'_> {
         self.repairs.push(format!("texture image `{name}` is taken as white: {problem}"));
     }
 
-    /// The bytes of an image as they stand in the file; the inner error is one that can be repaired.
+    /// Returns the bytes of an image as stored in the file; the inner error is one that can be repaired.
     fn encoded_image(&mut self, index: usize, place: &str) -> Result<Result<Vec<u8>, String>, SceneError> {
         let image = self.get(&self.root.images, index, "image", place)?;
         if let Some(view) = image.buffer_view {

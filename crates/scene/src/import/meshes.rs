@@ -1,4 +1,4 @@
-//! Meshes: attributes, indices, and what is missing from them.
+//! Reads meshes: attributes and indices, with substitutes for missing ones.
 
 use glam::{Vec2, Vec3};
 use gltf::json::mesh;
@@ -11,8 +11,8 @@ use crate::material::Material;
 use crate::model::{Influences, Mesh, MorphTarget, Primitive};
 
 impl Importer<'_> {
-    /// All meshes. `uv_sets` has the set of texture coordinates of each material; a default material is
-    /// added where a primitive names none.
+    /// Returns all meshes. `uv_sets` has the set of texture coordinates of each material; a default material
+    /// is added if a primitive names none.
     pub(super) fn meshes(
         &mut self,
         uv_sets: &[u32],
@@ -31,7 +31,8 @@ impl Importer<'_> {
                         material.value()
                     }
                     None => *default_material.get_or_insert_with(|| {
-                        // glTF's own default is a rough metal, black in diffuse light, which nobody means.
+                        // The default of glTF is a rough metal, which is black in diffuse light and hardly
+                        // intended.
                         self.repairs
                             .push(format!("{place} names no material: it is taken as white and matte"));
                         materials.push(Material { name: "default".into(), ..Material::default() });
@@ -47,7 +48,7 @@ impl Importer<'_> {
         Ok(meshes)
     }
 
-    /// One primitive as triangles, or `None` where it is left out.
+    /// Returns one primitive as triangles, or `None` if it is left out.
     fn primitive(
         &mut self,
         json: &mesh::Primitive,
@@ -115,7 +116,7 @@ impl Importer<'_> {
         }))
     }
 
-    /// Takes over normals, of length 1; those that are no direction come from the triangles around.
+    /// Adds normals, scaled to length 1; normals of length zero are replaced by those of adjacent triangles.
     fn with_normals(&mut self, primitive: Primitive, normals: Vec<Vec3>, place: &str) -> Primitive {
         let mut bad = 0;
         let mut smooth = None;
@@ -134,30 +135,31 @@ impl Importer<'_> {
     }
 }
 
-/// Triangle i of a strip has the vertices i, i + 1, i + 2, the last two swapped where i is odd.
+/// Returns the triangles of a strip: triangle i has the vertices i, i + 1, i + 2, the last two swapped if i
+/// is odd.
 fn triangles_of_strip(corners: &[u32]) -> Vec<u32> {
     let triangle = |(i, c): (usize, &[u32])| if i % 2 == 0 { [c[0], c[1], c[2]] } else { [c[0], c[2], c[1]] };
     corners.windows(3).enumerate().flat_map(triangle).collect()
 }
 
-/// Triangle i of a fan has the vertices i + 1, i + 2, 0.
+/// Returns the triangles of a fan: triangle i has the vertices i + 1, i + 2, 0.
 fn triangles_of_fan(corners: &[u32]) -> Vec<u32> {
     corners.get(1..).unwrap_or_default().windows(2).flat_map(|c| [c[0], c[1], corners[0]]).collect()
 }
 
-/// The normal of a triangle by its winding, as long as twice its area.
+/// Returns the normal of a triangle by its winding, with twice its area as length.
 fn face_normal(positions: &[Vec3], triangle: &[u32]) -> Vec3 {
     let [a, b, c] = [triangle[0], triangle[1], triangle[2]].map(|i| positions[i as usize]);
     (b - a).cross(c - a)
 }
 
-/// Each triangle with vertices of its own, and its own normal.
+/// Returns a primitive in which each triangle has its own vertices and its own normal.
 fn flat(primitive: &Primitive) -> Primitive {
     let normals = primitive.indices.chunks_exact(3).flat_map(|triangle| {
         [face_normal(&primitive.positions, triangle).try_normalize().unwrap_or(Vec3::Y); 3]
     });
     let corners = || primitive.indices.iter().map(|i| *i as usize);
-    // A list may be empty.
+    // The list may be empty.
     let of_corners = |list: &[Vec3]| corners().filter_map(|i| list.get(i).copied()).collect::<Vec<Vec3>>();
     let target = |target: &MorphTarget| MorphTarget {
         positions: of_corners(&target.positions),
@@ -179,7 +181,7 @@ fn flat(primitive: &Primitive) -> Primitive {
     }
 }
 
-/// At each vertex the mean normal of its triangles by area; +y where they have none.
+/// Returns the mean normal, weighted by area, of the triangles at each vertex; +y if they have none.
 fn smooth_normals(primitive: &Primitive) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; primitive.positions.len()];
     for triangle in primitive.indices.chunks_exact(3) {

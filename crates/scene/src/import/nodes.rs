@@ -1,4 +1,4 @@
-//! Nodes, and what hangs on them: meshes, cameras, lights, movement.
+//! Reads nodes, and what is attached to them: meshes, cameras, lights, animations.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -15,16 +15,17 @@ use crate::error::SceneError;
 use crate::light::LightKind;
 use crate::model::{Model, Node, NodeAnimation, NodeCamera, NodeLight, Transform};
 
-/// Where a camera says nothing of use \[m\].
+/// Distance of the near plane if that of a camera is not usable \[m\].
 const DEFAULT_NEAR: f32 = 0.01;
 
 impl Importer<'_> {
-    /// Adds the nodes of the document's scene (its default, else its first, else every node that is no
-    /// child), with their cameras, lights and skins, and the first animation.
+    /// Adds the nodes of the document's scene (its default scene, otherwise its first, otherwise every node
+    /// that is not a child), with their cameras, lights and skins, and the first animation.
     pub(super) fn nodes(&mut self, model: &mut Model) -> Result<(), SceneError> {
         let mut placed = vec![None; self.root.nodes.len()];
         let mut skinned = Vec::new();
-        // Children go on a stack, so that deep trees are no danger; reversed, so that they keep their order.
+        // Children are put on a stack, so that deep trees cannot overflow; reversed, so that they keep their
+        // order.
         let mut open: Vec<(usize, Option<usize>)> =
             self.roots()?.into_iter().rev().map(|i| (i, None)).collect();
         while let Some((index, parent)) = open.pop() {
@@ -128,7 +129,7 @@ impl Importer<'_> {
             Checked::Valid(Type::Spot) => {
                 let (inner, outer) =
                     light.spot.as_ref().map_or((0.0, PI / 4.0), |s| (s.inner_cone_angle, s.outer_cone_angle));
-                // A little is forgiven: a right angle may be written with a rounded last digit.
+                // A small tolerance: the last digit of a right angle may be rounded.
                 if !(outer > 0.0 && outer <= FRAC_PI_2 * 1.0001 && (0.0..=outer).contains(&inner)) {
                     let problem = format!(
                         "expected 0 ≤ innerConeAngle ≤ outerConeAngle ≤ π/2, found {inner} and {outer}"
@@ -154,7 +155,7 @@ impl Importer<'_> {
         Ok(())
     }
 
-    /// Gives the nodes the movement of an animation; it repeats after its last key.
+    /// Adds an animation to the nodes; it repeats after its last key.
     fn animate(
         &mut self,
         animation: &Animation,
@@ -221,14 +222,14 @@ impl Importer<'_> {
     }
 }
 
-/// The movement of a node, made from its place at rest.
+/// Returns the animation of a node, initialised with its transform at rest.
 fn part(model: &mut Model, node: usize) -> &mut NodeAnimation {
     let node = &mut model.nodes[node];
     let base = Transform::from_affine(&node.rest);
     node.animation.get_or_insert_with(|| NodeAnimation { base, ..NodeAnimation::default() })
 }
 
-/// A track of a sampler; CUBICSPLINE has for each key the slope in, the value, the slope out.
+/// Returns the track of a sampler; with CUBICSPLINE, each key has the slope in, the value, the slope out.
 fn track<T: Animated + Unit>(
     times: &[f32],
     values: Vec<T>,
@@ -252,7 +253,7 @@ fn track<T: Animated + Unit>(
     Track::new(keys, between, outside)
 }
 
-/// A track for each morph target; each key has the values of all of them, one after the other.
+/// Returns a track for each morph target; each key has the values of all of them, one after the other.
 fn weight_tracks(
     times: &[f32],
     values: &[f32],
@@ -275,7 +276,7 @@ fn weight_tracks(
     (0..targets).map(|target| track(times, of(target), interpolation, outside)).collect()
 }
 
-/// Values that must have length 1.
+/// Values that must be normalised.
 trait Unit {
     fn unit(self) -> Self;
 }
@@ -298,7 +299,7 @@ impl Unit for Quat {
     }
 }
 
-/// Of length 1; what has no length turns nothing.
+/// Returns a quaternion of length 1; one of length zero becomes the identity.
 fn unit_quaternion(q: Quat) -> Quat {
     glam::Vec4::from(q).try_normalize().map_or(Quat::IDENTITY, Quat::from_vec4)
 }

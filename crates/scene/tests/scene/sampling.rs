@@ -1,4 +1,4 @@
-//! The table that triangles are drawn by.
+//! Tests of the table by which triangles are sampled.
 
 use crate::common::{Glb, load_text, shipped};
 

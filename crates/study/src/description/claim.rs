@@ -1,32 +1,32 @@
-//! What a paper says of the measures of a study.
+//! The claims of a paper about the measures of a study.
 
 use super::At;
 use crate::record::AxisValue;
 
-/// Values of axes.
+/// Values of axes, by name.
 pub type Pins = Vec<(At<String>, At<AxisValue>)>;
 
-/// A statement on the means of a measure, checked for each scene.
+/// A statement about the means of a measure, checked for each scene.
 #[derive(Clone, Debug)]
 pub struct Claim {
-    /// Key of a measure or phase.
+    /// Key of a measure or of a phase.
     pub measure: At<String>,
-    /// What is to hold.
+    /// The relation that should hold.
     pub relation: Relation,
-    /// Values of axes: cells with others take no part.
+    /// Values of axes: cells with other values are left out.
     pub at: Pins,
-    /// The scenes that it is about; empty for all.
+    /// The scenes that it is about; all if empty.
     pub scenes: Vec<At<String>>,
-    /// Where it is said; empty where nowhere.
+    /// Where the paper makes the claim; may be empty.
     pub says: String,
 }
 
-/// What is to hold.
+/// A relation between means.
 #[derive(Clone, Debug)]
 pub enum Relation {
-    /// Each mean is less than the next; at least two.
+    /// Each mean is less than the next; at least two means.
     Order(Vec<Pick>),
-    /// One mean over another lies within bounds, of which there is at least one.
+    /// The ratio of two means lies within bounds, of which there is at least one.
     Ratio {
         /// The numerator.
         of: Pick,
@@ -44,12 +44,12 @@ pub enum Relation {
 pub struct Pick {
     /// Name of the pipeline in the study.
     pub pipeline: At<String>,
-    /// Values of axes, beside those of the claim.
+    /// Values of axes, in addition to those of the claim.
     pub at: Pins,
 }
 
 impl Relation {
-    /// Returns whose means are compared, in the order of the text.
+    /// Returns the picks whose means are compared, in the order of the text.
     pub fn picks(&self) -> Vec<&Pick> {
         match self {
             Relation::Order(rising) => rising.iter().collect(),

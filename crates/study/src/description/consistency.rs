@@ -1,4 +1,4 @@
-//! What parts of a study's file say of each other.
+//! Checks that the parts of a study's file agree with each other.
 
 use super::read::twice;
 use super::{At, Claim, Group, Phase, Pipelines, Reference, SEED, Study, Vary};
@@ -8,13 +8,13 @@ use frame_graph::codes::study as codes;
 use frame_graph::{Diagnostic, Diagnostics, Span};
 
 impl Study {
-    /// Tells all that contradicts itself or is given twice, and measures that lack what they need.
+    /// Reports contradictions, entries that are given twice, and measures that lack what they need.
     pub(crate) fn consistent(&self) -> Result<(), Diagnostics> {
         told(errors(self))
     }
 
-    /// The same of a file as it is written, with the scenes and values of axes that claims name: a run that is asked
-    /// for others, or fewer, leaves such a claim unmeasured.
+    /// Checks the same for a file as it is written, and also the scenes and values of axes that claims name.
+    /// (A run may be asked for other or fewer values; such a claim is then not measured.)
     pub(crate) fn consistent_as_written(&self) -> Result<(), Diagnostics> {
         let mut errors = errors(self);
         for claim in &self.claims {
@@ -31,7 +31,7 @@ impl Study {
         told(errors)
     }
 
-    /// What is wrong with a value of an axis in a claim.
+    /// Returns what is wrong with a value of an axis in a claim.
     fn unknown_value(&self, name: &At<String>, value: &At<AxisValue>) -> Option<Diagnostic> {
         let axes: Vec<&Vary> = self.vary.iter().flat_map(Group::axes).collect();
         let Some(axis) = axes.iter().find(|axis| axis.path.value == name.value) else {
@@ -51,7 +51,7 @@ impl Study {
 }
 
 impl Claim {
-    /// Every value of an axis in it, with the axis.
+    /// Returns every value of an axis in the claim, with the axis.
     fn pins(&self) -> impl Iterator<Item = &(At<String>, At<AxisValue>)> {
         self.at.iter().chain(self.relation.picks().into_iter().flat_map(|pick| &pick.at))
     }
@@ -122,7 +122,7 @@ fn errors(study: &Study) -> Vec<Diagnostic> {
     errors
 }
 
-/// Whether the study takes the measure of a claim, and no axis is given two values.
+/// Checks that the study takes the measure of a claim, and that no axis is given two values.
 fn measured(study: &Study, claim: &Claim, errors: &mut Vec<Diagnostic>) {
     let phases: Vec<String> = study.phases.iter().map(Phase::key).collect();
     let taken = study.measures.iter().map(|at| at.value.key()).chain(phases.iter().map(String::as_str));
@@ -141,7 +141,7 @@ fn measured(study: &Study, claim: &Claim, errors: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Whether a measure has what it needs.
+/// Checks that a measure has what it needs.
 fn needs(study: &Study, at: &At<Measure>, errors: &mut Vec<Diagnostic>) {
     let (measure, needs) = (at.value, at.value.needs());
     let mut lacks = |what: String, note: &str| {
@@ -178,7 +178,8 @@ fn once<'a>(errors: &mut Vec<Diagnostic>, what: &str, names: impl Iterator<Item 
 }
 
 impl Study {
-    /// Whether the values of an axis are combined with all others, so that each may be given once only.
+    /// Returns whether the values of an axis are combined with all others, so that each may be given only
+    /// once.
     fn is_grid(&self, axis: &Vary) -> bool {
         self.vary.iter().any(|group| {
             matches!(group, Group::Grid(axes) if axes.iter().any(|other| other.path.span == axis.path.span))

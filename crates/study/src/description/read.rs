@@ -1,4 +1,4 @@
-//! From the tree of a file to a study: the grammar, and what can be determined from the file alone.
+//! Reads a study from the syntax tree of its file: the grammar, and what can be checked in the file alone.
 
 mod claims;
 
@@ -35,7 +35,7 @@ const VARY: &str = "`Grid({ \"name\": [values] })`, `Paired({ \"name\": [values]
 const SETS: &str = "values: { \"parameter\": value, \"pass.setting\": value }";
 const LARGEST_SIDE: u32 = 16_384;
 const FRAMES: u32 = 5;
-/// The most frames that a reference, or a budget of time, runs unless it says another number.
+/// The greatest number of frames of a reference, or of a budget of time, unless the file gives another.
 const MOST_FRAMES: u32 = 1 << 20;
 
 pub(super) fn read(source: Arc<Source>) -> Result<Study, Diagnostics> {
@@ -108,7 +108,7 @@ impl Grammar<'_, '_> {
         Some(At { value, span: self.reader.span_of(node) })
     }
 
-    /// Several texts; none at all is an error.
+    /// Reads several texts; reports an error if there are none.
     fn names(&mut self, node: &Node, what: &str) -> Vec<At<String>> {
         let items = self.items(node, &format!("a list: [{what}, …]"));
         items.iter().filter_map(|item| self.text_at(item, &format!("the name of {what}"))).collect()
@@ -123,7 +123,7 @@ impl Grammar<'_, '_> {
         items
     }
 
-    /// The entries of a map whose keys are texts, each once.
+    /// Reads the entries of a map whose keys are texts, and reports keys that are given twice.
     fn entries<'n>(&mut self, node: &'n Node, expected: &str) -> Vec<(At<String>, &'n Node)> {
         let Form::Map(entries) = &node.form else {
             self.reader.wrong(node, expected);
@@ -372,7 +372,8 @@ impl Grammar<'_, '_> {
         }
     }
 
-    /// `5` is 1 to 5: seed 0 gives plain sequences, which are not one of many.
+    /// Reads seeds: `5` stands for 1 to 5. Seed 0 is left out, since it gives the sequences without
+    /// randomisation.
     fn seeds(&mut self, node: &Node) -> Option<Vec<u32>> {
         if let Form::List(_) = node.form {
             let items = self.items(node, "seeds: [1, 2, 3]");
@@ -465,7 +466,7 @@ impl Grammar<'_, '_> {
     }
 }
 
-/// `Optional(x)` and whether it was that.
+/// Returns the content of `Optional(x)`, and whether the node had that form.
 fn optional(node: &Node) -> (&Node, bool) {
     match &node.form {
         Form::Tuple(Some(name), items) if name.text == "Optional" && items.len() == 1 => (&items[0], true),

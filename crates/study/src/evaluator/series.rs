@@ -3,21 +3,22 @@
 use crate::record::FrameSeries;
 use std::collections::BTreeMap;
 
-/// Takes in values of the frames of a scene that moves.
+/// Collects values of the frames of a scene that moves.
 #[derive(Debug, Default)]
 pub(super) struct Series {
     values: BTreeMap<String, Vec<Option<f64>>>,
 }
 
 impl Series {
-    /// Takes the value of frame number `index` of those measured; frames come in order.
+    /// Adds the value of measured frame number `index`; frames come in order.
     pub(super) fn put(&mut self, key: &str, index: usize, value: Option<f64>) {
         let column = self.values.entry(key.to_owned()).or_default();
         column.resize(index, None);
         column.push(value.filter(|value| value.is_finite()));
     }
 
-    /// What came of this many frames: measures without any value are left out, and all of a single frame.
+    /// Returns the series of this many frames. Measures without any value are left out, and all of them for a
+    /// single frame.
     pub(super) fn finish(mut self, first: u32, frames: u32) -> FrameSeries {
         self.values.retain(|_, column| frames > 1 && column.iter().any(Option::is_some));
         if self.values.is_empty() {

@@ -4,13 +4,13 @@ use crate::description::Phase;
 use crate::record::PassTime;
 use metrics::statistics::median;
 
-/// Takes in the times of one frame after another.
+/// Collects the GPU times of frames.
 pub(super) struct Times<'a> {
     phases: &'a [Phase],
-    /// By pass, a value a frame \[ms\].
+    /// One value per frame for each pass \[ms\].
     passes: Vec<(String, Vec<f64>)>,
     totals: Vec<f64>,
-    /// By phase, a value for each frame that has some of its passes.
+    /// For each phase, one value for each frame in which some of its passes ran.
     sums: Vec<Vec<f64>>,
 }
 
@@ -19,7 +19,7 @@ impl<'a> Times<'a> {
         Times { phases, passes: Vec::new(), totals: Vec::new(), sums: vec![Vec::new(); phases.len()] }
     }
 
-    /// Takes in a frame; nothing where it was not timed.
+    /// Adds a frame; does nothing if the frame was not timed.
     pub(super) fn add(&mut self, passes: &[(String, f64)]) {
         if passes.is_empty() {
             return;
@@ -34,34 +34,34 @@ impl<'a> Times<'a> {
         for (phase, sums) in self.phases.iter().zip(&mut self.sums) {
             let times: Vec<f64> =
                 passes.iter().filter(|(pass, _)| phase.has(pass)).map(|(_, ms)| *ms).collect();
-            // Without any of its passes a phase takes no time that could be told.
+            // If none of its passes ran, a phase has no value.
             if !times.is_empty() {
                 sums.push(times.iter().sum());
             }
         }
     }
 
-    /// Of a frame: the median, or the sum of all.
+    /// Returns the GPU time of a frame: the median, or the sum of all frames.
     pub(super) fn total(&self, over_frames: bool) -> Option<f64> {
         of(&self.totals, over_frames)
     }
 
-    /// Of a phase in a frame, with its key: the median of its sums, or the sum of all.
+    /// Returns the GPU time of each phase with its key: the median over frames, or the sum of all.
     pub(super) fn phases(&self, over_frames: bool) -> impl Iterator<Item = (String, Option<f64>)> {
         self.phases.iter().zip(&self.sums).map(move |(phase, sums)| (phase.key(), of(sums, over_frames)))
     }
 
-    /// Of the frame that was taken in last.
+    /// Returns the GPU time of the last frame.
     pub(super) fn last_total(&self) -> Option<f64> {
         self.totals.last().copied()
     }
 
-    /// Of each phase in the frame that was taken in last, with its key.
+    /// Returns the GPU time of each phase in the last frame, with its key.
     pub(super) fn last_phases(&self) -> impl Iterator<Item = (String, Option<f64>)> {
         self.phases.iter().zip(&self.sums).map(|(phase, sums)| (phase.key(), sums.last().copied()))
     }
 
-    /// The median of each pass, in the order of the plan.
+    /// Returns the median of each pass, in the order of the plan.
     pub(super) fn medians(&self) -> Vec<PassTime> {
         let time = |(pass, ms): &(String, Vec<f64>)| PassTime {
             pass: pass.clone(),

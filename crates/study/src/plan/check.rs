@@ -1,4 +1,4 @@
-//! What can be wrong with the names and values of a study.
+//! Checks the names and values of a study.
 
 use super::{Resolved, combinations_of, product};
 use crate::description::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant};
@@ -53,7 +53,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The pipelines with the values that hold in all their cells.
+    /// Returns the pipelines with the values that hold in all their cells.
     pub(super) fn pipelines(&mut self) -> Vec<Resolved> {
         let variants = match &self.study.pipelines {
             Pipelines::These(variants) => variants.clone(),
@@ -68,7 +68,7 @@ impl<'a> Checker<'a> {
                 }
                 let wanted =
                     names.into_iter().filter(|name| !except.iter().any(|other| other.value == *name));
-                // One that is broken, or has no such output, is not one of those that can be compared.
+                // A pipeline that is broken, or has no such output, cannot be compared and is left out.
                 let usable = wanted.filter(|name| {
                     self.registry
                         .pipeline(name)
@@ -120,7 +120,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A value of one pipeline alone.
+    /// Checks a value of a single pipeline.
     fn value(&mut self, name: &str, facts: &PipelineFacts, set: &Set, optional: bool) {
         let found = facts.settings.iter().find(|settable| settable.path == set.path.value);
         match found {
@@ -137,7 +137,7 @@ impl<'a> Checker<'a> {
             return;
         };
         let error = Diagnostic::new(&codes::VALUE, message).label(value.span.clone(), "");
-        // Pipelines that share a declaration refuse alike; it is reported once.
+        // Pipelines that share a declaration give the same error, which is reported once.
         if !self.errors.iter().any(|other| other.message == error.message && other.labels == error.labels) {
             self.errors.push(error.note(format!("in the pipeline `{pipeline}`")));
         }
@@ -156,7 +156,7 @@ impl<'a> Checker<'a> {
         self.errors.push(error);
     }
 
-    /// A path that several pipelines are given: who lacks it, and whether that is meant.
+    /// Checks a path that several pipelines are given: reports those that lack it, unless it is optional.
     fn path(&mut self, path: &At<String>, optional: bool, form: Option<&str>, pipelines: &[Resolved]) {
         let lacking: Vec<&Resolved> =
             pipelines.iter().filter(|pipeline| !pipeline.has(&path.value)).collect();
@@ -172,7 +172,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The axes, for the record.
+    /// Returns the axes, for the record.
     pub(super) fn axes(&mut self, pipelines: &[Resolved]) -> Vec<Axis> {
         let study = self.study;
         let axes = study.vary.iter().flat_map(|group| group.axes());
@@ -201,7 +201,7 @@ impl<'a> Checker<'a> {
         .collect()
     }
 
-    /// Values that all pipelines are given.
+    /// Checks the values that all pipelines are given.
     pub(super) fn sets(&mut self, pipelines: &[Resolved]) {
         for set in &self.study.set {
             self.path(&set.path, set.optional, Some("value"), pipelines);
@@ -211,7 +211,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The facts of the pipeline that makes references.
+    /// Returns the properties of the pipeline that renders references.
     pub(super) fn reference(&mut self, scenes: &[(String, SceneFacts)]) -> Option<PipelineFacts> {
         match &self.study.reference {
             Reference::None => None,
@@ -294,7 +294,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Each pass of a phase is one of some pipeline. What a pipeline that cannot be used would have is not known.
+    /// Checks that each pass of a phase exists in some pipeline. The passes of a pipeline that cannot be used
+    /// are unknown.
     pub(super) fn phases(&mut self, pipelines: &[Resolved]) {
         if self.errors.iter().any(|error| error.code == codes::PIPELINE.code) {
             return;
@@ -314,9 +315,9 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Claims are about pipelines of the study, and those that have the axes at which they are picked.
+    /// Checks that claims are about pipelines of the study that have the axes of their picks.
     pub(super) fn claims(&mut self, pipelines: &[Resolved]) {
-        // Those that cannot be used are told as such.
+        // Pipelines that cannot be used are reported elsewhere.
         let known: Vec<&str> = match &self.study.pipelines {
             Pipelines::These(variants) => {
                 variants.iter().map(|variant| variant.name.value.as_str()).collect()
@@ -341,7 +342,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Every combination of the values of all axes.
+    /// Returns every combination of the values of all axes.
     pub(super) fn combinations(&mut self, most: usize, times: usize) -> Vec<Values> {
         let study = self.study;
         let count = study.vary.iter().fold(times, |count, group| {
@@ -368,7 +369,8 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// One that is there, or a file, is told why it cannot be used; another, what there is.
+/// Returns the error for a pipeline that cannot be used: the reason if it exists, otherwise the names that
+/// exist.
 fn refused(
     code: &'static Code,
     (one, many): (&str, &str),

@@ -1,5 +1,5 @@
-//! Charts as SVG that stands alone: colours and fonts are attributes, so that a file can go into a paper as it
-//! is; every painted element has a class as well, by which a page can give it other colours.
+//! Charts as self-contained SVG: colours and fonts are attributes, so that a file can be put into a paper as
+//! it is; every painted element also has a class, with which a page can change its colour.
 
 mod axis;
 mod bars;

@@ -1,21 +1,21 @@
-//! Cells grouped for the report: one row for each scene, pipeline and combination of values, over its seeds.
+//! Groups cells for the report: one row for each scene, pipeline and combination of values, over its seeds.
 
 use super::number;
 use std::collections::BTreeMap;
 
 use crate::{Axis, AxisValue, Better, Cell, Interval, MeasureInfo, Outcome, Results};
 
-/// The measure that is a pipeline's GPU time; where a study has none, the sum of its passes stands in.
+/// The measure that is a pipeline's GPU time; if a study does not have it, the sum of the passes is used.
 const TIME: &str = "gpu-ms";
 
 /// Results in the order in which tables and charts show them.
 pub(super) struct Digest<'a> {
     pub(super) results: &'a Results,
-    /// Names of the scenes: as the study orders them, then any that only cells name.
+    /// Names of the scenes: in the order of the study, then any that only cells name.
     pub(super) scenes: Vec<&'a str>,
     /// Names of the pipelines, likewise.
     pub(super) pipelines: Vec<&'a str>,
-    /// By scene, pipeline and values, in the study's order.
+    /// Rows by scene, pipeline and values, in the study's order.
     pub(super) rows: Vec<Row<'a>>,
     /// The values that each axis takes among the rows, in the study's order.
     pub(super) taken: Vec<Vec<&'a AxisValue>>,
@@ -27,9 +27,9 @@ pub(super) struct Row<'a> {
     pub(super) scene: usize,
     /// Index into [`Digest::pipelines`].
     pub(super) pipeline: usize,
-    /// Of each of the study's axes; `None` where the cells do not say.
+    /// Value of each of the study's axes; `None` if the cells do not have it.
     pub(super) values: Vec<Option<&'a AxisValue>>,
-    /// By seed.
+    /// The cells, sorted by seed.
     pub(super) cells: Vec<&'a Cell>,
 }
 
@@ -59,7 +59,7 @@ impl<'a> Digest<'a> {
         for row in &mut rows {
             row.cells.sort_by_key(|cell| cell.seed);
         }
-        // Values that the study does not name come last, in the order of the cells: the sort is stable.
+        // Values that are not in the study come last, in the order of the cells: the sort is stable.
         let rank = |row: &Row<'_>| -> Vec<usize> {
             let places = study.axes.iter().zip(&row.values).map(|(axis, value)| {
                 axis.values.iter().position(|v| Some(v) == *value).unwrap_or(usize::MAX)
@@ -71,18 +71,18 @@ impl<'a> Digest<'a> {
         Digest { results, scenes, pipelines, rows, taken }
     }
 
-    /// The rows of a scene.
+    /// Returns the rows of a scene.
     pub(super) fn of_scene(&self, scene: usize) -> impl Iterator<Item = &Row<'a>> {
         self.rows.iter().filter(move |row| row.scene == scene)
     }
 
-    /// The axes that have at least two values among the rows.
+    /// Returns the axes that have at least two values among the rows.
     pub(super) fn varied(&self) -> Vec<usize> {
         (0..self.taken.len()).filter(|&axis| self.taken[axis].len() > 1).collect()
     }
 
-    /// The axes to draw over, each with those that are free beside it. Of axes that go together, as `Paired` ones do,
-    /// only that is drawn over which says what the others are.
+    /// Returns the axes to plot over, each with the axes that vary independently of it. Of axes that vary
+    /// together, as those of `Paired` do, only the one that determines the others is plotted over.
     pub(super) fn leading(&self) -> Vec<(usize, Vec<usize>)> {
         let varied = self.varied();
         let follows = |axis: usize| {
@@ -101,7 +101,7 @@ impl<'a> Digest<'a> {
             .collect()
     }
 
-    /// Whether the value of one axis says that of another, in each pipeline.
+    /// Returns whether the value of one axis determines that of another, in each pipeline.
     fn determines(&self, axis: usize, other: usize) -> bool {
         let mut said = BTreeMap::new();
         self.rows.iter().all(|row| {
@@ -111,7 +111,7 @@ impl<'a> Digest<'a> {
         })
     }
 
-    /// `lights = 64, filter = true`: the values of a row on some of the axes.
+    /// Formats the values of a row on some of the axes: `lights = 64, filter = true`.
     pub(super) fn values_text(&self, row: &Row<'_>, axes: &[usize]) -> String {
         let text = |&axis: &usize| {
             let value = row.values[axis].map_or_else(|| "–".to_owned(), ToString::to_string);
@@ -122,7 +122,7 @@ impl<'a> Digest<'a> {
         axes.iter().map(text).collect::<Vec<_>>().join(", ")
     }
 
-    /// A row as a line to read: `ISM, lights = 64`.
+    /// Formats a row as a line of text: `ISM, lights = 64`.
     pub(super) fn row_text(&self, row: &Row<'_>) -> String {
         match self.values_text(row, &self.varied()) {
             values if values.is_empty() => self.pipelines[row.pipeline].to_owned(),
@@ -130,13 +130,13 @@ impl<'a> Digest<'a> {
         }
     }
 
-    /// Label of the axis of GPU time.
+    /// Returns the label of the axis of GPU time.
     pub(super) fn time_label(&self) -> String {
         let info = self.results.study.measures.iter().find(|measure| measure.key == TIME);
         info.map_or_else(|| "GPU time [ms]".to_owned(), label_with_unit)
     }
 
-    /// The measures that have a value in some row.
+    /// Returns the measures that have a value in some row.
     pub(super) fn measured(&self) -> impl Iterator<Item = &'a MeasureInfo> {
         let measures = self.results.study.measures.iter();
         measures.filter(|measure| self.rows.iter().any(|row| row.summary(&measure.key).is_some()))
@@ -144,12 +144,12 @@ impl<'a> Digest<'a> {
 }
 
 impl Row<'_> {
-    /// Cells that were finished.
+    /// Returns the finished cells.
     pub(super) fn done(&self) -> impl Iterator<Item = &Cell> {
         self.cells.iter().copied().filter(|cell| cell.outcome == Outcome::Done)
     }
 
-    /// The first error, and how many cells failed.
+    /// Returns the first error, and the number of failed cells.
     pub(super) fn failure(&self) -> Option<(&str, usize)> {
         let mut errors = self.cells.iter().filter_map(|cell| match &cell.outcome {
             Outcome::Failed { error } => Some(&**error),
@@ -159,12 +159,12 @@ impl Row<'_> {
         Some((first, 1 + errors.count()))
     }
 
-    /// Mean and interval of a measure over the seeds; `None` where no seed has it.
+    /// Returns mean and interval of a measure over the seeds; `None` if no seed has it.
     pub(super) fn summary(&self, key: &str) -> Option<Interval> {
         self.over(|cell| cell.measures.get(key).copied().flatten())
     }
 
-    /// Mean and interval of a measure over the seeds in each frame that has it, by number.
+    /// Returns mean and interval of a measure over the seeds in each frame that has it, by frame number.
     pub(super) fn frames(&self, key: &str) -> Vec<(u32, Interval)> {
         let mut found: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
         for series in self.done().map(|cell| &cell.series) {
@@ -176,7 +176,7 @@ impl Row<'_> {
         found.into_iter().filter_map(|(frame, values)| Some((frame, Interval::of(&values)?))).collect()
     }
 
-    /// GPU time of a frame [ms] over the seeds.
+    /// Returns the GPU time of a frame [ms] over the seeds.
     pub(super) fn time(&self) -> Option<Interval> {
         self.summary(TIME).or_else(|| {
             self.over(|cell| {
@@ -186,7 +186,7 @@ impl Row<'_> {
         })
     }
 
-    /// Mean GPU time of each pass [ms], in the order of the plan.
+    /// Returns the mean GPU time of each pass [ms], in the order of the plan.
     pub(super) fn passes(&self) -> Vec<(String, f64)> {
         let mut sums: Vec<(String, f64)> = Vec::new();
         for pass in self.done().flat_map(|cell| &cell.passes) {
@@ -202,7 +202,7 @@ impl Row<'_> {
         sums.into_iter().map(|(name, sum)| (name, sum / timed)).collect()
     }
 
-    /// What the budget chose, `lights = 480`; a range where the seeds differ.
+    /// Formats the value that the budget determined: `lights = 480`; a range if the seeds differ.
     pub(super) fn chosen(&self, name: &str) -> Option<String> {
         let mut values: Vec<&AxisValue> = Vec::new();
         for value in self.done().filter_map(|cell| cell.chosen.get(name)) {
@@ -232,7 +232,7 @@ impl Row<'_> {
     }
 }
 
-/// The best of some means; `None` where neither way is better.
+/// Returns the best of some means; `None` if no direction is better.
 pub(super) fn best(better: Better, means: impl Iterator<Item = f64>) -> Option<f64> {
     let cost = |mean: f64| match better {
         Better::Lower => mean,
@@ -246,13 +246,13 @@ pub(super) fn best(better: Better, means: impl Iterator<Item = f64>) -> Option<f
     means.min_by(|a, b| cost(*a).total_cmp(&cost(*b)))
 }
 
-/// `lights = 64, map = 32`.
+/// Formats values: `lights = 64, map = 32`.
 pub(super) fn values_text(values: &BTreeMap<String, AxisValue>) -> String {
     let texts: Vec<String> = values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
     texts.join(", ")
 }
 
-/// `relMSE`, `GPU time [ms]`.
+/// Formats a label with its unit: `relMSE`, `GPU time [ms]`.
 pub(super) fn label_with_unit(measure: &MeasureInfo) -> String {
     if measure.unit.is_empty() {
         measure.label.clone()
@@ -261,7 +261,7 @@ pub(super) fn label_with_unit(measure: &MeasureInfo) -> String {
     }
 }
 
-/// The values of an axis that rows take: those that it declares, then others.
+/// Returns the values of an axis that rows have: first those that it declares, then others.
 fn taken<'a>(declared: &'a Axis, axis: usize, rows: &[Row<'a>]) -> Vec<&'a AxisValue> {
     let mut found: Vec<&AxisValue> = Vec::new();
     for value in rows.iter().filter_map(|row| row.values[axis]) {

@@ -1,9 +1,9 @@
-//! Text of others inside HTML, Markdown and LaTeX.
+//! Escapes text for HTML, Markdown and LaTeX.
 
-/// For HTML and SVG, in text and in quoted attributes.
+/// Escapes for HTML and SVG, in text and in quoted attributes.
 pub(super) use frame_graph::xml::escape as html;
 
-/// For a cell of a Markdown table.
+/// Escapes for a cell of a Markdown table.
 pub(super) fn markdown(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -16,8 +16,8 @@ pub(super) fn markdown(text: &str) -> String {
     out
 }
 
-/// For LaTeX's text mode. The signs that units and names of measures use become commands, as pdfTeX's fonts
-/// lack some of them.
+/// Escapes for LaTeX's text mode. Symbols in units and names of measures become commands, since pdfTeX's
+/// fonts lack some of them.
 pub(super) fn latex(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -29,7 +29,7 @@ pub(super) fn latex(text: &str) -> String {
             '<' => out.push_str("\\textless{}"),
             '>' => out.push_str("\\textgreater{}"),
             '|' => out.push_str("\\textbar{}"),
-            // OT1 fonts have no straight one.
+            // OT1 fonts have no straight quotation mark.
             '"' => out.push_str("''"),
             'ꟻ' => out.push_str("\\reflectbox{F}"),
             '²' => out.push_str("$^2$"),
@@ -58,7 +58,7 @@ pub(super) fn latex(text: &str) -> String {
     out
 }
 
-/// A part of a file name: letters, digits, `-` and `.`; never empty, never hidden.
+/// Returns text that can be part of a file name: letters, digits, `-` and `.`; never empty, never hidden.
 pub(super) fn file_name(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! The charts of a study, as files of SVG with what a reader chooses them by.
+//! The charts of a study, as SVG files with the values by which a reader selects them.
 
 mod costs;
 mod errors;
@@ -12,7 +12,7 @@ use super::escape;
 /// A chart.
 pub(super) struct Figure {
     pub(super) kind: Kind,
-    /// What tells it from the others of its kind: a value for each of [`Kind::choices`].
+    /// The values by which it is selected among the others of its section: one for each of [`Kind::choices`].
     pub(super) choice: Vec<String>,
     /// Name of its file, without folder.
     pub(super) file: String,
@@ -33,7 +33,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// What a chart is chosen by.
+    /// Returns the names of what a chart is selected by.
     pub(super) fn choices(self) -> &'static [&'static str] {
         match self {
             Kind::ErrorTime => &["Scene", "Measure"],
@@ -44,7 +44,7 @@ impl Kind {
     }
 }
 
-/// All charts, and what was left out of them.
+/// All charts, and notes on those that were left out.
 pub(super) struct Figures {
     pub(super) all: Vec<Figure>,
     pub(super) notes: Vec<String>,
@@ -80,14 +80,14 @@ impl Figures {
     }
 }
 
-/// A file name made of parts.
+/// Returns a file name that is composed of these texts.
 fn file(parts: &[&str]) -> String {
     let parts: Vec<String> =
         parts.iter().filter(|part| !part.is_empty()).map(|part| escape::file_name(part)).collect();
     parts.join("-") + ".svg"
 }
 
-/// `name`, or `name-2` where that is taken; file systems may not tell case apart.
+/// Returns `name`, or `name-2` if that is taken; some file systems ignore case.
 pub(super) fn unique(taken: &mut BTreeSet<String>, name: &str) -> String {
     let (stem, ending) = name.rsplit_once('.').unwrap_or((name, ""));
     let mut candidate = name.to_owned();

@@ -1,4 +1,4 @@
-//! Numbers as people read them: no more digits than the interval bears.
+//! Formats numbers for readers: with no more digits than the interval justifies.
 
 use crate::Interval;
 
@@ -7,20 +7,20 @@ use crate::Interval;
 pub(super) struct Measured {
     /// The mean, with a minus sign of ASCII.
     mean: String,
-    /// Half the width of the 95 % interval, to the same place; `None` for a single sample.
+    /// Half the width of the 95 % interval, with the same number of decimals; `None` for a single sample.
     half: Option<String>,
     /// Power of ten, 0 for none.
     exponent: i32,
 }
 
 impl Measured {
-    /// Two significant digits of the interval decide the last place, within five of the mean; without an
-    /// interval it is four of the mean. Powers of ten below 10⁻³ and from 10⁵.
+    /// Rounds a mean to two significant digits of its interval, but at most five of its own; without an
+    /// interval, to four of its own. Uses powers of ten below 10⁻³ and from 10⁵ on.
     pub(super) fn new(interval: &Interval) -> Measured {
         Measured::rounded(interval.mean, interval.half)
     }
 
-    /// A value of one seed.
+    /// Rounds the value of a single seed.
     pub(super) fn single(value: f64) -> Measured {
         Measured::rounded(value, None)
     }
@@ -38,7 +38,7 @@ impl Measured {
             _ => 3 - leading,
         };
         let places = places.clamp(0, 9) as usize;
-        // An interval is not rounded away.
+        // An interval is never rounded to zero.
         let half = half.map(|half| if half > 0.0 { half.max(0.1_f64.powi(places as i32)) } else { 0.0 });
         let round = |value: f64| {
             let text = format!("{value:.places$}");
@@ -52,20 +52,20 @@ impl Measured {
         Measured { mean: round(mean), half: half.map(round), exponent }
     }
 
-    /// Plain text: `1.23 ± 0.04`, `(1.2 ± 0.3)·10⁻⁵`.
+    /// Formats as plain text: `1.23 ± 0.04`, `(1.2 ± 0.3)·10⁻⁵`.
     pub(super) fn text(&self) -> String {
         let power = format!("·10{}", superscript(self.exponent));
         self.joined(|half| format!(" ± {half}"), &power).replace('-', "−")
     }
 
-    /// HTML, with the interval in a `span` of class `half`.
+    /// Formats as HTML, with the interval in a `span` of class `half`.
     pub(super) fn html(&self) -> String {
         let power = format!("·10<sup>{}</sup>", self.exponent).replace('-', "−");
         let mean = self.mean.replace('-', "−");
         Measured { mean, ..self.clone() }.joined(|half| format!("<span class=half> ± {half}</span>"), &power)
     }
 
-    /// LaTeX's mathematics, without its dollar signs.
+    /// Formats for LaTeX's math mode, without dollar signs.
     pub(super) fn latex(&self) -> String {
         self.joined(|half| format!(" \\pm {half}"), &format!(" \\cdot 10^{{{}}}", self.exponent))
     }
@@ -81,7 +81,7 @@ impl Measured {
     }
 }
 
-/// A number as it was given: `0.25`, `4096`, `1e-7`.
+/// Formats a number as it was given: `0.25`, `4096`, `1e-7`.
 pub(super) fn plain(value: f64) -> String {
     match value.abs() {
         size if size == 0.0 || (1e-4..1e9).contains(&size) => value.to_string(),
@@ -89,7 +89,7 @@ pub(super) fn plain(value: f64) -> String {
     }
 }
 
-/// Writes a number with this many significant digits; integers as they are.
+/// Formats a number with this many significant digits; integers exactly.
 pub(super) fn short(value: f64, significant: i32) -> String {
     let order = order(value.abs());
     if value.fract() == 0.0 || !value.is_finite() {
@@ -101,18 +101,18 @@ pub(super) fn short(value: f64, significant: i32) -> String {
     format!("{value:.*}", (significant - 1 - order).max(0) as usize)
 }
 
-/// The unit in which a number of bytes reads well, and its size.
+/// Returns the unit in which a number of bytes is readable, and its size.
 pub(super) fn byte_unit(bytes: f64) -> (f64, &'static str) {
     let units = [(1024.0 * 1024.0 * 1024.0, "GiB"), (1024.0 * 1024.0, "MiB"), (1024.0, "KiB")];
     units.into_iter().find(|&(size, _)| bytes >= size).unwrap_or((1.0, "B"))
 }
 
-/// The power of ten of the leading digit; 0 for 0.
+/// Returns the power of ten of the leading digit; 0 for 0.
 pub(super) fn order(value: f64) -> i32 {
     if value > 0.0 && value.is_finite() { value.log10().floor() as i32 } else { 0 }
 }
 
-/// An integer in superior digits.
+/// Formats an integer in superscript digits.
 pub(super) fn superscript(number: i32) -> String {
     let digit = |c| match c {
         '-' => '⁻',

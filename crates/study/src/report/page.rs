@@ -1,4 +1,4 @@
-//! The page: text of its sections in the frame of `page.html`.
+//! The report page: inserts the text of its sections into the template `page.html`.
 
 mod setup;
 
@@ -17,14 +17,14 @@ const FRAME: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// A section: its id, its name in the contents, and its text.
+/// A section: its id, its name in the table of contents, and its text.
 struct Section {
     id: &'static str,
     name: &'static str,
     body: String,
 }
 
-/// The whole file.
+/// Returns the whole file.
 pub(super) fn page(
     digest: &Digest<'_>,
     figures: &Figures,
@@ -50,7 +50,7 @@ pub(super) fn page(
             "Nothing to draw: nothing is varied over two values, or nothing was measured.",
         ),
     ];
-    // Sections of what few studies have.
+    // Sections that few studies have.
     let claims: Option<Section> =
         claims.map(|table| Section { id: "claims", name: "Claims", body: table_body(table) });
     let has_frames = figures.all.iter().any(|figure| figure.kind == Kind::Frames);
@@ -102,7 +102,7 @@ pub(super) fn page(
     })
 }
 
-/// Fills the places `<!--NAME-->` of a frame. What fills one is not looked at again.
+/// Replaces the placeholders `<!--NAME-->` of a template. Inserted text is not scanned again.
 fn filled(frame: &str, fill: impl Fn(&str) -> String) -> String {
     let mut parts = frame.split("<!--");
     let mut out = parts.next().unwrap_or_default().to_owned();
@@ -114,7 +114,7 @@ fn filled(frame: &str, fill: impl Fn(&str) -> String) -> String {
     out
 }
 
-/// JSON for a `script` element: no `<` that could end it.
+/// Formats JSON for a `script` element: without `<`, which could end it.
 fn json(value: &impl serde::Serialize) -> String {
     let text = serde_json::to_string(value).expect("strings and whole numbers make JSON");
     text.replace('<', "\\u003c")
@@ -161,10 +161,10 @@ fn head(digest: &Digest<'_>) -> String {
     out + "</dl>\n"
 }
 
-/// What went wrong and what else a reader must know, first of all; empty where there is nothing.
+/// Returns the errors and notes for the top of the page; empty if there are none.
 fn failures(digest: &Digest<'_>) -> String {
     let results = digest.results;
-    // Each text with the cells that it is about.
+    // Each text with its cells.
     let (mut errors, mut notes): (Vec<About<'_>>, Vec<About<'_>>) = Default::default();
     for (row, cell) in digest.rows.iter().flat_map(|row| row.cells.iter().map(move |cell| (row, cell))) {
         let who = || format!("{}, {}, seed {}", cell.scene, digest.row_text(row), cell.seed);
@@ -189,7 +189,7 @@ fn failures(digest: &Digest<'_>) -> String {
     list("failures", "alert", "What to know first", &items)
 }
 
-/// A text with the cells that it is about.
+/// A text with the cells to which it applies.
 type About<'a> = (&'a str, Vec<String>);
 
 fn add<'a>(texts: &mut Vec<About<'a>>, text: &'a str, who: String) {
@@ -205,7 +205,7 @@ fn about(text: &str, cells: &[String]) -> String {
     format!("{} <details><summary>{count} cell{plural}</summary><ul>{list}</ul></details>", html(text))
 }
 
-/// A section of items, of a class; empty where there are none. The items are HTML.
+/// Returns a section of items with a class; empty if there are no items. The items are HTML.
 fn list(id: &str, class: &str, name: &str, items: &[String]) -> String {
     if items.is_empty() {
         return String::new();
@@ -217,13 +217,13 @@ fn list(id: &str, class: &str, name: &str, items: &[String]) -> String {
     )
 }
 
-/// What the page leaves out.
+/// Returns notes on what the page leaves out.
 fn notes(figures: &Figures, pictures: &Pictures) -> String {
     let notes: Vec<String> = figures.notes.iter().chain(&pictures.notes).map(|note| html(note)).collect();
     list("notes", "notice", "Left out of this page", &notes)
 }
 
-/// Charts of which one is shown.
+/// Returns charts, one of which is shown at a time, with controls to select it.
 fn chooser(names: &[&str], figures: &[&Figure], none: &str) -> String {
     if figures.is_empty() {
         return format!("<p class=note>{none}</p>\n");
@@ -259,7 +259,7 @@ fn tables_body(digest: &Digest<'_>, tables: &[Table]) -> String {
     out + &setup::measures(digest)
 }
 
-/// A table under which it can be copied.
+/// Returns a table with buttons to copy it.
 fn table_body(table: &Table) -> String {
     let copyable = |name: &str, text: &str| {
         format!(
@@ -277,7 +277,7 @@ fn table_body(table: &Table) -> String {
     )
 }
 
-/// The viewer, which the script fills.
+/// Returns the image viewer, which the script fills.
 fn viewer(pictures: &Pictures) -> String {
     if pictures.count() == 0 {
         return "<p class=note>There are no pictures in this study’s results.</p>\n".to_owned();

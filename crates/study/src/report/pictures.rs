@@ -1,4 +1,4 @@
-//! Pictures for the page: tone-mapped, 8 bits, with the exposure of their reference, within a budget.
+//! Pictures for the page: tone-mapped, 8 bits, with the exposure of their reference, within a size budget.
 
 mod encoded;
 
@@ -14,33 +14,33 @@ use super::digest::{Digest, Row};
 use super::number::{self, Measured};
 use crate::Cell;
 
-/// Characters of base64 of all pictures together: keeps the page below 40 MB.
+/// The greatest number of characters of base64 for all pictures together: keeps the page below 40 MB.
 const MOST_CHARACTERS: usize = 36_000_000;
-/// Signed differences end at this share of white.
+/// The share of white at which signed differences saturate.
 const DIFFERENCE_END: f32 = 0.25;
-/// Pictures that are read and encoded before the budget is looked at again.
+/// Number of pictures that are read and encoded between checks of the budget.
 const BATCH: usize = 16;
 
-/// What the viewer of the page works on.
+/// The data of the page's image viewer.
 #[derive(Serialize)]
 pub(super) struct Pictures {
     truths: Vec<Truth>,
     cells: Vec<View>,
-    /// What a reader is to know: files that could not be read, pictures that were left out.
+    /// Notes for the reader: files that could not be read, pictures that were left out.
     #[serde(skip)]
     pub(super) notes: Vec<String>,
 }
 
-/// A reference, or what stands in for one where a scene has none.
+/// A reference, or the stand-in for one if a scene has none.
 #[derive(Serialize)]
 struct Truth {
-    /// `None` where there is no reference.
+    /// `None` if there is no reference.
     picture: Option<Encoded>,
-    /// How radiance came to the display, and what else is to be said.
+    /// How radiance was mapped to display values, and other notes.
     note: String,
-    /// Signed differences of ± this saturate [radiance].
+    /// Signed differences of ± this value saturate [radiance].
     end: String,
-    /// Scene, and path relative to the study's folder: none for what stands in.
+    /// Scene, and path relative to the study's folder; no path for a stand-in.
     #[serde(skip)]
     of: (usize, Option<String>),
     #[serde(skip)]
@@ -49,7 +49,7 @@ struct Truth {
     display: Display,
 }
 
-/// A cell that has a picture.
+/// A cell with a picture.
 #[derive(Serialize)]
 struct View {
     scene: String,
@@ -64,7 +64,7 @@ struct View {
     image: Option<Encoded>,
     flip: Option<Encoded>,
     difference: Option<Encoded>,
-    /// Why there is no picture; empty where there is.
+    /// The reason why there is no picture; empty if there is one.
     missing: String,
 }
 
@@ -92,7 +92,7 @@ impl Pictures {
                 left -= size;
             }
         }
-        // One seed of each combination first, then the others, so that the budget meets repetitions.
+        // One seed of each combination first, then the others, so that the budget cuts repetitions.
         let rows = || digest.rows.iter().map(|row| (row, with_pictures(row)));
         let first = rows().filter_map(|(row, cells)| Some((row, *cells.first()?)));
         let others = rows().flat_map(|(row, cells)| cells.into_iter().skip(1).map(move |cell| (row, cell)));
@@ -121,7 +121,8 @@ impl Pictures {
                 notes.extend(set.notes.iter().cloned());
                 let size = set.len();
                 if size > left {
-                    // Smaller ones further on would make the choice look arbitrary.
+                    // Smaller pictures further on are left out too: including them would make the choice look
+                    // arbitrary.
                     left = 0;
                     left_out += 1;
                     continue;
@@ -137,7 +138,7 @@ impl Pictures {
                 order.len()
             ));
         }
-        // Choosers list cells in the study's order.
+        // The viewer lists cells in the study's order.
         let place = |view: &View| {
             let at = |row: &Row<'_>| row.cells.iter().any(|cell| cell.key == view.key);
             (digest.rows.iter().position(at), view.seed)
@@ -146,13 +147,13 @@ impl Pictures {
         Pictures { truths, cells, notes }
     }
 
-    /// How many cells have a picture.
+    /// Returns the number of cells that have a picture.
     pub(super) fn count(&self) -> usize {
         self.cells.len()
     }
 }
 
-/// The references that cells were judged by, and for each scene what stands in where there is none.
+/// Returns the references of cells, and a stand-in for each scene that has none.
 fn truths(digest: &Digest<'_>, folder: &Path, notes: &mut Vec<String>) -> Vec<Truth> {
     let mut paths: Vec<(usize, &str)> = Vec::new();
     for row in &digest.rows {
@@ -175,7 +176,7 @@ fn truths(digest: &Digest<'_>, folder: &Path, notes: &mut Vec<String>) -> Vec<Tr
     truths
 }
 
-/// Path of the reference that a cell was judged by.
+/// Returns the path of the reference that a cell was compared with.
 fn reference_of<'a>(digest: &Digest<'a>, scene: usize, cell: &'a Cell) -> Option<&'a str> {
     let of_scene = || {
         let records = digest.results.study.references.iter();
@@ -198,7 +199,7 @@ impl Truth {
         }
     }
 
-    /// Without a reference the first picture of the scene decides how all of them are shown.
+    /// Without a reference, the first picture of the scene determines the exposure of all of them.
     fn stand_in(digest: &Digest<'_>, scene: usize, folder: &Path) -> Truth {
         let cells = digest.of_scene(scene).flat_map(|row| with_pictures(row));
         let without = cells.filter(|cell| reference_of(digest, scene, cell).is_none());
@@ -216,7 +217,7 @@ impl Truth {
         })
     }
 
-    /// The exposure that a picture asks for.
+    /// Returns an entry with the exposure that a picture needs.
     fn exposed(scene: usize, path: &str, image: &Image, whose: &str) -> Truth {
         let is_display = FileFormat::of(Path::new(path)).is_some_and(FileFormat::is_display_referred);
         let white = if is_display { 1.0 } else { white(image) };
@@ -302,12 +303,12 @@ impl View {
     }
 }
 
-/// Cells of a row that have something to show.
+/// Returns the cells of a row that have a picture to show.
 fn with_pictures<'a>(row: &Row<'a>) -> Vec<&'a Cell> {
     row.cells.iter().copied().filter(|cell| cell.images.image.is_some()).collect()
 }
 
-/// An error with the path as the study names it: the page may be read on another machine.
+/// Formats an error with the path as the study names it: the page may be read on another machine.
 fn told(path: &str, error: &metrics::ImageError) -> String {
     let error = error.to_string();
     let reason = error.split_once(": ").map_or(&*error, |(_, reason)| reason);

@@ -1,5 +1,5 @@
-//! Tables in HTML, Markdown and LaTeX. That of a scene has a row for each pipeline and combination of values, a column
-//! for each measure.
+//! Tables in HTML, Markdown and LaTeX. The table of a scene has a row for each pipeline and combination of
+//! values, and a column for each measure.
 
 mod claims;
 
@@ -10,35 +10,35 @@ use super::escape;
 use super::number::Measured;
 use crate::MeasureInfo;
 
-/// A table, ready to be written in any form.
+/// A table, independent of its output format.
 pub(super) struct Table {
-    /// Name of the scene, or what it is of: that of its file too.
+    /// Name of the scene, or of the content; also the name of its file.
     pub(super) name: String,
-    /// What it shows, in a line.
+    /// What it shows, in one line.
     pub(super) caption: String,
     columns: Vec<Column>,
     rows: Vec<Vec<Entry>>,
 }
 
 struct Column {
-    /// With unit.
+    /// The title, with unit.
     title: String,
-    /// What it is; empty where the title says it.
+    /// A description; empty if the title suffices.
     doc: String,
-    /// Set to the right.
+    /// Whether it is aligned to the right.
     is_number: bool,
 }
 
 enum Entry {
-    /// Name or value; numbers sort as such.
+    /// A name or a value; numbers are sorted as numbers.
     Text(String),
     /// A measure.
     Measured { value: Measured, mean: f64, is_best: bool },
-    /// Whether a claim holds; `None` where that was not measured.
+    /// Whether a claim holds; `None` if that was not measured.
     Held(Option<bool>),
-    /// There is no such measure here.
+    /// The row has no value for this measure.
     Absent,
-    /// All seeds failed: takes the rest of the row.
+    /// All seeds failed: the error takes the rest of the row.
     Failed(String),
 }
 
@@ -93,7 +93,7 @@ impl Table {
                 |(measure, best)| match row.summary(&measure.key) {
                     Some(summary) => {
                         let value = Measured::new(&summary);
-                        // What prints alike is as good.
+                        // Values that are printed alike are equally good.
                         let is_best = best.as_ref() == Some(&value);
                         Entry::Measured { value, mean: summary.mean, is_best }
                     }
@@ -115,17 +115,17 @@ impl Table {
         Table { name: digest.scenes[scene].to_owned(), caption, columns, rows }
     }
 
-    /// Whether there is no row.
+    /// Returns whether there are no rows.
     pub(super) fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// Columns that [`Entry::Failed`] takes, from `start`.
+    /// Returns the number of columns that [`Entry::Failed`] takes, from `start`.
     fn rest(&self, start: usize) -> usize {
         self.columns.len().saturating_sub(start).max(1)
     }
 
-    /// A `table` element with buttons that sort.
+    /// Returns a `table` element with buttons for sorting.
     pub(super) fn html(&self) -> String {
         let mut out = String::from("<table class=sortable>\n<thead><tr>");
         for column in &self.columns {
@@ -175,7 +175,7 @@ impl Table {
         out + "</tbody></table>\n"
     }
 
-    /// A table of GitHub's Markdown, under its caption.
+    /// Returns a table in GitHub's Markdown, below its caption.
     pub(super) fn markdown(&self) -> String {
         let mut out = format!("{}\n\n|", escape::markdown(&self.caption));
         for column in &self.columns {
@@ -207,7 +207,7 @@ impl Table {
         out
     }
 
-    /// A `tabular` of booktabs, with its caption in a comment.
+    /// Returns a `tabular` that uses booktabs, with its caption in a comment.
     pub(super) fn latex(&self) -> String {
         let aligned = self.columns.iter().map(|column| if column.is_number { 'r' } else { 'l' });
         let mut out = format!("\\begin{{tabular}}{{{}}}\n\\toprule\n", aligned.collect::<String>());
@@ -216,7 +216,7 @@ impl Table {
         for row in &self.rows {
             let entry = |(index, entry): (usize, &Entry)| match entry {
                 Entry::Text(text) => escape::latex(text),
-                // `\boldmath` reaches ± and the power as well, which `\mathbf` does not.
+                // `\boldmath` applies to ± and the power as well, which `\mathbf` does not.
                 Entry::Measured { value, is_best: true, .. } => format!("{{\\boldmath ${}$}}", value.latex()),
                 Entry::Measured { value, .. } => format!("${}$", value.latex()),
                 Entry::Held(Some(false)) => format!("\\textbf{{{}}}", held(Some(false))),
@@ -245,7 +245,7 @@ fn held(holds: Option<bool>) -> &'static str {
     }
 }
 
-/// The best of a column as it prints; `None` for a column of one value, which is not better than any.
+/// Returns the best value of a column as it is printed; `None` for a column with only one distinct value.
 fn best_of(rows: &[&Row<'_>], measure: &MeasureInfo) -> Option<Measured> {
     let summaries: Vec<_> = rows.iter().filter_map(|row| row.summary(&measure.key)).collect();
     let best = best(measure.better, summaries.iter().map(|summary| summary.mean))?;

@@ -49,8 +49,8 @@ fn radiance(texels: &[Rgb]) -> Vec<(&'static str, ResourceDesc, Vec<u8>)> {
 fn light_is_added_as_the_cpu_reference_adds_it() {
     let (direct, irradiance, glossy, emission) = (light(1), light(2), light(3), light(4));
     let albedo = vec![[0.25, 0.5, 0.75]; PIXELS];
-    let stand = Harness::new(composite::PASS).frame(WIDTH, HEIGHT);
-    let outputs = stand
+    let harness = Harness::new(composite::PASS).frame(WIDTH, HEIGHT);
+    let outputs = harness
         .input("view", "GBuffer", &[], view(&albedo, &emission))
         .input("direct", "Radiance", &[], radiance(&direct))
         .input("indirect", "Irradiance", &[], radiance(&irradiance))
@@ -100,16 +100,16 @@ fn every_curve_shows_what_the_cpu_reference_shows() {
 
 #[test]
 fn an_input_of_another_size_is_refused() {
-    let stand = Harness::new(composite::PASS).frame(WIDTH, HEIGHT);
+    let harness = Harness::new(composite::PASS).frame(WIDTH, HEIGHT);
     let small = vec![("", ResourceDesc::texture_2d(Format::Rgba32Float, (4, 4)), Vec::new())];
     let black = vec![[0.0; 3]; PIXELS];
-    let stand =
-        stand.input("view", "GBuffer", &[], view(&black, &black)).input("direct", "Radiance", &[], small);
+    let harness =
+        harness.input("view", "GBuffer", &[], view(&black, &black)).input("direct", "Radiance", &[], small);
     if pass_test::gpu().is_none() {
         return;
     }
     let refusal =
-        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| stand.run().is_some())).unwrap_err();
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| harness.run().is_some())).unwrap_err();
     let refusal = refusal.downcast_ref::<String>().cloned().unwrap_or_default();
     assert!(refusal.contains("`direct` is 4×4, but the G-buffer is 13×9"), "{refusal}");
 }

@@ -167,7 +167,7 @@ fn five_iterations_remove_noise_and_keep_edges() {
         let (mean, noise) = spread(&pixels, lit);
         let (_, noise_before) = spread(&before, lit);
         assert!(noise < 0.4 * noise_before, "lit {lit}: {noise} of {noise_before}");
-        // Noise is even in 0.5..1.5 times the light: the edge of the shadow stays where its mean does.
+        // Noise is uniform in 0.5..1.5 times the light: the edge of the shadow stays where its mean does.
         assert!((mean / light - 1.0).abs() < 0.25, "lit {lit}: {mean} for {light}");
     }
 }

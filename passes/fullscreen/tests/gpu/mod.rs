@@ -12,14 +12,14 @@ fn the_vignette_darkens_the_corners() {
     let white: Vec<u8> = 1f32.to_le_bytes().repeat((WIDTH * HEIGHT * 4) as usize);
     let picture = ResourceDesc::texture_2d(Format::Rgba32Float, (WIDTH, HEIGHT));
     let display = OutputOverride { interface: Some("Display".into()), ..OutputOverride::default() };
-    let stand = || {
+    let harness = || {
         Harness::new(fullscreen::PASS)
             .shader("docs/examples/vignette.wgsl")
             .frame(7, 7)
             .set("strength", 0.8f32)
             .input("picture", "Radiance", &[], vec![("", picture.clone(), white.clone())])
     };
-    let (Some(shown), Some(displayed)) = (stand().run(), stand().out("result", display).run()) else {
+    let (Some(shown), Some(displayed)) = (harness().run(), harness().out("result", display).run()) else {
         return;
     };
     let shown: Vec<[f16; 4]> = shown.read("result");

@@ -106,8 +106,8 @@ fn members_are_those_of_the_scene() {
     // The white walls become half a metal, the green one lacquer; the rest stays dull.
     scene.materials[0].metallic = 0.5;
     scene.materials[2].roughness = 0.25;
-    let stand = Harness::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT);
-    let Some(outputs) = stand.set("motion", true).run() else { return };
+    let harness = Harness::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT);
+    let Some(outputs) = harness.set("motion", true).run() else { return };
     let emission: Vec<[f32; 4]> = outputs.read("view.emission");
     let specular: Vec<[f16; 4]> = outputs.read("view.specular");
     let motion: Vec<[f32; 2]> = outputs.read("view.motion");

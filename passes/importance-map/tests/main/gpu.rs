@@ -102,7 +102,7 @@ impl Room {
                 bytes(pixels, &|i| Room::albedo(i).extend(1.0).to_array()),
             ),
         ];
-        let stand = Harness::new(PASS)
+        let harness = Harness::new(PASS)
             .set("measure", measure)
             .set("defensive", defensive)
             .set("view_samples", SAMPLES)
@@ -111,7 +111,7 @@ impl Room {
             .with_scene(self.scene())
             .camera(self.camera())
             .input("rsm", "ReflectiveShadowMap", &[], rsm);
-        if measure == "flux" { stand.run() } else { stand.input("view", "GBuffer", &[], view).run() }
+        if measure == "flux" { harness.run() } else { harness.input("view", "GBuffer", &[], view).run() }
     }
 
     fn samples(self) -> Vec<ViewSample> {

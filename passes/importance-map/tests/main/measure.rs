@@ -62,9 +62,9 @@ fn the_mixture_bounds_the_weight_of_a_light() {
     let by_view = [100.0, 0.0, 0.0, 0.0, 1e-9];
     let mixed = mix_with_flux(&by_view, &flux, 0.05);
     assert!((mixed.iter().sum::<f64>() - 5.0).abs() < 1e-12, "the mean is 1: {mixed:?}");
-    assert_eq!(mixed[3], 0.0, "what reflects nothing is not drawn");
+    assert_eq!(mixed[3], 0.0, "what reflects nothing is not sampled");
     for (f, w) in std::iter::zip(&mixed, flux).filter(|(_, w)| *w > 0.0) {
-        // Φ / (N p) with N = 1; drawing by flux alone gives ΣΦ = 10.
+        // Φ / (N p) with N = 1; sampling by flux alone gives ΣΦ = 10.
         let carried = w / (f / 5.0);
         assert!(carried <= 10.0 / 0.05 + 1e-9, "{carried}");
     }

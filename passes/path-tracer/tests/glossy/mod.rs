@@ -21,7 +21,7 @@ fn directional_albedo(alpha: f64, cosine: f64) -> f64 {
     let (rings, spokes) = (1000, 1000);
     let mut sum = 0.0;
     for i in 0..rings {
-        // Even in the cosine: each step has the same solid angle.
+        // Uniform in the cosine: each step has the same solid angle.
         let z = (f64::from(i) + 0.5) / f64::from(rings);
         let r = (1.0 - z * z).sqrt();
         for j in 0..spokes {
@@ -32,7 +32,7 @@ fn directional_albedo(alpha: f64, cosine: f64) -> f64 {
     sum * 2.0 * PI / f64::from(rings * spokes)
 }
 
-/// A metal that reflects all light, in a room that glows evenly: what is not reflected is what single scattering loses.
+/// A metal that reflects all light, in a room that glows uniformly: what is not reflected is what single scattering loses.
 #[test]
 fn a_metal_reflects_its_directional_albedo() {
     for roughness in [0.4_f32, 0.7, 1.0] {
@@ -51,10 +51,10 @@ fn a_metal_reflects_its_directional_albedo() {
             metal.roughness = roughness;
             let scene = room(&quads, vec![metal, matte([0.0; 3], [1.0; 3])]);
             let from = [(1.0 - cosine * cosine).sqrt() as f32 * 0.8, cosine as f32 * 0.8, 0.0];
-            let stand =
+            let harness =
                 Harness::new(path_tracer::PASS).with_scene(scene).camera(camera_at(from, [0.0; 3], 1e-3));
             let Some(outputs) =
-                stand.frame(16, 16).set("bounces", 0u32).set("samples_per_frame", 64u32).run()
+                harness.frame(16, 16).set("bounces", 0u32).set("samples_per_frame", 64u32).run()
             else {
                 return;
             };

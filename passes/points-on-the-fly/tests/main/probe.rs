@@ -98,7 +98,7 @@ impl Amplification {
         per_map: u32,
     ) -> Option<Vec<SurfaceSample>> {
         let desc = pass_test::buffer(self.bytes.len() as u64);
-        let stand = Harness::new(&Probe)
+        let harness = Harness::new(&Probe)
             .with_scene(scene.clone())
             .time(time)
             .set("maps", maps)
@@ -110,7 +110,7 @@ impl Amplification {
                 vec![("", desc, self.bytes.clone())],
             )
             .module("shaders/points-on-the-fly.wgsl");
-        Some(stand.run()?.read("samples"))
+        Some(harness.run()?.read("samples"))
     }
 
     pub(crate) fn wanted(&self, maps: u32, per_map: u32) -> Wanted {

@@ -1,4 +1,4 @@
-// Writes the samples of a port Points, a thread a sample.
+// Writes the samples of a port Points, one thread per sample.
 
 #import "dispatch.wgsl"
 #import "surface-sample.wgsl"

@@ -29,10 +29,10 @@ fn independent(i: u32) -> [f64; 3] {
     [0, 1, 2].map(|dimension| unit_float(hash2(i, dimension)))
 }
 
-/// Asserts that counts are those of independent draws, and that what has no importance is never drawn.
+/// Asserts that counts are those of independent samples, and that what has no importance is never sampled.
 pub(crate) fn assert_follows(observed: &[u32], expected: &[f64]) {
     for (n, expected) in std::iter::zip(observed, expected) {
-        assert!(*expected > 0.0 || *n == 0, "a texel of no importance was drawn");
+        assert!(*expected > 0.0 || *n == 0, "a texel of no importance was sampled");
     }
     statistics::assert_follows(observed, expected);
 }

@@ -14,7 +14,7 @@ fn flux(texel: u32) -> [f32; 3] {
     [1.0, unit_float(hash(texel)) as f32, 0.0]
 }
 
-/// Draws from a reflective shadow map whose texel i lies at (i, 0, 0).
+/// Samples a reflective shadow map whose texel i lies at (i, 0, 0).
 fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Option<Outputs> {
     let texels = map.len() as u32;
     let layers = texels / (size.0 * size.1);

@@ -21,7 +21,7 @@ struct Run {
     seed: u32,
 }
 
-/// Draws from a reflective shadow map whose texel i lies at (i, 0, 0) and reflects 1 W in red, so that the red of a
+/// Samples a reflective shadow map whose texel i lies at (i, 0, 0) and reflects 1 W in red, so that the red of a
 /// light is texels / N · w / f.
 fn run(map: &[f32], size: (u32, u32), run: Run) -> Option<Outputs> {
     let texels = map.len() as u32;

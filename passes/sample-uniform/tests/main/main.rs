@@ -54,7 +54,7 @@ fn virtual_lights_carry_the_flux_of_the_map() {
     }
 }
 
-/// Lights drawn from a map whose texel i lies at (i, 0, 0) and reflects (1, g(i), 0) W; every third saw nothing.
+/// Lights sampled from a map whose texel i lies at (i, 0, 0) and reflects (1, g(i), 0) W; every third saw nothing.
 fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<VirtualLight>> {
     let array = |format| ResourceDesc::texture_2d_array(format, size, layers);
     let bytes = |texel: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {

@@ -53,7 +53,7 @@ enum Figure {
     /// How much faster 256 imperfect shadow maps of 256² are made than classic ones (points, splats and pull-push
     /// against triangles), and how much faster the frame is
     ShadowMaps,
-    /// How much faster 1,024 lights are drawn by Metropolis-Hastings chains of 5 steps than by the inverse transform
+    /// How much faster 1,024 lights are sampled by Metropolis-Hastings chains of 5 steps than by the inverse transform
     Samplers,
     /// How much faster 4 million points generated on the fly are splatted than as many stored ones
     Points,

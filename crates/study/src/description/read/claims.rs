@@ -80,7 +80,7 @@ impl Grammar<'_, '_> {
         }
     }
 
-    /// Values of axes.
+    /// Reads values of axes.
     fn axes_at(&mut self, node: &Node) -> Pins {
         let entries = self.entries(node, "values of axes: { \"axis\": value }");
         let pair = |(axis, node): (At<String>, &Node)| {

@@ -5,14 +5,14 @@ use super::palette::Ink;
 use super::scale::{Label, Scale, Tick};
 use super::svg::{Anchor, SMALL, Svg, TEXT, Text, text_width};
 
-/// An axis with what is marked on it.
+/// An axis with its ticks.
 pub(super) struct Axis {
     pub(super) scale: Scale,
     pub(super) title: String,
     pub(super) ticks: Vec<Tick>,
 }
 
-/// Where values are drawn [px].
+/// The area in which values are plotted [px].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) left: f64,
@@ -22,12 +22,12 @@ pub(super) struct Frame {
 }
 
 impl Axis {
-    /// With the scale's own ticks.
+    /// Creates an axis with the ticks of its scale.
     pub(super) fn new(scale: Scale, title: String, most: usize) -> Axis {
         Axis { ticks: scale.ticks(most), scale, title }
     }
 
-    /// Room for the labels of a vertical axis, its ticks and its title [px].
+    /// Returns the width that the labels of a vertical axis, its ticks and its title take [px].
     pub(super) fn width(&self) -> f64 {
         let labels = self.ticks.iter().filter_map(|tick| tick.label.as_ref());
         labels.map(Label::width).fold(0.0, f64::max) + 10.0 + if self.title.is_empty() { 0.0 } else { 24.0 }
@@ -45,7 +45,7 @@ impl Label {
     }
 }
 
-/// Room below a frame for the ticks, labels and title of a horizontal axis [px].
+/// Height below a frame for the ticks, labels and title of a horizontal axis [px].
 pub(super) const BELOW: f64 = 46.0;
 
 impl Frame {
@@ -57,12 +57,12 @@ impl Frame {
         self.top + self.height
     }
 
-    /// Place of a value on the horizontal axis [px].
+    /// Returns the position of a value on the horizontal axis [px].
     pub(super) fn x(&self, axis: &Axis, value: f64) -> f64 {
         self.left + self.width * axis.scale.place(value).clamp(0.0, 1.0)
     }
 
-    /// Place of a value on the vertical axis [px].
+    /// Returns the position of a value on the vertical axis [px].
     pub(super) fn y(&self, axis: &Axis, value: f64) -> f64 {
         self.bottom() - self.height * axis.scale.place(value).clamp(0.0, 1.0)
     }
@@ -71,7 +71,7 @@ impl Frame {
         Rect { left: self.left, top: self.top, right: self.right(), bottom: self.bottom() }
     }
 
-    /// Grid lines, ticks, labels and title of the horizontal axis. `with_grid` is false for choices.
+    /// Draws grid lines, ticks, labels and title of the horizontal axis. `with_grid` is false for choices.
     pub(super) fn draw_x(&self, svg: &mut Svg, axis: &Axis, with_grid: bool) {
         let labelled: Vec<(f64, &Label)> = axis
             .ticks
@@ -97,7 +97,7 @@ impl Frame {
         svg.text((self.left + self.width / 2.0, self.bottom() + 38.0), &title);
     }
 
-    /// Grid lines, ticks, labels and title of the vertical axis.
+    /// Draws grid lines, ticks, labels and title of the vertical axis.
     pub(super) fn draw_y(&self, svg: &mut Svg, axis: &Axis) {
         for tick in &axis.ticks {
             let y = self.y(axis, tick.value);

@@ -1,4 +1,4 @@
-//! Horizontal bars from zero, in parts or beside each other, one row for each combination of values.
+//! Horizontal bars from zero, stacked or side by side, with one row for each combination of values.
 
 use super::axis::{Axis, BELOW, Frame};
 use super::legend::{self, Mark};
@@ -7,9 +7,9 @@ use super::scale::Scale;
 use super::svg::{Anchor, SMALL, Svg, TEXT, Text, shortened, text_width};
 
 const WIDTH: f64 = 680.0;
-/// Widest label of a row [px]; longer ones are cut.
+/// Greatest width of the label of a row [px]; longer labels are cut.
 const LABELS: f64 = 210.0;
-/// Thickness of a bar that is alone in its row, and of one among others [px].
+/// Thickness of a bar that is the only one of its row, and of one of several [px].
 const ALONE: f64 = 17.0;
 const AMONG: f64 = 8.0;
 /// Free height of a row [px].
@@ -19,33 +19,33 @@ const HEADING: f64 = 24.0;
 
 /// A chart of bars.
 pub(in crate::report) struct BarChart {
-    /// What it shows, for those who cannot see it.
+    /// A text alternative for readers who cannot see the chart.
     pub(in crate::report) about: String,
     /// Title of the axis, with its unit.
     pub(in crate::report) title: String,
-    /// Rows by heading: a heading is drawn where it differs from the row's before and rows have labels.
+    /// The rows: a heading is drawn where it differs from that of the row before and rows have labels.
     pub(in crate::report) rows: Vec<BarRow>,
-    /// Names of what the parts are.
+    /// Names of the segments.
     pub(in crate::report) legend: Vec<(Ink, String)>,
 }
 
 /// A row of bars.
 pub(in crate::report) struct BarRow {
     pub(in crate::report) heading: String,
-    /// Empty where the heading says all.
+    /// The label; empty if the heading suffices.
     pub(in crate::report) label: String,
-    /// From the top; each in parts from the left.
+    /// The bars from the top, each as segments from the left.
     pub(in crate::report) bars: Vec<Vec<Segment>>,
-    /// Stands behind the longest bar.
+    /// Text behind the longest bar.
     pub(in crate::report) total: String,
 }
 
-/// A part of a bar.
+/// A segment of a bar.
 pub(in crate::report) struct Segment {
     pub(in crate::report) ink: Ink,
     /// At least 0.
     pub(in crate::report) value: f64,
-    /// What a reader is told who asks about it.
+    /// Text that is shown when the pointer is over the segment.
     pub(in crate::report) tip: String,
 }
 
@@ -58,20 +58,20 @@ impl BarRow {
         self.bars.len().max(1) as f64 * self.thickness() + GAP
     }
 
-    /// The value at which the longest bar ends.
+    /// Returns the value at which the longest bar ends.
     fn end(&self) -> f64 {
         let length = |bar: &Vec<Segment>| bar.iter().map(|segment| segment.value).sum();
         self.bars.iter().map(length).fold(0.0, f64::max)
     }
 
-    /// What stands left of the bars.
+    /// Returns the text on the left of the bars.
     fn name(&self) -> &str {
         if self.label.is_empty() { &self.heading } else { &self.label }
     }
 }
 
 impl BarChart {
-    /// The SVG file.
+    /// Returns the SVG file.
     pub(in crate::report) fn svg(&self) -> String {
         let greatest = self.rows.iter().map(BarRow::end).fold(0.0, f64::max);
         let totals = self.rows.iter().map(|row| text_width(&row.total, SMALL)).fold(0.0, f64::max);
@@ -107,7 +107,7 @@ impl BarChart {
         svg.finish((WIDTH, below + legend + 6.0), &self.about)
     }
 
-    /// The line above a row, where one is due.
+    /// Returns the heading above a row, if there is one.
     fn heading(&self, row: usize) -> Option<&str> {
         let BarRow { heading, label, .. } = &self.rows[row];
         let continued = row > 0 && self.rows[row - 1].heading == *heading;

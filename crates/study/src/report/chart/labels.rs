@@ -1,4 +1,4 @@
-//! Labels that do not lie on each other.
+//! Places labels so that they do not overlap.
 
 /// A rectangle: left, top, right, bottom [px].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +10,7 @@ pub(super) struct Rect {
 }
 
 impl Rect {
-    /// Around a centre.
+    /// Creates a rectangle around a centre.
     pub(super) fn around((x, y): (f64, f64), width: f64, height: f64) -> Rect {
         Rect {
             left: x - width / 2.0,
@@ -35,8 +35,8 @@ impl Rect {
     }
 }
 
-/// Which of the labels along an axis are shown: from the first on, each that keeps a gap from the one before.
-/// `labels` are centre and width [px], by centre.
+/// Returns which of the labels along an axis are shown: from the first one on, each that keeps a gap from the
+/// one before. `labels` are centre and width [px], sorted by centre.
 pub(super) fn thinned(labels: &[(f64, f64)], gap: f64) -> Vec<bool> {
     let mut free = f64::NEG_INFINITY;
     let fits = |&(centre, width): &(f64, f64)| {
@@ -49,7 +49,7 @@ pub(super) fn thinned(labels: &[(f64, f64)], gap: f64) -> Vec<bool> {
     labels.iter().map(fits).collect()
 }
 
-/// A label that is to stand beside a point.
+/// A label to be placed beside a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
     pub(super) point: (f64, f64),
@@ -57,8 +57,9 @@ pub(super) struct Wanted {
     pub(super) height: f64,
 }
 
-/// The centre of each label beside its point: above right, below left, above, below, right, left, whichever is
-/// the first that is inside `area` and free; `None` where none is. `taken` is what they must not cover.
+/// Returns the centre of each label beside its point: above right, below left, above, below, right or left,
+/// whichever is the first that is inside `area` and free; `None` if none is. `taken` are areas that labels
+/// must not cover.
 pub(super) fn beside(labels: &[Wanted], area: Rect, taken: &[Rect]) -> Vec<Option<(f64, f64)>> {
     const REACH: f64 = 7.0;
     let mut taken = taken.to_vec();

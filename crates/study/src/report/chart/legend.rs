@@ -1,4 +1,4 @@
-//! Rows of names with their mark.
+//! Legends: rows of names with their marks.
 
 use super::palette::{self, Ink};
 use super::svg::{Anchor, SMALL, Svg, Text, shortened, text_width};
@@ -10,7 +10,7 @@ const MARK: f64 = 24.0;
 const GAP: f64 = 6.0;
 const BETWEEN: f64 = 18.0;
 
-/// What stands for an entry.
+/// The mark of an entry.
 #[derive(Clone, Copy)]
 pub(super) enum Mark {
     /// Line and marker of a series.
@@ -25,7 +25,7 @@ pub(super) enum Mark {
     Floor,
 }
 
-/// Draws entries from the left, as many to a row as fit in `width`; gives the height that they take [px].
+/// Draws entries from the left, as many per row as fit in `width`; returns the height that they take [px].
 pub(super) fn draw(svg: &mut Svg, (left, top): (f64, f64), width: f64, entries: &[(Mark, String)]) -> f64 {
     let (mut x, mut y) = (left, top);
     for (mark, name) in entries {

@@ -1,11 +1,11 @@
-//! Colours and shapes that stay apart for colour-blind readers, on paper and on a dark page.
+//! Colours and shapes that are distinguishable for colour-blind readers, on paper and on a dark page.
 
 use std::fmt::Write;
 
-/// What a mark is painted with.
+/// The colour role of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::report) enum Ink {
-    /// The ground.
+    /// The background.
     Paper,
     /// Text and axes.
     Text,
@@ -17,14 +17,15 @@ pub(in crate::report) enum Ink {
     Series(usize),
     /// A part of a stack, by index below [`MOST_PARTS`].
     Part(usize),
-    /// The parts that have no colour of their own.
+    /// Segments that have no colour of their own.
     Rest,
 }
 
-/// A colour on white and on a dark ground.
+/// A colour on a white and on a dark background.
 type Pair = (&'static str, &'static str);
 
-/// Okabe and Ito 2008, without yellow, which is lost on white; then wine, indigo and olive of Tol's muted scheme (2021).
+/// Okabe and Ito 2008, without yellow, which is invisible on white; then wine, indigo and olive of Tol's
+/// muted scheme (2021).
 const SERIES: [Pair; MOST_COLOURS] = [
     ("#0072b2", "#4aa3e0"),
     ("#d55e00", "#ff8b42"),
@@ -58,7 +59,7 @@ const PARTS: [Pair; MOST_PARTS] = [
 pub(in crate::report) const MOST_PARTS: usize = 9;
 
 impl Ink {
-    /// Name of the CSS variable and ending of the classes.
+    /// Returns the name of the CSS variable, which is also the ending of the classes.
     fn name(self) -> String {
         match self {
             Ink::Paper => "paper".to_owned(),
@@ -84,7 +85,7 @@ impl Ink {
     }
 }
 
-/// `class`, `fill` and `stroke` of an element.
+/// Returns `class`, `fill` and `stroke` of an element.
 pub(super) fn paint(fill: Option<Ink>, stroke: Option<Ink>) -> String {
     let class = |letter: char, ink: Option<Ink>| ink.map(|ink| format!("{letter}-{}", ink.name()));
     let classes: Vec<String> = [class('f', fill), class('k', stroke)].into_iter().flatten().collect();
@@ -99,16 +100,16 @@ pub(super) fn paint(fill: Option<Ink>, stroke: Option<Ink>) -> String {
 /// Dashes of lines, as in `stroke-dasharray`; the first is none.
 const DASHES: [&str; MOST_DASHES] = ["", "7 3", "2 3", "9 3 2 3"];
 
-/// How many lines of one series can be told apart.
+/// The number of lines of one series that can be distinguished.
 pub(in crate::report) const MOST_DASHES: usize = 4;
 
-/// Dashes of a line.
+/// Returns the dashes of a line.
 pub(super) fn dashes(line: usize) -> &'static str {
     DASHES[line % DASHES.len()]
 }
 
-/// Rules of CSS that give each class its colour on a light and on a dark page, and the colours as variables
-/// for the page itself.
+/// Returns CSS rules that give each class its colour on a light and on a dark page, and the colours as
+/// variables for the page itself.
 pub(in crate::report) fn style_sheet() -> String {
     let fixed = [Ink::Paper, Ink::Text, Ink::Faint, Ink::Grid, Ink::Rest];
     let series = (0..SERIES.len()).map(Ink::Series);
@@ -123,7 +124,7 @@ pub(in crate::report) fn style_sheet() -> String {
     format!(":root {{\n{variables}}}\n{rules}")
 }
 
-/// Outline of the marker of a series, of about `radius`, as path data.
+/// Returns the outline of the marker of a series, with a radius of about `radius`, as path data.
 pub(super) fn marker(series: usize, (x, y): (f64, f64), radius: f64) -> String {
     let polygon = |corners: &[(f64, f64)]| {
         let mut path = String::new();

@@ -1,22 +1,22 @@
-//! From values to places along an axis, and the values that are marked there.
+//! Maps values to positions along an axis, and chooses the ticks.
 
 use crate::report::number::order;
 
-/// More than this ratio between greatest and smallest makes an axis logarithmic.
+/// An axis is logarithmic if the ratio between its greatest and smallest value is greater than this.
 const DECADE: f64 = 10.0;
 
-/// The values that an axis covers.
+/// The range of values of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scale {
-    /// From `low` to `high`, evenly.
+    /// From `low` to `high`, linearly.
     Linear { low: f64, high: f64 },
-    /// From `low` > 0 to `high`, by ratio. What is not above 0 stands at the low end.
+    /// From `low` > 0 to `high`, logarithmically. Values that are not above 0 are placed at the low end.
     Log { low: f64, high: f64 },
     /// Choices 0, 1, … `count` − 1, each in the middle of its band.
     Bands { count: usize },
 }
 
-/// A marked value.
+/// A tick.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tick {
     pub(super) value: f64,
@@ -24,7 +24,7 @@ pub(super) struct Tick {
     pub(super) label: Option<Label>,
 }
 
-/// A number under an axis: `0.5`, or `2·10` to a power.
+/// The label of a tick: `0.5`, or `2·10` with an exponent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Label {
     pub(super) text: String,
@@ -32,7 +32,7 @@ pub(super) struct Label {
 }
 
 impl Scale {
-    /// Covers finite values: by ratio where they span more than a decade and none is negative.
+    /// Returns a scale for finite values: logarithmic if they span more than a decade and none is negative.
     pub(super) fn fit(values: impl Iterator<Item = f64> + Clone) -> Scale {
         let finite = values.filter(|value| value.is_finite());
         let (low, high) = extent(finite.clone());
@@ -49,12 +49,12 @@ impl Scale {
             return Scale::Linear { low: (low - margin).min(0.0), high: (high + margin).max(0.0) };
         }
         let margin = 0.06 * (high - low);
-        // Zero belongs to a quantity that has it nearby.
+        // A range begins at zero if it comes near zero.
         let from = if low >= 0.0 && low <= 0.6 * high { 0.0 } else { low - margin };
         Scale::Linear { low: from, high: high + margin }
     }
 
-    /// From the least to the greatest of finite values, evenly.
+    /// Returns a linear scale from the least to the greatest of finite values.
     pub(super) fn across(values: impl Iterator<Item = f64>) -> Scale {
         let (low, high) = extent(values.filter(|value| value.is_finite()));
         if low > high {
@@ -64,12 +64,12 @@ impl Scale {
         Scale::Linear { low: low - margin, high: high + margin }
     }
 
-    /// From 0, for bars.
+    /// Returns a linear scale from 0, for bars.
     pub(super) fn from_zero(high: f64) -> Scale {
         Scale::Linear { low: 0.0, high: if high > 0.0 && high.is_finite() { high } else { 1.0 } }
     }
 
-    /// Place of a value, 0..=1 for those that the axis covers.
+    /// Returns the position of a value, 0..=1 for those within the range.
     pub(super) fn place(&self, value: f64) -> f64 {
         match *self {
             Scale::Linear { low, high } => (value - low) / (high - low),
@@ -79,12 +79,12 @@ impl Scale {
         }
     }
 
-    /// Whether a value has a place of its own.
+    /// Returns whether a value has its own position.
     pub(super) fn holds(&self, value: f64) -> bool {
         !matches!(self, Scale::Log { .. }) || value > 0.0
     }
 
-    /// Marked values in order, of which about `most` are labelled. Bands have none of their own.
+    /// Returns the ticks in order, about `most` of them with labels. Bands have none.
     pub(super) fn ticks(&self, most: usize) -> Vec<Tick> {
         match *self {
             Scale::Linear { low, high } => linear_ticks(low, high, most.max(1)),
@@ -94,7 +94,7 @@ impl Scale {
     }
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten.
+/// Returns multiples of 1, 2 or 5 times a power of ten.
 fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let rough = (high - low) / most as f64;
     let power = 10_f64.powi(order(rough));
@@ -110,7 +110,8 @@ fn linear_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// Decades; within few of them 2 and 5 as well. The other multiples are minor.
+/// Returns powers of ten, and multiples of 2 and 5 if there are few of them. The other multiples are minor
+/// ticks.
 fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let inside = |value: f64| value >= low * 0.999 && value <= high * 1.001;
@@ -125,7 +126,7 @@ fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
     let mut ticks = Vec::new();
     for power in first..=last {
         for multiple in 1..=multiples {
-            // By division for small powers: 3·10⁻¹ is 0.3 and not 0.30000000000000004.
+            // Small powers are computed by division: 3·10⁻¹ is 0.3 and not 0.30000000000000004.
             let decade = 10_f64.powi(power.abs());
             let value = if power < 0 { f64::from(multiple) / decade } else { f64::from(multiple) * decade };
             if inside(value) {
@@ -139,7 +140,7 @@ fn log_ticks(low: f64, high: f64, most: usize) -> Vec<Tick> {
 }
 
 impl Label {
-    /// A multiple of `step` on an axis whose values reach `greatest`.
+    /// Creates the label of a multiple of `step` on an axis whose values reach `greatest`.
     fn new(value: f64, step: f64, greatest: f64) -> Label {
         let power = order(greatest);
         if value != 0.0 && !(-3..6).contains(&power) {
@@ -151,7 +152,7 @@ impl Label {
         Label { text: minus(format!("{value:.places$}")), exponent: None }
     }
 
-    /// A number as it was given.
+    /// Creates a label with the number as given.
     pub(super) fn plain(text: &str) -> Label {
         Label { text: text.to_owned(), exponent: None }
     }

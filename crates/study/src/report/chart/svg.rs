@@ -10,12 +10,12 @@ pub(super) const TEXT: f64 = 13.0;
 pub(super) const SMALL: f64 = 11.5;
 pub(super) const TINY: f64 = 10.0;
 
-/// A picture in the making.
+/// An SVG file that is being written.
 pub(super) struct Svg {
     body: String,
 }
 
-/// Which end of a text stands at its place.
+/// Which end of a text is at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -23,17 +23,17 @@ pub(super) enum Anchor {
     End,
 }
 
-/// Text with its look.
+/// Text with its style.
 #[derive(Clone, Copy)]
 pub(super) struct Text<'a> {
     pub(super) text: &'a str,
-    /// A power, written above.
+    /// An exponent, set as a superscript.
     pub(super) exponent: Option<i32>,
     pub(super) size: f64,
     pub(super) ink: Ink,
     pub(super) anchor: Anchor,
     pub(super) bold: bool,
-    /// Reads upwards.
+    /// Whether it is rotated to be read upwards.
     pub(super) upright: bool,
 }
 
@@ -60,7 +60,7 @@ impl Svg {
         );
     }
 
-    /// `dashes` as in `stroke-dasharray`; empty for none.
+    /// Adds a path. `dashes` as in `stroke-dasharray`; empty for none.
     pub(super) fn path(&mut self, data: &str, fill: Option<Ink>, stroke: Option<(Ink, f64)>, dashes: &str) {
         let _ = write!(self.body, "<path d=\"{data}\"{}", paint(fill, stroke.map(|(ink, _)| ink)));
         if let Some((_, width)) = stroke {
@@ -84,7 +84,7 @@ impl Svg {
         );
     }
 
-    /// The place is on the base line.
+    /// Adds text. The position is on the base line.
     pub(super) fn text(&mut self, (x, y): (f64, f64), text: &Text<'_>) {
         let _ = write!(self.body, "<text x=\"{}\" y=\"{}\" font-size=\"{}\"", n(x), n(y), text.size);
         self.body.push_str(&paint(Some(text.ink), None));
@@ -108,7 +108,7 @@ impl Svg {
         self.body.push_str("</text>\n");
     }
 
-    /// A group of a class, which a reader may ask about: `tip` is shown over it.
+    /// Opens a group with a class; `tip` is shown when the pointer is over it.
     pub(super) fn open(&mut self, class: &str, tip: &str) {
         let _ = write!(self.body, "<g class=\"{class}\">");
         if !tip.is_empty() {
@@ -121,7 +121,7 @@ impl Svg {
         self.body.push_str("</g>\n");
     }
 
-    /// The file's text. `label` says what the chart shows to those who cannot see it.
+    /// Returns the text of the file. `label` is a text alternative for readers who cannot see the chart.
     pub(super) fn finish(self, (width, height): (f64, f64), label: &str) -> String {
         let (width, height) = (width.ceil(), height.ceil());
         format!(
@@ -134,7 +134,8 @@ impl Svg {
     }
 }
 
-/// Width of a text [px], estimated for a sans-serif font: files have to look alike on machines with others.
+/// Returns an estimate of the width of a text [px] in a sans-serif font; files must look alike on all
+/// machines.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let advance = |c: char| match c {
         'i' | 'j' | 'l' | 'I' | '.' | ',' | ':' | ';' | '\'' | '|' | '!' => 0.28,
@@ -147,7 +148,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().map(advance).sum::<f64>() * size
 }
 
-/// Cut to a width [px], with an ellipsis where something is missing.
+/// Returns a text cut to a width [px], with an ellipsis if something is missing.
 pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
     if text_width(text, size) <= most {
         return text.to_owned();
@@ -163,7 +164,7 @@ pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
     kept.trim_end().to_owned() + "…"
 }
 
-/// A coordinate: at most two places, no trailing zeros, never `-0`.
+/// Formats a coordinate: at most two decimals, no trailing zeros, never `-0`.
 pub(super) fn n(value: f64) -> String {
     let rounded = (value * 100.0).round() / 100.0;
     if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() }

@@ -1,4 +1,4 @@
-//! Points with intervals over two axes, joined to lines, with the Pareto front.
+//! Charts of points with intervals over two axes, joined by lines, with the Pareto front.
 
 use std::fmt::Write;
 
@@ -13,57 +13,57 @@ use super::svg::{Anchor, SMALL, Svg, TINY, Text, n, text_width};
 const WIDTH: f64 = 680.0;
 const HEIGHT: f64 = 400.0;
 const RADIUS: f64 = 4.8;
-/// A line of more points has small markers, through which it can be seen.
+/// A line of more points than this has small markers, so that it stays visible.
 const DENSE: usize = 20;
 const SMALL_RADIUS: f64 = 2.4;
-/// A line of more has none: they would be most of the file.
+/// A line of more points than this has no markers: they would be most of the file.
 const MOST_MARKED: usize = 256;
 
 /// A chart over two axes.
 pub(in crate::report) struct XyChart {
-    /// What it shows, for those who cannot see it.
+    /// A text alternative for readers who cannot see the chart.
     pub(in crate::report) about: String,
     pub(in crate::report) x: XyAxis,
     pub(in crate::report) y: XyAxis,
-    /// One a pipeline.
+    /// One series per pipeline.
     pub(in crate::report) series: Vec<Series>,
-    /// Corners of the Pareto front, by x; empty for none.
+    /// Corners of the Pareto front, sorted by x; empty for none.
     pub(in crate::report) front: Vec<(f64, f64)>,
-    /// Whether larger y is better: then the front begins at the bottom.
+    /// Whether larger y is better: if so, the front begins at the bottom.
     pub(in crate::report) front_rises: bool,
-    /// What the dashes of lines stand for, by [`Line::dashes`]; empty where they say nothing.
+    /// The meaning of the dashes of lines, by [`Line::dashes`]; empty if they have none.
     pub(in crate::report) dashes: Vec<String>,
-    /// The error of the reference itself, drawn where the axis reaches it.
+    /// The error of the reference itself, drawn if it is within the axis.
     pub(in crate::report) floor: Option<f64>,
 }
 
-/// Title and kind of an axis.
+/// Title and type of an axis.
 pub(in crate::report) struct XyAxis {
     pub(in crate::report) title: String,
     pub(in crate::report) kind: AxisKind,
 }
 
-/// What stands on an axis.
+/// The type of the values on an axis.
 pub(in crate::report) enum AxisKind {
     /// A quantity.
     Quantity,
     /// Whole numbers, one after another.
     Count,
-    /// A quantity of which these values are marked.
+    /// A quantity with ticks at these values.
     Values(Vec<f64>),
-    /// Choices by name; points stand at 0, 1, …
+    /// Choices by name; points are at 0, 1, …
     Choices(Vec<String>),
 }
 
 /// The points of one pipeline.
 pub(in crate::report) struct Series {
     pub(in crate::report) name: String,
-    /// Decides colour and marker.
+    /// Determines colour and marker.
     pub(in crate::report) index: usize,
     pub(in crate::report) lines: Vec<Line>,
 }
 
-/// Points that are joined, in order.
+/// Points that are joined by lines, in order.
 pub(in crate::report) struct Line {
     pub(in crate::report) points: Vec<Point>,
     /// Index of its dashes, below [`MOST_DASHES`](super::MOST_DASHES).
@@ -79,18 +79,18 @@ pub(in crate::report) struct Point {
     pub(in crate::report) x_half: f64,
     /// Half the width of the interval of y; 0 for none.
     pub(in crate::report) y_half: f64,
-    /// Stands beside the point where there is room; empty for none.
+    /// Text beside the point, if there is room; empty for none.
     pub(in crate::report) label: String,
-    /// What a reader is told who asks about the point.
+    /// Text that is shown when the pointer is over the point.
     pub(in crate::report) tip: String,
 }
 
 impl XyChart {
-    /// The SVG file.
+    /// Returns the SVG file.
     pub(in crate::report) fn svg(&self) -> String {
         let points = || self.points();
         let ends = |value: f64, half: f64| [value, value - half, value + half];
-        // An interval that reaches below zero does not make an axis linear, it is cut.
+        // An interval that reaches below zero does not make an axis linear; it is cut.
         let reach = |value: f64, half: f64| {
             ends(value, half).into_iter().filter(move |end| value < 0.0 || *end > 0.0 || *end == value)
         };
@@ -133,7 +133,7 @@ impl XyChart {
         self.series.iter().flat_map(|series| &series.lines).flat_map(|line| &line.points)
     }
 
-    /// Whether the axis reaches it.
+    /// Draws the error of the reference, and returns whether it is within the axis.
     fn draw_floor(&self, svg: &mut Svg, frame: Frame, y: &Axis) -> bool {
         let reached = self.floor.filter(|&floor| {
             let place = y.scale.place(floor);
@@ -146,7 +146,7 @@ impl XyChart {
         reached.is_some()
     }
 
-    /// Stairs: with so much time, no less error was measured.
+    /// Draws the Pareto front as steps: with this much time, no smaller error was measured.
     fn draw_front(&self, svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis) {
         let Some(&(first, _)) = self.front.first() else { return };
         let start = if self.front_rises { frame.bottom() } else { frame.top };
@@ -214,7 +214,7 @@ fn draw_series(svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis, series: &Series)
     svg.close();
 }
 
-/// The intervals of a point as path data. An end that lies outside the axis has no cap.
+/// Returns the intervals of a point as path data. An end outside the axis has no cap.
 fn whiskers(frame: Frame, x: &Axis, y: &Axis, point: &Point) -> String {
     const CAP: f64 = 3.5;
     let (px, py) = (frame.x(x, point.x), frame.y(y, point.y));

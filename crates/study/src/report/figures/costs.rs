@@ -1,4 +1,4 @@
-//! What combinations cost: GPU time of each pass, and memory.
+//! Charts of costs: GPU time of each pass, and memory.
 
 use super::{Figure, Kind, file};
 use crate::Memory;
@@ -7,10 +7,10 @@ use crate::report::digest::{Digest, Row};
 use crate::report::number;
 use frame_graph::human_bytes;
 
-/// Rows of one chart at most; the next ones have a chart of their own.
+/// The greatest number of rows of a chart; further rows get their own chart.
 const MOST_ROWS: usize = 32;
 
-/// GPU time of a scene's rows, by pass.
+/// Returns charts of the GPU time of a scene's rows, by pass.
 pub(super) fn passes(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
     let inks = Inks::new(digest);
     let rows: Vec<(BarRow, Vec<String>)> = digest
@@ -54,7 +54,7 @@ pub(super) fn passes(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
     })
 }
 
-/// Memory of a scene's rows.
+/// Returns charts of the memory of a scene's rows.
 pub(super) fn memory(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
     let most = |row: &Row<'_>| {
         row.done().map(|cell| cell.memory).fold(Memory::default(), |a, b| Memory {
@@ -103,7 +103,7 @@ pub(super) fn memory(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
     })
 }
 
-/// What there is to tell of memory, from the top.
+/// Returns the bars for memory, from the top.
 fn kinds(memory: &Memory) -> [(&'static str, Ink, u64); 4] {
     [
         ("unshared", Ink::Rest, memory.unshared),
@@ -113,8 +113,8 @@ fn kinds(memory: &Memory) -> [(&'static str, Ink, u64); 4] {
     ]
 }
 
-/// Rows in charts of a bearable length. `figure` takes rows, the passes in them, how the chart is called among
-/// the others, and what tells its file from theirs.
+/// Splits rows into charts of limited length. `figure` takes the rows, the passes in them, the name of the
+/// chart among the others, and the part of the file name that distinguishes it.
 fn charts(
     rows: Vec<(BarRow, Vec<String>)>,
     figure: impl Fn(Vec<BarRow>, Vec<String>, String, &str) -> Figure,
@@ -143,9 +143,9 @@ fn bar_row(digest: &Digest<'_>, row: &Row<'_>, bars: Vec<Vec<Segment>>, total: S
     }
 }
 
-/// Colours of passes, the same in all charts of a study: the costliest have one of their own.
+/// Colours of passes, the same in all charts of a study: the most expensive passes have their own.
 struct Inks {
-    /// In the order of the plans.
+    /// The passes with their own colours, in the order of the plans.
     coloured: Vec<String>,
 }
 
@@ -169,7 +169,7 @@ impl Inks {
         self.coloured.iter().position(|name| name == pass).map_or(Ink::Rest, Ink::Part)
     }
 
-    /// Entries for the passes in use; the ones without colour together.
+    /// Returns legend entries for the passes in use; those without a colour share one.
     fn legend(&self, used: &[String]) -> Vec<(Ink, String)> {
         let own = self.coloured.iter().filter(|name| used.contains(name));
         let mut legend: Vec<(Ink, String)> = own.map(|name| (self.of(name), name.clone())).collect();

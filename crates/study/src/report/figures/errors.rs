@@ -7,10 +7,11 @@ use crate::report::digest::{Digest, Row, label_with_unit};
 use crate::report::number::{self, Measured};
 use crate::{AxisValue, Better, MeasureInfo};
 
-/// For each axis and measure of a scene, so many combinations of the other axes have a chart at most.
+/// The greatest number of charts for an axis and a measure of a scene: one for each combination of the other
+/// axes.
 pub(super) const MOST_COMBINATIONS: usize = 16;
 
-/// Each error of a scene against GPU time.
+/// Returns charts of each error of a scene against GPU time.
 pub(super) fn against_time(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
     let varied = digest.varied();
     let joined = varied.iter().copied().find(|&axis| is_numeric(&digest.taken[axis]));
@@ -95,8 +96,8 @@ fn time_chart(
     })
 }
 
-/// Each measure of a scene against each axis, for each combination of the other axes; and how many charts were
-/// left out.
+/// Returns charts of each measure of a scene against each axis, for each combination of the other axes, and
+/// the number of charts that were left out.
 pub(super) fn against_axes(digest: &Digest<'_>, scene: usize) -> (Vec<Figure>, usize) {
     let leading = digest.leading();
     let (mut figures, mut left_out) = (Vec::new(), 0);
@@ -186,8 +187,8 @@ fn axis_chart(
     })
 }
 
-/// A series for each pipeline, with a line for each combination of its values on `rest`, along `axis` by rising
-/// value.
+/// Returns a series for each pipeline, with a line for each combination of its values on `rest`, along `axis`
+/// in ascending order.
 fn series(
     digest: &Digest<'_>,
     scene: usize,
@@ -200,7 +201,7 @@ fn series(
         for row in digest.of_scene(scene).filter(|row| row.pipeline == index) {
             let Some(point) = point(row) else { continue };
             let key = group(row, rest);
-            // Without an axis to join along, each point is a line of its own.
+            // Without an axis along which to join points, each point is its own line.
             match lines.iter_mut().find(|(other, _)| axis.is_some() && *other == key) {
                 Some((_, line)) => line.push((row, point)),
                 None => lines.push((key, vec![(row, point)])),
@@ -225,7 +226,8 @@ fn series(
     digest.pipelines.iter().enumerate().filter_map(one).collect()
 }
 
-/// The corners of the Pareto front, by rising x: less x is better, and y as it says.
+/// Returns the corners of the Pareto front in ascending order of x: smaller x is better; for y, `better`
+/// decides.
 fn pareto(points: &[(f64, f64)], better: Better) -> Vec<(f64, f64)> {
     let sign = match better {
         Better::Lower => 1.0,
@@ -246,12 +248,12 @@ fn pareto(points: &[(f64, f64)], better: Better) -> Vec<(f64, f64)> {
 /// Values on some axes.
 pub(super) type Combination<'a> = Vec<Option<&'a AxisValue>>;
 
-/// The values of a row on some axes.
+/// Returns the values of a row on some axes.
 pub(super) fn group<'a>(row: &Row<'a>, axes: &[usize]) -> Combination<'a> {
     axes.iter().map(|&axis| row.values[axis]).collect()
 }
 
-/// The combinations that rows take on some axes, in order.
+/// Returns the combinations of values of rows on some axes, in order.
 pub(super) fn combinations<'a: 'b, 'b>(
     rows: impl Iterator<Item = &'b Row<'a>>,
     axes: &[usize],
@@ -273,7 +275,7 @@ fn points(series: &[Series]) -> Vec<&Point> {
 /// The measure in which the noise of references is reported.
 const NOISE: &str = "rel-mse";
 
-/// The noise of the worst reference of a scene.
+/// Returns the noise of the worst reference of a scene.
 fn noise(digest: &Digest<'_>, scene: usize) -> Option<f64> {
     let references = digest.results.study.references.iter();
     let noise = references.filter(|r| r.scene == digest.scenes[scene]).filter_map(|r| r.noise);

@@ -1,4 +1,4 @@
-//! Measures of each frame of scenes that move.
+//! Charts of measures over the frames of scenes that move.
 
 use super::errors::{Combination, combinations, group, tip};
 use super::{Figure, Kind, file};
@@ -6,7 +6,7 @@ use crate::report::chart::{AxisKind, Line, MOST_COLOURS, MOST_DASHES, Point, Ser
 use crate::report::digest::{Digest, Row, label_with_unit};
 use crate::{Interval, MeasureInfo};
 
-/// Each measure of a scene over the number of the frame.
+/// Returns charts of each measure of a scene over the frame number.
 pub(super) fn frames(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
     let measures = digest.results.study.measures.iter();
     measures.flat_map(|measure| Walk::new(digest, scene, measure).figures()).collect()
@@ -21,7 +21,7 @@ struct Walk<'a> {
     curves: Vec<Curve<'a>>,
 }
 
-/// A row with what was measured of its frames, by number.
+/// A row with the measurements of its frames, by frame number.
 type Curve<'a> = (&'a Row<'a>, Vec<(u32, Interval)>);
 
 impl<'a> Walk<'a> {
@@ -31,8 +31,8 @@ impl<'a> Walk<'a> {
         Walk { digest, scene, measure, varied: digest.varied(), curves }
     }
 
-    /// A chart for as many combinations of values as can be told apart in one: by dashes, or, of a pipeline alone, by
-    /// colours.
+    /// Returns charts with as many combinations of values each as can be distinguished: by dashes, or, for a
+    /// single pipeline, by colours.
     fn figures(&self) -> Vec<Figure> {
         let combinations = combinations(self.curves.iter().map(|(row, _)| *row), &self.varied);
         let mut pipelines = self.curves.iter().map(|(row, _)| row.pipeline);
@@ -53,7 +53,7 @@ impl<'a> Walk<'a> {
             .collect()
     }
 
-    /// The figure of some combinations; `only` is the pipeline of all curves where there is one.
+    /// Returns the chart of some combinations; `only` is the pipeline of all curves if there is only one.
     fn figure(&self, shown: &[Combination<'_>], only: Option<usize>, part: usize, choice: String) -> Figure {
         let (digest, measure) = (self.digest, self.measure);
         let name = digest.scenes[self.scene];
@@ -84,7 +84,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Colours are pipelines, dashes combinations.
+    /// Returns series whose colours are pipelines and whose dashes are combinations.
     fn by_pipeline(&self, shown: &[Combination<'_>]) -> Vec<Series> {
         let one = |(index, name): (usize, &&str)| {
             let own = self.curves.iter().filter(|(row, _)| row.pipeline == index);
@@ -98,7 +98,7 @@ impl<'a> Walk<'a> {
         self.digest.pipelines.iter().enumerate().filter_map(one).collect()
     }
 
-    /// Colours are combinations.
+    /// Returns series whose colours are combinations.
     fn by_combination(&self, shown: &[Combination<'_>]) -> Vec<Series> {
         let one = |(index, values): (usize, &Combination<'_>)| {
             let lines = self.at(values).map(|curve| self.lines(curve, 0)).unwrap_or_default();
@@ -107,7 +107,7 @@ impl<'a> Walk<'a> {
         shown.iter().enumerate().map(one).collect()
     }
 
-    /// The first curve of a combination.
+    /// Returns the first curve of a combination.
     fn at(&self, values: &Combination<'_>) -> Option<&Curve<'a>> {
         self.curves.iter().find(|(row, _)| group(row, &self.varied) == *values)
     }
@@ -116,7 +116,7 @@ impl<'a> Walk<'a> {
         self.at(values).map(|(row, _)| self.digest.values_text(row, &self.varied)).unwrap_or_default()
     }
 
-    /// A curve, broken where a frame has no value.
+    /// Returns the lines of a curve, interrupted where a frame has no value.
     fn lines(&self, (row, frames): &Curve<'_>, dashes: usize) -> Vec<Line> {
         let point = |(frame, value): &(u32, Interval)| {
             let values = [(self.measure.label.as_str(), self.measure.unit.as_str(), value)];

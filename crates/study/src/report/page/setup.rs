@@ -1,4 +1,5 @@
-//! What was compared with what, how it came about, and where every figure is from.
+//! The sections on the setup: what was compared, how the results were obtained, and the source of each
+//! number.
 
 use std::fmt::Write;
 
@@ -7,10 +8,11 @@ use crate::report::escape::html;
 use crate::report::number;
 use crate::{Better, Cell, Outcome, Results};
 
-/// Characters of provenance of all cells together; the rest is in the study's folder.
+/// The greatest number of characters of provenance for all cells together; the rest is only in the study's
+/// folder.
 const MOST_PROVENANCE: usize = 4_000_000;
 
-/// What the pipelines differ in.
+/// Returns the section on the differences between the pipelines.
 pub(super) fn differences(results: &Results) -> String {
     let mut out = String::new();
     for difference in &results.study.differences {
@@ -25,7 +27,7 @@ pub(super) fn differences(results: &Results) -> String {
     if out.is_empty() { "<p class=note>There is one pipeline.</p>\n".to_owned() } else { out }
 }
 
-/// Where the references are from, and how good they are.
+/// Returns the section on the sources and the noise of the references.
 pub(super) fn references(results: &Results) -> String {
     if results.study.references.is_empty() {
         return "<p class=note>This study has no reference.</p>\n".to_owned();
@@ -58,7 +60,7 @@ pub(super) fn references(results: &Results) -> String {
     out + "</tbody></table></div>\n"
 }
 
-/// Scenes, pipelines, axes, and the description itself.
+/// Returns the section on scenes, pipelines, axes, and the study file itself.
 pub(super) fn setup(results: &Results) -> String {
     let study = &results.study;
     let mut out = String::from("<h3>Scenes</h3>\n");
@@ -99,7 +101,7 @@ pub(super) fn setup(results: &Results) -> String {
     out
 }
 
-/// What the measures are.
+/// Returns the section on the measures.
 pub(super) fn measures(digest: &Digest<'_>) -> String {
     let rows = digest.results.study.measures.iter().map(|measure| {
         let better = match measure.better {
@@ -114,7 +116,7 @@ pub(super) fn measures(digest: &Digest<'_>) -> String {
     format!("<details><summary>What the measures are</summary>\n{table}</details>\n")
 }
 
-/// Every cell, with what made it.
+/// Returns the section on all cells, with their provenance.
 pub(super) fn cells(digest: &Digest<'_>) -> String {
     let results = digest.results;
     if results.cells.is_empty() {
@@ -174,7 +176,7 @@ fn outcome(cell: &Cell) -> (&'static str, String) {
     }
 }
 
-/// Provenance that folds out: JSON by member, other text as it is.
+/// Returns provenance that can be expanded: JSON by member, other text as it is.
 fn provenance(text: &str) -> String {
     if text.is_empty() {
         return String::new();
@@ -200,7 +202,7 @@ fn provenance(text: &str) -> String {
     format!("<details><summary>Provenance</summary>{body}</details>")
 }
 
-/// A plain table; the cells are HTML already.
+/// Returns a plain table; the cells are HTML already.
 fn table(heads: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let head: String = heads.iter().map(|head| format!("<th scope=col>{head}</th>")).collect();
     let row = |cells: Vec<String>| {

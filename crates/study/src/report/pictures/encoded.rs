@@ -1,4 +1,4 @@
-//! A picture as the page holds it: small enough, 8 bits, base64.
+//! A picture as the page stores it: reduced, 8 bits, base64.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Longest side of a picture in the page [px]; larger ones are averaged down.
 const MOST_SIDE: usize = 1024;
-/// Share of the reference's pixels that the exposure keeps below white.
+/// Share of the reference's pixels that the exposure maps below white.
 const BELOW_WHITE: f64 = 0.99;
 
 /// A PNG file.
@@ -20,13 +20,13 @@ pub(super) struct Encoded {
 }
 
 impl Encoded {
-    /// What `display` makes of a picture.
+    /// Encodes a picture after applying `display`.
     pub(super) fn new(image: &Image, display: Display) -> Encoded {
         let image = reduced(image);
         let mut bytes = Vec::with_capacity(image.pixels().len() * 3);
         for &[r, g, b, _] in image.pixels() {
             let shown = display.map([r, g, b]);
-            // Pixels that are NaN or infinite stand out, as in the PNG files of the program.
+            // Pixels that are NaN or infinite are magenta, as in the PNG files of the program.
             let shown = if shown[0].is_nan() { [1.0, 0.0, 1.0] } else { shown.map(srgb_from_linear) };
             bytes.extend(shown.map(|channel| (channel * 255.0).round() as u8));
         }
@@ -35,7 +35,7 @@ impl Encoded {
     }
 }
 
-/// A PNG file of 8-bit RGB.
+/// Encodes a PNG file of 8-bit RGB.
 fn png(width: usize, height: usize, rgb: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
@@ -50,8 +50,8 @@ fn png(width: usize, height: usize, rgb: &[u8]) -> Vec<u8> {
     file
 }
 
-/// The luminance that [`BELOW_WHITE`] of the pixels do not exceed; the greatest where that is not above 0, and
-/// 1 for a black picture.
+/// Returns the luminance that [`BELOW_WHITE`] of the pixels do not exceed; the greatest luminance if that is
+/// not above 0, and 1 for a black picture.
 pub(super) fn white(image: &Image) -> f32 {
     let of = |&[r, g, b, _]: &[f32; 4]| luminance([r, g, b]);
     let mut values: Vec<f32> = image.pixels().iter().map(of).filter(|l| l.is_finite()).collect();
@@ -61,12 +61,13 @@ pub(super) fn white(image: &Image) -> f32 {
     candidates.into_iter().flatten().copied().find(|value| *value > 0.0).unwrap_or(1.0)
 }
 
-/// Side of the blocks of pixels that are averaged.
+/// Returns the side of the blocks of pixels that are averaged.
 pub(super) fn step(image: &Image) -> usize {
     image.width().max(image.height()).div_ceil(MOST_SIDE)
 }
 
-/// At most [`MOST_SIDE`] wide and high: means over blocks. A block with a broken pixel is broken.
+/// Reduces a picture to at most [`MOST_SIDE`] pixels in width and height, by means over blocks. A block with
+/// a pixel that is NaN or infinite is NaN.
 fn reduced(image: &Image) -> Image {
     let step = step(image);
     if step == 1 {

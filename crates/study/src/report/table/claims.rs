@@ -1,4 +1,4 @@
-//! The table of what a paper says: a row for each claim and scene.
+//! The table of claims: a row for each claim and scene.
 
 use super::{Column, Entry, Table};
 use crate::report::digest::{Digest, values_text};
@@ -6,7 +6,7 @@ use crate::report::number::{self, Measured};
 use crate::{ClaimRecord, Finding, MeasureInfo, PickRecord, RelationRecord};
 
 impl Table {
-    /// `None` for a study without claims.
+    /// Returns the table; `None` for a study without claims.
     pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
         let findings = digest.results.findings();
         if findings.is_empty() {
@@ -45,7 +45,7 @@ impl Table {
     }
 }
 
-/// `TID: ism < tcas, lights = 256`.
+/// Formats a claim: `TID: ism < tcas, lights = 256`.
 fn claim_text(claim: &ClaimRecord, info: Option<&MeasureInfo>) -> String {
     let label = info.map_or(&claim.measure, |info| &info.label);
     let relation = match &claim.relation {
@@ -73,7 +73,7 @@ fn pick_text(pick: &PickRecord) -> String {
     format!("{}{at}", pick.pipeline)
 }
 
-/// `0.012, 0.02 W/(m² sr)`, `1 / 4 ms = 0.25`; `–` where there is nothing.
+/// Formats measurements: `0.012, 0.02 W/(m² sr)`, `1 / 4 ms = 0.25`; `–` if there are none.
 fn measured_text(finding: &Finding<'_>, info: Option<&MeasureInfo>) -> String {
     if finding.means.iter().all(Option::is_none) {
         return "–".to_owned();

@@ -40,8 +40,8 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         let name = label(name);
         sizes.push(format!("{name} {} triangles", scene.triangles()));
         for (way, said) in &ways {
-            let mut stand = Stand::new(gpu.clone(), bench.catalog, &path, &scene, side, way)?;
-            rows.extend(stand.rows(bench.args.runs, said, name)?);
+            let mut ray_bench = RayBench::new(gpu.clone(), bench.catalog, &path, &scene, side, way)?;
+            rows.extend(ray_bench.rows(bench.args.runs, said, name)?);
         }
     }
     let note = format!(
@@ -81,7 +81,7 @@ fn pipeline(rays: u32) -> String {
 
 /// A scene with the pipeline in it. The renderer does not let one choose the variant of a shader of the user's, so the
 /// executor is driven here.
-struct Stand<'a> {
+struct RayBench<'a> {
     executor: Executor,
     view: SceneView,
     scene: &'a Scene,
@@ -89,7 +89,7 @@ struct Stand<'a> {
     side: u32,
 }
 
-impl Stand<'_> {
+impl RayBench<'_> {
     fn new<'a>(
         gpu: Gpu,
         catalog: &Catalog,
@@ -97,7 +97,7 @@ impl Stand<'_> {
         scene: &'a Scene,
         side: u32,
         way: &str,
-    ) -> Result<Stand<'a>> {
+    ) -> Result<RayBench<'a>> {
         let mut traits = scene.traits();
         // The pass type `compute` gives options the values of traits of their names.
         traits.0.insert("rays".to_owned(), Value::Text(way.into()));
@@ -109,7 +109,7 @@ impl Stand<'_> {
         let scene_bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
         view.provide(&mut executor, scene, scene_bindings)?;
         executor.load(Arc::clone(&compiled.plan), compiled.steps)?;
-        Ok(Stand { executor, view, scene, plan: compiled.plan, side })
+        Ok(RayBench { executor, view, scene, plan: compiled.plan, side })
     }
 
     /// Milliseconds of each pass.
