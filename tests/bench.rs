@@ -37,8 +37,18 @@ fn all_that_can_be_measured_is() {
     }
     let json = json(&[]);
     assert_eq!(json["adapter"], gpu().unwrap().describe());
-    let figures =
-        ["rays", "shadow-maps", "samplers", "points", "ism-frame", "compile", "encode", "memory", "reload"];
+    let figures = [
+        "rays",
+        "shadow-maps",
+        "samplers",
+        "points",
+        "ism-frame",
+        "compile",
+        "encode",
+        "memory",
+        "value",
+        "reload",
+    ];
     for figure in figures {
         assert!(!rows(&json, figure).is_empty(), "{figure}: {json}");
         assert!(json["notes"][figure].as_str().is_some_and(|note| !note.is_empty()), "{figure}");

@@ -1,0 +1,49 @@
+//! From a value that a slider sets to the next frame.
+
+use super::graph::milliseconds;
+use super::table::{Goal, Row, Section, Spread};
+use super::{Bench, Figure};
+use anyhow::Result;
+use frame_graph::{Overrides, Value};
+use renderer::Renderer;
+use std::sync::Arc;
+use std::time::Instant;
+
+const PIPELINE: &str = "ism-invtm";
+
+/// Values are set so many times as often as whole frames are run.
+const REPEATS: u32 = 20;
+
+/// Settings of [`PIPELINE`], two values of each, and how far these reach.
+const SETTINGS: [(&str, [Value; 2], &str); 3] = [
+    ("image.exposure", [Value::F32(0.0), Value::F32(1.0)], "read by one pass"),
+    ("shadows/splat.depth_bias", [Value::F32(1.0), Value::F32(2.0)], "a fact of the maps"),
+    ("lights", [Value::U32(64), Value::U32(128)], "sizes follow from it"),
+];
+
+pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
+    let scene = renderer::load_scene(bench.catalog, "cornell-box")?;
+    let side = bench.size(256, 32);
+    let mut renderer = Renderer::new(bench.gpu()?, Arc::clone(bench.catalog), scene, (side, side))?;
+    renderer.set_pipeline(PIPELINE, &Overrides(vec![("lights".to_owned(), Value::U32(64))]))?;
+    renderer.frame()?;
+    renderer.gpu().wait()?;
+    let mut rows = Vec::new();
+    for (path, values, reach) in SETTINGS {
+        let mut times = Vec::new();
+        for number in 0..=bench.args.runs * REPEATS {
+            let value = values[number as usize % 2].clone();
+            let start = Instant::now();
+            renderer.set_value(path, value)?;
+            times.push(milliseconds(start));
+        }
+        // In the first, shaders may be compiled.
+        let times = Spread::of(times[1..].to_vec());
+        rows.push(Row::new(format!("`{path}`: {reach}"), times, "ms").goal(Goal::Below(1.0), "own, two cores"));
+    }
+    let note = format!(
+        "`set_value` in `{PIPELINE}` at {side}², without the frame that follows; {} runs.",
+        bench.args.runs * REPEATS
+    );
+    Ok(Section { figure: Figure::Value, rows, note })
+}
