@@ -11,8 +11,8 @@ pub mod counters;
 pub mod depth_atlas;
 pub mod display;
 pub mod gbuffer;
-#[path = "importance-map/mod.rs"]
-pub mod importance_map;
+#[path = "importance/mod.rs"]
+pub mod importance;
 pub mod irradiance;
 #[path = "path-samples/mod.rs"]
 pub mod path_samples;
@@ -31,7 +31,7 @@ use pass::{Interface, Library, Pass};
 pub static INTERFACES: &[Interface] = &[
     gbuffer::INTERFACE,
     reflective_shadow_map::INTERFACE,
-    importance_map::INTERFACE,
+    importance::INTERFACE,
     virtual_lights::INTERFACE,
     points::INTERFACE,
     depth_atlas::INTERFACE,

@@ -2,6 +2,8 @@
 //! whatever kind of light shines.
 
 use crate::adapter::renderer;
+use interfaces::virtual_lights::{self, VirtualLight};
+use renderer::Renderer;
 
 fn luminance(rgb: &[f32]) -> f64 {
     f64::from(metrics::luminance([rgb[0], rgb[1], rgb[2]]))
@@ -52,4 +54,32 @@ fn virtual_lights_carry_the_reflected_flux() {
             assert!(tolerance < widest * reflected, "{pipeline}, {scene}: ± {tolerance} of {reflected} W");
         }
     }
+}
+
+/// A light that changes moves no virtual light whose chain did not meet what it lights: nothing of the importance is
+/// normalised by a sum over the map (TCAS §4.3.2).
+#[test]
+fn chains_move_only_where_what_they_meet_changes() {
+    const LIGHTS: usize = 2048;
+    let values = ["lights=2048", "map=4", "shadows.points_per_map=1", "rsm.size=64", "lights.steps=5"];
+    let Some(mut renderer) = renderer("tcas", "cornell-box-lights", (32, 32), &values) else { return };
+    renderer.keep("lights").unwrap();
+    let lights = |renderer: &mut Renderer| -> Vec<VirtualLight> {
+        renderer.frame().unwrap();
+        let id = renderer.plan().unwrap().resource("lights.lights").unwrap();
+        virtual_lights::from_bytes(&renderer.resource_bytes(id).unwrap()).unwrap()
+    };
+    let before = lights(&mut renderer);
+    let mut scene_lights = renderer.scene().lights.clone();
+    // A spot has one layer, of as many as there are in all.
+    let spot = scene_lights.iter().position(|light| light.layers() == 1).unwrap();
+    let layers: u32 = scene_lights.iter().map(|light| light.layers()).sum();
+    scene_lights[spot].intensity *= 3.0;
+    renderer.set_lights(Some(scene_lights)).unwrap();
+    let after = lights(&mut renderer);
+    assert_eq!((before.len(), after.len()), (LIGHTS, LIGHTS));
+    let same = before.iter().zip(&after).filter(|(a, b)| a == b).count();
+    // Chains of five uniform proposals that all miss one layer.
+    let missed = (1.0 - 1.0 / f64::from(layers)).powi(5) * LIGHTS as f64;
+    assert!(same < LIGHTS && same as f64 > 0.95 * missed, "{same} of {LIGHTS} stay, {missed} chains miss it");
 }

@@ -18,8 +18,10 @@ const SAMPLERS: [(&str, &str); 4] = [
     ("inverse transform, 2 numbers", r#"Set("lights.dimensions", 2)"#),
 ];
 
-const IMPORTANCES: [(&str, &str); 2] = [
-    ("contribution", r#"Set("lights.count", "$lights")"#),
+const IMPORTANCES: [(&str, &str); 4] = [
+    ("contribution by blocks", r#"Set("importance.stride", 4)"#),
+    ("contribution of each texel", r#"Set("importance.evaluate", "texels")"#),
+    ("contribution on demand", r#"Set("importance.evaluate", "on-demand")"#),
     ("flux", r#"Replace("importance", Pass(kind: "importance-map", set: { "measure": "flux" }))"#),
 ];
 

@@ -40,8 +40,7 @@ fn pick(
         picked.normal = textureLoad(view_normal, pixel, 0).xyz;
         // DEVIATION(diffuse): the BRDF without its glossy part.
         let albedo = textureLoad(view_albedo, pixel, 0).rgb;
-        picked.response = vec3(luminance(vec3(1.0, 0.0, 0.0)), luminance(vec3(0.0, 1.0, 0.0)), luminance(vec3(0.0, 0.0, 1.0)))
-            * albedo / PI;
+        picked.response = LUMINANCE * albedo / PI;
     }
     samples[index] = picked;
 }

@@ -7,19 +7,20 @@
 #import "algorithms/segmented-scan.wgsl"
 
 #if ROWS
-var importance: texture_2d_array<f32>;
+#import interface "importance"
+
 var row_cdf: texture_storage_2d_array<r32float, write>;
 
 fn segment_length() -> u32 {
-    return textureDimensions(importance).x;
+    return textureDimensions(row_cdf).x;
 }
 
 fn number_of_segment(segment: vec3<u32>) -> u32 {
-    return segment.z * textureDimensions(importance).y + segment.y;
+    return segment.z * textureDimensions(row_cdf).y + segment.y;
 }
 
 fn segment_weight(segment: vec3<u32>, i: u32) -> Scaled {
-    return Scaled(weight_of(textureLoad(importance, vec2(i, segment.y), segment.z, 0).r), 0);
+    return Scaled(weight_of(importance(segment.z, vec2(i, segment.y))), 0);
 }
 
 fn segment_store(segment: vec3<u32>, i: u32, sum: f32) {

@@ -2,8 +2,8 @@
 
 #import "algorithms/scaled.wgsl"
 #import "random.wgsl"
-
-var importance: texture_2d_array<f32>;
+#import "rsm-light.wgsl"
+#import interface "importance"
 
 struct Proposal {
     /// Layer, column, row.
@@ -14,10 +14,10 @@ struct Proposal {
 
 /// The texel of an element ≥ 1 of Halton's sequence: bases 2, 3, 5 for layer, column, row.
 fn proposal(element: u32, seed: u32) -> Proposal {
-    let size = vec3(textureNumLayers(importance), textureDimensions(importance));
+    let size = vec3(textureNumLayers(rsm_flux), textureDimensions(rsm_flux));
     // The product with a number below 1 can round up to the size itself.
     let texel = min(vec3<u32>(halton3(element, seed) * vec3<f32>(size)), size - 1u);
-    return Proposal(texel, weight_of(textureLoad(importance, texel.yz, texel.x, 0).r));
+    return Proposal(texel, weight_of(importance(texel.x, texel.yz)));
 }
 
 /// In [2^-24, 1]: the ratio of importances from which on an element is accepted; base 7, the next of the sequence.

@@ -87,8 +87,8 @@ fn sample(
 #else
     let scale = ratio(sum, f32(settings.count) * f32(settings.steps), current.importance);
 #endif
-    let size = textureDimensions(importance);
-    let texels = f32(textureNumLayers(importance)) * f32(size.x) * f32(size.y);
+    let size = textureDimensions(rsm_flux);
+    let texels = f32(textureNumLayers(rsm_flux)) * f32(size.x) * f32(size.y);
     // Φ = flux · texels / N · w / f: the proposals are uniform over texels.
     let texel = current.texel;
     lights.lights[chain] = virtual_light_from_texel(texel.x, texel.y, texel.z, texels / f32(settings.count) * scale);

@@ -18,7 +18,7 @@ use bytemuck::Pod;
 use executor::{Executor, Gpu};
 use frame_graph::plan::{Plan, PlannedPass, ResourceId};
 use frame_graph::port::OutputOverride;
-use frame_graph::{ResourceDesc, Source, Value};
+use frame_graph::{InputPort, ResourceDesc, Settings, Source, Value};
 use interfaces::INTERFACES;
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Library, Pass, Use, UseContext};
@@ -126,14 +126,27 @@ pub fn soup(corners: &[[f32; 3]]) -> Scene {
     soup
 }
 
-/// Loads every variant of every shader of a pass.
+/// Loads every variant of every shader of a pass. What it imports from an input is the stand-in of the interface of that
+/// input.
 ///
 /// # Panics
 /// Where one is refused: the test fails with the message.
 pub fn assert_shaders_are_valid(pass: &dyn Pass) {
     let library = shaders();
+    let cx = use_context();
+    let schema = pass.settings(&cx).unwrap_or_default();
+    let defaults = Settings(schema.into_iter().map(|setting| (setting.name, setting.default)).collect());
+    let ports = pass.ports(&cx, &defaults).unwrap_or_default();
+    let module = |port: &InputPort| {
+        let interface = INTERFACES.iter().find(|interface| interface.name == port.interface)?;
+        Some((port.name.clone(), interface.stand_in?))
+    };
+    let modules: Vec<_> = ports.inputs.iter().filter_map(module).collect();
     for path in pass.info().shaders {
-        let variants = library.variants(&pass::request(path, &[]));
+        let request = modules
+            .iter()
+            .fold(pass::request(path, &[]), |request, (port, module)| request.module(port, *module));
+        let variants = library.variants(&request);
         for variant in variants.unwrap_or_else(|errors| panic!("{path}\n{errors}")) {
             library.load(&variant).unwrap_or_else(|errors| panic!("{variant:?}\n{errors}"));
         }

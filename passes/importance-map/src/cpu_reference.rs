@@ -1,4 +1,4 @@
-//! `view-samples.wgsl`, `importance-map.wgsl` and `mix.wgsl` in double precision.
+//! `view-samples.wgsl` and `importance-map.wgsl` in double precision.
 
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -41,28 +41,15 @@ pub fn geometry(position: DVec3, normal: DVec3, at: &ViewSample, min_distance: f
     cosines / (PI * (squared + min_distance * min_distance))
 }
 
-/// Returns the importance by contribution (Eq. 1) of a texel with that position \[extents\], normal and flux \[W\].
-pub fn contribution(
-    position: DVec3,
-    normal: DVec3,
-    flux: DVec3,
-    samples: &[ViewSample],
-    min_distance: f64,
-) -> f64 {
-    let sum = samples
-        .iter()
-        .map(|sample| flux.dot(sample.response) * geometry(position, normal, sample, min_distance));
-    sum.sum::<f64>() / samples.len() as f64
+/// Returns the response of the view to a light at that position \[extents\] with that normal \[1/extents²\]: the sum of
+/// Eq. 1 per channel of flux.
+pub fn view_response(position: DVec3, normal: DVec3, samples: &[ViewSample], min_distance: f64) -> DVec3 {
+    let each =
+        samples.iter().map(|sample| sample.response * geometry(position, normal, sample, min_distance));
+    each.sum::<DVec3>() / samples.len() as f64
 }
 
-/// Returns the mixture of contributions with flux: `defensive` is δ. The mean is 1, or less if the view sees
-/// none of the lights, or they reflect nothing.
-pub fn mix_with_flux(contribution: &[f64], flux: &[f64], defensive: f64) -> Vec<f64> {
-    let whole = |values: &[f64]| values.iter().sum::<f64>();
-    let (by_view, by_flux) = (whole(contribution), whole(flux));
-    let share = |value: f64, whole: f64| if whole > 0.0 { value / whole } else { 0.0 };
-    let texels = contribution.len() as f64;
-    std::iter::zip(contribution, flux)
-        .map(|(c, f)| texels * ((1.0 - defensive) * share(*c, by_view) + defensive * share(*f, by_flux)))
-        .collect()
+/// Returns the importance of a texel that reflects that flux \[W\]: Eq. 1, and `defensive` times its luminance.
+pub fn importance(flux: DVec3, response: DVec3, defensive: f64) -> f64 {
+    flux.dot(response) + defensive * luminance(flux)
 }

@@ -2,11 +2,11 @@
 
 pub mod cpu_reference;
 
-use gpu_algorithms::reduce;
+use interfaces::importance::{self, VIEW_SAMPLE};
 use pass::{
-    Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext,
-    Value, input, output,
+    Compute, Define, Extent, Format, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, Usage, UseContext,
+    input, output,
 };
 
 /// The pass, for the catalog.
@@ -17,11 +17,9 @@ pub struct ImportanceMap;
 
 const VIEW_SAMPLES: &str = "passes/importance-map/view-samples.wgsl";
 const IMPORTANCE_MAP: &str = "passes/importance-map/importance-map.wgsl";
-const SUM: &str = "passes/importance-map/sum.wgsl";
-const MIX: &str = "passes/importance-map/mix.wgsl";
-
-const VIEW_SAMPLE: Struct = Struct::new(VIEW_SAMPLES, "ViewSample");
-const SUMS: Struct = Struct::new("passes/importance-map/sums.wgsl", "Sums");
+const STORED: &str = "shaders/importance-stored.wgsl";
+const BY_BLOCKS: &str = "shaders/importance-by-blocks.wgsl";
+const ON_DEMAND: &str = "shaders/importance-on-demand.wgsl";
 
 pass::choice! {
     /// How importance is defined.
@@ -33,6 +31,18 @@ pass::choice! {
     }
 }
 
+pass::choice! {
+    /// Where the importance by contribution is evaluated.
+    pub enum Evaluation {
+        /// At each texel.
+        Texels = "texels",
+        /// At one texel of each block, for the response of the view; times the flux of each texel.
+        Blocks = "blocks",
+        /// At the texels that a sampler asks for.
+        OnDemand = "on-demand",
+    }
+}
+
 pass::settings! {
     /// The settings of the pass type `importance-map`.
     pub struct ImportanceMapSettings {
@@ -40,29 +50,30 @@ pass::settings! {
         /// without visibility (TCAS Eq. 1-2). flux: the luminance of the flux that it reflects, independent
         /// of the camera (ISM §4).
         measure: Measure = Measure::Contribution;
+        /// Where it is evaluated, for the measure contribution. texels: at each texel, and stored. blocks: the
+        /// flux at each texel, but the response of the view at one texel of each block, which takes 1/stride²
+        /// of the time. on-demand: at the texels that the sampler asks for: of 512² texels, 1,024
+        /// Metropolis-Hastings chains of 5 steps ask for 5,120; the inverse transform asks for all, twice.
+        evaluate: Evaluation = Evaluation::Blocks;
+        /// Side of a block, for `evaluate: blocks`. Larger: less time, but the importance follows edges and
+        /// contacts less closely, so that lights differ more in brightness.
+        // DEVIATION(blocks): the texels of a block have one response.
+        stride: u32 = 4, min: 1, max: 64, unit: "texels";
         /// Number P of samples of the view, for the measure contribution. Noise of the importance falls as
-        /// P^-½; time rises with P × texels of the map. TCAS §2 names 0.1 % of the pixels.
+        /// P^-½; time rises with P × texels that are evaluated. TCAS §2 names 0.1 % of the pixels.
         // DEVIATION(sample-count): a number, not a share of the pixels.
         view_samples: u32 = 256, min: 1, max: 65_536;
         /// Lower bound on the distance between a texel and a sample of the view in the geometry term. Larger:
         /// fewer lights cluster where a sample happens to lie near a lit surface. Too large: corners, which
         /// nearby lights illuminate, get too few lights.
+        // DEVIATION(min-distance): the paper does not bound the distance.
         min_distance: f32 = 0.01, min: 1e-4, max: 1.0, unit: "scene extents";
-        /// Share δ of the lights that is sampled by flux, independent of the view, for the measure
-        /// contribution. It bounds the weight of a light to 1/δ times its weight when sampled by flux alone,
-        /// and reaches texels that no sample of the view saw. Larger: fewer bright outliers, but more lights
-        /// out of sight. 0: as in the paper.
-        defensive: f32 = 0.05, min: 0.0, max: 1.0;
-    }
-}
-
-impl ImportanceMapSettings {
-    fn by_contribution(&self) -> bool {
-        self.measure == Measure::Contribution
-    }
-
-    fn mixes(&self) -> bool {
-        self.by_contribution() && self.defensive > 0.0
+        /// Constant k in f = Φ (response + k), for the measure contribution: texels that no sample of the view
+        /// saw are sampled too, in proportion to their flux. It does not depend on the view, so a change in
+        /// one place changes no importance elsewhere. Larger: fewer bright outliers, but more lights out of
+        /// sight. 0: as in the paper.
+        // DEVIATION(defensive): the paper adds nothing.
+        defensive: f32 = 0.02, min: 0.0, max: 1000.0, unit: "1/extents²";
     }
 }
 
@@ -70,9 +81,9 @@ impl Pass for ImportanceMap {
     fn info(&self) -> Info {
         Info {
             kind: "importance-map",
-            about: "Computes the importance of each texel of a reflective shadow map as a virtual light.",
+            about: "Computes the importance of the texels of a reflective shadow map as virtual lights.",
             paper: "TCAS §4.1, Eq. 1-2; ISM §4",
-            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP, SUM, MIX],
+            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP],
         }
     }
 
@@ -82,16 +93,16 @@ impl Pass for ImportanceMap {
 
     fn ports(&self, _: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
         let rsm = input("rsm", "ReflectiveShadowMap", "Each texel is a potential virtual light.");
-        let importance =
-            output("importance", "ImportanceMap", "f(v) of each texel; the mean is 1 where it is a mixture.");
-        Ok(if ImportanceMapSettings::read(settings).by_contribution() {
-            Ports {
+        let importance = output("importance", "Importance", "f(v) of each texel.");
+        Ok(match ImportanceMapSettings::read(settings).measure {
+            Measure::Contribution => Ports {
                 inputs: vec![rsm, input("view", "GBuffer", "What the lights are to be important for.")],
                 outputs: vec![importance],
                 scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA),
+            },
+            Measure::Flux => {
+                Ports { inputs: vec![rsm], outputs: vec![importance], scene_bindings: SceneBindings::NONE }
             }
-        } else {
-            Ports { inputs: vec![rsm], outputs: vec![importance], scene_bindings: SceneBindings::NONE }
         })
     }
 
@@ -100,52 +111,66 @@ impl Pass for ImportanceMap {
         use_cx: &UseContext<'_>,
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let texture = cx
-            .input("rsm")
-            .and_then(|rsm| rsm.member("flux"))
-            .and_then(ResourceDesc::texture)
-            .ok_or_else(|| PassTypeError::input("rsm", "expected a member `flux`"))?;
-        let map = || ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("rsm"), texture.layers);
-        let mut outputs = vec![OutputDesc::one("importance", map())];
+        let flux = cx.input("rsm").and_then(|rsm| rsm.member("flux")).and_then(ResourceDesc::texture);
+        let layers = flux.ok_or_else(|| PassTypeError::input("rsm", "expected a member `flux`"))?.layers;
         let settings = ImportanceMapSettings::read(cx.settings);
-        if settings.by_contribution() {
-            let samples = use_cx.buffer(VIEW_SAMPLE, u64::from(settings.view_samples))?;
-            outputs.push(OutputDesc::scratch("samples", samples));
+        let port = |members: Vec<(&str, ResourceDesc<Extent>)>| {
+            let members = members.into_iter();
+            OutputDesc::of(
+                "importance",
+                members.map(|(n, desc)| (n.to_owned(), desc, Usage::Overwrites)).collect(),
+            )
+        };
+        let stored = || {
+            let map = ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("rsm"), layers);
+            port(vec![("map", map)]).module(Module::new(STORED))
+        };
+        if settings.measure == Measure::Flux {
+            return Ok(vec![stored()]);
         }
-        if settings.mixes() {
-            let partial = use_cx.buffer(SUMS, u64::from(groups(use_cx, texture.size, texture.layers)?))?;
-            outputs.push(OutputDesc::scratch("contribution", map()));
-            outputs.push(OutputDesc::scratch("partial_sums", partial));
-            outputs.push(OutputDesc::scratch("sums", use_cx.buffer(SUMS, 1)?));
-        }
-        Ok(outputs)
+        let samples = use_cx.buffer(VIEW_SAMPLE, u64::from(settings.view_samples))?;
+        let scratch = OutputDesc::scratch("samples", samples.clone());
+        Ok(match settings.evaluate {
+            Evaluation::Texels => vec![stored(), scratch],
+            Evaluation::Blocks => {
+                let blocks = Extent::Like { input: "rsm".to_owned(), num: 1, den: settings.stride };
+                let response = ResourceDesc::texture_2d_array(Format::Rgba32Float, blocks, layers);
+                let importance = port(vec![("response", response)])
+                    .handed("flux", "rsm", "flux")
+                    .module(Module::new(BY_BLOCKS))
+                    .fact(importance::STRIDE, settings.stride)
+                    .fact(importance::DEFENSIVE, settings.defensive);
+                vec![importance, scratch]
+            }
+            Evaluation::OnDemand => {
+                let handed = ["position", "normal", "flux"];
+                let importance = port(vec![("samples", samples)]).module(Module::new(ON_DEMAND));
+                let importance =
+                    handed.iter().fold(importance, |port, member| port.handed(member, "rsm", member));
+                let importance = importance
+                    .fact(importance::VIEW_SAMPLES, settings.view_samples)
+                    .fact(importance::MIN_DISTANCE, settings.min_distance)
+                    .fact(importance::DEFENSIVE, settings.defensive);
+                vec![importance]
+            }
+        })
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let layers = cx.layers("importance");
-        let (width, height) = cx.size("importance");
         let settings = ImportanceMapSettings::read(cx.settings);
-        let (contribution, mixed) = (settings.by_contribution(), settings.mixes());
-        let texels = Threads::Grid([width, height, layers]);
-        let defines = [("CONTRIBUTION", Define::Bool(contribution)), ("SUMS", Define::Bool(mixed))];
-        let measure = Compute::new(cx.shader(IMPORTANCE_MAP, &defines), "measure", texels.clone());
-        if !contribution {
-            return Ok(Recording::one(measure));
+        let by_contribution = settings.measure == Measure::Contribution;
+        let stored = match settings.evaluate {
+            _ if !by_contribution => "flux",
+            Evaluation::Blocks => "response",
+            Evaluation::Texels | Evaluation::OnDemand => "contribution",
+        };
+        let pick = Compute::new(cx.shader(VIEW_SAMPLES, &[]), "pick", Threads::Row(settings.view_samples));
+        if by_contribution && settings.evaluate == Evaluation::OnDemand {
+            return Ok(Recording::one(pick.bind("samples", "importance.samples")));
         }
-        let samples = Threads::Row(settings.view_samples);
-        let pick = Recording::one(Compute::new(cx.shader(VIEW_SAMPLES, &[]), "pick", samples));
-        if !mixed {
-            return Ok(pick.then(measure));
-        }
-        let sum = reduce::few(&cx.shader(SUM, &[]))
-            .value("groups", Value::U32(groups(&cx.use_context(), (width, height), layers)?));
-        let mix = Compute::new(cx.shader(MIX, &[]), "mix_with_flux", texels);
-        Ok(pick.then(measure.bind("importance", "contribution")).then(sum).then(mix))
+        let ((width, height), layers) = (cx.size("importance"), cx.layers("importance"));
+        let shader = cx.shader(IMPORTANCE_MAP, &[("STORED", Define::from(stored))]);
+        let measure = Compute::new(shader, "measure", Threads::Grid([width, height, layers]));
+        Ok(if by_contribution { Recording::one(pick).then(measure) } else { Recording::one(measure) })
     }
-}
-
-/// Workgroups of importance-map.wgsl.
-fn groups(cx: &UseContext<'_>, size: (u32, u32), layers: u32) -> Result<u32, PassTypeError> {
-    let side = cx.constant(IMPORTANCE_MAP, "GROUP_SIDE")?;
-    Ok(size.0.div_ceil(side) * size.1.div_ceil(side) * layers)
 }

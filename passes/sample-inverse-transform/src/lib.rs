@@ -3,7 +3,7 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::segmented_scan;
-use interfaces::{importance_map, virtual_lights};
+use interfaces::{importance, virtual_lights};
 use pass::setting;
 use pass::{
     Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
@@ -47,7 +47,7 @@ impl Pass for SampleInverseTransform {
         Ok(Ports {
             inputs: vec![
                 input("rsm", "ReflectiveShadowMap", "The texels to sample."),
-                input("importance", "ImportanceMap", "What the probability of a texel is proportional to."),
+                input("importance", "Importance", "What the probability of a texel is proportional to."),
             ],
             outputs: vec![output(
                 "lights",
@@ -64,14 +64,14 @@ impl Pass for SampleInverseTransform {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = SampleInverseTransformSettings::read(cx.settings).count;
-        let ((_, height), layers) = importance_map::shape(cx)?;
+        let ((_, height), layers) = importance::shape(cx)?;
         let cdf = |entries: u32| ResourceDesc::buffer(4 * u64::from(entries));
         let totals = |segments: u32| ResourceDesc::buffer(8 * u64::from(segments));
         Ok(vec![
             virtual_lights::output(use_cx, "lights", count)?,
             OutputDesc::scratch(
                 "row_cdf",
-                ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("importance"), layers),
+                ResourceDesc::texture_2d_array(Format::R32Float, Extent::like("rsm"), layers),
             ),
             OutputDesc::scratch("row_totals", totals(height * layers)),
             OutputDesc::scratch("column_cdf", cdf(height * layers)),

@@ -3,7 +3,7 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::reduce;
-use interfaces::{importance_map, virtual_lights};
+use interfaces::{importance, virtual_lights};
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting,
     Settings, Struct, Threads, UseContext, input, output,
@@ -69,7 +69,7 @@ impl Pass for SampleMetropolis {
         Ok(Ports {
             inputs: vec![
                 input("rsm", "ReflectiveShadowMap", "The texels to sample."),
-                input("importance", "ImportanceMap", "What the probability of a texel tends to with M."),
+                input("importance", "Importance", "What the probability of a texel tends to with M."),
             ],
             outputs: vec![output(
                 "lights",
@@ -85,7 +85,7 @@ impl Pass for SampleMetropolis {
         use_cx: &UseContext<'_>,
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        importance_map::shape(cx)?;
+        importance::shape(cx)?;
         let settings = SampleMetropolisSettings::read(cx.settings);
         let count = settings.count;
         let mut outputs = vec![virtual_lights::output(use_cx, "lights", count)?];

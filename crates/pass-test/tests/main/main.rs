@@ -100,7 +100,7 @@ fn what_a_pipeline_would_be_refused_for_is_refused() {
     let unlinked = refusal(Harness::new(&COUNT_ON)).unwrap();
     assert!(unlinked.contains("past"), "{unlinked}");
     let texture = ResourceDesc::texture_2d(pass::Format::R32Float, (1, 1));
-    let input = Harness::new(&COUNT_ON).input("past", "ImportanceMap", &[], vec![("", texture, Vec::new())]);
+    let input = Harness::new(&COUNT_ON).input("past", "Radiance", &[], vec![("", texture, Vec::new())]);
     let sort = refusal(input).unwrap();
     assert!(sort.contains("`small.past` takes a buffer, and this is a texture"), "{sort}");
 }

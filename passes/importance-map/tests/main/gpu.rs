@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use importance_map::PASS;
-use importance_map::cpu_reference::{ViewSample, contribution, luminance, mix_with_flux, pixel, response};
-use pass::{Format, ResourceDesc};
+use importance_map::cpu_reference::{ViewSample, importance, luminance, pixel, response, view_response};
+use pass::{Format, ResourceDesc, Value};
 use pass_test::random::{halton3, hash2, unit_float};
 use pass_test::{Harness, Outputs};
 use scene::{Camera, Scene};
@@ -75,7 +75,8 @@ impl Room {
         }
     }
 
-    fn run(self, measure: &str, defensive: f32) -> Option<Outputs> {
+    /// Runs the pass with the values of its settings.
+    fn run(self, set: &[(&str, Value)]) -> Option<Outputs> {
         let bytes = |count: u32, element: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
             (0..count).flat_map(|i| bytemuck::bytes_of(&element(i)).to_vec()).collect()
         };
@@ -102,16 +103,17 @@ impl Room {
                 bytes(pixels, &|i| Room::albedo(i).extend(1.0).to_array()),
             ),
         ];
-        let harness = Harness::new(PASS)
-            .set("measure", measure)
-            .set("defensive", defensive)
+        let by_flux = set.contains(&("measure", Value::from("flux")));
+        let harness = Harness::new(PASS);
+        let harness = set.iter().fold(harness, |harness, (name, value)| harness.set(name, value.clone()));
+        let harness = harness
             .set("view_samples", SAMPLES)
             .seed(SEED)
             .frame(FRAME.0, FRAME.1)
             .with_scene(self.scene())
             .camera(self.camera())
             .input("rsm", "ReflectiveShadowMap", &[], rsm);
-        if measure == "flux" { harness.run() } else { harness.input("view", "GBuffer", &[], view).run() }
+        if by_flux { harness.run() } else { harness.input("view", "GBuffer", &[], view).run() }
     }
 
     fn samples(self) -> Vec<ViewSample> {
@@ -137,15 +139,19 @@ impl Room {
         (0..SAMPLES).map(sample).collect()
     }
 
-    fn contributions(self) -> Vec<f64> {
+    fn responses(self) -> Vec<DVec3> {
         let (samples, extent) = (self.samples(), f64::from(self.scene().extent()));
-        (0..self.texels())
-            .map(|i| {
-                let position = self.position(i).as_dvec3() / extent;
-                let (normal, flux) = (Room::normal(i).as_dvec3(), self.flux(i).as_dvec3());
-                contribution(position, normal, flux, &samples, f64::from(0.01_f32))
-            })
-            .collect()
+        let response = |i| {
+            let (position, normal) = (self.position(i).as_dvec3() / extent, Room::normal(i).as_dvec3());
+            view_response(position, normal, &samples, f64::from(0.01_f32))
+        };
+        (0..self.texels()).map(response).collect()
+    }
+
+    fn importance(self, defensive: f32) -> Vec<f64> {
+        let responses = (0..).zip(self.responses());
+        let of = |(i, response)| importance(self.flux(i).as_dvec3(), response, f64::from(defensive));
+        responses.map(of).collect()
     }
 
     fn luminances(self) -> Vec<f64> {
@@ -169,53 +175,89 @@ fn assert_close(found: &[f32], expected: &[f64]) {
 
 const ROOM: Room = Room { scale: 1.0, flux: 1.0, size: (20, 17), layers: 3, seen: true };
 
-#[test]
-fn contributions_are_those_of_the_cpu_reference() {
-    for room in [ROOM, Room { size: (33, 5), layers: 1, ..ROOM }, Room { size: (1, 1), layers: 1, ..ROOM }] {
-        let Some(outputs) = room.run("contribution", 0.0) else { return };
-        assert_close(&outputs.read("importance"), &room.contributions());
-    }
+/// The importance of each texel, stored.
+fn stored(room: Room, defensive: f32) -> Option<Vec<f32>> {
+    let set = [("evaluate", Value::from("texels")), ("defensive", Value::F32(defensive))];
+    Some(room.run(&set)?.read("importance.map"))
 }
 
 #[test]
-fn mixtures_are_those_of_the_cpu_reference() {
-    // The last has more workgroups than threads that add up their sums.
-    for room in
-        [ROOM, Room { size: (33, 5), layers: 6, ..ROOM }, Room { size: (272, 272), layers: 1, ..ROOM }]
-    {
-        let Some(outputs) = room.run("contribution", 0.2) else { return };
-        let expected = mix_with_flux(&room.contributions(), &room.luminances(), f64::from(0.2_f32));
-        assert_close(&outputs.read("importance"), &expected);
+fn importance_is_that_of_the_cpu_reference() {
+    let rooms = [
+        ROOM,
+        Room { size: (33, 5), layers: 6, ..ROOM },
+        Room { size: (1, 1), layers: 1, ..ROOM },
+        Room { size: (272, 30), layers: 1, ..ROOM },
+    ];
+    for room in rooms {
+        for defensive in [0.0, 0.2] {
+            let Some(found) = stored(room, defensive) else { return };
+            assert_close(&found, &room.importance(defensive));
+        }
     }
 }
 
 #[test]
 fn flux_is_its_luminance_and_needs_no_view() {
-    let Some(outputs) = ROOM.run("flux", 0.05) else { return };
-    assert_close(&outputs.read("importance"), &ROOM.luminances());
+    let Some(outputs) = ROOM.run(&[("measure", Value::from("flux"))]) else { return };
+    assert_close(&outputs.read("importance.map"), &ROOM.luminances());
+}
+
+/// The response to a block is that to its middle, or to its brightest texel where the middle reflects nothing.
+#[test]
+fn a_block_responds_as_one_of_its_texels() {
+    for (size, stride) in [((20, 17), 4), ((7, 9), 3), ((5, 3), 1), ((3, 2), 8)] {
+        let room = Room { size, ..ROOM };
+        let set = [("evaluate", Value::from("blocks")), ("stride", Value::U32(stride))];
+        let Some(outputs) = room.run(&set) else { return };
+        let (responses, luminances) = (room.responses(), room.luminances());
+        let (columns, rows) = (size.0.div_ceil(stride), size.1.div_ceil(stride));
+        let texel = |layer: u32, x: u32, y: u32| ((layer * size.1 + y) * size.0 + x) as usize;
+        let mut expected = Vec::new();
+        for (layer, row, column) in (0..room.layers).flat_map(|layer| {
+            (0..rows).flat_map(move |row| (0..columns).map(move |column| (layer, row, column)))
+        }) {
+            let (x, y) = (column * stride, row * stride);
+            let inside = |(x, y): &(u32, u32)| *x < size.0 && *y < size.1;
+            let bright = |(x, y): (u32, u32)| luminances[texel(layer, x, y)];
+            let middle = Some((x + stride / 2, y + stride / 2)).filter(|at| inside(at) && bright(*at) > 0.0);
+            let block = (0..stride).flat_map(|j| (0..stride).map(move |i| (x + i, y + j))).filter(inside);
+            let brightest =
+                block.filter(|at| bright(*at) > 0.0).max_by(|a, b| bright(*a).total_cmp(&bright(*b)));
+            let response = middle.or(brightest).map_or(DVec3::ZERO, |(x, y)| responses[texel(layer, x, y)]);
+            expected.extend(response.extend(0.0).to_array());
+        }
+        assert_close(&outputs.read("importance.response"), &expected);
+        assert_eq!(outputs.fact("importance", "stride"), &Value::U32(stride));
+    }
 }
 
 #[test]
 fn scenes_and_lights_of_any_scale() {
     for (scale, flux) in [(1e-3, 1e30), (1e6, 1e-30), (1.0, 1e33)] {
         let room = Room { scale, flux, ..ROOM };
-        let Some(outputs) = room.run("contribution", 0.0) else { return };
-        assert_close(&outputs.read("importance"), &room.contributions());
-        let Some(outputs) = room.run("contribution", 0.05) else { return };
-        let expected = mix_with_flux(&room.contributions(), &room.luminances(), f64::from(0.05_f32));
-        assert_close(&outputs.read("importance"), &expected);
+        for defensive in [0.0, 0.005] {
+            let Some(found) = stored(room, defensive) else { return };
+            assert_close(&found, &room.importance(defensive));
+        }
     }
 }
 
 #[test]
 fn a_view_of_nothing_and_lights_that_reflect_nothing() {
     let blind = Room { seen: false, ..ROOM };
-    let Some(outputs) = blind.run("contribution", 0.05) else { return };
-    assert_close(
-        &outputs.read("importance"),
-        &mix_with_flux(&[0.0; 1020], &blind.luminances(), f64::from(0.05_f32)),
-    );
+    let Some(found) = stored(blind, 0.05) else { return };
+    let expected: Vec<f64> = blind.luminances().iter().map(|flux| f64::from(0.05_f32) * flux).collect();
+    assert_close(&found, &expected);
     let dark = Room { flux: 0.0, ..ROOM };
-    let nothing = dark.run("contribution", 0.05).map(|outputs| outputs.read::<f32>("importance"));
-    assert_eq!(nothing, Some(vec![0.0; 1020]));
+    assert_eq!(stored(dark, 0.05), Some(vec![0.0; 1020]));
+}
+
+/// A change in one place changes nothing elsewhere: nothing is normalised by a sum.
+#[test]
+fn importance_is_local() {
+    let other = Room { layers: 4, ..ROOM };
+    let (Some(three), Some(four)) = (stored(ROOM, 0.05), stored(other, 0.05)) else { return };
+    assert_eq!(three, four[..three.len()], "texels of a further layer are important too");
+    assert!(four[three.len()..].iter().any(|f| *f > 0.0));
 }

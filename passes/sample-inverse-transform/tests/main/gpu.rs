@@ -41,10 +41,11 @@ fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Optio
         )
         .input(
             "importance",
-            "ImportanceMap",
+            "Importance",
             &[],
-            vec![("", array(Format::R32Float), bytemuck::cast_slice(map).to_vec())],
+            vec![("map", array(Format::R32Float), bytemuck::cast_slice(map).to_vec())],
         )
+        .module("shaders/importance-stored.wgsl")
         .run()
 }
 

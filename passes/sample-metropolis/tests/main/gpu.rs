@@ -35,14 +35,15 @@ fn run(map: &[f32], size: (u32, u32), run: Run) -> Option<Outputs> {
         ("normal", array(Format::Rgba32Float), bytes(&|_| [0.0, 1.2, 1.6, 0.0])),
         ("flux", array(Format::Rgba32Float), bytes(&|_| [1.0, 0.0, 0.0, 0.0])),
     ];
-    let importance = ("", array(Format::R32Float), bytemuck::cast_slice(map).to_vec());
+    let importance = ("map", array(Format::R32Float), bytemuck::cast_slice(map).to_vec());
     Harness::new(PASS)
         .set("count", run.count)
         .set("steps", run.steps)
         .set("weights", run.weights)
         .seed(run.seed)
         .input("rsm", "ReflectiveShadowMap", &[], members)
-        .input("importance", "ImportanceMap", &[], vec![importance])
+        .input("importance", "Importance", &[], vec![importance])
+        .module("shaders/importance-stored.wgsl")
         .run()
 }
 
