@@ -1,7 +1,7 @@
 // Virtual lights by independent Metropolis-Hastings chains, one light per chain and one thread each: TCAS §4.3,
 // Algorithm 1.
 
-#option WEIGHTS local-mean one_of [local-mean, single, none] // what normalises f
+#option WEIGHTS local-mean one_of [local-mean, single, none, reservoir] // what normalises f; with reservoir, also how one of the proposals is chosen
 
 #import "dispatch.wgsl"
 #import "proposal.wgsl"
@@ -71,16 +71,22 @@ fn sample(
     for (var step = 1u; step < settings.steps; step++) {
         let element = element(chain, step);
         let next = proposal(element, settings.seed);
-#if WEIGHTS == local-mean
+#if WEIGHTS == local-mean || WEIGHTS == reservoir
         whole = add_scaled(whole, Scaled(next.importance, 0));
 #endif
+#if WEIGHTS == reservoir
+        // DEVIATION(reservoir): f(new) / Σf ≥ threshold: in the end, each proposal is the light with probability f / Σf.
+        let unit = magnitude(whole);
+        let least = times_power_of_two(threshold(element, settings.seed) * in_units(whole, unit), unit);
+#else
         // f(new) / f(current) ≥ threshold without the quotient: from f = 0, any positive f is accepted.
         let least = threshold(element, settings.seed) * current.importance;
+#endif
         if next.importance > 0.0 && next.importance >= least {
             current = next;
         }
     }
-#if WEIGHTS == local-mean
+#if WEIGHTS == local-mean || WEIGHTS == reservoir
     let scale = ratio(whole, f32(settings.steps), current.importance);
 #elif WEIGHTS == single
     let scale = ratio(whole, 1.0, current.importance);

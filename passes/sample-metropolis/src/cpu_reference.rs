@@ -9,6 +9,8 @@ pub enum Weights {
     Single,
     /// The mean of f over the proposals of all chains.
     None,
+    /// As [`Weights::LocalMean`], of a chain that is a [reservoir](Chain::reservoir).
+    Reservoir,
 }
 
 /// A chain of Algorithm 1. Its states are texels, by any number.
@@ -24,6 +26,8 @@ pub struct Chain {
     pub sum: f64,
     /// Samples so far M.
     pub steps: u32,
+    /// Whether one of the samples is chosen in proportion to f, instead of by Metropolis-Hastings.
+    pub reservoir: bool,
 }
 
 /// Returns the value that counts as an importance: NaN and negative values become 0, infinity the greatest
@@ -35,28 +39,34 @@ pub fn importance_of(x: f32) -> f64 {
 impl Chain {
     /// Creates a chain of one sample.
     pub fn new(texel: u32, importance: f64) -> Chain {
-        Chain { texel, importance, first: importance, sum: importance, steps: 1 }
+        Chain { texel, importance, first: importance, sum: importance, steps: 1, reservoir: false }
+    }
+
+    /// Creates a reservoir of one sample (Talbot, Cline & Egbert 2005, resampled importance sampling).
+    pub fn reservoir(texel: u32, importance: f64) -> Chain {
+        Chain { reservoir: true, ..Chain::new(texel, importance) }
     }
 
     /// Returns the probability of accepting a proposal of this importance.
     pub fn acceptance(&self, importance: f64) -> f64 {
-        if importance == 0.0 { 0.0 } else { (importance / self.importance).min(1.0) }
+        let against = if self.reservoir { self.sum + importance } else { self.importance };
+        if importance == 0.0 { 0.0 } else { (importance / against).min(1.0) }
     }
 
     /// Takes a step; `number` in [0, 1) decides.
     pub fn propose(&mut self, texel: u32, importance: f64, number: f64) {
-        self.sum += importance;
-        self.steps += 1;
         if self.acceptance(importance) >= 1.0 - number {
             (self.texel, self.importance) = (texel, importance);
         }
+        self.sum += importance;
+        self.steps += 1;
     }
 
     /// Returns w / f, given the mean of f over the proposals of all chains. A light's flux is flux · texels /
     /// N times it.
     pub fn ratio(&self, weights: Weights, mean: f64) -> f64 {
         let w = match weights {
-            Weights::LocalMean => self.sum / f64::from(self.steps),
+            Weights::LocalMean | Weights::Reservoir => self.sum / f64::from(self.steps),
             Weights::Single => self.first,
             Weights::None => mean,
         };

@@ -30,6 +30,8 @@ pass::choice! {
         Single = "single",
         /// The mean over the proposals of all chains.
         None = "none",
+        /// The mean over the chain's own proposals, one of which is chosen in proportion to its importance.
+        Reservoir = "reservoir",
     }
 }
 
@@ -46,7 +48,9 @@ pass::settings! {
         /// The estimate of the mean importance in a light's weight. local-mean: the mean over the chain's
         /// proposals, which removes most of the start-up bias. single: the importance of the first proposal,
         /// which is unbiased, but light intensities vary more (Veach & Guibas 1997). none: the mean over the
-        /// proposals of all chains, which leaves the start-up bias.
+        /// proposals of all chains, which leaves the start-up bias. reservoir: as local-mean, but the light is
+        /// one of the chain's proposals chosen in proportion to its importance instead of by Metropolis-Hastings
+        /// (Talbot, Cline & Egbert 2005): unbiased, at the same cost.
         weights: Weights = Weights::LocalMean;
     }
 }

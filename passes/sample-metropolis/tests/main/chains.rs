@@ -48,12 +48,22 @@ impl Map<'_> {
 
     /// A chain of this many samples, of four numbers each.
     pub(crate) fn chain(&self, steps: u32, numbers: impl Fn(u32) -> [f64; 4]) -> Chain {
+        self.from(Chain::new, steps, numbers)
+    }
+
+    /// A chain of this many samples that begins as `start` makes it.
+    pub(crate) fn from(
+        &self,
+        start: fn(u32, f64) -> Chain,
+        steps: u32,
+        numbers: impl Fn(u32) -> [f64; 4],
+    ) -> Chain {
         let sample = |step| {
             let [layer, column, row, threshold] = numbers(step);
             (self.texel([layer, column, row]), threshold)
         };
         let ((texel, f), _) = sample(0);
-        let mut chain = Chain::new(texel, f);
+        let mut chain = start(texel, f);
         for step in 1..steps {
             let ((texel, f), threshold) = sample(step);
             chain.propose(texel, f, threshold);

@@ -8,7 +8,8 @@ use sample_metropolis::cpu_reference::{Chain, Weights};
 fn expectation(f: &[f64], flux: &[f64], steps: u32, weights: Weights) -> f64 {
     let texels = f.len() as f64;
     let mean = f.iter().sum::<f64>() / texels;
-    let start = |texel: usize| Chain::new(texel as u32, f[texel]);
+    let new = if weights == Weights::Reservoir { Chain::reservoir } else { Chain::new };
+    let start = |texel: usize| new(texel as u32, f[texel]);
     let of_chain = |chain: &Chain| flux[chain.texel as usize] * texels * chain.ratio(weights, mean);
     (0..f.len()).map(|texel| rest(start(texel), f, steps, &of_chain)).sum::<f64>() / texels
 }
@@ -65,6 +66,18 @@ fn the_local_mean_is_unbiased_for_what_is_proportional_to_the_importance() {
 fn the_single_weight_is_unbiased_whatever_is_estimated() {
     for steps in 1..7 {
         assert!(close(expectation(&F, &FLUX, steps, Weights::Single), 8.5), "{steps}");
+    }
+}
+
+/// Talbot, Cline & Egbert 2005: resampling is unbiased wherever f is not 0.
+#[test]
+fn the_reservoir_is_unbiased_whatever_is_estimated() {
+    for steps in 1..7 {
+        assert!(close(expectation(&F, &FLUX, steps, Weights::Reservoir), 8.5), "{steps}");
+    }
+    // Of two proposals, each is chosen in proportion to its importance, whatever their order.
+    for (first, second) in [(1.0, 3.0), (3.0, 1.0)] {
+        assert_eq!(Chain::reservoir(0, first).acceptance(second), second / 4.0);
     }
 }
 

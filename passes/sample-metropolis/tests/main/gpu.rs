@@ -9,8 +9,12 @@ use pass_test::{Harness, Outputs};
 use sample_metropolis::PASS;
 use sample_metropolis::cpu_reference::{Chain, Weights};
 
-const WEIGHTS: [(&str, Weights); 3] =
-    [("local-mean", Weights::LocalMean), ("single", Weights::Single), ("none", Weights::None)];
+const WEIGHTS: [(&str, Weights); 4] = [
+    ("local-mean", Weights::LocalMean),
+    ("single", Weights::Single),
+    ("none", Weights::None),
+    ("reservoir", Weights::Reservoir),
+];
 
 /// Settings and seed of a run.
 #[derive(Clone, Copy)]
@@ -55,7 +59,8 @@ fn draw(map: &[f32], size: (u32, u32), settings: Run) -> Option<Vec<VirtualLight
 fn chains(map: &[f32], size: (u32, u32), run: Run) -> Vec<Chain> {
     let seed = pass::pass_seed(run.seed, "sample-metropolis");
     let map = Map { importance: map, size };
-    let chain = |chain| map.chain(run.steps, |step| halton(chain, step, run.count, seed));
+    let start = if run.weights == "reservoir" { Chain::reservoir } else { Chain::new };
+    let chain = |chain| map.from(start, run.steps, |step| halton(chain, step, run.count, seed));
     (0..run.count).map(chain).collect()
 }
 
