@@ -6,6 +6,7 @@ mod graph;
 mod rays;
 mod reload;
 mod table;
+mod value;
 
 use crate::context::Context;
 use crate::output::{self, progress};
@@ -67,6 +68,8 @@ enum Figure {
     /// Memory of shared transient resources of each pipeline, against the largest sum of bytes alive at once: of
     /// each sort that can share an object, and of all
     Memory,
+    /// CPU time to take another value of a setting, as a slider sets it
+    Value,
     /// Time from the save of a shader to the end of the next frame, where the driver has compiled the same before
     Reload,
 }
@@ -134,6 +137,7 @@ fn measure(bench: &Bench<'_>, figure: Figure) -> Result<Section> {
         Figure::Compile => graph::compiling(bench),
         Figure::Encode => encode::measure(bench),
         Figure::Memory => graph::memory(bench),
+        Figure::Value => value::measure(bench),
         Figure::Reload => reload::measure(bench),
     }
 }

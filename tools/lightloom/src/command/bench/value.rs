@@ -39,7 +39,9 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         }
         // In the first, shaders may be compiled.
         let times = Spread::of(times[1..].to_vec());
-        rows.push(Row::new(format!("`{path}`: {reach}"), times, "ms").goal(Goal::Below(1.0), "own, two cores"));
+        rows.push(
+            Row::new(format!("`{path}`: {reach}"), times, "ms").goal(Goal::Below(1.0), "own, two cores"),
+        );
     }
     let note = format!(
         "`set_value` in `{PIPELINE}` at {side}², without the frame that follows; {} runs.",
