@@ -1,4 +1,4 @@
-// Where a receiver falls in the paraboloid map of a virtual light, and the distance that it is tested with.
+// Where a receiver falls in the paraboloid map of a virtual light, and whether what a texel stores hides it.
 
 #import "paraboloid.wgsl"
 #import "virtual-lights.wgsl"
@@ -9,35 +9,50 @@ struct ParaboloidLookup {
     behind: bool,
     /// Position in the map [px].
     position: vec2<f32>,
-    /// Distance of the receiver, less the bias [m]: it is lit where what is stored is no nearer.
-    nearest: f32,
+    /// Distance of the receiver [m].
+    distance: f32,
+    /// The receiver's plane in the light's frame: its unit normal, and the light's distance from it along that [m].
+    plane: vec4<f32>,
+    /// Depth bias [m].
+    bias: f32,
 }
 
-/// The lookup for a receiver at `at` [m] with the unit `normal`, in a map with `tile` texels along a side. `bias` is that
-/// of the depth test, in widths of a texel along the receiver's plane.
+/// The lookup for a receiver at `at` [m] with the unit `normal`, in a map with `tile` texels along a side. `depth_bias` and
+/// `slope_bias` are in widths of a texel at the receiver; the second is multiplied by the slope of the receiver's plane.
 fn paraboloid_lookup(
     light: VirtualLight,
     at: vec3<f32>,
     normal: vec3<f32>,
     tile: u32,
-    bias: f32,
+    depth_bias: f32,
+    slope_bias: f32,
 ) -> ParaboloidLookup {
-    let offset = at - light.position;
-    let local = offset * frame_from_normal(light.normal);
+    let frame = frame_from_normal(light.normal);
+    let local = (at - light.position) * frame;
     let distance = length(local);
     if local.z <= 0.0 {
-        return ParaboloidLookup(true, vec2(0.0), 0.0);
+        return ParaboloidLookup(true, vec2(0.0), 0.0, vec4(0.0), 0.0);
     }
-    // A texel holds one distance for all it covers. Along the receiver's plane the distance changes by the
-    // texel's width [m] times the slope, the tangent to the cosine height / distance. Slopes end at 4 (76°):
-    // beyond, the cosine leaves little light to lose, and walls would leak. The constant tenth is for receivers that
-    // bend within a texel.
-    // The width is distance · √(density · area); with z = (1 - r²) / (1 + r²) that is:
+    let plane_normal = normal * frame;
+    let height = dot(plane_normal, local);
+    // The width of a texel [m] is distance · √(density · area); with z = (1 - r²) / (1 + r²) that is:
     let width = (distance + local.z) * (2.0 / f32(tile));
-    let height = -dot(normal, offset);
-    let slope = sqrt(max(distance * distance - height * height, 0.0)) / max(height, 0.25 * distance);
-    let nearest = distance - bias * width * (0.1 + slope);
-
+    // The slope is the tangent to the cosine height / distance. It ends at 4 (76°): beyond, the cosine leaves little light
+    // to lose, and walls would leak.
+    let slope = sqrt(max(distance * distance - height * height, 0.0)) / max(-height, 0.25 * distance);
     // paraboloid_from_direction, with the division by the distance left out.
-    return ParaboloidLookup(false, tile_position(local.xy / (distance + local.z), tile), nearest);
+    let position = tile_position(local.xy / (distance + local.z), tile);
+    return ParaboloidLookup(false, position, distance, vec4(plane_normal, height), width * (depth_bias + slope_bias * slope));
+}
+
+/// Whether the receiver is seen past what a texel of the map stores: a distance [m] along the ray through its centre.
+///
+/// The receiver's own surface is met by that ray at another distance than the receiver's, which is known from its plane
+/// (receiver-plane depth bias, Isidoro 2006). What is farther than the receiver hides nothing, so a plane that recedes
+/// changes nothing; one that comes near is followed up to half the distance.
+fn is_seen(lookup: ParaboloidLookup, texel: vec2<u32>, tile: u32, stored: f32) -> bool {
+    let along = dot(lookup.plane.xyz, direction_from_paraboloid(texel_centre(texel, tile)));
+    let meets = along * lookup.plane.w > 0.0;
+    let own = select(lookup.distance, lookup.plane.w / along, meets);
+    return clamp(own, 0.5 * lookup.distance, lookup.distance) - lookup.bias <= stored;
 }

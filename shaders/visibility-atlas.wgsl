@@ -11,8 +11,10 @@ struct VisibilityFacts {
     columns: u32,
     /// Rows of maps in a layer.
     rows: u32,
-    /// Bias of the depth test, in widths of a texel along the receiver's plane.
+    /// Bias of the depth test, in widths of a texel at the receiver.
     depth_bias: f32,
+    /// The same, times the slope of the receiver's plane.
+    slope_bias: f32,
 }
 
 var<uniform> visibility_facts: VisibilityFacts;
@@ -22,11 +24,13 @@ var visibility_atlas: texture_2d_array<f32>;
 /// `index` is the light's, `at` [m] and the unit `normal` are the receiver's.
 fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let tile = visibility_facts.tile;
-    let lookup = paraboloid_lookup(light, at, normal, tile, visibility_facts.depth_bias);
+    let facts = visibility_facts;
+    let lookup = paraboloid_lookup(light, at, normal, tile, facts.depth_bias, facts.slope_bias);
     if lookup.behind {
         return 0.0;
     }
-    let origin = tile_origin(index, visibility_facts.columns, visibility_facts.rows, tile);
+    let origin = tile_origin(index, facts.columns, facts.rows, tile);
     let texel = vec2<u32>(clamp(lookup.position, vec2(0.0), vec2(f32(tile - 1u))));
-    return select(0.0, 1.0, lookup.nearest <= textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x);
+    let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
+    return select(0.0, 1.0, is_seen(lookup, texel, tile, stored));
 }

@@ -283,7 +283,7 @@ fn the_trees_studies_run_in_miniature() {
         }
         let reference: &[&str] = match name.as_str() {
             "ism-fig-4" => &["map=32", "rsm.size=32"],
-            "tcas-fig-6" => &["lights=64", "rsm.size=32"],
+            "tcas-fig-6" | "tcas-weights" => &["lights=64", "rsm.size=32"],
             _ => &["samples=4", "bounces=1"],
         };
         for set in reference {

@@ -2,7 +2,7 @@
 
 mod atlas;
 
-pub use atlas::{AtlasLayout, DepthBiasSettings};
+pub use atlas::{AtlasLayout, DepthBias, DepthBiasSettings};
 use pass::{Content, Fact, Format, Interface, Member};
 
 /// The loop iterations of a lookup.
@@ -16,7 +16,12 @@ pub const COLUMNS: Fact<u32> = Fact::optional("columns", "maps along a row of a 
 pub const ROWS: Fact<u32> = Fact::optional("rows", "rows of maps in a layer of the atlas");
 /// The depth bias of a lookup.
 pub const DEPTH_BIAS: Fact<f32> =
-    Fact::optional("depth_bias", "bias of a lookup, in widths of a texel along the receiver's plane");
+    Fact::optional("depth_bias", "bias of a lookup, in widths of a texel at the receiver");
+/// The depth bias of a lookup that grows with the slope of the receiver's plane.
+pub const SLOPE_BIAS: Fact<f32> = Fact::optional(
+    "slope_bias",
+    "bias of a lookup, in widths of a texel times the slope of the receiver's plane",
+);
 /// The bilinear taps of a filtered lookup.
 pub const TAPS: Fact<u32> = Fact::optional("taps", "bilinear taps of a lookup along each side of its window");
 
@@ -38,6 +43,7 @@ pub const INTERFACE: Interface = Interface::new(
     COLUMNS.decl(),
     ROWS.decl(),
     DEPTH_BIAS.decl(),
+    SLOPE_BIAS.decl(),
     TAPS.decl(),
 ])
 .with_stand_in("shaders/visibility-none.wgsl");

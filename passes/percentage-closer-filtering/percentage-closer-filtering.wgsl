@@ -15,8 +15,10 @@ struct VisibilityFacts {
     columns: u32,
     /// Rows of maps in a layer.
     rows: u32,
-    /// Depth bias, in widths of a texel along the receiver's plane.
+    /// Depth bias, in widths of a texel at the receiver.
     depth_bias: f32,
+    /// The same, times the slope of the receiver's plane.
+    slope_bias: f32,
     /// Taps along each side of the window.
     taps: u32,
 }
@@ -29,11 +31,12 @@ var visibility_atlas: texture_2d_array<f32>;
 fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let tile = visibility_facts.tile;
     let taps = visibility_facts.taps;
-    let lookup = paraboloid_lookup(light, at, normal, tile, visibility_facts.depth_bias);
+    let facts = visibility_facts;
+    let lookup = paraboloid_lookup(light, at, normal, tile, facts.depth_bias, facts.slope_bias);
     if lookup.behind {
         return 0.0;
     }
-    let origin = tile_origin(index, visibility_facts.columns, visibility_facts.rows, tile);
+    let origin = tile_origin(index, facts.columns, facts.rows, tile);
     let start = lookup.position - 0.5 * f32(taps);
     let corner = floor(start);
     let weight = start - corner;
@@ -47,7 +50,7 @@ fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>)
             // Texels beyond the map's edge are clamped to the edge: another map lies beyond.
             let texel = vec2<u32>(clamp(corner + vec2(f32(x), f32(y)), vec2(0.0), last));
             let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
-            let seen = select(0.0, 1.0, lookup.nearest <= stored);
+            let seen = select(0.0, 1.0, is_seen(lookup, texel, tile, stored));
             if x > 0u {
                 row += mix(left, seen, weight.x);
             }

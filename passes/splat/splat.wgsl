@@ -93,13 +93,14 @@ fn splat(
 #if KERNEL == surfel
     let normal = point.normal * frame;
     let height = dot(normal, local);
-    let reach = sqrt(point.area) * settings.splat_scale;
+    // Within the splat, or, if that is smaller than a texel, within a texel of a plane of slope 4.
+    let reach = max(sqrt(point.area) * settings.splat_scale, 3.0 * distance * sqrt(texel));
 #endif
     // One loop instead of two: neighbouring threads with splats of different sizes wait less for each other.
     var at = vec2(0u);
     for (var i = 0u; i < size.x * size.y; i++) {
 #if KERNEL == surfel
-        // Where the texel's ray meets the tangent plane, limited to the extent of the splat for rays at grazing angles.
+        // Where the texel's ray meets the tangent plane, limited for rays at grazing angles.
         let along = dot(normal, direction_from_paraboloid(texel_centre(low + at, tile)));
         let hit = select(distance, height / along, along * height > 0.0);
         let stored = clamp(hit, max(distance - reach, 0.0), distance + reach);

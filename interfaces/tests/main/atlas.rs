@@ -1,6 +1,8 @@
 //! Where maps lie in an atlas.
 
-use interfaces::visibility::AtlasLayout;
+use interfaces::visibility::{AtlasLayout, DepthBias};
+
+const BIAS: DepthBias = DepthBias { depth: 1.0, slope: 0.5 };
 use pass::Extent;
 use std::collections::BTreeSet;
 
@@ -33,7 +35,7 @@ fn every_map_has_a_place_of_its_own_in_the_layer_that_draws_it() {
             }
         }
         assert_eq!(places.len(), count as usize);
-        assert_eq!(AtlasLayout::of_facts(&layout.visibility(1.0).facts, count), Some(layout));
+        assert_eq!(AtlasLayout::of_facts(&layout.visibility(BIAS).facts, count), Some(layout));
     }
 }
 

@@ -267,6 +267,7 @@ fn with_map(stored: f32) -> Option<Vec<[f32; 4]>> {
             vec![("atlas", atlas, bytemuck::cast_slice(&[stored; 64]).to_vec())],
         )
         .fact("depth_bias", 0.1)
+        .fact("slope_bias", 0.0)
         .module("shaders/visibility-atlas.wgsl")
         .run();
     outputs.map(|outputs| read(&outputs))

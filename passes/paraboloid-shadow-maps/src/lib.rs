@@ -3,7 +3,7 @@
 pub mod cpu_reference;
 
 use interfaces::virtual_lights;
-use interfaces::visibility::{AtlasLayout, DepthBiasSettings};
+use interfaces::visibility::{AtlasLayout, DepthBias, DepthBiasSettings};
 use pass::{
     DepthTarget, Draw, Format, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Raster,
     RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, UseContext,
@@ -21,9 +21,9 @@ pub struct ParaboloidShadowMaps {
 
 const SHADER: &str = "passes/paraboloid-shadow-maps/paraboloid-shadow-maps.wgsl";
 
-/// Depth bias that the depth test needs, in widths of a texel along the receiver's plane. It is half the
-/// diagonal of a texel: the greatest distance of a receiver from the ray through the centre of its texel.
-const DEPTH_BIAS: f32 = 0.7;
+/// The depth bias that these maps need. Distances are those of the centres of texels, so a plane needs none; the rest is for
+/// surfaces that bend within a texel, and for shading normals, which are not those of the triangles.
+const DEPTH_BIAS: DepthBias = DepthBias { depth: 0.2, slope: 0.0 };
 
 pass::settings! {
     /// The settings of the pass type `paraboloid-shadow-maps`, apart from the depth bias of its maps.
@@ -75,11 +75,11 @@ impl Pass for ParaboloidShadowMaps {
                 AtlasLayout::most(tile, side)
             )));
         };
-        let depth_bias = DepthBiasSettings::read(cx.settings).depth_bias * DEPTH_BIAS;
+        let bias = DEPTH_BIAS.times(DepthBiasSettings::read(cx.settings).depth_bias);
         // One layer after the other.
         let nearness = ResourceDesc::texture_2d(Format::Depth32Float, layout.layer_size());
         let nearness = OutputDesc::scratch("nearness", nearness);
-        Ok(vec![layout.visibility(depth_bias), nearness])
+        Ok(vec![layout.visibility(bias), nearness])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {

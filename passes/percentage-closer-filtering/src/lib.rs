@@ -2,7 +2,7 @@
 
 pub mod cpu_reference;
 
-use interfaces::visibility::{COLUMNS, DEPTH_BIAS, LOOP_ITERATIONS, ROWS, TAPS, TILE};
+use interfaces::visibility::{COLUMNS, DEPTH_BIAS, LOOP_ITERATIONS, ROWS, SLOPE_BIAS, TAPS, TILE};
 use pass::{
     Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
     SceneBindings, Setting, Settings, UseContext,
@@ -60,14 +60,14 @@ impl Pass for PercentageCloserFiltering {
         // The farthest texel is farther from the receiver than with one tap, in proportion to the width of
         // the window.
         let reach = (taps + 1) as f32 / 2.0;
-        let bias = cx.fact("maps", DEPTH_BIAS)? * reach;
         Ok(vec![
             OutputDesc::hand_on("visibility", "maps")
                 .module(Module::new(MODULE))
                 .fact(TILE, cx.fact("maps", TILE)?)
                 .fact(COLUMNS, cx.fact("maps", COLUMNS)?)
                 .fact(ROWS, cx.fact("maps", ROWS)?)
-                .fact(DEPTH_BIAS, bias)
+                .fact(DEPTH_BIAS, cx.fact("maps", DEPTH_BIAS)? * reach)
+                .fact(SLOPE_BIAS, cx.fact("maps", SLOPE_BIAS)? * reach)
                 .fact(TAPS, taps)
                 .fact(LOOP_ITERATIONS, (taps + 1) * (taps + 1)),
         ])

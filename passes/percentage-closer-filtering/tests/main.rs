@@ -83,6 +83,7 @@ fn answers(taps: u32) -> Option<Vec<[f32; 4]>> {
             vec![("atlas", atlas, bytemuck::cast_slice(&maps()).to_vec())],
         )
         .fact("depth_bias", 0.5)
+        .fact("slope_bias", 0.0)
         .module(MODULE)
         .lights(&[light; 2])
         .input(
@@ -163,9 +164,11 @@ fn it_filters_maps_and_nothing_else() {
         ("columns", Value::U32(1)),
         ("rows", Value::U32(1)),
         ("depth_bias", Value::F32(0.5)),
+        ("slope_bias", Value::F32(0.25)),
     ];
     let made = outputs(atlas(), &facts).expect("an atlas with its facts");
     assert_eq!(made[0].facts.get("depth_bias"), Some(&Value::F32(1.0)), "the window is twice as wide");
+    assert_eq!(made[0].facts.get("slope_bias"), Some(&Value::F32(0.5)));
     assert!(made[0].members.is_empty() && made[0].handed.len() == 1, "the atlas is handed on");
     let refused = outputs(Vec::new(), &facts).expect_err("rays have no maps");
     assert_eq!(refused.input.as_deref(), Some("maps"));

@@ -8,6 +8,7 @@
 struct Settings {
     visibility_tile: u32,
     visibility_depth_bias: f32,
+    visibility_slope_bias: f32,
 }
 
 struct Receiver {
@@ -25,7 +26,7 @@ var<storage, read_write> answers: array<vec4<f32>>;
 /// The four nearest texels, weighted after the test, of an atlas with one map a layer.
 fn bilinear(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let tile = settings.visibility_tile;
-    let lookup = paraboloid_lookup(light, at, normal, tile, settings.visibility_depth_bias);
+    let lookup = paraboloid_lookup(light, at, normal, tile, settings.visibility_depth_bias, settings.visibility_slope_bias);
     if lookup.behind {
         return 0.0;
     }
@@ -33,16 +34,15 @@ fn bilinear(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -
     let last = vec2(f32(tile - 1u));
     let corner = floor(lookup.position - 0.5);
     let weight = lookup.position - 0.5 - corner;
-    let low = origin.xy + vec2<u32>(clamp(corner, vec2(0.0), last));
-    let high = origin.xy + vec2<u32>(clamp(corner + 1.0, vec2(0.0), last));
-    let stored = vec4(
-        textureLoad(visibility_atlas, low, origin.z, 0).x,
-        textureLoad(visibility_atlas, vec2(high.x, low.y), origin.z, 0).x,
-        textureLoad(visibility_atlas, vec2(low.x, high.y), origin.z, 0).x,
-        textureLoad(visibility_atlas, high, origin.z, 0).x,
-    );
-    let seen = select(vec4(0.0), vec4(1.0), vec4(lookup.nearest) <= stored);
-    let rows = mix(seen.xz, seen.yw, weight.x);
+    let low = vec2<u32>(clamp(corner, vec2(0.0), last));
+    let high = vec2<u32>(clamp(corner + 1.0, vec2(0.0), last));
+    var seen = array<f32, 4>();
+    for (var i = 0u; i < 4u; i++) {
+        let texel = select(low, high, vec2(i % 2u, i / 2u) == vec2(1u));
+        let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
+        seen[i] = select(0.0, 1.0, is_seen(lookup, texel, tile, stored));
+    }
+    let rows = mix(vec2(seen[0], seen[2]), vec2(seen[1], seen[3]), weight.x);
     return mix(rows.x, rows.y, weight.y);
 }
 
@@ -59,6 +59,7 @@ fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
         receiver.normal,
         settings.visibility_tile,
         settings.visibility_depth_bias,
+        settings.visibility_slope_bias,
     );
     answers[id.x] = vec4(
         visibility(receiver.light, light, receiver.position, receiver.normal),

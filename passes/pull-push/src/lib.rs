@@ -3,7 +3,7 @@
 pub mod cpu_reference;
 
 use interfaces::depth_atlas;
-use interfaces::visibility::AtlasLayout;
+use interfaces::visibility::{AtlasLayout, DepthBias};
 use pass::{
     Compute, Define, Draw, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Raster,
     RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, Threads,
@@ -99,10 +99,13 @@ impl Pass for PullPush {
             PassTypeError::input("depth", format!("{count} maps of {tile}² are more than an atlas holds"))
                 .help(format!("take smaller maps, or at most {most} virtual lights"))
         })?;
-        let depth_bias = cx.fact("depth", depth_atlas::DEPTH_BIAS)?;
+        let bias = DepthBias {
+            depth: cx.fact("depth", depth_atlas::DEPTH_BIAS)?,
+            slope: cx.fact("depth", depth_atlas::SLOPE_BIAS)?,
+        };
         let texels = Pyramid { tile, count }.begin(PullPushSettings::read(cx.settings).levels + 1);
         let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));
-        Ok(vec![layout.visibility(depth_bias), pyramid])
+        Ok(vec![layout.visibility(bias), pyramid])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {

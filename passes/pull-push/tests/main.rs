@@ -145,6 +145,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
                 vec![("", pass_test::buffer(bytes.len() as u64), bytes)],
             )
             .fact("depth_bias", 1.0)
+            .fact("slope_bias", 0.0)
             .run();
         let Some(outputs) = outputs else { return };
         let layers = outputs.desc("visibility.atlas").texture().map(|texture| texture.layers);

@@ -3,7 +3,7 @@
 pub mod cpu_reference;
 
 use interfaces::points::SurfaceSamples;
-use interfaces::visibility::DepthBiasSettings;
+use interfaces::visibility::{DepthBias, DepthBiasSettings};
 use interfaces::{counters, depth_atlas, virtual_lights};
 use pass::{
     Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
@@ -41,22 +41,25 @@ pass::settings! {
     pub struct SplatSettings {
         /// Side of a map (ISM uses 128 and 256). Larger: sharper shadows, but more time.
         map: u32 = 64, min: 1, max: 512, unit: "px";
-        /// Points that are splatted into each map; 0 takes the guideline of ISM §5.2, a quarter of the texels
-        /// of the hemisphere. More: less error, but more time.
+        /// Points that are splatted into each map; 0 takes as many as `points_per_texel` says.
         points_per_map: u32 = 0;
+        /// Points for each texel of the hemisphere, where `points_per_map` is 0. ISM §5.2 has a quarter. More:
+        /// fewer holes and so less light that leaks, but more time.
+        points_per_texel: f32 = 0.25, min: 0.0, max: 64.0;
         /// The most points of all maps together, which bounds the time. If more are requested, all maps lose
         /// the same share; the port `counters` gives the numbers of points requested and produced.
         budget: u32 = 33_554_432, min: 1, max: MAX_SPLATS;
         /// What a splat stores. box: one distance (ISM §3.2). surfel: in each texel the distance of the
         /// point's tangent plane, so that a surface shadows itself less; takes longer.
-        kernel: Kernel = Kernel::Box;
+        // DEVIATION(surfel): the paper stores one distance.
+        kernel: Kernel = Kernel::Surfel;
     }
 }
 
-/// Returns the points of a map by the guideline of ISM §5.2: a quarter of the texels of the hemisphere, which are π/4
-/// of those of its map (ISM §3.3).
-pub fn points_of_guideline(tile: u32) -> u32 {
-    (PI / 16.0 * f64::from(tile).powi(2)).round().max(1.0) as u32
+/// Returns the points of a map with so many for each texel of the hemisphere, which are π/4 of those of its map (ISM
+/// §3.3): at least one.
+pub fn points_of_map(tile: u32, per_texel: f32) -> u32 {
+    (0.25 * PI * f64::from(tile).powi(2) * f64::from(per_texel)).round().max(1.0) as u32
 }
 
 impl Pass for Splat {
@@ -115,19 +118,20 @@ impl Pass for Splat {
             )
             .help(format!("take smaller maps, or at most {most} virtual lights")));
         }
-        // How far a receiver may be from the position whose distance is stored, in texels along the
-        // receiver's plane: within a texel, or within a splat of the usual two to four texels.
+        // Surfels store the distances of the centres of texels, and a box that of the middle of a splat, of the usual two to
+        // four texels.
         let needed = match settings.kernel {
-            Kernel::Surfel => 1.0,
-            Kernel::Box => 2.0,
+            Kernel::Surfel => DepthBias { depth: 0.3, slope: 0.0 },
+            Kernel::Box => DepthBias { depth: 0.2, slope: 2.0 },
         };
-        let depth_bias = DepthBiasSettings::read(cx.settings).depth_bias * needed;
+        let bias = needed.times(DepthBiasSettings::read(cx.settings).depth_bias);
         Ok(vec![
             counters::output(use_cx, "counters")?,
             OutputDesc::one("depth", ResourceDesc::buffer(texels * 4))
                 .fact(depth_atlas::TILE, tile)
                 .fact(depth_atlas::COUNT, count)
-                .fact(depth_atlas::DEPTH_BIAS, depth_bias),
+                .fact(depth_atlas::DEPTH_BIAS, bias.depth)
+                .fact(depth_atlas::SLOPE_BIAS, bias.slope),
         ])
     }
 
@@ -135,7 +139,7 @@ impl Pass for Splat {
         let (tile, maps) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
         let settings = SplatSettings::read(cx.settings);
         let wanted = match settings.points_per_map {
-            0 => points_of_guideline(tile),
+            0 => points_of_map(tile, settings.points_per_texel),
             given => given,
         };
         let within_budget = (settings.budget / maps.max(1)).max(1);

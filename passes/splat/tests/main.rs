@@ -8,7 +8,7 @@ use splat::cpu_reference::paraboloid::{
     texel_centre, texel_in_hemisphere,
 };
 use splat::cpu_reference::{Shape, map, splat};
-use splat::points_of_guideline;
+use splat::points_of_map;
 use std::f64::consts::PI;
 
 /// Points spread uniformly over the unit sphere, by the golden angle.
@@ -71,12 +71,12 @@ fn points_a_map_follow_the_papers_guideline() {
     for tile in [64, 128, 256] {
         let centres = (0..tile * tile).map(|i| texel_centre(uvec2(i % tile, i / tile), tile));
         let texels = centres.filter(|at| at.length_squared() < 1.0).count() as f64;
-        let points = f64::from(points_of_guideline(tile));
+        let points = f64::from(points_of_map(tile, 0.25));
         // The counted disc is one of whole texels: by Gauss's circle problem it is off by a fraction of its edge.
         assert!((points - 0.25 * texels).abs() < 0.01 * points, "{points} for {texels} texels");
     }
-    assert_eq!(points_of_guideline(64), 804);
-    assert_eq!(points_of_guideline(1), 1, "a map has a point");
+    assert_eq!((points_of_map(64, 0.25), points_of_map(64, 1.0)), (804, 3217));
+    assert_eq!((points_of_map(1, 0.25), points_of_map(64, 0.0)), (1, 1), "a map has a point");
 }
 
 fn shape(tile: u32, area: f64) -> Shape {
@@ -172,6 +172,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         let given: Vec<VirtualLight> = lights.iter().map(given).collect();
         let outputs = Harness::new(splat::PASS)
             .scene("plane")
+            .set("kernel", "box")
             .set("map", tile)
             .set("points_per_map", per_map)
             .set("max_splat", max_splat as f32)
