@@ -175,3 +175,96 @@ fn it_filters_maps_and_nothing_else() {
     let refused = outputs(atlas(), &facts[1..]).expect_err("no `tile`");
     assert!(refused.message.contains("`tile`"), "{}", refused.message);
 }
+
+/// A plane that fills the maps of a light, with what they store: at each texel the distance along the ray through its
+/// centre. Receivers lie on the plane, or behind it by a part of their distance.
+struct Plane {
+    /// Unit, towards the light.
+    normal: [f64; 3],
+    /// The light's distance from it \[m\].
+    height: f64,
+}
+
+impl Plane {
+    /// The distance along a unit direction; `None` where it is not met.
+    fn along(&self, direction: [f64; 3]) -> Option<f64> {
+        let along: f64 = std::iter::zip(self.normal, direction).map(|(n, d)| n * d).sum();
+        (along < -1e-3).then(|| -self.height / along)
+    }
+
+    fn answers(&self, module: &str, tile: u32, behind: f64) -> Option<Vec<[f32; 4]>> {
+        let centre = |i: u32| (f64::from(i) + 0.5) * 2.0 / f64::from(tile) - 1.0;
+        let stored = |i: u32| {
+            let (x, y) = (centre(i % tile), centre(i / tile));
+            let r2 = x * x + y * y;
+            let direction = [2.0 * x, 2.0 * y, 1.0 - r2].map(|d| d / (1.0 + r2));
+            self.along(direction).map_or(3.0e38, |distance| distance as f32)
+        };
+        let map: Vec<f32> = (0..tile * tile).map(stored).collect();
+        let receivers: Vec<[f32; 8]> = receivers()
+            .into_iter()
+            .map(|receiver| {
+                let direction = [receiver[0], receiver[1], receiver[2]].map(|x| f64::from(x) * 0.5);
+                // What the plane does not meet lies behind the light, where nothing is tested.
+                let distance = self.along(direction).unwrap_or(-1.0) * (1.0 + behind);
+                let [x, y, z] = direction.map(|d| (d * distance) as f32);
+                let [u, v, w] = self.normal.map(|n| n as f32);
+                [x, y, z, 0.0, u, v, w, 0.0]
+            })
+            .collect();
+        let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
+        let atlas = ResourceDesc::texture_2d_array(pass::Format::R32Float, (tile, tile), 1);
+        let bytes = bytemuck::cast_slice(&receivers).to_vec();
+        let outputs = Harness::new(&Probe)
+            .input(
+                "visibility",
+                "Visibility",
+                &[("tile", tile), ("columns", 1), ("rows", 1), ("taps", 1)],
+                vec![("atlas", atlas, bytemuck::cast_slice(&map).to_vec())],
+            )
+            .fact("depth_bias", 0.02)
+            .fact("slope_bias", 0.0)
+            .module(module)
+            .lights(&[light])
+            .input(
+                "receivers",
+                "Buffer",
+                &[],
+                vec![("", pass_test::buffer(32 * u64::from(RECEIVERS)), bytes)],
+            )
+            .run()?;
+        Some(outputs.read("answers"))
+    }
+}
+
+/// Whatever its slope, a plane does not shadow itself with next to no bias, and hides what lies behind it by a tenth of
+/// the distance: a bias for the slope would have to be as large as the slope's part of a texel, half of the distance in
+/// maps of 8².
+#[test]
+fn a_plane_is_lit_and_hides_what_is_behind_it() {
+    for module in ["shaders/visibility-atlas.wgsl", MODULE] {
+        for (tile, degrees) in [(8, 0.0), (8, 30.0), (8, 55.0), (64, 0.0), (64, 30.0), (64, 55.0)] {
+            let (sin, cos) = f64::to_radians(degrees).sin_cos();
+            let plane = Plane { normal: [0.6 * sin, -0.8 * sin, -cos], height: 1.7 };
+            let Some(on) = plane.answers(module, tile, 0.0) else { return };
+            let Some(behind) = plane.answers(module, tile, 0.1) else { return };
+            let (mut lit, mut leaks, mut all) = (0, 0.0, 0);
+            for ((on, behind), receiver) in on.iter().zip(&behind).zip(receivers()) {
+                let direction = [receiver[0], receiver[1], receiver[2]].map(|x| f64::from(x) * 0.5);
+                // Slopes up to 60°, away from the rim, where texels are not met by the plane.
+                let met = plane.along(direction).is_some_and(|distance| plane.height / distance > 0.5);
+                if met && receiver[2] > 0.6 {
+                    all += 1;
+                    lit += usize::from(on[0] > 0.999);
+                    leaks += behind[0];
+                }
+            }
+            assert!(all > 60, "{all} receivers");
+            assert_eq!(lit, all, "{module}, {tile}², {degrees}°: the plane shadows itself");
+            // Some rays through centres meet the plane where it is farther than what lies behind it: the more, the wider
+            // the texels.
+            let (leaks, most) = (leaks / all as f32, if tile == 8 { 0.5 } else { 0.02 });
+            assert!(leaks < most, "{module}, {tile}², {degrees}°: {leaks} of the light leaks");
+        }
+    }
+}
