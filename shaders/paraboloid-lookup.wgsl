@@ -37,12 +37,16 @@ fn paraboloid_lookup(
     let height = dot(plane_normal, local);
     // The width of a texel [m] is distance · √(density · area); with z = (1 - r²) / (1 + r²) that is:
     let width = (distance + local.z) * (2.0 / f32(tile));
-    // The slope is the tangent to the cosine height / distance. It ends at 4 (76°): beyond, the cosine leaves little light
-    // to lose, and walls would leak.
-    let slope = sqrt(max(distance * distance - height * height, 0.0)) / max(-height, 0.25 * distance);
+    var bias = depth_bias;
+    if slope_bias > 0.0 {
+        // The slope is the tangent to the cosine height / distance. It ends at 4 (76°): beyond, the cosine leaves little
+        // light to lose, and walls would leak.
+        let slope = sqrt(max(distance * distance - height * height, 0.0)) / max(-height, 0.25 * distance);
+        bias += slope_bias * slope;
+    }
     // paraboloid_from_direction, with the division by the distance left out.
     let position = tile_position(local.xy / (distance + local.z), tile);
-    return ParaboloidLookup(false, position, distance, vec4(plane_normal, height), width * (depth_bias + slope_bias * slope));
+    return ParaboloidLookup(false, position, distance, vec4(plane_normal, height), width * bias);
 }
 
 /// Whether the receiver is seen past what a texel of the map stores: a distance [m] along the ray through its centre.
@@ -51,8 +55,11 @@ fn paraboloid_lookup(
 /// (receiver-plane depth bias, Isidoro 2006). What is farther than the receiver hides nothing, so a plane that recedes
 /// changes nothing; one that comes near is followed up to half the distance.
 fn is_seen(lookup: ParaboloidLookup, texel: vec2<u32>, tile: u32, stored: f32) -> bool {
-    let along = dot(lookup.plane.xyz, direction_from_paraboloid(texel_centre(texel, tile)));
+    // The cosine between normal and ray is along / (1 + r²): see direction_from_paraboloid.
+    let centre = texel_centre(texel, tile);
+    let r2 = dot(centre, centre);
+    let along = 2.0 * dot(lookup.plane.xy, centre) + lookup.plane.z * (1.0 - r2);
     let meets = along * lookup.plane.w > 0.0;
-    let own = select(lookup.distance, lookup.plane.w / along, meets);
+    let own = select(lookup.distance, lookup.plane.w * (1.0 + r2) / along, meets);
     return clamp(own, 0.5 * lookup.distance, lookup.distance) - lookup.bias <= stored;
 }

@@ -121,7 +121,7 @@ pub(super) fn samplers(bench: &Bench<'_>) -> Result<Section> {
     ];
     let note = format!(
         "the pass `lights` of `ism-invtm` against that of `tcas` on {}; the sums over the importance map are part of the \
-         inverse transform. Ratios of medians, frames in turn.",
+         inverse transform, and the importance itself part of the chains. Ratios of medians, frames in turn.",
         label(scene(bench))
     );
     Ok(Section { figure: Figure::Samplers, rows, note })
