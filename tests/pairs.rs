@@ -2,7 +2,7 @@
 //! of light.
 
 use crate::adapter::{SMALL, bits, mean, renderer, renderer_in, set};
-use frame_graph::{CompileOptions, LinkContext};
+use frame_graph::{CompileOptions, LinkContext, Value};
 use metrics::{Epsilon, Pair};
 use pass::Step;
 use renderer::{Assets, Catalog, Compiled};
@@ -84,6 +84,7 @@ fn every_pipeline_lights_every_kind_of_scene() {
         "ism-invtm",
         "ism-uniform",
         "ism-invtm-2",
+        "ism-by-scene",
         "tcas",
         "ism-classic",
         "ism-ray-traced",
@@ -215,5 +216,31 @@ fn maps_are_close_to_rays() {
         let how = if shadows == exact { "exact" } else { "imperfect" };
         assert!(error < most, "{scene}, {how} maps: relMSE {error}");
         assert!((energy - 1.0).abs() < off, "{scene}, {how} maps: energy {energy}");
+    }
+}
+
+/// A scene of few triangles gets exact maps, another one imperfect maps, and the picture is that of the pipeline that has
+/// nothing else.
+#[test]
+fn the_scene_decides_which_maps_are_made() {
+    let values = ["lights=32", "rsm.size=64", "map=32"];
+    for (scene, exact) in [("cornell-box", true), ("atrium-spot", false)] {
+        let Some(mut renderer) = renderer("ism-by-scene", scene, (32, 24), &values) else { return };
+        let plan = Arc::clone(renderer.plan().unwrap());
+        let runs = |pass: &str| plan.pass(pass).is_some();
+        assert_eq!((runs("exact"), runs("shadows/splat")), (exact, !exact), "{scene}");
+        renderer.frame().unwrap();
+        let picture = renderer.output("image").unwrap();
+        if !exact {
+            let mut imperfect = crate::adapter::renderer("ism-invtm", scene, (32, 24), &values).unwrap();
+            imperfect.frame().unwrap();
+            assert!(bits(&picture) == bits(&imperfect.output("image").unwrap()), "{scene}");
+        }
+        // As many triangles as the scene has, and one less.
+        let triangles = renderer.scene().triangles() as u32;
+        for (most, exact) in [(triangles, true), (triangles - 1, false)] {
+            renderer.set_value("most_triangles", Value::U32(most)).unwrap();
+            assert_eq!(renderer.plan().unwrap().pass("exact").is_some(), exact, "{scene}, {most}");
+        }
     }
 }
