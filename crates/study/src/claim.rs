@@ -5,6 +5,17 @@ use crate::interval::Interval;
 use crate::record::{AxisValue, Cell, ClaimRecord, Outcome, PickRecord, RelationRecord, Results};
 use std::collections::BTreeMap;
 
+/// What the measurements say of a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It holds, beyond the 95 % interval over the seeds.
+    Holds,
+    /// It does not hold, beyond that interval.
+    Fails,
+    /// The interval has both.
+    Undecided,
+}
+
 /// The result of a claim for one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding<'a> {
@@ -12,18 +23,18 @@ pub struct Finding<'a> {
     pub claim: &'a ClaimRecord,
     /// The scene.
     pub scene: &'a str,
-    /// Mean of the measure over the cells of each pick, in the order of [`RelationRecord::picks`]; `None` if
-    /// no cell has the measure.
-    pub means: Vec<Option<f64>>,
-    /// Whether the claim holds; `None` if that was not measured.
-    pub holds: Option<bool>,
+    /// Mean of the measure over the cells of each pick, with its interval over the seeds, in the order of
+    /// [`RelationRecord::picks`]; `None` if no cell has the measure.
+    pub means: Vec<Option<Interval>>,
+    /// What the measurements say; `None` if there are none.
+    pub verdict: Option<Verdict>,
 }
 
 impl Finding<'_> {
     /// Returns the ratio of the two means; `None` for an order, and if the denominator is not above 0.
     pub fn ratio(&self) -> Option<f64> {
         match (&self.claim.relation, self.means.as_slice()) {
-            (RelationRecord::Ratio { .. }, [Some(of), Some(to)]) if *to > 0.0 => Some(of / to),
+            (RelationRecord::Ratio { .. }, [Some(of), Some(to)]) if to.mean > 0.0 => Some(of.mean / to.mean),
             _ => None,
         }
     }
@@ -31,7 +42,7 @@ impl Finding<'_> {
 
 impl Results {
     /// Returns the result of each claim for each scene that it is about, in the order of the study. Means are
-    /// over all finished cells that have the measure.
+    /// over all finished cells that have the measure, first those of each seed, then over the seeds.
     pub fn findings(&self) -> Vec<Finding<'_>> {
         let mut findings = Vec::new();
         for claim in &self.study.claims {
@@ -45,30 +56,85 @@ impl Results {
 
     fn finding<'a>(&'a self, claim: &'a ClaimRecord, scene: &'a str) -> Finding<'a> {
         let picks = claim.relation.picks();
-        let means = picks.into_iter().map(|pick| self.mean(claim, pick, scene)).collect();
-        let mut finding = Finding { claim, scene, means, holds: None };
-        finding.holds = match &claim.relation {
-            RelationRecord::Order(_) => {
-                let means: Option<Vec<f64>> = finding.means.iter().copied().collect();
-                means.map(|means| means.windows(2).all(|pair| pair[0] < pair[1]))
-            }
-            RelationRecord::Ratio { at_least, at_most, .. } => finding.ratio().map(|ratio| {
-                at_least.is_none_or(|least| ratio >= least) && at_most.is_none_or(|most| ratio <= most)
-            }),
-        };
-        finding
+        let seeds: Vec<Seeds> = picks.into_iter().map(|pick| self.seeds(claim, pick, scene)).collect();
+        let mean = |seeds: &Seeds| Interval::of(&seeds.values().copied().collect::<Vec<f64>>());
+        Finding {
+            claim,
+            scene,
+            means: seeds.iter().map(mean).collect(),
+            verdict: verdict(&claim.relation, &seeds),
+        }
     }
 
-    fn mean(&self, claim: &ClaimRecord, pick: &PickRecord, scene: &str) -> Option<f64> {
+    fn seeds(&self, claim: &ClaimRecord, pick: &PickRecord, scene: &str) -> Seeds {
         let cells = self.cells.iter().filter(|cell| {
             cell.outcome == Outcome::Done
                 && (cell.scene.as_str(), &cell.pipeline) == (scene, &pick.pipeline)
                 && lies_at(cell, &claim.at)
                 && lies_at(cell, &pick.at)
         });
-        let values: Vec<f64> =
-            cells.filter_map(|cell| cell.measures.get(&claim.measure).copied().flatten()).collect();
-        Interval::of(&values).map(|interval| interval.mean)
+        let mut values: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+        for cell in cells {
+            if let Some(value) = cell.measures.get(&claim.measure).copied().flatten() {
+                values.entry(cell.seed).or_default().push(value);
+            }
+        }
+        values
+            .into_iter()
+            .map(|(seed, values)| (seed, values.iter().sum::<f64>() / values.len() as f64))
+            .collect()
+    }
+}
+
+/// The mean of a measure over the cells of each seed.
+type Seeds = BTreeMap<u32, f64>;
+
+/// Decides a claim by what it says must be above 0: the difference of two means, seed by seed, since the same seed gives
+/// pipelines the same random numbers.
+fn verdict(relation: &RelationRecord, seeds: &[Seeds]) -> Option<Verdict> {
+    let margins: Option<Vec<Interval>> = match (relation, seeds) {
+        (RelationRecord::Order(_), seeds) => {
+            seeds.windows(2).map(|pair| margin(&pair[0], &pair[1], |less, more| more - less)).collect()
+        }
+        (RelationRecord::Ratio { at_least, at_most, .. }, [of, to]) => {
+            margin(of, to, |_, to| to).filter(|to| to.mean > 0.0)?;
+            let least = at_least.map(|least| margin(of, to, |of, to| of - least * to));
+            let most = at_most.map(|most| margin(of, to, |of, to| most * to - of));
+            least.into_iter().chain(most).collect()
+        }
+        (RelationRecord::Ratio { .. }, _) => None,
+    };
+    // An order is strict, a bound is not.
+    let strict = matches!(relation, RelationRecord::Order(_));
+    let verdicts: Vec<Verdict> = margins?.iter().map(|margin| above_zero(margin, strict)).collect();
+    Some(if verdicts.contains(&Verdict::Fails) {
+        Verdict::Fails
+    } else if verdicts.contains(&Verdict::Undecided) {
+        Verdict::Undecided
+    } else {
+        Verdict::Holds
+    })
+}
+
+/// The mean of `f` over the seeds that both have, with its interval; without one, if they have none in common.
+fn margin(a: &Seeds, b: &Seeds, f: impl Fn(f64, f64) -> f64) -> Option<Interval> {
+    let common: Vec<f64> = a.iter().filter_map(|(seed, a)| Some(f(*a, *b.get(seed)?))).collect();
+    let mean = |seeds: &Seeds| (!seeds.is_empty()).then(|| seeds.values().sum::<f64>() / seeds.len() as f64);
+    match Interval::of(&common) {
+        Some(interval) => Some(interval),
+        None => Interval::of(&[f(mean(a)?, mean(b)?)]),
+    }
+}
+
+fn above_zero(margin: &Interval, strict: bool) -> Verdict {
+    let half = margin.half.unwrap_or(0.0);
+    // One seed, or seeds that agree, have no interval.
+    let holds = if strict || half > 0.0 { margin.mean > half } else { margin.mean >= 0.0 };
+    let fails = if half > 0.0 { margin.mean < -half } else { !holds };
+    match (holds, fails) {
+        (true, _) => Verdict::Holds,
+        (false, true) => Verdict::Fails,
+        (false, false) => Verdict::Undecided,
     }
 }
 
@@ -106,5 +172,47 @@ impl Claim {
             scenes: self.scenes.iter().map(|at| at.value.clone()).collect(),
             says: self.says.clone(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Seeds, Verdict, verdict};
+    use crate::record::{PickRecord, RelationRecord};
+    use std::collections::BTreeMap;
+
+    fn pick() -> PickRecord {
+        PickRecord { pipeline: String::new(), at: BTreeMap::new() }
+    }
+
+    fn order(less: &[f64], more: &[f64]) -> Option<Verdict> {
+        let seeds = |values: &[f64]| -> Seeds { (1..).zip(values.iter().copied()).collect() };
+        verdict(&RelationRecord::Order(vec![pick(), pick()]), &[seeds(less), seeds(more)])
+    }
+
+    #[test]
+    fn seeds_decide_an_order_or_do_not() {
+        // Four differences of 1 ± 0.1: half a width of 0.13.
+        assert_eq!(order(&[1.0, 5.0, 3.0, 2.0], &[2.0, 6.1, 3.9, 3.0]), Some(Verdict::Holds), "seed by seed");
+        assert_eq!(order(&[2.0, 6.1, 3.9, 3.0], &[1.0, 5.0, 3.0, 2.0]), Some(Verdict::Fails));
+        assert_eq!(order(&[1.0, 5.0, 3.0], &[3.0, 4.0, 3.5]), Some(Verdict::Undecided), "0.5 ± 3.7");
+        // One seed, or seeds that agree, are taken at their word.
+        assert_eq!(order(&[1.0], &[2.0]), Some(Verdict::Holds));
+        assert_eq!(order(&[1.0], &[1.0]), Some(Verdict::Fails), "an order is strict");
+        assert_eq!(order(&[1.0], &[]), None);
+    }
+
+    #[test]
+    fn a_bound_is_of_the_numerator() {
+        let ratio = |of: &[f64], most: f64| {
+            let seeds = |values: &[f64]| -> Seeds { (1..).zip(values.iter().copied()).collect() };
+            let relation =
+                RelationRecord::Ratio { of: pick(), to: pick(), at_least: None, at_most: Some(most) };
+            verdict(&relation, &[seeds(of), seeds(&[4.0, 4.5, 3.5])])
+        };
+        assert_eq!(ratio(&[2.0, 2.25, 1.75], 0.5), Some(Verdict::Holds), "half of each");
+        assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.6), Some(Verdict::Holds));
+        assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.5), Some(Verdict::Undecided));
+        assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.4), Some(Verdict::Fails));
     }
 }

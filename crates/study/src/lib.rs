@@ -68,7 +68,9 @@
 //! value. Phases may overlap.
 //!
 //! **Claims.** They are checked for each scene, or for each of `scenes`, whenever the report is written. Each
-//! mean is over all finished cells of a pick, and so over its seeds and over the values of all other axes.
+//! mean is over all finished cells of a pick, and so over its seeds and over the values of all other axes. A
+//! claim is decided by the differences of these means, seed by seed: it holds, or does not, where their 95 %
+//! interval lies on one side, and is not decided where that has both; a single seed is taken at its word.
 //! `Ratio` needs a denominator above 0. A claim without cells, as after `--quick` or `--set`, is not
 //! measured. A claim that does not hold is a result, not a failure.
 //!
@@ -109,7 +111,7 @@ mod run;
 mod seeds;
 mod table;
 
-pub use claim::Finding;
+pub use claim::{Finding, Verdict};
 pub use description::{Study, parse};
 pub use edit::Edits;
 pub use error::StudyError;

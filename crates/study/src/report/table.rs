@@ -8,7 +8,7 @@ use std::fmt::Write;
 use super::digest::{Digest, Row, best, label_with_unit};
 use super::escape;
 use super::number::Measured;
-use crate::MeasureInfo;
+use crate::{MeasureInfo, Verdict};
 
 /// A table, independent of its output format.
 pub(super) struct Table {
@@ -34,8 +34,8 @@ enum Entry {
     Text(String),
     /// A measure.
     Measured { value: Measured, mean: f64, is_best: bool },
-    /// Whether a claim holds; `None` if that was not measured.
-    Held(Option<bool>),
+    /// What is said of a claim; `None` if that was not measured.
+    Verdict(Option<Verdict>),
     /// The row has no value for this measure.
     Absent,
     /// All seeds failed: the error takes the rest of the row.
@@ -157,10 +157,10 @@ impl Table {
                     Entry::Measured { value, mean, .. } => {
                         write!(out, "<td{class} data-value=\"{mean:e}\">{}</td>", value.html())
                     }
-                    Entry::Held(Some(false)) => {
-                        write!(out, "<td class=failed><b>{}</b></td>", held(Some(false)))
+                    Entry::Verdict(verdict @ Some(Verdict::Fails)) => {
+                        write!(out, "<td class=failed><b>{}</b></td>", verdict_text(*verdict))
                     }
-                    Entry::Held(holds) => write!(out, "<td>{}</td>", held(*holds)),
+                    Entry::Verdict(verdict) => write!(out, "<td>{}</td>", verdict_text(*verdict)),
                     Entry::Absent => write!(out, "<td{class}>–</td>"),
                     Entry::Failed(error) => write!(
                         out,
@@ -193,8 +193,10 @@ impl Table {
                     Entry::Text(text) => write!(out, " {} |", escape::markdown(text)),
                     Entry::Measured { value, is_best: true, .. } => write!(out, " **{}** |", value.text()),
                     Entry::Measured { value, .. } => write!(out, " {} |", value.text()),
-                    Entry::Held(Some(false)) => write!(out, " **{}** |", held(Some(false))),
-                    Entry::Held(holds) => write!(out, " {} |", held(*holds)),
+                    Entry::Verdict(verdict @ Some(Verdict::Fails)) => {
+                        write!(out, " **{}** |", verdict_text(*verdict))
+                    }
+                    Entry::Verdict(verdict) => write!(out, " {} |", verdict_text(*verdict)),
                     Entry::Absent => write!(out, " – |"),
                     Entry::Failed(error) => {
                         let others = " – |".repeat(self.rest(index) - 1);
@@ -219,8 +221,10 @@ impl Table {
                 // `\boldmath` applies to ± and the power as well, which `\mathbf` does not.
                 Entry::Measured { value, is_best: true, .. } => format!("{{\\boldmath ${}$}}", value.latex()),
                 Entry::Measured { value, .. } => format!("${}$", value.latex()),
-                Entry::Held(Some(false)) => format!("\\textbf{{{}}}", held(Some(false))),
-                Entry::Held(holds) => held(*holds).to_owned(),
+                Entry::Verdict(verdict @ Some(Verdict::Fails)) => {
+                    format!("\\textbf{{{}}}", verdict_text(*verdict))
+                }
+                Entry::Verdict(verdict) => verdict_text(*verdict).to_owned(),
                 Entry::Absent => "--".to_owned(),
                 Entry::Failed(error) => {
                     let columns = self.rest(index);
@@ -237,10 +241,11 @@ impl Table {
     }
 }
 
-fn held(holds: Option<bool>) -> &'static str {
-    match holds {
-        Some(true) => "holds",
-        Some(false) => "does not hold",
+fn verdict_text(verdict: Option<Verdict>) -> &'static str {
+    match verdict {
+        Some(Verdict::Holds) => "holds",
+        Some(Verdict::Fails) => "does not hold",
+        Some(Verdict::Undecided) => "not decided",
         None => "not measured",
     }
 }

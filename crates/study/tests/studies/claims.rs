@@ -3,7 +3,7 @@
 use super::fake::{Fake, plan, run, told};
 use frame_graph::Source;
 use std::fs;
-use study::{AxisValue, Edits, Finding, Results, RunOptions, Study};
+use study::{AxisValue, Edits, Finding, Results, RunOptions, Study, Verdict};
 
 /// Times of a frame with 16 and 64 lights: `fast` 2.16 and 2.64 ms, on average 2.4; `slow` 3.6 and 8.4, on average 6.
 fn claiming(claims: &str) -> Study {
@@ -27,7 +27,7 @@ const CLAIMS: &str = "
     Ratio(measure: \"gpu-ms:rays\", of: \"fast\", to: \"slow\", at_most: 1)";
 
 fn means(finding: &Finding<'_>) -> Vec<Option<f64>> {
-    finding.means.iter().map(|mean| mean.map(|mean| (mean * 1e9).round() / 1e9)).collect()
+    finding.means.iter().map(|mean| mean.map(|mean| (mean.mean * 1e9).round() / 1e9)).collect()
 }
 
 #[test]
@@ -35,10 +35,10 @@ fn claims_are_checked_on_means_over_cells() {
     let folder = tempfile::tempdir().unwrap();
     let ran = run(&plan(claiming(CLAIMS)), &mut Fake::default(), folder.path()).unwrap();
     let findings = ran.results.findings();
-    let holds: Vec<Option<bool>> = findings.iter().map(|finding| finding.holds).collect();
-    let (yes, no) = (Some(true), Some(false));
+    let verdicts: Vec<Option<Verdict>> = findings.iter().map(|finding| finding.verdict).collect();
+    let (yes, no) = (Some(Verdict::Holds), Some(Verdict::Fails));
     // An order is strict: both take 3 MiB.
-    assert_eq!(holds, [yes, no, no, yes, no, yes, yes, None, None]);
+    assert_eq!(verdicts, [yes, no, no, yes, no, yes, yes, None, None]);
     assert_eq!(means(&findings[0]), [Some(2.4), Some(6.0)]);
     assert!((findings[3].ratio().unwrap() - 0.4).abs() < 1e-12);
     // `slow` has no maps, so that it is there at any size of them.
@@ -65,7 +65,8 @@ fn report_and_page_show_what_holds() {
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(
         lines[0],
-        "Claims: 4 of 9 hold, 2 are not measured. Each is about means over all finished cells of a scene, its seeds too."
+        "Claims: 4 of 9 hold, 2 are not measured. Each is about means over all finished cells of a scene; it is decided where the \
+         95 % interval of the difference, seed by seed, is on one side."
     );
     assert_eq!(lines[2], "| Claim | From | Scene | Measured | Result |");
     assert_eq!(lines[4], "| GPU time: fast \\< slow | TCAS Tab. 1 | box | 2.400, 6 ms | holds |");
@@ -115,9 +116,13 @@ fn what_was_not_run_is_not_measured() {
         let folder = tempfile::tempdir().unwrap();
         let mut study = claiming(claim);
         study.edit(edits).unwrap();
-        run(&plan(study), &mut Fake::default(), folder.path()).unwrap().results.findings()[0].holds
+        run(&plan(study), &mut Fake::default(), folder.path()).unwrap().results.findings()[0].verdict
     };
-    assert_eq!(holds(&Edits { quick: true, ..Edits::default() }), Some(true), "64 is the last value");
+    assert_eq!(
+        holds(&Edits { quick: true, ..Edits::default() }),
+        Some(Verdict::Holds),
+        "64 is the last value"
+    );
     let other = vec![("lights".to_owned(), AxisValue::Number(9.0))];
     assert_eq!(holds(&Edits { set: other, ..Edits::default() }), None);
 }
@@ -150,5 +155,5 @@ fn sizes_are_picked_too() {
         claims: [Ratio(measure: \"gpu-ms\", of: At(\"fast\", { \"size\": (8, 4) }), to: At(\"fast\", { \"size\": (4, 4) }), at_most: 1)])";
     let plan = plan(study::parse(Source::new("x.ron", text)).unwrap());
     let ran = run(&plan, &mut Fake::default(), folder.path()).unwrap();
-    assert_eq!(ran.results.findings()[0].holds, Some(true));
+    assert_eq!(ran.results.findings()[0].verdict, Some(Verdict::Holds));
 }

@@ -15,7 +15,7 @@ use renderer::{Gpu, parse_value};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use study::{AxisValue, Edits, Outcome, Plan, Results, RunOptions, Shard};
+use study::{AxisValue, Edits, Outcome, Plan, Results, RunOptions, Shard, Verdict};
 
 /// Run an ablation study.
 ///
@@ -207,8 +207,9 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
     });
     let missing = results.study.cell_count.saturating_sub(results.cells.len());
     let findings = results.findings();
-    let claims = |holds| findings.iter().filter(|finding| finding.holds == holds).count();
-    let (hold, fail, not_measured) = (claims(Some(true)), claims(Some(false)), claims(None));
+    let claims = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
+    let [hold, fail, undecided, not_measured] =
+        [Some(Verdict::Holds), Some(Verdict::Fails), Some(Verdict::Undecided), None].map(claims);
     if context.json {
         let failures: Vec<_> =
             failures.map(|(cell, error)| json!({ "cell": cell, "error": error })).collect();
@@ -219,7 +220,7 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
             "missing": missing,
             "run": run,
             "failed": failures,
-            "claims": { "hold": hold, "fail": fail, "not_measured": not_measured },
+            "claims": { "hold": hold, "fail": fail, "undecided": undecided, "not_measured": not_measured },
         }));
         return Ok(());
     }
@@ -230,7 +231,10 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
         say!("{missing} of {} cells are not here", results.study.cell_count);
     }
     if !findings.is_empty() {
-        say!("claims  {hold} of {} hold, {fail} do not, {not_measured} not measured", findings.len());
+        say!(
+            "claims  {hold} of {} hold, {fail} do not, {undecided} are not decided, {not_measured} not measured",
+            findings.len()
+        );
     }
     if let Some(page) = page {
         say!("{}", page.display());

@@ -1,9 +1,10 @@
 //! The table of claims: a row for each claim and scene.
 
 use super::{Column, Entry, Table};
+use crate::interval::Interval;
 use crate::report::digest::{Digest, values_text};
 use crate::report::number::{self, Measured};
-use crate::{ClaimRecord, Finding, MeasureInfo, PickRecord, RelationRecord};
+use crate::{ClaimRecord, Finding, MeasureInfo, PickRecord, RelationRecord, Verdict};
 
 impl Table {
     /// Returns the table; `None` for a study without claims.
@@ -31,16 +32,18 @@ impl Table {
                 Entry::Text(finding.claim.says.clone()),
                 Entry::Text(finding.scene.to_owned()),
                 Entry::Text(measured_text(finding, info)),
-                Entry::Held(finding.holds),
+                Entry::Verdict(finding.verdict),
             ]
         };
-        let count = |holds| findings.iter().filter(|finding| finding.holds == Some(holds)).count();
-        let (hold, fail) = (count(true), count(false));
-        let mut caption = format!("Claims: {hold} of {} hold", findings.len());
-        if hold + fail < findings.len() {
-            caption += &format!(", {} are not measured", findings.len() - hold - fail);
+        let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
+        let mut caption = format!("Claims: {} of {} hold", count(Some(Verdict::Holds)), findings.len());
+        for (verdict, what) in [(Some(Verdict::Undecided), "not decided"), (None, "not measured")] {
+            if count(verdict) > 0 {
+                caption += &format!(", {} are {what}", count(verdict));
+            }
         }
-        caption += ". Each is about means over all finished cells of a scene, its seeds too.";
+        caption += ". Each is about means over all finished cells of a scene; it is decided where the 95 % interval of \
+                    the difference, seed by seed, is on one side.";
         Some(Table { name: "claims".to_owned(), caption, columns, rows: findings.iter().map(row).collect() })
     }
 }
@@ -78,15 +81,16 @@ fn measured_text(finding: &Finding<'_>, info: Option<&MeasureInfo>) -> String {
     if finding.means.iter().all(Option::is_none) {
         return "–".to_owned();
     }
-    let single = |value: f64| Measured::single(value).text();
-    let means: Vec<String> =
-        finding.means.iter().map(|mean| mean.map_or_else(|| "–".to_owned(), single)).collect();
+    let text = |mean: &Option<Interval>| {
+        mean.as_ref().map_or_else(|| "–".to_owned(), |mean| Measured::new(mean).text())
+    };
+    let means: Vec<String> = finding.means.iter().map(text).collect();
     let unit = info.map_or("", |info| &info.unit);
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     match &finding.claim.relation {
         RelationRecord::Order(_) => means.join(", ") + &unit,
         RelationRecord::Ratio { .. } => {
-            let ratio = finding.ratio().map(|ratio| format!(" = {}", single(ratio)));
+            let ratio = finding.ratio().map(|ratio| format!(" = {}", Measured::single(ratio).text()));
             format!("{}{unit}{}", means.join(" / "), ratio.unwrap_or_default())
         }
     }
