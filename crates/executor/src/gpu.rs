@@ -126,6 +126,11 @@ impl Gpu {
         format!("{} ({:?}, {} {})", info.name, info.backend, info.driver, info.driver_info)
     }
 
+    /// Submits commands and what was written into buffers; the latter alone where there are no commands.
+    pub fn submit(&self, commands: Option<wgpu::CommandBuffer>) {
+        self.queue.submit(commands);
+    }
+
     /// Waits until all submitted work is done.
     ///
     /// # Errors

@@ -46,7 +46,7 @@ pub(crate) fn read(
         (ResourceDesc::Buffer(buffer), Object::Buffer(source)) => {
             let target = staging(buffer.bytes);
             encoder.copy_buffer_to_buffer(source, 0, &target, 0, buffer.bytes);
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit(Some(encoder.finish()));
             map(gpu, &target, name)
         }
         (ResourceDesc::Texture(texture), Object::Texture { texture: source, .. }) => {
@@ -70,7 +70,7 @@ pub(crate) fn read(
                     depth_or_array_layers: texture.layers,
                 },
             );
-            gpu.queue.submit([encoder.finish()]);
+            gpu.submit(Some(encoder.finish()));
             let bytes = map(gpu, &target, name)?;
             Ok(bytes
                 .chunks_exact(padded as usize)

@@ -45,7 +45,7 @@ impl Executor {
         let ends_past = schedule.histories.iter().any(|slot| slot.reset.is_some());
         if target.is_none() && !ends_past && schedule.runs.iter().all(|runs| !runs) {
             // Pending writes to buffers must reach the GPU even so: otherwise they would accumulate.
-            gpu.queue.submit([]);
+            gpu.submit(None);
             return match gpu.take_fault() {
                 Some(message) => Err(frame_error(message)),
                 None => Ok(report),
@@ -85,7 +85,7 @@ impl Executor {
         if let (Some(timers), Some(target)) = (frame.timers, target) {
             timers.resolve(&mut frame.encoder, target);
         }
-        gpu.queue.submit([frame.encoder.finish()]);
+        gpu.submit(Some(frame.encoder.finish()));
         if let Some(message) = gpu.take_fault() {
             return Err(frame_error(message));
         }

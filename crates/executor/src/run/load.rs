@@ -334,7 +334,7 @@ impl Executor {
                 copy(&mut encoder, from, &objects[to].1, &plan.allocations[to].desc);
             }
         }
-        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.submit(Some(encoder.finish()));
     }
 }
 
