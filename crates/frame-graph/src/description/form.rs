@@ -3,7 +3,7 @@
 use crate::diagnostic::{Diagnostic, Place, Sources};
 use crate::expression::{Expr, ExprError};
 use crate::frame::ResetCause;
-use crate::port::OutputOverride;
+use crate::port::{OutputOverride, Use};
 use crate::resource::{Clear, Extent, Format};
 use crate::value::{Value, ValueType};
 use data_file::Name;
@@ -333,6 +333,13 @@ impl PassDecl {
     pub(crate) fn push_link(&mut self, link: Link) {
         self.link_names.push(link.port.value.to_string());
         self.links.push(link);
+    }
+
+    /// How its pass type is asked about it, with these inputs; `None` for what is no pass.
+    pub(crate) fn use_of<'u>(&'u self, inputs: &'u [String]) -> Option<Use<'u>> {
+        let Body::Pass { kind, shader } = &self.body else { return None };
+        let shader = shader.as_ref().map(|shader| shader.value.as_str());
+        Some(Use { kind: &kind.value, shader, inputs, outputs: &self.overrides })
     }
 
     pub(crate) fn link(&self, port: &str) -> Option<&Link> {

@@ -54,10 +54,7 @@ struct Caches<'a> {
 impl UseOf {
     /// Returns the form in which the pass type is asked about a use.
     pub(super) fn ask<'u>(&'u self, decl: &'u PassDecl) -> Option<Use<'u>> {
-        let Body::Pass { kind, shader } = &decl.body else { return None };
-        let inputs = self.inputs.as_deref().unwrap_or(&decl.link_names);
-        let shader = shader.as_ref().map(|s| s.value.as_str());
-        Some(Use { kind: &kind.value, shader, inputs, outputs: &decl.overrides })
+        decl.use_of(self.inputs.as_deref().unwrap_or(&decl.link_names))
     }
 }
 

@@ -5,7 +5,7 @@ use crate::compile::identity;
 use crate::description::{Body, Formula, PassDecl};
 use crate::interface::check_facts;
 use crate::link::LinkContext;
-use crate::port::{Facts, InputDesc, Module, OutputContext, OutputDesc, PassTypes, Use};
+use crate::port::{Facts, InputDesc, Module, OutputContext, OutputDesc, PassTypes};
 use crate::resolve::{Node, Resolved};
 use crate::value::{Setting, Settings, Value};
 use std::sync::Arc;
@@ -68,7 +68,7 @@ impl Exchange<'_> {
     /// Sets the settings of a pass, where its ports are the same with them.
     fn set(&mut self, node: &Node) -> Option<()> {
         let pass = self.plan.pass(&node.name)?;
-        let use_ = use_of(node)?;
+        let use_ = node.decl.use_of(&node.decl.link_names)?;
         let settings = complete(&node.decl, &self.pass_types.settings(use_).ok()?)?;
         let planned = &mut self.plan.passes[pass.0 as usize];
         let ports = |settings: &Settings| self.pass_types.ports(use_, settings).ok();
@@ -123,7 +123,7 @@ impl Exchange<'_> {
         let planned = &plan.passes[pass.0 as usize];
         let inputs: Vec<InputDesc> = planned.inputs.iter().map(|input| describe(plan, input)).collect();
         let context = OutputContext {
-            use_: use_of(node)?,
+            use_: node.decl.use_of(&node.decl.link_names)?,
             settings: &planned.settings,
             inputs: &inputs,
             frame: self.context.frame,
@@ -131,12 +131,6 @@ impl Exchange<'_> {
         };
         self.pass_types.outputs(&context).ok()
     }
-}
-
-fn use_of(node: &Node) -> Option<Use<'_>> {
-    let Body::Pass { kind, shader } = &node.decl.body else { return None };
-    let shader = shader.as_ref().map(|shader| shader.value.as_str());
-    Some(Use { kind: &kind.value, shader, inputs: &node.decl.link_names, outputs: &node.decl.overrides })
 }
 
 /// An input as its pass type is asked with it.

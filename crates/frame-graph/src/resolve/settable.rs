@@ -2,9 +2,9 @@
 
 use super::{Parameter, Resolved};
 use crate::codes;
-use crate::description::{Body, Set, SetValue};
+use crate::description::{Set, SetValue};
 use crate::diagnostic::Diagnostic;
-use crate::port::{PassTypes, Use};
+use crate::port::PassTypes;
 use crate::value::{Setting, Value};
 use data_file::Name;
 use rustc_hash::FxHashMap;
@@ -55,13 +55,8 @@ impl Resolved {
         f: &mut dyn FnMut(usize, &Setting, Option<&Value>),
     ) {
         for (i, node) in self.nodes.iter().enumerate() {
-            let Body::Pass { kind, shader } = &node.decl.body else { continue };
-            let settings = kinds.settings(Use {
-                kind: &kind.value,
-                shader: shader.as_ref().map(|shader| &*shader.value),
-                inputs: &node.decl.link_names,
-                outputs: &node.decl.overrides,
-            });
+            let Some(use_) = node.decl.use_of(&node.decl.link_names) else { continue };
+            let settings = kinds.settings(use_);
             for setting in settings.iter().flat_map(|settings| settings.iter()) {
                 let given = node.decl.set.iter().find(|set| set.name.value == *setting.name);
                 if let Some(parameter) = given.and_then(Set::parameter) {
