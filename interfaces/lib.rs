@@ -19,6 +19,8 @@ pub mod path_samples;
 pub mod points;
 pub mod progress;
 pub mod radiance;
+#[path = "radiance-sum/mod.rs"]
+pub mod radiance_sum;
 #[path = "reflective-shadow-map/mod.rs"]
 pub mod reflective_shadow_map;
 #[path = "virtual-lights/mod.rs"]
@@ -41,6 +43,7 @@ pub static INTERFACES: &[Interface] = &[
     progress::INTERFACE,
     path_samples::INTERFACE,
     radiance::INTERFACE,
+    radiance_sum::INTERFACE,
     display::INTERFACE,
 ];
 

@@ -18,13 +18,17 @@ struct Camera {
     half_extent: vec2<f32>,
     /// Size of the frame [px].
     size: vec2<f32>,
+    /// Where the sample of each pixel lies, from its centre [px, y down].
+    jitter: vec2<f32>,
+    pad: vec2<f32>,
 }
 
 var<uniform> camera: Camera;
 
-/// World direction through a point of the image [px, y down], with length 1 along the viewing axis.
+/// World direction through a point of the image [px, y down], displaced as the samples of this frame are; with length 1
+/// along the viewing axis.
 fn view_ray(at_px: vec2<f32>) -> vec3<f32> {
-    let ndc = vec2(2.0, -2.0) * at_px / camera.size + vec2(-1.0, 1.0);
+    let ndc = vec2(2.0, -2.0) * (at_px + camera.jitter) / camera.size + vec2(-1.0, 1.0);
     let plane = ndc * camera.half_extent;
     return (camera.world_from_view * vec4(plane, -1.0, 0.0)).xyz;
 }

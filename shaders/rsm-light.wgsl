@@ -12,7 +12,9 @@ fn dark_light(texel: u32) -> VirtualLight {
     return VirtualLight(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), texel, vec3(0.0), 0.0);
 }
 
-/// The point light at a texel, with `weight` times the flux that is reflected there [W].
+/// The light at a texel that stands for `weight` texels like it: with `weight` times the flux that is reflected there [W],
+/// and `weight` times its surface. With the weight 1 / (N p), that is the area of a surface on which one light lies on
+/// average.
 fn virtual_light_from_texel(layer: u32, x: u32, y: u32, weight: f32) -> VirtualLight {
     let size = textureDimensions(rsm_position);
     let texel = (layer * size.y + y) * size.x + x;
@@ -22,7 +24,7 @@ fn virtual_light_from_texel(layer: u32, x: u32, y: u32, weight: f32) -> VirtualL
         return dark_light(texel);
     }
     // A light of 1e30 W sampled with probability 1e-20 would be infinite.
-    let flux = min(textureLoad(rsm_flux, vec2(x, y), layer, 0).rgb * weight, vec3(1e37));
+    let whole = min(textureLoad(rsm_flux, vec2(x, y), layer, 0) * weight, vec4(1e37));
     // Half floats change the normal's length by up to 0.05 %.
-    return VirtualLight(position.xyz, 0.0, normalize(normal), texel, flux, 0.0);
+    return VirtualLight(position.xyz, whole.a, normalize(normal), texel, whole.rgb, 0.0);
 }

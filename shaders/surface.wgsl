@@ -39,6 +39,20 @@ struct Surface {
     emission: vec3<f32>,
 }
 
+#if TEXTURED
+/// A texture filtered over a footprint. Where that is smaller than a texel, the finest level is read without one: some
+/// adapters take the shape of a footprint from several threads, which have nothing to do with each other where rays end.
+fn texel_of(
+    textures: texture_2d_array<f32>, uv: vec2<f32>, layer: u32, uv_x: vec2<f32>, uv_y: vec2<f32>,
+) -> vec4<f32> {
+    let texels = max(abs(uv_x), abs(uv_y)) * vec2<f32>(textureDimensions(textures));
+    if max(texels.x, texels.y) < 0.5 {
+        return textureSampleLevel(textures, scene_sampler, uv, layer, 0.0);
+    }
+    return textureSampleGrad(textures, scene_sampler, uv, layer, uv_x, uv_y);
+}
+#endif
+
 /// The surface at a point. Textures are filtered over `uv_x` and `uv_y`; with both zero, the finest level is read.
 fn surface(index: u32, uv: vec2<f32>, uv_x: vec2<f32>, uv_y: vec2<f32>) -> Surface {
     let material = scene_materials[index];
@@ -48,16 +62,16 @@ fn surface(index: u32, uv: vec2<f32>, uv_x: vec2<f32>, uv_y: vec2<f32>) -> Surfa
     var emission = material.emission;
 #if TEXTURED
     if material.base_color_texture != NO_TEXTURE {
-        base *= textureSampleGrad(scene_textures, scene_sampler, uv, material.base_color_texture, uv_x, uv_y);
+        base *= texel_of(scene_textures, uv, material.base_color_texture, uv_x, uv_y);
     }
     if material.metallic_roughness_texture != NO_TEXTURE {
         let layer = material.metallic_roughness_texture;
-        let texel = textureSampleGrad(scene_textures_linear, scene_sampler, uv, layer, uv_x, uv_y);
+        let texel = texel_of(scene_textures_linear, uv, layer, uv_x, uv_y);
         roughness *= texel.g;
         metallic *= texel.b;
     }
     if material.emission_texture != NO_TEXTURE {
-        emission *= textureSampleGrad(scene_textures, scene_sampler, uv, material.emission_texture, uv_x, uv_y).rgb;
+        emission *= texel_of(scene_textures, uv, material.emission_texture, uv_x, uv_y).rgb;
     }
 #endif
     // A dielectric of roughness 1 counts as Lambertian, here as in the trait `glossy`.
@@ -90,7 +104,7 @@ fn shading_normal(
 #if TEXTURED
     let layer = scene_materials[index].normal_texture;
     if layer != NO_TEXTURE {
-        let texel = textureSampleGrad(scene_textures_linear, scene_sampler, uv, layer, change.uv_x, change.uv_y);
+        let texel = texel_of(scene_textures_linear, uv, layer, change.uv_x, change.uv_y);
         let scale = vec3(vec2(scene_materials[index].normal_scale), 1.0);
         normal = bent_normal(normal, (texel.xyz * 2.0 - 1.0) * scale, change);
     }

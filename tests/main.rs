@@ -2,6 +2,7 @@
 //!
 //! Where there is no graphics adapter, tests that need one say so and do nothing.
 
+mod accumulated;
 mod adapter;
 mod application;
 mod bench;

@@ -19,7 +19,7 @@ fn energy_is_that_of_a_path_tracer() {
     ];
     for (name, size, pipeline, map) in cases {
         let scene = folder.join(format!("{name}.glb"));
-        let values = [map, "lights=512", "interleave_x=2", "interleave_y=2", "gather.clamp=0.0"];
+        let values = [map, "lights=512", "interleave_x=2", "interleave_y=2", "gather.area_bound=0.0"];
         let Some(mut renderer) = renderer(pipeline, &scene.to_string_lossy(), size, &values) else { return };
         renderer.frame().unwrap();
         let indirect = renderer.output("indirect").unwrap();

@@ -120,7 +120,7 @@ fn what_moves_begins_anew() {
 #[test]
 fn virtual_lights_converge_to_clamped_paths() {
     let size = (32, 32);
-    let lights = ["lights=4096", "rsm.size=256", "gather.clamp=0.2"];
+    let lights = ["lights=4096", "rsm.size=256", "gather.clamp=0.2", "gather.area_bound=0.0"];
     let Some(mut exhaustive) = renderer("exhaustive", "cornell-box", size, &lights) else { return };
     exhaustive.frame().unwrap();
     let found = exhaustive.output("indirect").unwrap();
@@ -138,8 +138,15 @@ fn virtual_lights_converge_to_clamped_paths() {
     assert!(of_whole < 0.98, "energy {of_whole} of the whole: the clamp takes some away");
     // Both say how much.
     let removed = |image: &Image| metrics::virtual_lights::clamped_share(image).unwrap();
-    let [paths, lights] = [removed(&irradiance), removed(&exhaustive.output("irradiance").unwrap())];
-    assert!((paths / lights - 1.0).abs() < 0.1, "paths {paths}, virtual lights {lights}");
+    let [paths, virtual_lights] = [removed(&irradiance), removed(&exhaustive.output("irradiance").unwrap())];
+    assert!((paths / virtual_lights - 1.0).abs() < 0.1, "paths {paths}, virtual lights {virtual_lights}");
+    // Short rays return it, where there is more of it than errors of the lights.
+    let rays = [&lights[..], &["near-field.rays_per_pixel=64"]].concat();
+    let Some(mut compensated) = renderer("bias-compensated", "cornell-box", size, &rays) else { return };
+    compensated.frame().unwrap();
+    let found = compensated.output("indirect").unwrap();
+    let energy = Pair::new(&found, &whole).unwrap().energy_ratio().unwrap();
+    assert!((energy - 1.0).abs() < 0.01, "energy {energy} of the whole");
 }
 
 /// The mean over squares of pixels, as a smaller picture has it.

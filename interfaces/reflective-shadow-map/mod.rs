@@ -20,7 +20,7 @@ pub const INTERFACE: Interface = Interface::new(
         Member::required(
             "flux",
             Content::Texture(Format::Rgba32Float),
-            "array: flux reflected by the texel's part of the surface [W]",
+            "array: flux reflected by the texel's part of the surface [W]; in alpha the area of that part [m²]",
         ),
     ],
 );

@@ -1,12 +1,12 @@
 // The interface VirtualLights: lights on surfaces that stand for light reflected there.
 //
-// A virtual light carries flux Φ [W] and emits as a Lambertian patch: at a point x it gives the irradiance
-// Φ cosθ cosθ' V / (π d² + A).
+// A virtual light carries flux Φ [W] and emits as a Lambertian surface: at a point x far from it, it gives the irradiance
+// Φ cosθ cosθ' V / (π d²).
 
 struct VirtualLight {
     /// World space [m].
     position: vec3<f32>,
-    /// Area A [m²]; 0 for a point.
+    /// Area A of the surface that it represents [m²]; 0 for a point.
     area: f32,
     /// Unit; light leaves on this side.
     normal: vec3<f32>,

@@ -5,6 +5,7 @@
 //
 // irradiance: rgba32float [W/m²]; in alpha the luminance of what the clamp removed [W/m²].
 
+#option GEOMETRY bounded one_of [bounded, disc] // What a light near a receiver gives. bounded: no more than at the bound, so what is nearer is lost. disc: what a disc of the light's area gives straight ahead, Φ cosθ cosθ' / (π d² + A), for lights that stand for an area of known shape (ACRSM).
 #option VISIBILITY false // whether something says which lights are seen
 #option PARTS false // whether the lights take several dispatches
 
@@ -22,11 +23,10 @@ struct Settings {
     interleave_y: u32,
     /// 1 if a subset is consecutive lights, 0 if it is every (n·m)-th light.
     runs: u32,
-    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's extent; 0 is no bound.
-    /// Larger: smaller bright spots near lights, but more energy lost near corners; alpha has the lost energy. 0.01 is
-    /// of the order of the distance between 1,024 lights on a lit tenth of the scene.
-    /// [default: 0.01, min: 0.0, max: 1.0]
+    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's extent.
     clamp: f32,
+    /// The same in radii of the disc whose area is the light's own; only where GEOMETRY is bounded.
+    area_bound: f32,
     /// The lights of each subset that this dispatch takes: `begin` to `end`.
     begin: u32,
     end: u32,
@@ -69,8 +69,8 @@ fn view_position(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
     return camera.position + view_ray(at) * depth;
 }
 
-/// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d² + A): what remains after the clamp, and
-/// what the clamp removes.
+/// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d²): what remains after the bound, and what
+/// the bound removes.
 fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
     let offset = at - light.position;
     // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
@@ -78,8 +78,14 @@ fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> 
     let distance2 = max(dot(offset, offset), rounding * rounding);
     let cosines = max(-dot(normal, offset), 0.0) * max(dot(light.normal, offset), 0.0) / distance2;
     let closest = settings.clamp * scene_info.extent;
+#if GEOMETRY == disc
     let kept = cosines / (PI * max(distance2, closest * closest) + light.area);
     let whole = cosines / (PI * distance2 + light.area);
+#else
+    let own = settings.area_bound * settings.area_bound * light.area;
+    let kept = cosines / max(PI * max(distance2, closest * closest), own);
+    let whole = cosines / (PI * distance2);
+#endif
     return vec2(kept, whole - kept);
 }
 

@@ -8,7 +8,7 @@
 // filtered: rgba32float [W/m²]; all four channels are averaged alike. If separable, this runs twice: over a window of
 // one row, then over a window of one column.
 
-#import "camera.wgsl"
+#import "surface-around.wgsl"
 
 struct Settings {
     view_size: vec2<u32>,
@@ -28,11 +28,6 @@ var view_depth: texture_2d<f32>;
 var view_normal: texture_2d<f32>;
 var irradiance: texture_2d<f32>;
 var filtered: texture_storage_2d<rgba32float, write>;
-
-/// World direction through the centre of a pixel of the view, with length 1 along the viewing axis.
-fn pixel_ray(pixel: vec2<f32>) -> vec3<f32> {
-    return view_ray((pixel + 0.5) * camera.size / vec2<f32>(settings.view_size));
-}
 
 /// Weight of an offset along one side of a window of this many pixels.
 fn window_weight(offset: i32, window: u32) -> f32 {
@@ -56,18 +51,12 @@ fn blur(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let normal = textureLoad(view_normal, pixel, 0).xyz;
-    // Rays change linearly over the image, and so does their component along the normal: height above the plane through
-    // the camera with this normal, per depth.
-    let ray = pixel_ray(vec2<f32>(pixel));
-    let slope = dot(normal, ray);
-    let slope_x = dot(normal, pixel_ray(vec2<f32>(pixel) + vec2(1.0, 0.0)) - ray);
-    let slope_y = dot(normal, pixel_ray(vec2<f32>(pixel) + vec2(0.0, 1.0)) - ray);
+    let around = surface_around(pixel, settings.view_size, depth, normal);
     let reach = vec2(i32(settings.width), i32(settings.height)) / 2;
     var sum = vec4(0.0);
     var weights = 0.0;
     for (var y = -reach.y; y <= reach.y; y++) {
         let row = inside(i32(pixel.y) + y, settings.view_size.y, settings.height);
-        let row_slope = slope + slope_y * f32(row - i32(pixel.y));
         let row_weight = window_weight(y, settings.height);
         for (var x = -reach.x; x <= reach.x; x++) {
             let column = inside(i32(pixel.x) + x, settings.view_size.x, settings.width);
@@ -77,11 +66,9 @@ fn blur(@builtin(global_invocation_id) id: vec3<u32>) {
                 continue;
             }
             let other_depth = textureLoad(view_depth, other, 0).x;
-            // Distance from the tangent plane, as a fraction of the depth; on a slanted floor, depths themselves
-            // differ.
-            let off = other_depth * (row_slope + slope_x * f32(column - i32(pixel.x))) - depth * slope;
+            let off = off_plane(around, vec2(column, row), other_depth);
             let along = dot(normal, textureLoad(view_normal, other, 0).xyz);
-            if other_depth <= 0.0 || abs(off) > settings.alpha * depth || along < settings.beta {
+            if other_depth <= 0.0 || off > settings.alpha || along < settings.beta {
                 continue;
             }
             let weight = window_weight(x, settings.width) * row_weight;

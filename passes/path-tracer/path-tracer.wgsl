@@ -15,14 +15,10 @@
 
 #import "camera.wgsl"
 #import "color.wgsl"
-#import "incident-light.wgsl"
-#import "path-vertex.wgsl"
 #import "progress.wgsl"
+#import "reflected-light.wgsl"
 #import "sobol.wgsl"
 #import "tangent-frame.wgsl"
-#if GLOSSY
-#import "ggx.wgsl"
-#endif
 
 struct Settings {
     samples_size: vec2<u32>,
@@ -174,49 +170,6 @@ fn collect(sample: ptr<function, Sample>, throughput: vec3<f32>, arriving: vec3<
     (*sample).indirect += throughput * radiance * kept;
     (*sample).irradiance += arriving * radiance * kept;
     (*sample).removed += luminance(arriving * radiance) * (1.0 - kept);
-}
-
-/// The normal, flipped to the side of a direction.
-fn facing(normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
-    return select(normal, -normal, dot(normal, direction) < 0.0);
-}
-
-/// Radiance that a surface reflects of the lights of the scene [W/(m² sr)]. `leaving` points to where the path came
-/// from, unit.
-fn reflected_light(vertex: PathVertex, leaving: vec3<f32>) -> vec3<f32> {
-    var radiance = vec3(0.0);
-    for (var i = 0u; i < scene_lights.count; i++) {
-        let light = scene_lights.lights[i];
-        let incident = incident_light(light, vertex.position);
-        let to_light = -incident.direction;
-        let irradiance = incident.irradiance * dot(vertex.normal, to_light);
-        if !any(irradiance > vec3(0.0)) {
-            continue;
-        }
-        let origin = offset_origin(vertex.position, facing(vertex.geometric, to_light));
-        var shadowed: bool;
-        if light.kind == LIGHT_DIRECTIONAL {
-            shadowed = occluded(origin, to_light, 0.0, FAR);
-        } else {
-            // The ray ends just before the light: a light that is attached to a surface shines from it.
-            shadowed = occluded(origin, light.position - origin, 0.0, 0.9999);
-        }
-        if !shadowed {
-            radiance += reflectance(vertex, to_light, leaving) * irradiance;
-        }
-    }
-    return radiance;
-}
-
-/// The bidirectional reflectance [1/sr].
-fn reflectance(vertex: PathVertex, to_light: vec3<f32>, leaving: vec3<f32>) -> vec3<f32> {
-    var value = vertex.surface.albedo / PI;
-#if GLOSSY
-    if any(vertex.surface.specular > vec3(0.0)) {
-        value += ggx(vertex.normal, to_light, leaving, vertex.surface.specular, vertex.surface.roughness);
-    }
-#endif
-    return value;
 }
 
 struct Scattered {

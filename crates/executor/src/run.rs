@@ -142,11 +142,13 @@ impl Executor {
         self.scene_indices = count;
     }
 
-    /// Sets the run's seed; if it changes, passes run again.
+    /// Sets the run's seed; if it changes, the passes whose steps read one run again.
     pub fn set_seed(&mut self, seed: u32) {
         if self.seed != seed {
             self.seed = seed;
-            self.pending.all = true;
+            let uniforms = self.loaded.as_ref().and_then(|loaded| loaded.uniforms.as_ref());
+            let seeded = uniforms.into_iter().flat_map(Uniforms::seeded_passes);
+            self.pending.again.extend(seeded);
         }
     }
 

@@ -5,7 +5,7 @@ use crate::gpu::Gpu;
 use crate::step::LoadedStep;
 use frame_graph::ResetCause;
 use frame_graph::frame::{FrameSchedule, HistorySlot};
-use frame_graph::plan::Plan;
+use frame_graph::plan::{PassId, Plan};
 use pass::{FrameValue, FrameWord, PastFact, pass_seed};
 use std::ops::Range;
 
@@ -73,6 +73,12 @@ impl Uniforms {
             }
         }
         self.unwritten = 0..self.bytes.len();
+    }
+
+    /// The passes that read the run's seed.
+    pub(crate) fn seeded_passes(&self) -> impl Iterator<Item = PassId> {
+        let seeded = self.words.iter().filter(|word| matches!(word.word.value, FrameValue::Seed));
+        seeded.map(|word| PassId(word.pass as u32))
     }
 
     /// Writes what differs for the passes that run.

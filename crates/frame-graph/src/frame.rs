@@ -47,6 +47,9 @@ impl fmt::Display for ResetCause {
 pub struct Change {
     /// The scene bindings that changed. [`SceneBindings::FRAME`] is always taken as changed.
     pub scene_bindings: SceneBindings,
+    /// The scene bindings that changed in the sample that the frame is, and in nothing else: what reads them runs, but
+    /// nothing has moved.
+    pub resampled: SceneBindings,
     /// Passes whose settings, shaders or links changed. They run; and for the history buffers that they, or passes that
     /// depend on them, write, this is a [`ResetCause::Reload`].
     pub passes: Vec<PassId>,
@@ -62,6 +65,7 @@ impl Change {
     /// Adds the changes of another one.
     pub fn add(&mut self, other: &Change) {
         self.scene_bindings = self.scene_bindings.and(other.scene_bindings);
+        self.resampled = self.resampled.and(other.resampled);
         self.passes.extend_from_slice(&other.passes);
         self.again.extend_from_slice(&other.again);
         self.events.extend_from_slice(&other.events);
@@ -71,6 +75,7 @@ impl Change {
     /// Removes all changes, and keeps the memory for the next frame.
     pub fn clear(&mut self) {
         self.scene_bindings = SceneBindings::NONE;
+        self.resampled = SceneBindings::NONE;
         self.passes.clear();
         self.again.clear();
         self.events.clear();
@@ -336,7 +341,7 @@ impl FrameState {
         first: bool,
         runs: &mut Vec<bool>,
     ) {
-        let changed = change.scene_bindings.and(SceneBindings::FRAME);
+        let changed = change.scene_bindings.and(change.resampled).and(SceneBindings::FRAME);
         runs.clear();
         runs.resize(plan.passes.len(), first || change.all);
         for pass in change.passes.iter().chain(&change.again) {

@@ -129,6 +129,9 @@ impl SceneBindings {
     pub const LIGHTS: SceneBindings = SceneBindings(4);
     /// The number of the frame and its time: a pass that reads it runs in every frame.
     pub const FRAME: SceneBindings = SceneBindings(8);
+    /// The sample that a frame is: the seed of random numbers, and the place within each pixel. A plan with a pass that
+    /// reads it has another sample in every frame.
+    pub const SAMPLE: SceneBindings = SceneBindings(16);
 
     /// Returns the union of both.
     pub const fn and(self, other: SceneBindings) -> SceneBindings {

@@ -289,9 +289,9 @@ impl<'a> Harness<'a> {
             }
             let index = self.first_index + frame;
             let info = Frame { index, time, step: self.time_step, pad: 0.0 };
-            let scene_bindings = view.update(&mut executor, scene, &pose, self.size, info)?;
             let events = self.events.iter().filter(|(at, _)| *at == frame).map(|(_, cause)| *cause);
-            let change = Change { scene_bindings, all: true, events: events.collect(), ..Change::default() };
+            let mut change = Change { all: true, events: events.collect(), ..Change::default() };
+            view.update(&mut executor, scene, &pose, self.size, info, &mut change)?;
             executor.frame(&change, FrameOptions { poison: true, ..FrameOptions::default() })?;
         }
         Ok(Outputs { executor, plan, pass: self.pass.info().kind, dispatches })

@@ -34,7 +34,8 @@ pub use reload::Reload;
 pub use shared::SharedScene;
 
 use executor::Executor;
-use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause, Value};
+use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause, SceneBindings, Value};
+use glam::Vec2;
 use scene::{Camera, Light, Pose, Scene};
 use scene_upload::{Frame, SceneView};
 use std::ops::ControlFlow;
@@ -67,6 +68,8 @@ pub struct Renderer {
     scene_stale: bool,
     seed: u32,
     index: u32,
+    /// The number of the next sample, where each frame is one of a picture.
+    sample: u32,
     /// Seconds between frames; the scene's own where not set.
     step: Option<f32>,
     /// The changes since the last frame.
@@ -81,6 +84,28 @@ struct Loaded {
     name: String,
     overrides: Overrides,
     compiled: Compiled,
+    /// Whether each frame is another sample of the picture.
+    sampled: bool,
+}
+
+/// The seed of a sample: that of the run for the first.
+fn seed_of_sample(seed: u32, sample: u32) -> u32 {
+    seed ^ sample.wrapping_mul(0x9e37_79b9)
+}
+
+/// Where the sample lies in each pixel, from its centre \[px\]: the first in the centre, then Halton's sequence in bases 2
+/// and 3.
+fn place_of_sample(sample: u32) -> Vec2 {
+    let digits = |base: u32| {
+        let (mut rest, mut unit, mut sum) = (sample, 1.0, 0.0);
+        while rest > 0 {
+            unit /= base as f32;
+            sum += (rest % base) as f32 * unit;
+            rest /= base;
+        }
+        sum
+    };
+    if sample == 0 { Vec2::ZERO } else { Vec2::new(digits(2), digits(3)) - 0.5 }
 }
 
 impl Renderer {
@@ -115,6 +140,7 @@ impl Renderer {
             scene_stale: false,
             seed: 0,
             index: 0,
+            sample: 0,
             step: None,
             change: Change::default(),
             pose: scene.scene.at(0.0),
@@ -140,7 +166,14 @@ impl Renderer {
         let scene_bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
         self.view.provide(&mut self.executor, &self.scene.scene, scene_bindings)?;
         let report = self.executor.load(Arc::clone(&compiled.plan), compiled.steps.clone())?;
-        self.pipeline = Some(Loaded { name, overrides, compiled });
+        let sampled =
+            compiled.plan.passes.iter().any(|pass| pass.scene_bindings.contains(SceneBindings::SAMPLE));
+        if !sampled {
+            self.executor.set_seed(self.seed);
+            self.view.set_jitter(Vec2::ZERO);
+        }
+        self.sample = 0;
+        self.pipeline = Some(Loaded { name, overrides, compiled, sampled });
         Ok(report)
     }
 
@@ -252,6 +285,7 @@ impl Renderer {
     /// Sets the seed of all random numbers; 0 gives plain sequences, as the papers use them.
     pub fn set_seed(&mut self, seed: u32) {
         self.seed = seed;
+        self.sample = 0;
         self.executor.set_seed(seed);
     }
 
@@ -287,10 +321,15 @@ impl Renderer {
         if let Some(lights) = &self.lights {
             self.pose.lights.clone_from(lights);
         }
+        if self.pipeline.as_ref().is_some_and(|loaded| loaded.sampled) {
+            self.executor.set_seed(seed_of_sample(self.seed, self.sample));
+            self.view.set_jitter(place_of_sample(self.sample));
+            self.change.resampled = SceneBindings::SAMPLE;
+            self.sample += 1;
+        }
         let step = self.step.unwrap_or_else(|| scene.frame_time(1));
         let frame = Frame { index: self.index, time, step, pad: 0.0 };
-        let changed = self.view.update(&mut self.executor, scene, &self.pose, self.size, frame)?;
-        self.change.scene_bindings = changed;
+        self.view.update(&mut self.executor, scene, &self.pose, self.size, frame, &mut self.change)?;
         let result = self.executor.frame(&self.change, self.frame_options);
         self.change.clear();
         let report = result?;

@@ -3,7 +3,7 @@
 //! A test, and every load of a shader, compare each with the declaration in the shader.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use scene::{Light, LightKind, Material, Scene};
 use shader_library::{StructLayout, struct_layout};
 
@@ -18,6 +18,8 @@ pub(crate) struct Camera {
     near: f32,
     half_extent: [f32; 2],
     size: [f32; 2],
+    jitter: [f32; 2],
+    pad: [f32; 2],
 }
 
 /// `Frame` of shaders/frame.wgsl.
@@ -109,6 +111,8 @@ pub fn layouts() -> Vec<StructLayout> {
             near: "f32",
             half_extent: "vec2<f32>",
             size: "vec2<f32>",
+            jitter: "vec2<f32>",
+            pad: "vec2<f32>",
         }),
         struct_layout!(Frame { index: "u32", time: "f32", step: "f32", pad: "f32" }),
         struct_layout!(SceneInfo {
@@ -167,18 +171,27 @@ pub fn layouts() -> Vec<StructLayout> {
 }
 
 impl Camera {
-    pub(crate) fn new(camera: &scene::Camera, previous: &scene::Camera, size: (u32, u32)) -> Camera {
+    /// `jitter` is the distance of the samples from the centres of their pixels \[px\].
+    pub(crate) fn new(
+        camera: &scene::Camera,
+        previous: &scene::Camera,
+        size: (u32, u32),
+        jitter: Vec2,
+    ) -> Camera {
         let aspect = size.0 as f32 / size.1 as f32;
-        let view = camera.view();
         let tan = (camera.vertical_fov * 0.5).tan();
+        // What lies at a sample is displaced to the centre of its pixel.
+        let projection = |camera: &scene::Camera| camera.projection_offset([size.0, size.1], -jitter);
         Camera {
-            clip_from_world: camera.projection(aspect) * view,
-            previous_clip_from_world: previous.projection(aspect) * previous.view(),
-            world_from_view: view.inverse(),
+            clip_from_world: projection(camera) * camera.view(),
+            previous_clip_from_world: projection(previous) * previous.view(),
+            world_from_view: camera.view().inverse(),
             position: camera.position,
             near: camera.near,
             half_extent: [tan * aspect, tan],
             size: [size.0 as f32, size.1 as f32],
+            jitter: jitter.to_array(),
+            pad: [0.0; 2],
         }
     }
 }

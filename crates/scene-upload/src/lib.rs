@@ -18,6 +18,8 @@ use bytemuck::cast_slice;
 use executor::wgpu::{self, BufferUsages};
 use executor::{Executor, ExecutorError, SceneBinding};
 use frame_graph::SceneBindings;
+use frame_graph::frame::Change;
+use glam::Vec2;
 use scene::{Pose, Scene};
 use shared::Wanted;
 use std::sync::Arc;
@@ -30,12 +32,16 @@ pub struct SceneView {
     frame: wgpu::Buffer,
     lights: wgpu::Buffer,
     layers: wgpu::Buffer,
-    /// The bytes that were written last, so that equal bytes count as unchanged.
-    camera_bytes: Vec<u8>,
+    /// The camera that was written last, without and with the displacement of the samples, so that an equal one counts as
+    /// unchanged.
+    written_camera: Option<(gpu_data::Camera, gpu_data::Camera)>,
+    /// The bytes that were written last.
     lights_bytes: (Vec<u8>, Vec<u8>),
     /// The lights of the last update: if they are unchanged, so are their bytes.
     seen_lights: Vec<scene::Light>,
     previous_camera: Option<scene::Camera>,
+    /// Where the samples lie, from the centres of their pixels \[px\].
+    jitter: Vec2,
     /// The structures through which the steps of this view's pipeline trace rays.
     wanted: Wanted,
     /// The counters of new shared objects and of movements when this view last bound the objects and ran a
@@ -79,10 +85,11 @@ impl SceneView {
             frame: buffer(&device, "frame", &[], BufferUsages::UNIFORM),
             lights: buffer(&device, "scene lights", &light_bytes, storage),
             layers: buffer(&device, "scene light layers", &layer_bytes, storage),
-            camera_bytes: Vec::new(),
+            written_camera: None,
             lights_bytes: (light_bytes, layer_bytes),
             seen_lights: scene.lights.clone(),
             previous_camera: None,
+            jitter: Vec2::ZERO,
             wanted: Wanted::default(),
             bound: 0,
             seen: 0,
@@ -130,7 +137,12 @@ impl SceneView {
         Ok(())
     }
 
-    /// Writes the data that a frame needs, and returns what has changed in it.
+    /// Sets where the samples of the next frames lie, from the centres of their pixels \[px, y down\].
+    pub fn set_jitter(&mut self, jitter: Vec2) {
+        self.jitter = jitter;
+    }
+
+    /// Writes the data that a frame needs, and adds to `change` what has changed in it.
     ///
     /// # Errors
     /// Those of [`SceneView::provide`], if a structure grows as geometry moves.
@@ -141,18 +153,26 @@ impl SceneView {
         pose: &Pose,
         size: (u32, u32),
         frame: gpu_data::Frame,
-    ) -> Result<SceneBindings, ExecutorError> {
+        change: &mut Change,
+    ) -> Result<(), ExecutorError> {
         let queue = &executor.gpu().queue;
         let mut changed = SceneBindings::FRAME;
         queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&frame));
         let previous = self.previous_camera.replace(pose.camera);
-        let camera = gpu_data::Camera::new(&pose.camera, previous.as_ref().unwrap_or(&pose.camera), size);
-        let bytes = bytemuck::bytes_of(&camera);
-        if bytes != self.camera_bytes {
-            queue.write_buffer(&self.camera, 0, bytes);
-            self.camera_bytes.clear();
-            self.camera_bytes.extend_from_slice(bytes);
-            changed = changed.and(SceneBindings::CAMERA);
+        let camera = |jitter| {
+            gpu_data::Camera::new(&pose.camera, previous.as_ref().unwrap_or(&pose.camera), size, jitter)
+        };
+        let (still, sampled) = (camera(Vec2::ZERO), camera(self.jitter));
+        let written = Some((still, sampled));
+        if written != self.written_camera {
+            queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&sampled));
+            match self.written_camera {
+                Some((before, _)) if before == still => {
+                    change.resampled = change.resampled.and(SceneBindings::CAMERA);
+                }
+                _ => changed = changed.and(SceneBindings::CAMERA),
+            }
+            self.written_camera = written;
         }
         if pose.lights != self.seen_lights {
             self.seen_lights.clone_from(&pose.lights);
@@ -170,7 +190,8 @@ impl SceneView {
             self.seen = moves;
             changed = changed.and(SceneBindings::SCENE);
         }
-        Ok(changed)
+        change.scene_bindings = change.scene_bindings.and(changed);
+        Ok(())
     }
 
     /// Writes lights and their layers, into larger buffers if there are more of them than before.

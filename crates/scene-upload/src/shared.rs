@@ -10,6 +10,10 @@ use executor::{Executor, ExecutorError, Gpu, SceneBinding};
 use scene::{MovedVertices, Scene, Vertex};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// Samples that filtering of textures takes at most along the longer axis of a pixel's footprint: the most that
+/// adapters have.
+const ANISOTROPY: u16 = 16;
+
 /// A scene on a device: geometry, materials, textures, and the structures through which rays are traced.
 /// Views share it (see [`SceneView`](crate::SceneView)).
 ///
@@ -82,6 +86,8 @@ impl SceneOnGpu {
                 } else {
                     wgpu::MipmapFilterMode::Nearest
                 },
+                // An adapter that has no anisotropic filtering, or less of it, takes what it has.
+                anisotropy_clamp: if filter == FilterMode::Linear { ANISOTROPY } else { 1 },
                 ..Default::default()
             }))
         };

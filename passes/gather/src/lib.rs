@@ -18,6 +18,9 @@ pub struct Gather;
 
 const SHADER: &str = "passes/gather/gather.wgsl";
 
+/// The option of the shader that says what a light near a receiver gives; in lower case, the name of the setting.
+const GEOMETRY: &str = "GEOMETRY";
+
 /// The constant of the shader that is the pixels of a thread along each side.
 const SPAN: &str = "SPAN";
 
@@ -46,6 +49,13 @@ pass::settings! {
         /// elements of a Halton sequence are stratified; every (n·m)-th ones share digits, and so lie in
         /// strips. Strides suit lights that are sorted by position.
         subsets: Subsets = Subsets::Runs;
+        /// Distance below which a light's geometry term is bounded, as a fraction of the scene's extent; 0 is no
+        /// such bound. Larger: smaller bright spots near lights, but more energy lost near corners, which alpha has
+        /// and `bias-compensation` returns.
+        clamp: f32 = 0.0, min: 0.0, max: 1.0;
+        /// The same in radii of a disc of the area that each light stands for: where lights are dense, they are bounded
+        /// at less distance. 0 is no such bound. With more lights, less is lost.
+        area_bound: f32 = 1.0, min: 0.0, max: 100.0;
     }
 }
 
@@ -68,6 +78,7 @@ impl Pass for Gather {
 
     fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let mut all = GatherSettings::schema();
+        all.extend(setting::of_options(cx.shaders, SHADER, &[GEOMETRY])?);
         all.extend(setting::of_shader(cx.shaders, SHADER)?);
         Ok(all)
     }
@@ -98,14 +109,17 @@ impl Pass for Gather {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let settings = GatherSettings::read(cx.settings);
-        let mut outputs = vec![
-            OutputDesc::one(
-                "irradiance",
-                ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")),
-            )
-            .fact(irradiance::INTERLEAVE_X, settings.interleave_x)
-            .fact(irradiance::INTERLEAVE_Y, settings.interleave_y),
-        ];
+        let mut irradiance = OutputDesc::one(
+            "irradiance",
+            ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")),
+        )
+        .fact(irradiance::INTERLEAVE_X, settings.interleave_x)
+        .fact(irradiance::INTERLEAVE_Y, settings.interleave_y);
+        let disc = setting::value_of_option(cx.settings, GEOMETRY).as_text() == Some("disc");
+        if settings.area_bound == 0.0 && !disc {
+            irradiance = irradiance.fact(irradiance::CLAMP, settings.clamp);
+        }
+        let mut outputs = vec![irradiance];
         let iterations = cx.fact("visibility", visibility::LOOP_ITERATIONS).unwrap_or(0);
         let span = use_cx.constant(SHADER, SPAN)?;
         if parts(&settings, span, cx.fact("lights", virtual_lights::COUNT)?, iterations).len() > 1 {
@@ -132,6 +146,7 @@ impl Pass for Gather {
             &[
                 ("PARTS", Define::Bool(parts.len() > 1)),
                 ("VISIBILITY", Define::Bool(cx.connected("visibility"))),
+                cx.option(GEOMETRY),
             ],
         );
         let runs = u32::from(settings.subsets == Subsets::Runs);

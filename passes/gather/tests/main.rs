@@ -1,6 +1,6 @@
 //! Irradiance against closed forms, and the way lights are shared out among sub-images.
 
-use gather::cpu_reference::{VirtualLight, geometry, subset};
+use gather::cpu_reference::{Bound, VirtualLight, geometry, subset};
 use glam::{DVec3, Vec3, dvec3};
 use pass_test::{Harness, Outputs};
 use std::f64::consts::PI;
@@ -104,8 +104,12 @@ fn one_light_over_a_plane_gives_the_closed_form() {
     let light = VirtualLight { position: dvec3(0.3, 0.7, -0.2), normal: DOWN, flux: 5.0, area: 0.0 };
     for area in [0.0, 0.04] {
         let light = VirtualLight { area, ..light };
-        let outputs =
-            view.harness(&[light]).set("interleave_x", 1).set("interleave_y", 1).set("clamp", 0.0).run();
+        let outputs = view
+            .harness(&[light])
+            .set("interleave_x", 1)
+            .set("interleave_y", 1)
+            .set("geometry", "disc")
+            .run();
         let Some(outputs) = outputs else { return };
         for ((x, y), got) in view.pixels().zip(read(&outputs)) {
             let d2 = view.position(x, y).distance_squared(light.position);
@@ -163,7 +167,12 @@ fn each_sub_image_sums_its_subset() {
     for (width, height, n, m, count) in
         [(21, 13, 4, 4, 61), (37, 19, 1, 2, 300), (1, 1, 16, 16, 3), (5, 3, 3, 5, 7)]
     {
-        for subsets in ["runs", "strides"] {
+        // A share of the extent; radii of a disc of each light's area; or a disc itself.
+        for (subsets, geometry_of, radii, bound) in [
+            ("runs", "bounded", 0.0, Bound::Bounded(0.2 * EXTENT, 0.0)),
+            ("runs", "bounded", 3.0, Bound::Bounded(0.2 * EXTENT, 3.0)),
+            ("strides", "disc", 3.0, Bound::Disc(0.2 * EXTENT)),
+        ] {
             let view = View { width, height, fov: 0.8 };
             let lights = lights(count);
             let outputs = view
@@ -171,14 +180,16 @@ fn each_sub_image_sums_its_subset() {
                 .set("interleave_x", n)
                 .set("interleave_y", m)
                 .set("subsets", subsets)
+                .set("geometry", geometry_of)
                 .set("clamp", 0.2)
+                .set("area_bound", radii)
                 .run();
             let Some(outputs) = outputs else { return };
             for ((x, y), got) in view.pixels().zip(read(&outputs)) {
                 let own = subset(y % m * n + x % n, n * m, count as u32, subsets == "runs");
                 let terms = own.iter().map(|i| {
                     let light = &lights[*i as usize];
-                    let (kept, removed) = geometry(light, view.position(x, y), UP, 0.2, EXTENT);
+                    let (kept, removed) = geometry(light, view.position(x, y), UP, bound, EXTENT);
                     (light.flux * kept, light.flux * removed)
                 });
                 let (kept, removed) = terms.fold((0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1));

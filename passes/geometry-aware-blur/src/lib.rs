@@ -2,11 +2,10 @@
 
 pub mod cpu_reference;
 
-use interfaces::irradiance::{INTERLEAVE_X, INTERLEAVE_Y};
-use pass::setting;
+use interfaces::irradiance::{INTERLEAVE_X, INTERLEAVE_Y, filter_output, filter_picture, filter_ports};
 use pass::{
-    Compute, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
-    Recording, ResourceDesc, SceneBindings, Setting, Settings, UseContext, Value,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting,
+    Settings, UseContext, Value, setting,
 };
 
 /// The pass type `geometry-aware-blur`.
@@ -49,33 +48,13 @@ impl Pass for GeometryAwareBlur {
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: vec![
-                pass::input("view", "GBuffer", "Determines which pixels see the same surface."),
-                pass::input("irradiance", "Irradiance", "The irradiance to average; of the size of `view`."),
-            ],
-            outputs: vec![pass::output("filtered", "Irradiance", "The averages.")],
-            scene_bindings: SceneBindings::CAMERA,
-        })
+        Ok(filter_ports())
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let sizes = ["view", "irradiance"].map(|port| cx.input(port).and_then(|input| input.size()));
-        if let [Some(view), Some(irradiance)] = sizes
-            && view != irradiance
-        {
-            return Err(PassTypeError::input(
-                "irradiance",
-                format!(
-                    "irradiance is {}×{}, but the view is {}×{}",
-                    irradiance.0, irradiance.1, view.0, view.1
-                ),
-            ));
-        }
-        let image = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view"));
-        let mut outputs = vec![OutputDesc::one("filtered", image())];
+        let mut outputs = vec![filter_output(cx)?];
         if GeometryAwareBlurSettings::read(cx.settings).separable {
-            outputs.push(OutputDesc::scratch("rows", image()));
+            outputs.push(OutputDesc::scratch("rows", filter_picture()));
         }
         Ok(outputs)
     }

@@ -438,8 +438,14 @@ proptest! {
             }
             let all = [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
             let events: Vec<ResetCause> = step.event.map(|e| all[e as usize]).into_iter().collect();
+            // Both ways to change make what reads them run; only what moves resets.
+            let (moved, resampled) = match number % 2 {
+                0 => (SceneBindings(step.scene_bindings), SceneBindings::NONE),
+                _ => (SceneBindings::NONE, SceneBindings(step.scene_bindings)),
+            };
             let change = Change {
-                scene_bindings: SceneBindings(step.scene_bindings),
+                scene_bindings: moved,
+                resampled,
                 passes: told.iter().map(|p| frame_graph::plan::PassId(*p)).collect(),
                 again: Vec::new(),
                 events: events.clone(),

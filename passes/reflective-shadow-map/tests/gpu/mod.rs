@@ -1,6 +1,6 @@
 //! The pass on a GPU, against closed forms and the CPU reference.
 
-use glam::{DVec2, UVec2, Vec3, Vec4Swizzles, vec3};
+use glam::{DVec2, UVec2, Vec3, Vec4, Vec4Swizzles, vec3};
 use half::f16;
 use pass_test::{Harness, Outputs};
 use reflective_shadow_map::cpu_reference::{Layer, incident_flux};
@@ -35,6 +35,12 @@ fn a_square_reflects_the_flux_of_a_spot() {
     let cone = 2.0 * PI * (1.0 - (30f64).to_radians().cos());
     assert!((sum / (0.5 * cone) - 1.0).abs() < 2e-3, "{sum} W of {} W", 0.5 * cone);
     assert_eq!(layers(&outputs), 1);
+    // The texels within the cone are those of a disc of radius tan 30° on the square.
+    let in_cone = |(flux, position): &(&Vec4, &Vec4)| flux.x > 0.0 && position.w > 0.0;
+    let disc: f64 =
+        map.flux.iter().zip(&map.position).filter(in_cone).map(|(flux, _)| f64::from(flux.w)).sum();
+    let expected = PI * 30f64.to_radians().tan().powi(2);
+    assert!((disc / expected - 1.0).abs() < 1e-2, "{disc} m² of {expected} m²");
     for (position, normal) in map.position.iter().zip(&map.normal).filter(|(position, _)| position.w > 0.0) {
         assert!(position.y.abs() < 1e-5 && (position.w - 1.0).abs() < 1e-5, "{position}");
         assert!(normal[1].to_f32() > 0.999, "{normal:?}");
@@ -63,6 +69,9 @@ fn a_square_reflects_its_area_of_parallel_light() {
     let sum: f64 = map.flux.iter().map(|flux| f64::from(flux.z)).sum();
     let expected = 0.5 * 4.0 * f64::from(-direction.y);
     assert!((sum / expected - 1.0).abs() < 1e-2, "{sum} W of {expected} W");
+    // However slanted the light, the texels are parts of the whole square of 4 m².
+    let area: f64 = map.flux.iter().map(|flux| f64::from(flux.w)).sum();
+    assert!((area / 4.0 - 1.0).abs() < 1e-2, "{area} m² of 4 m²");
     // w grows along the light's way.
     let seen: Vec<_> = map.position.iter().filter(|p| p.w > 0.0).collect();
     let origin = seen[0].xyz().dot(direction) - seen[0].w;

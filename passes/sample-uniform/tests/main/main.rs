@@ -54,7 +54,7 @@ fn virtual_lights_carry_the_flux_of_the_map() {
     }
 }
 
-/// Lights sampled from a map whose texel i lies at (i, 0, 0) and reflects (1, g(i), 0) W; every third saw nothing.
+/// Lights sampled from a map whose texel i lies at (i, 0, 0), is 2 m² and reflects (1, g(i), 0) W; every third saw nothing.
 fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<VirtualLight>> {
     let array = |format| ResourceDesc::texture_2d_array(format, size, layers);
     let bytes = |texel: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
@@ -64,7 +64,7 @@ fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<Virt
     let members = vec![
         ("position", array(Format::Rgba32Float), bytes(&|i| [i as f32, 0.0, 0.0, 1.0])),
         ("normal", array(Format::Rgba32Float), bytes(&|_| [0.0, 0.6, 0.8, 0.0])),
-        ("flux", array(Format::Rgba32Float), bytes(&|i| [1.0, green(i) as f32, 0.0, 0.0])),
+        ("flux", array(Format::Rgba32Float), bytes(&|i| [1.0, green(i) as f32, 0.0, 2.0])),
     ];
     let harness =
         Harness::new(PASS).set("count", count).seed(seed).input("rsm", "ReflectiveShadowMap", &[], members);
@@ -95,6 +95,7 @@ fn lights_are_those_of_the_cpu_reference_and_carry_the_flux_of_the_map() {
                 } else {
                     assert_eq!(light.position, [texel as f32, 0.0, 0.0]);
                     assert!((light.flux[0] / weight - 1.0).abs() < 1e-6, "{light:?}");
+                    assert!((light.area / weight - 2.0).abs() < 2e-6, "{light:?}");
                 }
             }
             // A number within rounding of a texel's edge may fall to either side.

@@ -252,12 +252,13 @@ fn report(
     }
     if let Some(progress) = progress {
         let state = if progress.is_done() { "converged" } else { "not converged" };
-        say!(
-            "{state} after {} of at most {} steps; estimated error {:.2e}",
-            progress.step,
-            progress.steps,
-            progress.error
-        );
+        // Not every pass that takes several frames estimates its error.
+        let error = if progress.error > 0.0 {
+            format!("; estimated error {:.2e}", progress.error)
+        } else {
+            String::new()
+        };
+        say!("{state} after {} of at most {} steps{error}", progress.step, progress.steps);
     }
     if let Some(path) = written.last() {
         let shown = path.canonicalize().unwrap_or_else(|_| path.clone());

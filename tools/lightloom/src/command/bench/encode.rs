@@ -104,9 +104,8 @@ impl Framework {
     fn frame(&mut self) -> Result<usize> {
         let frame = Frame { index: 0, time: 0.0, step: 0.0, pad: 0.0 };
         self.scene.pose(0.0, &mut self.pose);
-        let changed = self.view.update(&mut self.executor, &self.scene, &self.pose, SIZE, frame)?;
         self.change.clear();
-        self.change.scene_bindings = changed;
+        self.view.update(&mut self.executor, &self.scene, &self.pose, SIZE, frame, &mut self.change)?;
         self.change.again.extend_from_slice(&self.measured);
         let report = self.executor.frame(&self.change, FrameOptions::default())?;
         Ok(report.ran.iter().filter(|ran| **ran).count())

@@ -116,8 +116,8 @@ impl RayBench<'_> {
     fn frame(&mut self) -> Result<Vec<f64>> {
         let frame = Frame { index: 0, time: 0.0, step: 0.0, pad: 0.0 };
         let (pose, size) = (self.scene.at(0.0), (self.side, self.side));
-        let scene_bindings = self.view.update(&mut self.executor, self.scene, &pose, size, frame)?;
-        let change = Change { scene_bindings, all: true, ..Change::default() };
+        let mut change = Change { all: true, ..Change::default() };
+        self.view.update(&mut self.executor, self.scene, &pose, size, frame, &mut change)?;
         let options = FrameOptions { timed: true, ..FrameOptions::default() };
         Ok(self.executor.frame(&change, options)?.times.clone())
     }

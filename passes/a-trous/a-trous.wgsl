@@ -1,0 +1,63 @@
+// One iteration of a wavelet filter with holes that stops at edges of the geometry. [Dammertz et al. 2010]
+//
+// 5×5 pixels `stride` apart, with the weights of a cubic B-spline, times the likeness of the surfaces that they see.
+//
+// filtered: rgba32float [W/m²]; all four channels are averaged alike.
+
+#import "surface-around.wgsl"
+
+struct Settings {
+    view_size: vec2<u32>,
+    /// Distance between taps [px]: 2^i in iteration i.
+    stride: u32,
+    /// Distance of a pixel from the plane of the centre at which its weight falls to 1/e, as a fraction of the depth.
+    /// Larger: blur across steps. Smaller: noise on curved surfaces. [default: 0.01, min: 0.0]
+    plane: f32,
+    /// Power of the cosine between normals. Smaller: blur across creases. Larger: noise on curved surfaces. [default: 32,
+    /// min: 0.0, max: 1024.0]
+    normal_power: f32,
+}
+
+var<uniform> settings: Settings;
+var view_depth: texture_2d<f32>;
+var view_normal: texture_2d<f32>;
+var irradiance: texture_2d<f32>;
+var filtered: texture_storage_2d<rgba32float, write>;
+
+/// The cubic B-spline at offsets of 0, 1 and 2.
+const SPLINE = array<f32, 3>(0.375, 0.25, 0.0625);
+
+@compute @workgroup_size(8, 8)
+fn smooth_once(@builtin(global_invocation_id) id: vec3<u32>) {
+    let pixel = id.xy;
+    if any(pixel >= settings.view_size) {
+        return;
+    }
+    let depth = textureLoad(view_depth, pixel, 0).x;
+    if depth <= 0.0 {
+        textureStore(filtered, pixel, vec4(0.0));
+        return;
+    }
+    let normal = normalize(textureLoad(view_normal, pixel, 0).xyz);
+    let around = surface_around(pixel, settings.view_size, depth, normal);
+    // The centre is like itself, whatever rounding says, so the weights never sum to zero.
+    let own = SPLINE[0] * SPLINE[0];
+    var sum = own * textureLoad(irradiance, pixel, 0);
+    var weights = own;
+    for (var y = -2; y <= 2; y++) {
+        for (var x = -2; x <= 2; x++) {
+            let other = vec2<i32>(pixel) + vec2(x, y) * i32(settings.stride);
+            if (x == 0 && y == 0) || any(other < vec2(0)) || any(other >= vec2<i32>(settings.view_size)) {
+                continue;
+            }
+            let alike = likeness(
+                around, other, textureLoad(view_depth, other, 0).x, textureLoad(view_normal, other, 0).xyz,
+                settings.plane, settings.normal_power,
+            );
+            let weight = SPLINE[abs(x)] * SPLINE[abs(y)] * alike;
+            sum += weight * textureLoad(irradiance, other, 0);
+            weights += weight;
+        }
+    }
+    textureStore(filtered, pixel, sum / weights);
+}

@@ -1,0 +1,79 @@
+// Returns to an irradiance what the bound of its lights' geometry terms took away. [Kollig & Keller 2004]
+//
+// Of the light that a surface at distance d < b sends, lights bounded at b give the share d² / b², if they are many.
+// The rest comes along rays of length b over the cosine: π times the mean of (1 - d² / b²) times the radiance that
+// is reflected where they end.
+//
+// The pixels of a window of the interleaving share one stratified set of rays, as they share one set of lights.
+//
+// compensated: rgba32float [W/m²]; alpha is 0, since nothing is left out.
+
+#option MASKED false // whether triangles do not count where alpha is below their material's cutoff
+#option TEXTURED false // whether any material of the scene has a texture
+
+#import "camera.wgsl"
+#import "reflected-light.wgsl"
+#import "sobol.wgsl"
+#import "tangent-frame.wgsl"
+
+struct Settings {
+    view_size: vec2<u32>,
+    /// The window of the interleaving [px].
+    interleave_x: u32,
+    interleave_y: u32,
+    /// The distance b, as a fraction of the scene's extent.
+    bound: f32,
+    /// Rays of a pixel. More: less noise near edges and contacts, and more time. [default: 1, min: 1, max: 64]
+    rays_per_pixel: u32,
+    seed: u32,
+}
+
+var<uniform> settings: Settings;
+var view_depth: texture_2d<f32>;
+var view_normal: texture_2d<f32>;
+var irradiance: texture_2d<f32>;
+var compensated: texture_storage_2d<rgba32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn compensate(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= settings.view_size) {
+        return;
+    }
+    var whole = vec4(textureLoad(irradiance, id.xy, 0).rgb, 0.0);
+    let depth = textureLoad(view_depth, id.xy, 0).x;
+    let bound = settings.bound * scene_info.extent;
+    if depth > 0.0 && bound > 0.0 {
+        let pixel = (vec2<f32>(id.xy) + 0.5) * camera.size / vec2<f32>(settings.view_size);
+        let at = camera.position + view_ray(pixel) * depth;
+        let normal = normalize(textureLoad(view_normal, id.xy, 0).xyz);
+        whole += vec4(near_field(id.xy, at, normal, bound), 0.0);
+    }
+    textureStore(compensated, id.xy, whole);
+}
+
+/// The irradiance that bounded lights lack [W/m²], at a point [m] with a unit normal.
+fn near_field(pixel: vec2<u32>, at: vec3<f32>, normal: vec3<f32>, bound: f32) -> vec3<f32> {
+    let interleave = vec2(settings.interleave_x, settings.interleave_y);
+    let window = pixel / interleave;
+    let within = pixel % interleave;
+    let place = within.y * interleave.x + within.x;
+    let window_seed = hash2(settings.seed, hash2(window.x, window.y));
+    let tangents = frame_from_normal(normal);
+    let origin = offset_origin(at, normal);
+    var sum = vec3(0.0);
+    for (var ray = 0u; ray < settings.rays_per_pixel; ray++) {
+        let square = sobol2_of(place * settings.rays_per_pixel + ray, window_seed);
+        let radius = sqrt(square.x);
+        let angle = 2.0 * PI * square.y;
+        let direction = tangents * vec3(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - square.x, 0.0)));
+        let hit = trace(origin, direction, 0.0, bound);
+        if hit.triangle == NO_HIT {
+            continue;
+        }
+        let vertex = path_vertex(hit, direction);
+        let offset = (vertex.position - at) / bound;
+        let missing = max(1.0 - dot(offset, offset), 0.0);
+        sum += reflected_light(vertex, -direction) * missing;
+    }
+    return PI * sum / f32(settings.rays_per_pixel);
+}

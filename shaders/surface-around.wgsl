@@ -1,0 +1,50 @@
+// How alike two pixels of a view are: the distance of one from the plane of the other, and their normals. For filters that
+// stop at edges of the geometry.
+
+#import "camera.wgsl"
+
+/// What the centre pixel of a window sees.
+struct SurfaceAround {
+    pixel: vec2<i32>,
+    /// Along the viewing axis [m]; 0 where nothing is seen.
+    depth: f32,
+    /// World space, unit.
+    normal: vec3<f32>,
+    /// Height of the centre's ray above the plane through the camera with this normal, per depth, and how it changes from
+    /// a pixel to the next on the right and below: rays change linearly over the image.
+    slope: vec3<f32>,
+}
+
+/// World direction through the centre of a pixel of a view of `size` pixels, with length 1 along the viewing axis.
+fn pixel_ray(pixel: vec2<f32>, size: vec2<u32>) -> vec3<f32> {
+    return view_ray((pixel + 0.5) * camera.size / vec2<f32>(size));
+}
+
+fn surface_around(pixel: vec2<u32>, size: vec2<u32>, depth: f32, normal: vec3<f32>) -> SurfaceAround {
+    let centre = vec2<f32>(pixel);
+    let ray = pixel_ray(centre, size);
+    let right = pixel_ray(centre + vec2(1.0, 0.0), size) - ray;
+    let below = pixel_ray(centre + vec2(0.0, 1.0), size) - ray;
+    let slope = vec3(dot(normal, ray), dot(normal, right), dot(normal, below));
+    return SurfaceAround(vec2<i32>(pixel), depth, normal, slope);
+}
+
+/// Distance of what another pixel sees from the plane of the centre, as a fraction of the centre's depth. On a slanted
+/// floor, depths themselves differ.
+fn off_plane(around: SurfaceAround, other: vec2<i32>, other_depth: f32) -> f32 {
+    let by = vec2<f32>(other - around.pixel);
+    let height = other_depth * (around.slope.x + around.slope.y * by.x + around.slope.z * by.y);
+    return abs(height - around.depth * around.slope.x) / around.depth;
+}
+
+/// Likeness in [0, 1] of what another pixel sees: falls with the distance from the centre's plane, in units of `plane` (a
+/// fraction of the depth), and with the angle between normals, as a power of its cosine.
+fn likeness(
+    around: SurfaceAround, other: vec2<i32>, other_depth: f32, other_normal: vec3<f32>, plane: f32, power: f32,
+) -> f32 {
+    if other_depth <= 0.0 {
+        return 0.0;
+    }
+    let cosine = clamp(dot(around.normal, other_normal), 0.0, 1.0);
+    return exp(-off_plane(around, other, other_depth) / max(plane, 1e-6)) * pow(cosine, power);
+}

@@ -1,0 +1,123 @@
+//! Pictures whose frames are samples of them: what differs between frames, what they converge to, and when they begin again.
+
+use crate::adapter::{bits, renderer, set};
+use glam::Vec3;
+use metrics::{Epsilon, Image, Pair};
+use renderer::Renderer;
+use std::ops::ControlFlow;
+
+const SIZE: (u32, u32) = (48, 48);
+
+const FEW: &[&str] = &["lights=64", "map=16", "rsm.size=64"];
+
+fn accumulated(frames: &str) -> Option<Renderer> {
+    renderer("ism-invtm-accumulated", "cornell-box", SIZE, &[FEW, &[frames]].concat())
+}
+
+/// The same with maps of the scene's lights that are fine enough for the edges of their shadows.
+fn with_fine_edges(frames: &str) -> Option<Renderer> {
+    renderer("ism-invtm-accumulated", "cornell-box", SIZE, &["lights=64", "map=16", "rsm.size=1024", frames])
+}
+
+fn step(renderer: &Renderer) -> u32 {
+    renderer.progress().unwrap().expect("the pipeline tells its progress").step
+}
+
+fn rel_mse(image: &Image, reference: &Image) -> f64 {
+    Pair::new(image, reference).unwrap().rel_mse(Epsilon::default()).unwrap()
+}
+
+#[test]
+fn the_first_sample_is_the_picture_without_accumulation() {
+    let Some(mut mean) = accumulated("frames=4") else { return };
+    let Some(mut single) = renderer("ism-invtm", "cornell-box", SIZE, FEW) else { return };
+    mean.frame().unwrap();
+    single.frame().unwrap();
+    for output in ["direct", "indirect", "image"] {
+        let [mean, single] = [&mean, &single].map(|renderer| bits(&renderer.output(output).unwrap()));
+        assert!(mean == single, "{output} differs");
+    }
+}
+
+/// Edges of objects and shadows are as smooth as a path tracer has them, whose pixels are means over squares; and the noise
+/// of few lights goes.
+#[test]
+fn the_mean_over_frames_converges() {
+    let Some(mut paths) =
+        renderer("reference", "cornell-box", SIZE, &["samples=256", "samples_per_frame=64"])
+    else {
+        return;
+    };
+    let ended = |renderer: &mut Renderer| {
+        let mut frames = 0;
+        renderer
+            .frame_until_done(|_, _| {
+                frames += 1;
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        frames
+    };
+    ended(&mut paths);
+    let errors = |frames: &str| {
+        let mut renderer = with_fine_edges(frames)?;
+        let ran = ended(&mut renderer);
+        let error = |output| rel_mse(&renderer.output(output).unwrap(), &paths.output(output).unwrap());
+        Some((ran, error("direct"), error("indirect")))
+    };
+    let (Some(one), Some(many)) = (errors("frames=1"), errors("frames=24")) else { return };
+    assert_eq!((one.0, many.0), (1, 24));
+    assert!(many.1 < 0.25 * one.1, "direct light: {} after one frame, {} after 24", one.1, many.1);
+    assert!(many.2 < 0.7 * one.2, "indirect light: {} after one frame, {} after 24", one.2, many.2);
+}
+
+#[test]
+fn another_sample_is_no_movement_and_movement_begins_again() {
+    let Some(mut renderer) = accumulated("frames=100") else { return };
+    for frame in 1..=3 {
+        renderer.frame().unwrap();
+        assert_eq!(step(&renderer), frame);
+    }
+    let camera = renderer.scene().camera;
+    let moved = scene::Camera { position: camera.position + Vec3::X * 0.1, ..camera };
+    renderer.set_camera(Some(moved), false);
+    renderer.frame().unwrap();
+    assert_eq!(step(&renderer), 1, "the camera moved");
+    // The frame after still differs in where the camera was before it.
+    renderer.frame().unwrap();
+    renderer.frame().unwrap();
+    renderer.frame().unwrap();
+    assert!(step(&renderer) >= 2, "it stands still");
+}
+
+/// What reads no random numbers and no camera is not made again: the maps of the scene's own lights.
+#[test]
+fn a_sample_runs_what_differs_between_samples_alone() {
+    let Some(mut renderer) = accumulated("frames=100") else { return };
+    renderer.frame().unwrap();
+    renderer.frame().unwrap();
+    let ran = renderer.frame().unwrap().ran.clone();
+    let plan = renderer.plan().unwrap();
+    let ran = |name: &str| {
+        let at = plan.passes.iter().position(|pass| &*pass.name == name).expect("the plan has it");
+        ran[at]
+    };
+    assert!(!ran("rsm"), "the lights of the scene stand still");
+    for name in ["view", "lights", "shadows/splat", "gather", "filter", "direct", "image/mean"] {
+        assert!(ran(name), "{name} has another sample");
+    }
+}
+
+/// A pipeline without accumulation has the same picture in every frame, also after one that accumulates.
+#[test]
+fn other_pipelines_have_the_runs_own_sample() {
+    let Some(mut renderer) = accumulated("frames=100") else { return };
+    renderer.frame().unwrap();
+    renderer.frame().unwrap();
+    let Some(mut fresh) = crate::adapter::renderer("ism-invtm", "cornell-box", SIZE, FEW) else { return };
+    renderer.set_pipeline("ism-invtm", &set(FEW)).unwrap();
+    renderer.frame().unwrap();
+    fresh.frame().unwrap();
+    let [after, fresh] = [&renderer, &fresh].map(|renderer| bits(&renderer.output("image").unwrap()));
+    assert!(after == fresh, "seed and place are the run's own again");
+}
