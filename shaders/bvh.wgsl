@@ -3,41 +3,37 @@
 //
 // [Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection"]; the CPU reference is crates/ray-tracing.
 
-/// The boxes of four children, a coordinate of all four in a vector. A child is the index of a node or, with the
-/// highest bit set, a run of triangles: three bits for their number less one, the rest for the first. Where there
-/// are fewer than four, the boxes of the others are where no ray comes.
-struct BvhNode {
-    low_x: vec4<f32>,
-    low_y: vec4<f32>,
-    low_z: vec4<f32>,
-    high_x: vec4<f32>,
-    high_y: vec4<f32>,
-    high_z: vec4<f32>,
-    children: vec4<u32>,
-}
-
-struct BvhTriangle {
-    a: vec3<f32>,
-    /// As Hit has it; NO_HIT for one that cannot be hit.
-    index: u32,
-    b: vec3<f32>,
-    pad0: u32,
-    c: vec3<f32>,
-    pad1: u32,
+/// A node or a triangle, so that a step of a ray has the same three loads for either. Bytes of a word begin with the
+/// lowest.
+struct BvhItem {
+    /// Of a node: the origin of its boxes, and a byte for each axis with the exponent of their unit, as floats have it.
+    /// Of a triangle: its first vertex, and its index as Hit has it; NO_HIT for one that cannot be hit.
+    a: vec4<u32>,
+    /// Of a node: low x, low y, low z and high x of its boxes, a byte for each of four children. Of a triangle: its
+    /// second vertex.
+    b: vec4<u32>,
+    /// Of a node: high y and high z; the index of the first child, which the others follow; and the kind of each child
+    /// in a byte: the number of its items, which is 0 for none, and the highest bits of what stands for it (see
+    /// BVH_TRIANGLE). Of a triangle: its third vertex.
+    c: vec4<u32>,
 }
 
 /// The first is the root.
-var<storage, read> scene_bvh: array<BvhNode>;
-/// In the order of the leaves.
-var<storage, read> scene_bvh_triangles: array<BvhTriangle>;
+var<storage, read> scene_bvh: array<BvhItem>;
 
 /// Children that can wait. No tree is built that needs more.
 const BVH_STACK = 64u;
-const BVH_LEAF = 0x80000000u;
+/// A child is the index of an item. This bit is set where that is a triangle; the next three have the number of
+/// triangles that follow.
+const BVH_TRIANGLE = 0x80000000u;
+const BVH_FOLLOWING = 0x70000000u;
+const BVH_INDEX = 0x0fffffffu;
 const BVH_MISS = 3.40282347e38f;
 
-/// Outside of functions, where it is not zeroed for every ray.
+/// Children that wait, and where the ray enters their boxes. Outside of functions, where they are not zeroed for every
+/// ray; two arrays, since one of vectors is far slower on lavapipe.
 var<private> bvh_stack: array<u32, BVH_STACK>;
+var<private> bvh_stack_enter: array<f32, BVH_STACK>;
 
 /// The closest hit in (nearest, farthest).
 fn trace(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> Hit {
@@ -73,64 +69,94 @@ fn bvh_ray(origin: vec3<f32>, direction: vec3<f32>) -> BvhRay {
     return BvhRay(origin, inverse, shear);
 }
 
-/// Depth first, the nearer child first; `stop` takes any hit.
+/// Depth first, the nearer child first, a node or a triangle in each step; `stop` takes any hit.
 fn bvh_search(ray: BvhRay, nearest: f32, farthest: f32, stop: bool) -> Hit {
     var hit = Hit(farthest, NO_HIT, vec2(0.0));
     var height = 0u;
     var current = 0u;
     loop {
-        if current >= BVH_LEAF {
-            let first = current & 0x0fffffffu;
-            let end = first + ((current >> 28u) & 7u) + 1u;
-            for (var i = first; i < end; i++) {
-                if bvh_triangle(ray, i, nearest, &hit) && stop {
-                    return hit;
-                }
+        let item = scene_bvh[current & BVH_INDEX];
+        var ended = true;
+        if current >= BVH_TRIANGLE {
+            if bvh_triangle(ray, item, nearest, &hit) && stop {
+                return hit;
             }
+            ended = (current & BVH_FOLLOWING) == 0u;
+            // One item on, of which one fewer follow.
+            current -= BVH_INDEX;
         } else {
-            let node = scene_bvh[current];
-            let near = bvh_sorted(bvh_enter(ray, node, nearest, hit.distance), node.children);
+            let near = bvh_sorted(bvh_enter(ray, item, nearest, hit.distance), bvh_children(item));
             // The nearest is next; of the others, the farthest waits longest.
             if near.enter.x < BVH_MISS {
+                ended = false;
                 current = near.child.x;
                 if near.enter.w < BVH_MISS {
                     bvh_stack[height] = near.child.w;
+                    bvh_stack_enter[height] = near.enter.w;
                     height++;
                 }
                 if near.enter.z < BVH_MISS {
                     bvh_stack[height] = near.child.z;
+                    bvh_stack_enter[height] = near.enter.z;
                     height++;
                 }
                 if near.enter.y < BVH_MISS {
                     bvh_stack[height] = near.child.y;
+                    bvh_stack_enter[height] = near.enter.y;
                     height++;
                 }
-                continue;
             }
         }
-        if height == 0u {
+        // A box beyond a hit that was found since it was pushed is left out.
+        while ended && height > 0u {
+            height--;
+            current = bvh_stack[height];
+            ended = bvh_stack_enter[height] >= hit.distance;
+        }
+        if ended {
             break;
         }
-        height--;
-        current = bvh_stack[height];
     }
     return hit;
 }
 
-/// Where a ray enters each of four boxes, at least `nearest`; BVH_MISS where it does not before `farthest`.
-fn bvh_enter(ray: BvhRay, node: BvhNode, nearest: f32, farthest: f32) -> vec4<f32> {
-    let low_x = (node.low_x - ray.origin.x) * ray.inverse.x;
-    let low_y = (node.low_y - ray.origin.y) * ray.inverse.y;
-    let low_z = (node.low_z - ray.origin.z) * ray.inverse.z;
-    let high_x = (node.high_x - ray.origin.x) * ray.inverse.x;
-    let high_y = (node.high_y - ray.origin.y) * ray.inverse.y;
-    let high_z = (node.high_z - ray.origin.z) * ray.inverse.z;
-    let first = max(max(min(low_x, high_x), min(low_y, high_y)), min(low_z, high_z));
-    let last = min(min(max(low_x, high_x), max(low_y, high_y)), max(low_z, high_z));
-    let enter = max(first, vec4(nearest));
+/// The four bytes of a word, each in the lowest bits.
+fn bvh_bytes(word: u32) -> vec4<u32> {
+    return (vec4(word) >> vec4(0u, 8u, 16u, 24u)) & vec4(0xffu);
+}
+
+/// The same as floats. Signed integers are converted faster by CPUs.
+fn bvh_floats(word: u32) -> vec4<f32> {
+    return vec4<f32>(vec4<i32>(bvh_bytes(word)));
+}
+
+/// Where a ray enters the boxes of each of four children, at least `nearest`; BVH_MISS where it does not before
+/// `farthest`.
+fn bvh_enter(ray: BvhRay, node: BvhItem, nearest: f32, farthest: f32) -> vec4<f32> {
+    let start = (bitcast<vec3<f32>>(node.a.xyz) - ray.origin) * ray.inverse;
+    let step = bitcast<vec3<f32>>(bvh_bytes(node.a.w).xyz << vec3(23u)) * ray.inverse;
+    let low = node.b.xyz;
+    let high = vec3(node.b.w, node.c.xy);
+    let near = select(low, high, ray.inverse < vec3(0.0));
+    let far = select(high, low, ray.inverse < vec3(0.0));
+    let near_x = bvh_floats(near.x) * step.x + start.x;
+    let near_y = bvh_floats(near.y) * step.y + start.y;
+    let near_z = bvh_floats(near.z) * step.z + start.z;
+    let far_x = bvh_floats(far.x) * step.x + start.x;
+    let far_y = bvh_floats(far.y) * step.y + start.y;
+    let far_z = bvh_floats(far.z) * step.z + start.z;
+    let enter = max(max(near_x, near_y), max(near_z, vec4(nearest)));
     // Above the rounding of the distances [Ize 2013].
-    let exit = min(last * (1.0 + 1e-6), vec4(farthest));
-    return select(vec4(BVH_MISS), enter, enter <= exit);
+    let exit = min(min(min(far_x, far_y), far_z) * (1.0 + 1e-6), vec4(farthest));
+    return select(vec4(BVH_MISS), enter, (enter <= exit) & (bvh_bytes(node.c.w) != vec4(0u)));
+}
+
+/// The four children, whose items follow each other; no more than a number where there is none.
+fn bvh_children(node: BvhItem) -> vec4<u32> {
+    // Each byte the sum of those below.
+    let before = (node.c.w & 0x0f0f0f0fu) * 0x01010100u;
+    let flags = (vec4(node.c.w) << vec4(24u, 16u, 8u, 0u)) & vec4(BVH_TRIANGLE | BVH_FOLLOWING);
+    return flags | (vec4(node.c.z) + bvh_bytes(before));
 }
 
 /// Four children by where a ray enters them.
@@ -166,15 +192,15 @@ fn bvh_sorted(enter: vec4<f32>, child: vec4<u32>) -> BvhChildren {
 }
 
 /// Takes the hit of a triangle where it is closer.
-fn bvh_triangle(ray: BvhRay, i: u32, nearest: f32, hit: ptr<function, Hit>) -> bool {
-    let triangle = scene_bvh_triangles[i];
-    let a = ray.shear * (triangle.a - ray.origin);
-    let b = ray.shear * (triangle.b - ray.origin);
-    let c = ray.shear * (triangle.c - ray.origin);
+fn bvh_triangle(ray: BvhRay, triangle: BvhItem, nearest: f32, hit: ptr<function, Hit>) -> bool {
+    let a = ray.shear * (bitcast<vec3<f32>>(triangle.a.xyz) - ray.origin);
+    let b = ray.shear * (bitcast<vec3<f32>>(triangle.b.xyz) - ray.origin);
+    let c = ray.shear * (bitcast<vec3<f32>>(triangle.c.xyz) - ray.origin);
+    let index = triangle.a.w;
     let weights = vec3(bvh_side(c.xy, b.xy), bvh_side(a.xy, c.xy), bvh_side(b.xy, a.xy));
     let sum = weights.x + weights.y + weights.z;
     let outside = any(weights < vec3(0.0)) && any(weights > vec3(0.0));
-    if outside || sum == 0.0 || triangle.index == NO_HIT {
+    if outside || sum == 0.0 || index == NO_HIT {
         return false;
     }
     let barycentrics = weights / sum;
@@ -183,11 +209,11 @@ fn bvh_triangle(ray: BvhRay, i: u32, nearest: f32, hit: ptr<function, Hit>) -> b
         return false;
     }
 #if MASKED
-    if !hit_exists(triangle.index, barycentrics.yz) {
+    if !hit_exists(index, barycentrics.yz) {
         return false;
     }
 #endif
-    *hit = Hit(distance, triangle.index, barycentrics.yz);
+    *hit = Hit(distance, index, barycentrics.yz);
     return true;
 }
 

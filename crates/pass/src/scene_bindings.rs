@@ -14,7 +14,6 @@ pub static GLOBALS: &[(&str, SceneBindings)] = &[
     ("scene_materials", SceneBindings::SCENE),
     ("scene_area_table", SceneBindings::SCENE),
     ("scene_bvh", SceneBindings::SCENE),
-    ("scene_bvh_triangles", SceneBindings::SCENE),
     // Only on adapters that have ray queries.
     ("scene_acceleration", SceneBindings::SCENE),
     ("scene_textures", SceneBindings::SCENE),

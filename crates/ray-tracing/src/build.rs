@@ -1,7 +1,7 @@
 //! Builds a tree from triangles: by obvhs, or by median splits if the tree of obvhs is too deep for the
 //! traversal stack.
 
-use crate::gpu_data::{Bounds, BvhNode, BvhTriangle, Child};
+use crate::gpu_data::{Bounds, Children, Kind};
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -9,25 +9,33 @@ use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
-const MOST_IN_LEAF: u32 = 4;
+/// The greatest number of triangles of a leaf. With more, rays test more triangles than they save nodes.
+const MOST_IN_LEAF: usize = 3;
+/// A tree over more triangles is optimised less, so that the time of building grows with their number alone.
+const FULLY_OPTIMISED: f32 = 2e5;
 /// Cost of traversing a node, in units of a ray-triangle test.
 pub(crate) const TRAVERSAL_COST: f32 = 1.0;
 
-/// A tree: the nodes, with children after their parents and boxes not yet computed, and the order of the
-/// triangles.
+/// A tree as it lies in memory: the root first, children after their parents.
 pub(crate) struct Tree {
-    pub(crate) nodes: Vec<BvhNode>,
-    pub(crate) order: Vec<u32>,
+    pub(crate) items: Vec<Item>,
     /// The greatest number of children that can wait during a traversal.
     pub(crate) stack: usize,
 }
 
-/// Builds a tree over at least one triangle. It needs a stack of at most `most` entries, if `most` is at
-/// least what median splits need.
-pub(crate) fn tree(triangles: &[BvhTriangle], most: usize) -> Tree {
-    let bounds: Vec<Bounds> = triangles.iter().map(BvhTriangle::bounds).collect();
-    let tree = widened(clustered(&bounds));
-    if tree.stack <= most { tree } else { widened(halved(&bounds)) }
+/// What lies at a place of a [`Tree`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Item {
+    Node(Children),
+    /// The index of a triangle.
+    Triangle(u32),
+}
+
+/// Builds a tree over at least one triangle, given by their boxes. It needs a stack of at most `most` entries,
+/// if `most` is at least what median splits need.
+pub(crate) fn tree(bounds: &[Bounds], most: usize) -> Tree {
+    let tree = widened(clustered(bounds));
+    if tree.stack <= most { tree } else { widened(halved(bounds)) }
 }
 
 /// A binary tree, as pairs of children.
@@ -37,20 +45,29 @@ struct Binary {
     order: Vec<u32>,
 }
 
-/// A child in a [`Binary`] tree: the index of a pair, or a range of triangles.
+/// What makes up a side of a [`Binary`] tree.
+#[derive(Clone, Copy)]
+enum Part {
+    /// The index of a pair.
+    Pair(usize),
+    /// The first triangle, in the order of the leaves, and their number.
+    Triangles(usize, usize),
+}
+
+/// A child in a [`Binary`] tree.
 #[derive(Clone, Copy)]
 struct Side {
-    child: Child,
+    part: Part,
     /// When nodes are widened, the child with the greatest weight is opened first: the area of its box, in
     /// any unit.
     weight: f64,
 }
 
 impl Side {
-    const NONE: Side = Side { child: Child::ROOT, weight: 0.0 };
+    const NONE: Side = Side { part: Part::Triangles(0, 0), weight: 0.0 };
 
     fn is_pair(&self) -> bool {
-        self.child.leaf().is_none()
+        matches!(self.part, Part::Pair(_))
     }
 }
 
@@ -70,9 +87,10 @@ fn clustered(bounds: &[Bounds]) -> Binary {
         SortPrecision::U64,
         3,
     );
-    ReinsertionOptimizer::default().run(&mut bvh, 0.05, None);
-    collapse(&mut bvh, MOST_IN_LEAF, TRAVERSAL_COST);
-    ReinsertionOptimizer::default().run(&mut bvh, 0.1, None);
+    let effort = (FULLY_OPTIMISED / boxes.len() as f32).min(1.0);
+    ReinsertionOptimizer::default().run(&mut bvh, 0.2 * effort, None);
+    collapse(&mut bvh, MOST_IN_LEAF as u32, TRAVERSAL_COST);
+    ReinsertionOptimizer::default().run(&mut bvh, effort, None);
     ordered(&bvh)
 }
 
@@ -83,18 +101,18 @@ fn ordered(bvh: &Bvh2) -> Binary {
     let mut open = vec![(0, None)];
     while let Some((index, place)) = open.pop() {
         let node = &bvh.nodes[index];
-        let (first, count) = (node.first_index as usize, node.prim_count);
-        let child = if node.is_leaf() {
-            let start = binary.order.len() as u32;
-            binary.order.extend(&bvh.primitive_indices[first..first + count as usize]);
-            Child::triangles(start, count)
+        let (first, count) = (node.first_index as usize, node.prim_count as usize);
+        let part = if node.is_leaf() {
+            let start = binary.order.len();
+            binary.order.extend(&bvh.primitive_indices[first..first + count]);
+            Part::Triangles(start, count)
         } else {
             let pair = binary.pairs.len();
             binary.pairs.push([Side::NONE; 2]);
             open.extend([(first + 1, Some((pair, 1))), (first, Some((pair, 0)))]);
-            Child(pair as u32)
+            Part::Pair(pair)
         };
-        *binary.at(place) = Side { child, weight: f64::from(node.aabb().half_area()) };
+        *binary.at(place) = Side { part, weight: f64::from(node.aabb().half_area()) };
     }
     binary
 }
@@ -109,8 +127,8 @@ fn halved(bounds: &[Bounds]) -> Binary {
     let mut open = vec![(0..order.len(), None)];
     while let Some((run, place)) = open.pop() {
         let inside = &mut order[run.clone()];
-        let child = if run.len() <= MOST_IN_LEAF as usize {
-            Child::triangles(run.start as u32, run.len() as u32)
+        let part = if run.len() <= MOST_IN_LEAF {
+            Part::Triangles(run.start, run.len())
         } else {
             let centers = inside.iter().map(|index| Bounds { low: center(index), high: center(index) });
             let around = Bounds::around(centers);
@@ -120,9 +138,9 @@ fn halved(bounds: &[Bounds]) -> Binary {
             binary.pairs.push([Side::NONE; 2]);
             let middle = run.start + run.len() / 2;
             open.extend([(middle..run.end, Some((pair, 1))), (run.start..middle, Some((pair, 0)))]);
-            Child(pair as u32)
+            Part::Pair(pair)
         };
-        *binary.at(place) = Side { child, weight: run.len() as f64 };
+        *binary.at(place) = Side { part, weight: run.len() as f64 };
     }
     binary.order = order;
     binary
@@ -143,47 +161,55 @@ impl Binary {
         while sides.len() < 4 {
             let pairs = sides.iter().enumerate().filter(|(_, side)| side.is_pair());
             let Some((heaviest, _)) = pairs.max_by(|a, b| a.1.weight.total_cmp(&b.1.weight)) else { break };
-            let pair = sides.remove(heaviest).child;
-            sides.extend(self.pairs[pair.0 as usize]);
+            if let Part::Pair(pair) = sides.remove(heaviest).part {
+                sides.extend(self.pairs[pair]);
+            }
         }
         sides
     }
 }
 
-/// Converts to a tree with four children per node instead of two: half as many nodes along a path, and their
-/// boxes fit into vectors.
+/// Converts to a tree with four children per node instead of two: half as many nodes along a path, and all
+/// boxes of a node are read at once.
 fn widened(binary: Binary) -> Tree {
-    let mut nodes: Vec<BvhNode> = Vec::new();
-    let mut open = vec![(binary.root, None)];
+    // Every place is written when its node is visited.
+    let mut items = vec![Item::Triangle(0)];
+    let mut open = vec![(binary.root, 0)];
     while let Some((side, place)) = open.pop() {
-        let index = nodes.len();
-        if let Some((parent, k)) = place {
-            let parent: &mut BvhNode = &mut nodes[parent];
-            parent.children[k] = Child(index as u32);
-        }
-        let mut node = BvhNode::EMPTY;
-        for (k, side) in binary.opened(side).into_iter().enumerate() {
-            node.children[k] = side.child;
-            // A placeholder box: marks the child as present until boxes are computed.
-            node.set_bounds(k, Bounds { low: Vec3::ZERO, high: Vec3::ZERO });
-            if side.is_pair() {
-                open.push((side, Some((index, k))));
+        let mut children = Children { first: items.len() as u32, kinds: [Kind::NONE; 4] };
+        let nodes = open.len();
+        for (kind, side) in children.kinds.iter_mut().zip(binary.opened(side)) {
+            match side.part {
+                Part::Pair(_) => {
+                    *kind = Kind::NODE;
+                    open.push((side, items.len()));
+                    items.push(Item::Triangle(0));
+                }
+                Part::Triangles(first, count) => {
+                    *kind = Kind::triangles(count);
+                    items.extend(binary.order[first..first + count].iter().copied().map(Item::Triangle));
+                }
             }
         }
-        nodes.push(node);
+        // The first child's own children follow next.
+        open[nodes..].reverse();
+        items[place] = Item::Node(children);
     }
-    let stack = stack_need(&nodes);
-    Tree { nodes, order: binary.order, stack }
+    let stack = stack_need(&items);
+    Tree { items, stack }
 }
 
 /// Returns the greatest number of children that can wait during a traversal, whatever their order: at each
 /// level, all others of a node while one is visited.
-fn stack_need(nodes: &[BvhNode]) -> usize {
-    let mut needs = vec![0; nodes.len()];
-    for (index, node) in nodes.iter().enumerate().rev() {
-        let below = node.children().filter(|(child, _)| child.leaf().is_none());
-        let deepest = below.map(|(child, _)| needs[child.0 as usize]).max().unwrap_or(0);
-        needs[index] = node.children().count() - 1 + deepest;
+fn stack_need(items: &[Item]) -> usize {
+    let mut needs = vec![0; items.len()];
+    for (index, item) in items.iter().enumerate().rev() {
+        if let Item::Node(children) = item {
+            let items = children.items();
+            let below = items.iter().flat_map(|range| &needs[range.clone()]).max().copied().unwrap_or(0);
+            let count = children.kinds.iter().filter(|kind| **kind != Kind::NONE).count();
+            needs[index] = count - 1 + below;
+        }
     }
     needs[0]
 }

@@ -20,19 +20,25 @@ mod traverse;
 
 pub use gpu_data::layouts;
 
-use build::{TRAVERSAL_COST, Tree};
+use build::{Item, TRAVERSAL_COST};
 use glam::{Vec2, Vec3};
-use gpu_data::{Bounds, BvhNode, BvhTriangle, Child};
+use gpu_data::{Bounds, BvhItem, Child, Kind};
 
 /// Size of the traversal stack: `BVH_STACK` of shaders/bvh.wgsl. No tree is built that needs more:
 /// median splits over [`MOST_TRIANGLES`] need 42.
 pub const STACK: usize = 64;
 
-/// The greatest number of triangles of a [`Bvh`].
-pub const MOST_TRIANGLES: usize = Child::END as usize;
+/// The greatest number of triangles of a [`Bvh`], which has fewer nodes than triangles.
+pub const MOST_TRIANGLES: usize = Child::END as usize / 2;
 
-/// Size of a triangle in [`Bvh::triangles_bytes`], in bytes.
-pub const TRIANGLE_BYTES: u64 = size_of::<BvhTriangle>() as u64;
+/// Size of a triangle in [`Bvh::bytes`], in bytes. Nodes come on top.
+pub const TRIANGLE_BYTES: u64 = size_of::<BvhItem>() as u64;
+
+/// By how much boxes are larger than their triangles, in units of the farthest coordinate of the scene: for
+/// rays that lie in the plane of a side, one spacing of floats; for the origin of a node's boxes, which is
+/// rounded, half of one; and for its distance along a ray, to which multiples of the unit are added, up to
+/// three.
+const PADDING: f32 = 5.0 * f32::EPSILON;
 
 /// A refitted tree is rebuilt if its cost is more than this times the cost when it was built.
 pub const REBUILD_FACTOR: f64 = 1.5;
@@ -60,13 +66,12 @@ pub enum Refit {
 /// A bounding volume hierarchy over triangles.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    /// The nodes, with children after their parents.
-    nodes: Vec<BvhNode>,
-    /// The triangles, in the order of the leaves.
-    triangles: Vec<BvhTriangle>,
-    /// The indices of the triangles, including those that cannot be hit.
-    order: Vec<u32>,
+    /// What lies where: the root first, children after their parents.
+    places: Vec<Item>,
+    /// The nodes and triangles at these places.
+    items: Vec<BvhItem>,
     stack: usize,
+    cost: f64,
     built_cost: f64,
 }
 
@@ -79,63 +84,62 @@ impl Bvh {
     pub fn build(positions: &[[f32; 3]], indices: &[u32]) -> Bvh {
         let count = indices.len() / 3;
         assert!(count <= MOST_TRIANGLES, "{count} triangles; a hierarchy takes {MOST_TRIANGLES}");
-        let mut triangles: Vec<BvhTriangle> =
-            (0..count as u32).map(|index| triangle(positions, indices, index)).collect();
-        if triangles.is_empty() {
-            triangles.push(BvhTriangle::NONE);
+        let triangles = (0..count as u32).map(|index| triangle(positions, indices, index).bounds());
+        let mut bounds: Vec<Bounds> = triangles.collect();
+        if bounds.is_empty() {
+            // A triangle that does not exist: it cannot be hit.
+            bounds.push(triangle(positions, indices, 0).bounds());
         }
-        let Tree { nodes, order, stack } = build::tree(&triangles, STACK);
-        let triangles = order.iter().map(|index| triangles[*index as usize]).collect();
-        let mut bvh = Bvh { nodes, triangles, order, stack, built_cost: 0.0 };
-        bvh.fit();
-        bvh.built_cost = bvh.cost();
+        let build::Tree { items: places, stack } = build::tree(&bounds, STACK);
+        let items = vec![bytemuck::Zeroable::zeroed(); places.len()];
+        let mut bvh = Bvh { places, items, stack, cost: 0.0, built_cost: 0.0 };
+        bvh.fit(positions, indices);
+        bvh.built_cost = bvh.cost;
         bvh
     }
 
     /// Updates the tree after vertices have moved; the indices must be those of [`Bvh::build`]. Rebuilds the
     /// tree if its cost has grown by more than [`REBUILD_FACTOR`].
     pub fn refit(&mut self, positions: &[[f32; 3]], indices: &[u32]) -> Refit {
-        for (place, index) in self.triangles.iter_mut().zip(&self.order) {
-            *place = triangle(positions, indices, *index);
-        }
-        self.fit();
-        if self.cost() <= self.built_cost * REBUILD_FACTOR {
+        self.fit(positions, indices);
+        if self.cost <= self.built_cost * REBUILD_FACTOR {
             return Refit::Refitted;
         }
         *self = Bvh::build(positions, indices);
         Refit::Rebuilt
     }
 
-    /// Computes the boxes from the leaves up.
-    fn fit(&mut self) {
-        // Boxes are padded for rounding of rays that lie in the plane of a side: by the spacing of floats at
-        // the farthest corner.
-        let whole = Bounds::around(self.triangles.iter().map(BvhTriangle::bounds));
-        let pad = whole.low.abs().max(whole.high.abs()).max_element() * f32::EPSILON;
-        for index in (0..self.nodes.len()).rev() {
-            for k in 0..self.nodes[index].children().count() {
-                let child = self.nodes[index].children[k];
-                let bounds = match child.leaf() {
-                    Some(run) => {
-                        Bounds::around(self.triangles[run].iter().map(BvhTriangle::bounds)).padded(pad)
-                    }
-                    None => self.nodes[child.0 as usize].bounds(),
-                };
-                self.nodes[index].set_bounds(k, bounds);
+    /// Computes triangles, boxes and the cost, from the leaves up.
+    fn fit(&mut self, positions: &[[f32; 3]], indices: &[u32]) {
+        let mut bounds = vec![Bounds::EMPTY; self.items.len()];
+        for ((place, item), bounds) in self.places.iter().zip(&mut self.items).zip(&mut bounds) {
+            if let Item::Triangle(index) = place {
+                *item = triangle(positions, indices, *index);
+                *bounds = item.bounds();
+            }
+        }
+        let whole = Bounds::around(bounds.iter().copied());
+        let pad = whole.low.abs().max(whole.high.abs()).max_element() * PADDING;
+        let whole = whole.half_area();
+        let part = |bounds: &Bounds| if whole > 0.0 { bounds.half_area() / whole } else { 1.0 };
+        let node = f64::from(TRAVERSAL_COST);
+        self.cost = node;
+        for (index, place) in self.places.iter().enumerate().rev() {
+            let Item::Node(children) = place else { continue };
+            let items = children.items();
+            let boxes = items.clone().map(|range| Bounds::around(bounds[range].iter().copied()));
+            bounds[index] = Bounds::around(boxes);
+            self.items[index] = BvhItem::node(*children, &boxes, pad);
+            for ((kind, items), bounds) in children.kinds.iter().zip(items).zip(&boxes) {
+                let work = if *kind == Kind::NODE { node } else { items.len() as f64 };
+                self.cost += if work > 0.0 { work * part(bounds) } else { 0.0 };
             }
         }
     }
 
     /// Returns the expected cost of a ray by the surface area heuristic, in units of a ray-triangle test.
     pub fn cost(&self) -> f64 {
-        let whole = self.nodes[0].bounds().half_area();
-        let node = f64::from(TRAVERSAL_COST);
-        let mut cost = node;
-        for (child, bounds) in self.nodes.iter().flat_map(BvhNode::children) {
-            let work = child.leaf().map_or(node, |run| run.len() as f64);
-            cost += if whole > 0.0 { work * bounds.half_area() / whole } else { work };
-        }
-        cost
+        self.cost
     }
 
     /// Returns the size of the stack that a traversal needs: at most [`STACK`].
@@ -143,21 +147,16 @@ impl Bvh {
         self.stack
     }
 
-    /// Returns the nodes in the layout of `scene_bvh` in shaders/bvh.wgsl.
-    pub fn nodes_bytes(&self) -> &[u8] {
-        bytemuck::cast_slice(&self.nodes)
-    }
-
-    /// Returns the triangles in the layout of `scene_bvh_triangles` in shaders/bvh.wgsl.
-    pub fn triangles_bytes(&self) -> &[u8] {
-        bytemuck::cast_slice(&self.triangles)
+    /// Returns the nodes and triangles in the layout of `scene_bvh` in shaders/bvh.wgsl.
+    pub fn bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.items)
     }
 }
 
-fn triangle(positions: &[[f32; 3]], indices: &[u32], index: u32) -> BvhTriangle {
+fn triangle(positions: &[[f32; 3]], indices: &[u32], index: u32) -> BvhItem {
     let corner = |k: usize| {
         let vertex = indices.get(index as usize * 3 + k).and_then(|vertex| positions.get(*vertex as usize));
         vertex.map_or(Vec3::NAN, |position| Vec3::from(*position))
     };
-    BvhTriangle::new(index, [corner(0), corner(1), corner(2)])
+    BvhItem::triangle(index, [corner(0), corner(1), corner(2)])
 }

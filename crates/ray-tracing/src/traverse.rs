@@ -1,7 +1,7 @@
 //! Traverses the tree: the CPU reference of `shaders/bvh.wgsl`, with the same steps in the same
 //! order.
 
-use crate::gpu_data::{BvhNode, BvhTriangle, Child, NO_HIT};
+use crate::gpu_data::{BvhItem, Child, Kind, NO_HIT};
 use crate::{Bvh, Hit, STACK};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 
@@ -32,27 +32,28 @@ impl Ray {
         Ray { origin, inverse, shear }
     }
 
-    /// Returns where the ray enters each of four boxes, at least `nearest`; `MISS` if it does not before
-    /// `farthest`.
-    fn enter(&self, node: &BvhNode, nearest: f32, farthest: f32) -> Vec4 {
-        let (origin, inverse) = (self.origin, self.inverse);
-        let (low_x, high_x) = ((node.low_x - origin.x) * inverse.x, (node.high_x - origin.x) * inverse.x);
-        let (low_y, high_y) = ((node.low_y - origin.y) * inverse.y, (node.high_y - origin.y) * inverse.y);
-        let (low_z, high_z) = ((node.low_z - origin.z) * inverse.z, (node.high_z - origin.z) * inverse.z);
-        let first = low_x.min(high_x).max(low_y.min(high_y)).max(low_z.min(high_z));
-        let last = low_x.max(high_x).min(low_y.max(high_y)).min(low_z.max(high_z));
-        let enter = first.max(Vec4::splat(nearest));
-        let exit = (last * ROUNDING).min(Vec4::splat(farthest));
-        Vec4::select(enter.cmple(exit), enter, Vec4::splat(MISS))
+    /// Returns where the ray enters the boxes of each of four children, at least `nearest`; `MISS` if it
+    /// does not before `farthest`.
+    fn enter(&self, node: &BvhItem, nearest: f32, farthest: f32) -> Vec4 {
+        let start = (node.origin() - self.origin) * self.inverse;
+        let step = node.scale() * self.inverse;
+        let (mut first, mut last) = (Vec4::splat(nearest), Vec4::MAX);
+        for (axis, (low, high)) in node.boxes().into_iter().enumerate() {
+            let (near, far) = if self.inverse[axis] < 0.0 { (high, low) } else { (low, high) };
+            first = first.max(near * step[axis] + start[axis]);
+            last = last.min(far * step[axis] + start[axis]);
+        }
+        // Less than anything for no child.
+        let farthest = node.children().kinds.map(|kind| if kind == Kind::NONE { f32::MIN } else { farthest });
+        let exit = (last * ROUNDING).min(Vec4::from_array(farthest));
+        Vec4::select(first.cmple(exit), first, Vec4::splat(MISS))
     }
 
-    fn triangle(&self, triangle: &BvhTriangle) -> Option<(f32, Vec2)> {
-        if triangle.index == NO_HIT {
+    fn triangle(&self, triangle: &BvhItem) -> Option<(f32, Vec2)> {
+        if triangle.index() == NO_HIT {
             return None;
         }
-        let a = self.shear * (triangle.a - self.origin);
-        let b = self.shear * (triangle.b - self.origin);
-        let c = self.shear * (triangle.c - self.origin);
+        let [a, b, c] = triangle.corners().map(|corner| self.shear * (corner - self.origin));
         let weights = Vec3::new(side(c, b), side(a, c), side(b, a));
         let sum = weights.x + weights.y + weights.z;
         if (weights.min_element() < 0.0 && weights.max_element() > 0.0) || sum == 0.0 {
@@ -93,27 +94,29 @@ impl Bvh {
         let ray = Ray::new(origin, direction);
         let mut closest = farthest;
         let mut hit = None;
-        let mut stack = [Child::ROOT; STACK];
+        // Children that wait, and where the ray enters their boxes.
+        let mut stack = [(MISS, Child::ROOT); STACK];
         let mut height = 0;
         let mut current = Child::ROOT;
         loop {
-            if let Some(run) = current.leaf() {
-                for triangle in &self.triangles[run] {
-                    if let Some((distance, barycentrics)) = ray.triangle(triangle)
-                        && distance > nearest
-                        && distance < closest
-                    {
-                        hit = Some(Hit { distance, triangle: triangle.index, barycentrics });
-                        closest = distance;
-                        if any {
-                            return hit;
-                        }
+            let item = &self.items[current.item()];
+            let mut next = None;
+            if current.is_triangle() {
+                if let Some((distance, barycentrics)) = ray.triangle(item)
+                    && distance > nearest
+                    && distance < closest
+                {
+                    hit = Some(Hit { distance, triangle: item.index(), barycentrics });
+                    closest = distance;
+                    if any {
+                        return hit;
                     }
                 }
+                next = current.next();
             } else {
-                let node = &self.nodes[current.0 as usize];
-                let enter = ray.enter(node, nearest, closest);
-                let mut near: [(f32, Child); 4] = std::array::from_fn(|k| (enter[k], node.children[k]));
+                let enter = ray.enter(item, nearest, closest);
+                let children = item.children().each();
+                let mut near: [(f32, Child); 4] = std::array::from_fn(|k| (enter[k], children[k]));
                 for (a, b) in [(0, 1), (2, 3), (0, 2), (1, 3), (1, 2)] {
                     if near[a].0 > near[b].0 {
                         near.swap(a, b);
@@ -121,21 +124,25 @@ impl Bvh {
                 }
                 // The nearest box is next; of the others, the farthest is the last to be popped.
                 if near[0].0 < MISS {
-                    current = near[0].1;
-                    for k in [3, 2, 1] {
-                        if near[k].0 < MISS {
-                            stack[height] = near[k].1;
-                            height += 1;
-                        }
+                    next = Some(near[0].1);
+                    for waiting in near.into_iter().skip(1).rev().filter(|(enter, _)| *enter < MISS) {
+                        stack[height] = waiting;
+                        height += 1;
                     }
-                    continue;
                 }
             }
-            if height == 0 {
-                return hit;
-            }
-            height -= 1;
-            current = stack[height];
+            current = loop {
+                if let Some(next) = next {
+                    break next;
+                }
+                if height == 0 {
+                    return hit;
+                }
+                height -= 1;
+                // A box beyond a hit that was found since it was pushed is left out.
+                let (enter, child) = stack[height];
+                next = (enter < closest).then_some(child);
+            };
         }
     }
 }

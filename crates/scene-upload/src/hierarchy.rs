@@ -6,8 +6,7 @@ use executor::{ExecutorError, Gpu, SceneBinding};
 use ray_tracing::{Bvh, Refit};
 use scene::{MovedVertices, Scene};
 
-const NODES: &str = "scene_bvh";
-const TRIANGLES: &str = "scene_bvh_triangles";
+const NAME: &str = "scene_bvh";
 
 /// Built when it is first requested.
 #[derive(Debug, Default)]
@@ -23,13 +22,12 @@ type NewBindings = Vec<(&'static str, SceneBinding)>;
 #[derive(Debug)]
 struct Made {
     bvh: Bvh,
-    nodes: wgpu::Buffer,
-    triangles: wgpu::Buffer,
+    buffer: wgpu::Buffer,
 }
 
 impl Hierarchy {
     pub(crate) fn is_among(scene_bindings: &[&str]) -> bool {
-        scene_bindings.contains(&NODES) || scene_bindings.contains(&TRIANGLES)
+        scene_bindings.contains(&NAME)
     }
 
     /// Builds it if that has not happened yet.
@@ -57,8 +55,7 @@ impl Hierarchy {
         self.stale = false;
         match made.bvh.refit(&positions(scene, moved), &scene.indices) {
             Refit::Refitted => {
-                gpu.queue.write_buffer(&made.nodes, 0, made.bvh.nodes_bytes());
-                gpu.queue.write_buffer(&made.triangles, 0, made.bvh.triangles_bytes());
+                gpu.queue.write_buffer(&made.buffer, 0, made.bvh.bytes());
                 Ok(Vec::new())
             }
             Refit::Rebuilt => {
@@ -71,18 +68,13 @@ impl Hierarchy {
 
 impl Made {
     fn new(gpu: &Gpu, scene: &Scene, bvh: Bvh) -> Result<Made, ExecutorError> {
-        check(gpu, scene, bvh.nodes_bytes().len().max(bvh.triangles_bytes().len()) as u64)?;
-        let nodes = buffer(&gpu.device, "scene BVH", bvh.nodes_bytes(), BufferUsages::STORAGE);
-        let triangles =
-            buffer(&gpu.device, "scene BVH triangles", bvh.triangles_bytes(), BufferUsages::STORAGE);
-        Ok(Made { bvh, nodes, triangles })
+        check(gpu, scene, bvh.bytes().len() as u64)?;
+        let buffer = buffer(&gpu.device, "scene BVH", bvh.bytes(), BufferUsages::STORAGE);
+        Ok(Made { bvh, buffer })
     }
 
     fn scene_bindings(&self) -> NewBindings {
-        vec![
-            (NODES, SceneBinding::Buffer(self.nodes.clone())),
-            (TRIANGLES, SceneBinding::Buffer(self.triangles.clone())),
-        ]
+        vec![(NAME, SceneBinding::Buffer(self.buffer.clone()))]
     }
 }
 

@@ -1,5 +1,10 @@
 //! Rays per second.
 
+#[cfg(feature = "native-rays")]
+mod native;
+
+#[cfg(feature = "native-rays")]
+use super::table::Goal;
 use super::table::{Row, Section, Spread};
 use super::{Bench, Figure, label};
 use anyhow::{Context as _, Result};
@@ -70,6 +75,8 @@ fn pipeline(rays: u32) -> String {
         "surface-any": Pass({any}, in: {{ "rays": "surface" }}),
     }},
     outputs: {{
+        "camera": "camera",
+        "surface": "surface",
         "camera-closest": "camera-closest",
         "camera-any": "camera-any",
         "surface-closest": "surface-closest",
@@ -124,27 +131,48 @@ impl RayBench<'_> {
 
     fn rows(&mut self, runs: u32, way: &str, scene: &str) -> Result<Vec<Row>> {
         self.frame()?;
-        let frames = (0..runs).map(|_| self.frame()).collect::<Result<Vec<_>>>()?;
+        #[cfg(feature = "native-rays")]
+        let mut native =
+            native::Native::new(self.scene, |pass| self.read(pass.split('-').next().unwrap_or(pass)))?;
+        let mut passes = [0; TIMED.len()];
+        for (id, (pass, _)) in passes.iter_mut().zip(TIMED) {
+            let found = self.plan.pass(pass).with_context(|| format!("the plan has no pass `{pass}`"))?;
+            *id = found.0 as usize;
+        }
+        let mut times = [const { Vec::new() }; TIMED.len()];
+        for _ in 0..runs {
+            let frame = self.frame()?;
+            times.iter_mut().zip(passes).for_each(|(times, id)| times.push(frame[id]));
+            #[cfg(feature = "native-rays")]
+            native.run();
+        }
         let mut rows = Vec::new();
-        for (pass, what) in TIMED {
-            let id = self.plan.pass(pass).with_context(|| format!("the plan has no pass `{pass}`"))?;
-            let times = Spread::of(frames.iter().map(|times| times[id.0 as usize]).collect());
+        for ((pass, what), times) in TIMED.into_iter().zip(&times) {
             let (count, hits) = self.count(pass, pass.ends_with("-any"))?;
             // A ray a microsecond is a million a second.
-            let rate = times.under(count as f64 / 1e3);
+            let rate = Spread::of(times.clone()).under(count as f64 / 1e3);
             rows.push(
                 Row::new(format!("{what}{way}, {scene}"), rate, "Mray/s")
                     .counts(vec![("rays", count), ("hits", hits)]),
             );
         }
+        #[cfg(feature = "native-rays")]
+        if way.is_empty() {
+            rows.extend(native.rows(&times, scene));
+        }
         Ok(rows)
+    }
+
+    /// The bytes of an output.
+    fn read(&self, output: &str) -> Result<Vec<u8>> {
+        let found = self.plan.output(output).and_then(|output| output.members.first());
+        let (_, id) = found.with_context(|| format!("the plan has no output `{output}`"))?;
+        Ok(self.executor.read(*id)?)
     }
 
     /// How many rays a pass has traced, and how many of them hit something.
     fn count(&self, pass: &str, any: bool) -> Result<(u64, u64)> {
-        let output = self.plan.output(pass).and_then(|output| output.members.first());
-        let (_, id) = output.with_context(|| format!("the plan has no output `{pass}`"))?;
-        let bytes = self.executor.read(*id)?;
+        let bytes = self.read(pass)?;
         let words = |bytes: &[u8]| -> Vec<u32> {
             bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
         };
