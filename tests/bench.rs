@@ -48,6 +48,7 @@ fn all_that_can_be_measured_is() {
         "memory",
         "value",
         "reload",
+        "start",
     ];
     for figure in figures {
         assert!(!rows(&json, figure).is_empty(), "{figure}: {json}");

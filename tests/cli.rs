@@ -90,6 +90,61 @@ fn times_memory_and_clamped_energy_are_told_to_programs() {
     assert!(json["memory"]["shared"].as_u64().unwrap() <= json["memory"]["unshared"].as_u64().unwrap());
 }
 
+/// The phases of a start lie between the start of the process and its first picture, and all that takes long is among
+/// them.
+#[test]
+fn the_time_to_the_first_picture_is_told() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let done = render(folder.path(), "ism-invtm", "t.png", &["--time", "--json"]);
+    let json: serde_json::Value =
+        serde_json::from_str(&out(&done)).unwrap_or_else(|_| panic!("{}{}", out(&done), err(&done)));
+    let whole = json["start"]["first_picture_ms"].as_f64().unwrap();
+    let phases = json["start"]["phases"].as_array().unwrap();
+    let ms = |phase: &serde_json::Value, key: &str| phase[key].as_f64().unwrap();
+    for phase in phases {
+        let [from, to, busy] = ["from_ms", "to_ms", "busy_ms"].map(|key| ms(phase, key));
+        assert!(0.0 <= from && from <= to && to <= whole && busy >= 0.0, "{phase} of {whole} ms");
+    }
+    assert!(phases.is_sorted_by_key(|phase| ms(phase, "from_ms")), "{phases:?}");
+    let mut names: Vec<&str> = phases.iter().filter_map(|phase| phase["phase"].as_str()).collect();
+    // What comes first depends on the threads.
+    names.sort_unstable();
+    let expected = [
+        "GPU pipelines",
+        "adapter and device",
+        "encoded and written",
+        "frames",
+        "graph linked and planned",
+        "plan on the GPU",
+        "program",
+        "read back",
+        "scene",
+        "scene on the GPU",
+        "shaders in wgpu",
+        "shaders read and composed",
+        "shaders validated and reflected",
+        "steps linked",
+    ];
+    assert_eq!(names, expected);
+    // One thread is always in one of them, but for some milliseconds.
+    let (mut covered, mut end) = (0.0, 0.0);
+    for phase in phases {
+        let to = ms(phase, "to_ms");
+        covered += (to - ms(phase, "from_ms").max(end)).max(0.0);
+        end = to.max(end);
+    }
+    assert!(covered > 0.8 * whole, "{covered} of {whole} ms are told: {phases:?}");
+    let text = out(&render(folder.path(), "ism-invtm", "t.png", &["--time"]));
+    for name in expected.into_iter().chain(["start", "first picture"]) {
+        assert!(text.lines().any(|line| line.starts_with(name)), "{name}: {text}");
+    }
+    let untimed = render(folder.path(), "ism-invtm", "t.png", &["--json"]);
+    assert!(serde_json::from_str::<serde_json::Value>(&out(&untimed)).unwrap()["start"].is_null());
+}
+
 /// What is wrong, the nearest name, exit code 1; wrong use, exit code 2.
 #[test]
 fn mistakes_are_told() {

@@ -4,6 +4,7 @@
 use crate::adapter::{bits, mean, renderer, root};
 use frame_graph::Value;
 use glam::Vec3;
+use metrics::statistics::Summary;
 use metrics::{Epsilon, Image, Pair};
 use renderer::Renderer;
 use std::ops::ControlFlow;
@@ -60,22 +61,31 @@ fn it_stops_at_the_error_it_estimates() {
     assert!(progress.error > 0.01, "one frame fewer would not have done: {progress:?}");
 }
 
-/// The estimate of the error is no guess: of the size of what is measured against 64 times as many samples.
+/// The estimate of the error holds at few samples too, where a rare bright path stands out of dark pixels: it is above
+/// the measured relMSE, and less than twice that. Scrambled sequences err less than the independent samples that the
+/// estimate supposes, the more the more samples there are.
 #[test]
 fn the_estimate_is_of_the_size_of_the_error() {
-    let picture = |samples: &str, seed: u32| {
-        let mut renderer =
-            renderer("reference", "cornell-box", (32, 32), &[samples, "samples_per_frame=64"])?;
+    let picture = |samples: u32, seed: u32| {
+        let values = [&format!("samples={samples}") as &str, "samples_per_frame=64"];
+        let mut renderer = renderer("reference", "cornell-box", (32, 32), &values)?;
         renderer.set_seed(seed);
         done(&mut renderer);
         Some((renderer.output("image").unwrap(), renderer.progress().unwrap().unwrap().error))
     };
-    let Some((rough, estimate)) = picture("samples=32", 1) else { return };
-    let Some((fine, _)) = picture("samples=2048", 2) else { return };
-    let measured = Pair::new(&rough, &fine).unwrap().rel_mse(Epsilon::default()).unwrap();
-    let estimate = f64::from(estimate);
-    // Scrambled sequences err less than the independent samples that the estimate supposes.
-    assert!((0.8..4.0).contains(&(estimate / measured)), "estimate {estimate}, measured {measured}");
+    let Some((fine, _)) = picture(4096, 99) else { return };
+    for (samples, seeds, most) in [(16, 8, 2.0), (256, 4, 2.5)] {
+        let ratios: Vec<f64> = (1..=seeds)
+            .map(|seed| {
+                let (rough, estimate) = picture(samples, seed).unwrap();
+                let measured = Pair::new(&rough, &fine).unwrap().rel_mse(Epsilon::default()).unwrap();
+                f64::from(estimate) / measured
+            })
+            .collect();
+        let Summary { mean, half_width_95, .. } = Summary::of(&ratios).unwrap();
+        let interval = (mean - half_width_95, mean + half_width_95);
+        assert!(interval.0 > 1.0 && interval.1 < most, "{samples} samples: estimate / measured {interval:?}");
+    }
 }
 
 /// A value that the samples do not follow from, another output and another pass do not end them; one that they follow

@@ -1,7 +1,11 @@
 // Measures progress: counts the samples of the picture, and estimates its error from their variance.
 //
-// relMSE = mean over the pixels of σ² / (m² + ε), where m is a pixel's mean luminance, σ² the variance of that mean,
-// and ε a hundredth of the squared mean of the picture, as in `lightloom compare`.
+// relMSE = mean over the pixels of σ² / (m² + ε), where σ² is the variance of a pixel's mean luminance, m that luminance
+// without noise, and ε a hundredth of the squared mean of the picture, as in `lightloom compare`.
+//
+// σ² is estimated from the pixel's own samples, and m from the pixels around it, without itself. Both must not contain
+// the same samples: a rare bright path adds its square to σ² and to the square of the pixel's own mean alike, and the
+// error of such a pixel would never seem to be above 1, however bright it is.
 
 #option PAST false // whether there are samples of earlier frames
 #option SUM luminance one_of [luminance, error] // what is summed over the pixels: the second needs the first
@@ -70,7 +74,25 @@ fn reduce_element(i: u32) -> f32 {
     let sums = pixel(i) / f32(max(samples, 1u));
     let own = luminance(sums.rgb) / mean;
     let variance = max(sums.a / mean / mean - own * own, 0.0) / f32(max(samples, 2u) - 1u);
-    return variance / (own * own + 0.01);
+    let around = luminance_around(i) / f32(max(samples, 1u)) / mean;
+    return variance / (around * around + 0.01);
+}
+
+/// Mean luminance of the sums of the up to eight pixels around one; its own where it is the only one of the frame.
+fn luminance_around(index: u32) -> f32 {
+    let size = vec2<i32>(settings.samples_size);
+    let centre = vec2<i32>(vec2(index % settings.samples_size.x, index / settings.samples_size.x));
+    var sum = 0.0;
+    var count = 0u;
+    for (var y = max(centre.y - 1, 0); y <= min(centre.y + 1, size.y - 1); y++) {
+        for (var x = max(centre.x - 1, 0); x <= min(centre.x + 1, size.x - 1); x++) {
+            if x != centre.x || y != centre.y {
+                sum += luminance(textureLoad(samples_image, vec2(x, y), 0).rgb);
+                count++;
+            }
+        }
+    }
+    return select(sum / f32(max(count, 1u)), luminance(pixel(index).rgb), count == 0u);
 }
 
 fn reduce_store(result: f32) {

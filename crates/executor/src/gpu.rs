@@ -29,6 +29,7 @@ impl Gpu {
     /// # Errors
     /// [`ExecutorError::NoAdapter`] with what to install, or the error of the driver.
     pub fn open() -> Result<Gpu, ExecutorError> {
+        let _phase = tracing::info_span!(target: "phase", "adapter and device").entered();
         pollster::block_on(Self::open_async())
     }
 

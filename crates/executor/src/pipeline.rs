@@ -4,8 +4,10 @@ use crate::error::ExecutorError;
 use crate::format::{sample_type, storage_format, texture_format};
 use crate::gpu::Gpu;
 use frame_graph::Format;
+use frame_graph::plan::{Plan, ResourceId};
 use frame_graph::resource::SampleKind;
 use pass::{Draw, LinkedStep, Step};
+use rayon::prelude::*;
 use shader_library::{Access, Dimension, GlobalKind, Sample, Stage};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -48,33 +50,55 @@ pub(crate) struct TargetFormats {
     pub(crate) depth: Option<Format>,
 }
 
+impl TargetFormats {
+    /// Returns the formats of the resources that a step of a plan draws to.
+    pub(crate) fn of(plan: &Plan, step: &LinkedStep) -> TargetFormats {
+        let format =
+            |id: &ResourceId| plan.resources[id.0 as usize].desc.texture().map(|texture| texture.format);
+        TargetFormats {
+            colors: step.targets.iter().filter_map(format).collect(),
+            depth: step.depth.as_ref().and_then(format),
+        }
+    }
+}
+
 impl Pipelines {
-    /// The pipeline of a step, and whether it had to be made.
-    pub(crate) fn get(
+    /// Creates the pipelines of steps that have none yet, in parallel, and returns their number. Each step comes with
+    /// the name of its pass.
+    pub(crate) fn create<'a>(
         &mut self,
         gpu: &Gpu,
-        pass: &str,
-        step: &LinkedStep,
-        formats: TargetFormats,
-    ) -> Result<(Arc<Pipeline>, bool), ExecutorError> {
-        let key = Key {
-            shader: step.shader.hash,
-            entries: step.entries.clone(),
-            targets: formats.colors,
-            depth: formats.depth,
-            vertices: matches!(&step.step, Step::Raster(raster) if raster.draw == Draw::Scene),
+        steps: impl Iterator<Item = (&'a str, &'a LinkedStep, TargetFormats)>,
+    ) -> Result<usize, ExecutorError> {
+        let mut seen = HashSet::new();
+        let missing: Vec<(Key, &str, &LinkedStep)> = steps
+            .map(|(pass, step, formats)| (Key::new(step, formats), pass, step))
+            .filter(|(key, ..)| !self.made.contains_key(key) && seen.insert(key.clone()))
+            .collect();
+        let mut seen = HashSet::new();
+        let mut new = |shader: u128| !self.modules.contains_key(&shader) && seen.insert(shader);
+        let shaders: Vec<_> = missing.iter().filter(|(key, ..)| new(key.shader)).collect();
+        // wgpu validates each shader again, and translates it, on the thread that hands it over.
+        let modules: Vec<_> =
+            shaders.par_iter().map(|(_, pass, step)| caught(gpu, pass, || module(gpu, step))).collect();
+        for ((key, ..), module) in shaders.into_iter().zip(modules) {
+            self.modules.insert(key.shader, module?);
+        }
+        let build = |(key, pass, step): &(Key, &str, &LinkedStep)| {
+            caught(gpu, pass, || build(gpu, pass, &self.modules[&key.shader], step, key))
         };
-        if let Some(pipeline) = self.made.get(&key) {
-            return Ok((Arc::clone(pipeline), false));
-        }
-        let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let pipeline = Arc::new(self.build(gpu, pass, step, &key));
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            self.modules.remove(&step.shader.hash);
-            return Err(ExecutorError::Pass { pass: pass.to_owned(), message: error.to_string() });
-        }
-        self.made.insert(key, Arc::clone(&pipeline));
-        Ok((pipeline, true))
+        // Collected first, so that of several errors the first in order is told.
+        let pipelines: Vec<_> = missing.par_iter().map(build).collect();
+        let pipelines = pipelines.into_iter().collect::<Result<Vec<Pipeline>, ExecutorError>>()?;
+        let created = pipelines.len();
+        let keys = missing.into_iter().map(|(key, ..)| key);
+        self.made.extend(keys.zip(pipelines.into_iter().map(Arc::new)));
+        Ok(created)
+    }
+
+    /// Returns the pipeline of a step, which [`Pipelines::create`] has created.
+    pub(crate) fn get(&self, step: &LinkedStep, formats: TargetFormats) -> Arc<Pipeline> {
+        Arc::clone(&self.made[&Key::new(step, formats)])
     }
 
     /// Drops pipelines and modules of shaders that are in use no more.
@@ -82,71 +106,96 @@ impl Pipelines {
         self.made.retain(|key, _| used.contains(&key.shader));
         self.modules.retain(|hash, _| used.contains(hash));
     }
+}
 
-    fn build(&mut self, gpu: &Gpu, pass: &str, step: &LinkedStep, key: &Key) -> Pipeline {
-        let module = self.modules.entry(step.shader.hash).or_insert_with(|| {
-            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: step.shader.files().first().map(String::as_str),
-                source: wgpu::ShaderSource::Naga(Cow::Owned(step.shader.module.clone())),
-            })
-        });
-        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(pass),
-            entries: &layout_entries(step),
-        });
-        let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(pass),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        // The defaults, by which workgroup memory begins as zero, as WGSL says: shaders of users may count on it.
-        let compilation_options = wgpu::PipelineCompilationOptions::default();
-        let entry = |index: usize| Some(step.shader.interface.entries[step.entries[index]].name.as_str());
-        let kind = match &step.step {
-            Step::Compute(_) => {
-                PipelineKind::Compute(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(pass),
-                    layout: Some(&pipeline_layout),
+impl Key {
+    fn new(step: &LinkedStep, formats: TargetFormats) -> Key {
+        Key {
+            shader: step.shader.hash,
+            entries: step.entries.clone(),
+            targets: formats.colors,
+            depth: formats.depth,
+            vertices: matches!(&step.step, Step::Raster(raster) if raster.draw == Draw::Scene),
+        }
+    }
+}
+
+/// Returns what `create` does, or the error that wgpu reports meanwhile on this thread.
+fn caught<T>(gpu: &Gpu, pass: &str, create: impl FnOnce() -> T) -> Result<T, ExecutorError> {
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let created = create();
+    match pollster::block_on(scope.pop()) {
+        Some(error) => Err(ExecutorError::Pass { pass: pass.to_owned(), message: error.to_string() }),
+        None => Ok(created),
+    }
+}
+
+fn module(gpu: &Gpu, step: &LinkedStep) -> wgpu::ShaderModule {
+    let _phase = tracing::info_span!(target: "phase", "shaders in wgpu").entered();
+    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: step.shader.files().first().map(String::as_str),
+        source: wgpu::ShaderSource::Naga(Cow::Owned(step.shader.module.clone())),
+    })
+}
+
+fn build(gpu: &Gpu, pass: &str, module: &wgpu::ShaderModule, step: &LinkedStep, key: &Key) -> Pipeline {
+    let _phase = tracing::info_span!(target: "phase", "GPU pipelines").entered();
+    let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(pass),
+        entries: &layout_entries(step),
+    });
+    let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(pass),
+        bind_group_layouts: &[Some(&layout)],
+        immediate_size: 0,
+    });
+    // The defaults, by which workgroup memory begins as zero, as WGSL says: shaders of users may count on it.
+    let compilation_options = wgpu::PipelineCompilationOptions::default();
+    let entry = |index: usize| Some(step.shader.interface.entries[step.entries[index]].name.as_str());
+    let kind = match &step.step {
+        Step::Compute(_) => {
+            PipelineKind::Compute(gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(pass),
+                layout: Some(&pipeline_layout),
+                module,
+                entry_point: entry(0),
+                compilation_options,
+                cache: None,
+            }))
+        }
+        Step::Raster(raster) => {
+            let targets: Vec<Option<wgpu::ColorTargetState>> =
+                key.targets.iter().map(|format| Some(texture_format(*format).into())).collect();
+            PipelineKind::Render(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(pass),
+                layout: Some(&pipeline_layout),
+                vertex: wgpu::VertexState {
                     module,
                     entry_point: entry(0),
+                    compilation_options: compilation_options.clone(),
+                    buffers: if key.vertices { SCENE_VERTICES } else { &[] },
+                },
+                primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
+                depth_stencil: key.depth.map(|format| wgpu::DepthStencilState {
+                    format: texture_format(format),
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
+                    stencil: wgpu::StencilState::default(),
+                    bias: wgpu::DepthBiasState::default(),
+                }),
+                multisample: wgpu::MultisampleState::default(),
+                fragment: raster.fragment.as_ref().map(|_| wgpu::FragmentState {
+                    module,
+                    entry_point: entry(1),
                     compilation_options,
-                    cache: None,
-                }))
-            }
-            Step::Raster(raster) => {
-                let targets: Vec<Option<wgpu::ColorTargetState>> =
-                    key.targets.iter().map(|format| Some(texture_format(*format).into())).collect();
-                PipelineKind::Render(gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                    label: Some(pass),
-                    layout: Some(&pipeline_layout),
-                    vertex: wgpu::VertexState {
-                        module,
-                        entry_point: entry(0),
-                        compilation_options: compilation_options.clone(),
-                        buffers: if key.vertices { SCENE_VERTICES } else { &[] },
-                    },
-                    primitive: wgpu::PrimitiveState { cull_mode: None, ..Default::default() },
-                    depth_stencil: key.depth.map(|format| wgpu::DepthStencilState {
-                        format: texture_format(format),
-                        depth_write_enabled: Some(true),
-                        depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
-                        stencil: wgpu::StencilState::default(),
-                        bias: wgpu::DepthBiasState::default(),
-                    }),
-                    multisample: wgpu::MultisampleState::default(),
-                    fragment: raster.fragment.as_ref().map(|_| wgpu::FragmentState {
-                        module,
-                        entry_point: entry(1),
-                        compilation_options,
-                        targets: &targets,
-                    }),
-                    multiview_mask: None,
-                    cache: None,
-                }))
-            }
-        };
-        Pipeline { kind, layout }
-    }
+                    targets: &targets,
+                }),
+                multiview_mask: None,
+                cache: None,
+            }))
+        }
+    };
+    Pipeline { kind, layout }
 }
 
 /// Attributes of `scene::Vertex`: position, normal, uv, material, instance.

@@ -1,7 +1,6 @@
 //! One step of a pass, ready to be encoded.
 
 use crate::current::{FrameObjects, LayerViews};
-use crate::error::ExecutorError;
 use crate::gpu::Gpu;
 use crate::object::{Object, ObjectUsage, SceneBinding};
 use crate::pipeline::{Pipeline, PipelineKind, Pipelines, TargetFormats};
@@ -72,21 +71,15 @@ pub struct Dispatch<'a> {
 const MAX_COLOR_ATTACHMENTS: usize = 8;
 
 impl LoadedStep {
-    /// Creates the step with its pipeline; the flag returns whether the pipeline is new.
+    /// Creates the step with its pipeline, which exists.
     pub(crate) fn new(
         gpu: &Gpu,
-        pipelines: &mut Pipelines,
+        pipelines: &Pipelines,
         plan: &Plan,
         pass: &PlannedPass,
         linked: Arc<LinkedStep>,
-    ) -> Result<(LoadedStep, bool), ExecutorError> {
-        let format =
-            |id: &ResourceId| plan.resources[id.0 as usize].desc.texture().map(|texture| texture.format);
-        let formats = TargetFormats {
-            colors: linked.targets.iter().filter_map(format).collect(),
-            depth: linked.depth.as_ref().and_then(format),
-        };
-        let (pipeline, made) = pipelines.get(gpu, &pass.name, &linked, formats)?;
+    ) -> LoadedStep {
+        let pipeline = pipelines.get(&linked, TargetFormats::of(plan, &linked));
         let entry =
             linked.entries.first().map_or("", |&entry| linked.shader.interface.entries[entry].name.as_str());
         let alternates = |source: &Source| match source {
@@ -95,7 +88,7 @@ impl LoadedStep {
             Source::SceneBinding(_) | Source::Uniform(_) => false,
         };
         let bound = linked.bindings.iter().map(|bound| &bound.source);
-        let step = LoadedStep {
+        LoadedStep {
             label: format!("{}: {entry}", pass.name),
             workgroups: workgroups(&linked, gpu.limits().max_compute_workgroups_per_dimension),
             alternating: bound.filter(|source| alternates(source)).cloned().collect(),
@@ -104,8 +97,7 @@ impl LoadedStep {
             uniforms: Vec::new(),
             groups: Vec::new(),
             bound: None,
-        };
-        Ok((step, made))
+        }
     }
 
     /// Whether it was made from this step.

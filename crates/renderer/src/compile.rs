@@ -8,6 +8,7 @@ use frame_graph::{
 };
 use interfaces::counters;
 use pass::{LinkedSteps, link_steps};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Returns the options with which a renderer compiles: outputs of the interface `Counters` are kept.
@@ -73,8 +74,11 @@ impl Compiled {
         context: &LinkContext,
         options: &CompileOptions,
     ) -> Result<Compiled, Diagnostics> {
+        let planning = tracing::info_span!(target: "phase", "graph linked and planned").entered();
         let graph = link(&resolved, catalog, context)?;
         let plan = compile(&graph, options)?;
+        drop(planning);
+        let _phase = tracing::info_span!(target: "phase", "steps linked").entered();
         let steps = link_all(catalog, &resolved, &plan, context, |_| None)?;
         Ok(Compiled { resolved: Arc::new(resolved), plan: Arc::new(plan), steps })
     }
@@ -96,42 +100,41 @@ fn same_values(a: &PlannedPass, b: &PlannedPass) -> bool {
     inputs && outputs && a.settings == b.settings
 }
 
-/// Links the steps of all passes, but for those that `known` has.
+/// Links the steps of all passes, but for those that `known` has, in parallel: most of it is reading and validating
+/// their shaders.
 fn link_all(
     catalog: &Catalog,
     resolved: &Resolved,
     plan: &Plan,
     context: &LinkContext,
-    known: impl Fn(usize) -> Option<LinkedSteps>,
+    known: impl Fn(usize) -> Option<LinkedSteps> + Sync,
 ) -> Result<Vec<LinkedSteps>, Diagnostics> {
     let layouts = scene_upload::layouts();
-    let mut errors: Vec<Diagnostic> = Vec::new();
-    let mut steps = Vec::with_capacity(plan.passes.len());
-    for (index, pass) in plan.passes.iter().enumerate() {
+    let link = |(index, pass): (usize, &PlannedPass)| -> Option<Result<LinkedSteps, Vec<Diagnostic>>> {
         if let Some(known) = known(index) {
-            steps.push(known);
-            continue;
+            return Some(Ok(known));
         }
-        let Some(kind) = catalog.pass(&pass.kind) else { continue };
-        match link_steps(
-            plan,
-            PassId(index as u32),
-            kind,
-            &context.traits,
-            catalog.shaders(),
-            catalog.interfaces(),
-        ) {
+        let (id, traits) = (PassId(index as u32), &context.traits);
+        let kind = catalog.pass(&pass.kind)?;
+        Some(match link_steps(plan, id, kind, traits, catalog.shaders(), catalog.interfaces()) {
             Ok(linked) => {
-                for step in &linked {
-                    if let Err(Diagnostics(found)) = step.shader.check_layout(&layouts, "the renderer") {
-                        errors.extend(found);
-                    }
-                }
-                steps.push(linked);
+                let checks = linked.iter().map(|step| step.shader.check_layout(&layouts, "the renderer"));
+                let wrong: Vec<Diagnostic> =
+                    checks.filter_map(Result::err).flat_map(|Diagnostics(found)| found).collect();
+                if wrong.is_empty() { Ok(linked) } else { Err(wrong) }
             }
             Err(Diagnostics(found)) => {
-                errors.extend(found.into_iter().map(|error| at_pass(error, resolved, &pass.name)));
+                Err(found.into_iter().map(|error| at_pass(error, resolved, &pass.name)).collect())
             }
+        })
+    };
+    let linked: Vec<_> = plan.passes.par_iter().enumerate().map(link).collect();
+    let mut errors: Vec<Diagnostic> = Vec::new();
+    let mut steps = Vec::with_capacity(plan.passes.len());
+    for linked in linked.into_iter().flatten() {
+        match linked {
+            Ok(linked) => steps.push(linked),
+            Err(found) => errors.extend(found),
         }
     }
     // A broken module is found once for each pass that imports it; it is reported once.

@@ -46,6 +46,7 @@ use std::sync::Arc;
 /// # Errors
 /// What is wrong with the file, and where; the nearest name where there is none.
 pub fn load_scene(catalog: &Catalog, spec: &str) -> Result<Scene, scene::SceneError> {
+    let _phase = tracing::info_span!(target: "phase", "scene").entered();
     scene::load(spec, &catalog::SceneAssets(catalog.assets().clone()))
 }
 
@@ -164,7 +165,10 @@ impl Renderer {
         compiled: Compiled,
     ) -> Result<LoadReport, RenderError> {
         let scene_bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
+        let uploading = tracing::info_span!(target: "phase", "scene on the GPU").entered();
         self.view.provide(&mut self.executor, &self.scene.scene, scene_bindings)?;
+        drop(uploading);
+        let _phase = tracing::info_span!(target: "phase", "plan on the GPU").entered();
         let report = self.executor.load(Arc::clone(&compiled.plan), compiled.steps.clone())?;
         let sampled =
             compiled.plan.passes.iter().any(|pass| pass.scene_bindings.contains(SceneBindings::SAMPLE));

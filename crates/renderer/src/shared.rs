@@ -32,6 +32,7 @@ impl SharedScene {
                 from: String::new(),
             }));
         }
+        let _phase = tracing::info_span!(target: "phase", "scene on the GPU").entered();
         let on_gpu = Arc::new(SceneOnGpu::new(gpu, &scene));
         match gpu.take_fault() {
             Some(message) => Err(RenderError::Gpu(ExecutorError::Pass {

@@ -117,7 +117,9 @@ impl Library {
         if let Some(made) = self.lock().get(request) {
             return made.shader.clone();
         }
+        let composing = tracing::info_span!(target: "phase", "shaders read and composed").entered();
         let (touched, composed) = compose(&*self.files, &self.roots, request, false);
+        drop(composing);
         let shader = composed
             .and_then(|composed| Shader::new(composed, self.capabilities, self.thread_order))
             .map(Arc::new);

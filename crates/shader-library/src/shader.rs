@@ -39,6 +39,7 @@ impl Shader {
         capabilities: Capabilities,
         thread_order: Option<u32>,
     ) -> Result<Self, Diagnostics> {
+        let _phase = tracing::info_span!(target: "phase", "shaders validated and reflected").entered();
         let (mut module, mut info) = compile(&composed, capabilities)?;
         // Of the text in its own order, into which places point.
         let span = |handle| module.global_variables.get_span(handle).to_range().unwrap_or_default();

@@ -1,5 +1,6 @@
 //! What every command starts from.
 
+use crate::start::Phases;
 use anyhow::{Result, bail};
 use frame_graph::{Overrides, Traits};
 use renderer::{Assets, Catalog, parse_value};
@@ -10,13 +11,15 @@ use std::sync::Arc;
 pub(crate) struct Context {
     pub(crate) catalog: Arc<Catalog>,
     pub(crate) json: bool,
+    /// Where the time has gone since the process started.
+    pub(crate) phases: Phases,
 }
 
 impl Context {
     /// With the folder given, or the tree that the working folder is in, or the files built in alone.
-    pub(crate) fn new(root: Option<PathBuf>, json: bool) -> Context {
+    pub(crate) fn new(root: Option<PathBuf>, json: bool, phases: Phases) -> Context {
         let root = root.or_else(|| Assets::find_root(&std::env::current_dir().ok()?));
-        Context { catalog: Arc::new(Catalog::new(Assets::new(root))), json }
+        Context { catalog: Arc::new(Catalog::new(Assets::new(root))), json, phases }
     }
 
     /// What a scene holds; of all scenes the plainest where none is named.

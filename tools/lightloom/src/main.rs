@@ -5,10 +5,15 @@
 mod command;
 mod context;
 mod output;
+mod start;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::SubscriberInitExt as _;
+use tracing_subscriber::{EnvFilter, Layer as _};
 
 /// Real-time global illumination by virtual lights, described in RON files.
 #[derive(Parser)]
@@ -66,16 +71,24 @@ fn quieten_mesa() {
     }
 }
 
+/// Prints what is logged, and records phases where they are wanted.
+fn record(phases: Option<start::Phases>) {
+    let logged = EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into());
+    let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(logged);
+    let of_phases = Targets::new().with_target(start::TARGET, LevelFilter::INFO);
+    tracing_subscriber::registry()
+        .with(print)
+        .with(phases.map(|phases| phases.with_filter(of_phases)))
+        .init();
+}
+
 fn main() -> ExitCode {
     quieten_mesa();
-    tracing_subscriber::fmt()
-        .with_env_filter(
-            tracing_subscriber::EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into()),
-        )
-        .with_writer(std::io::stderr)
-        .init();
+    let phases = start::Phases::begin();
     let cli = Cli::parse();
-    let context = context::Context::new(cli.root, cli.json);
+    let timed = matches!(&cli.command, Command::Render(args) if args.time);
+    record(timed.then(|| phases.clone()));
+    let context = context::Context::new(cli.root, cli.json, phases);
     let done = match &cli.command {
         Command::Render(args) => command::render::run(&context, args),
         Command::Check(args) => command::check::run(&context, args),

@@ -5,6 +5,7 @@ use crate::current::LayerViews;
 use crate::error::ExecutorError;
 use crate::fill::{copy, fill};
 use crate::object::{Object, ObjectUsage, check_limits};
+use crate::pipeline::TargetFormats;
 use crate::step::LoadedStep;
 use crate::timing::Timers;
 use crate::uniforms::Uniforms;
@@ -86,21 +87,20 @@ impl Executor {
         kept: bool,
     ) -> Result<(Vec<Built>, usize), ExecutorError> {
         let loaded = self.loaded.as_ref().filter(|_| kept);
-        let mut pipelines = 0;
-        let mut built = Vec::new();
-        for (i, (pass, steps)) in plan.passes.iter().zip(steps).enumerate() {
-            if loaded.is_some_and(|loaded| holds(&loaded.steps[i], &steps)) {
-                continue;
-            }
-            let mut row = Vec::with_capacity(steps.len());
-            for step in steps {
-                let (step, made) = LoadedStep::new(&self.gpu, &mut self.pipelines, plan, pass, step)?;
-                pipelines += usize::from(made);
-                row.push(step);
-            }
-            built.push((PassId(i as u32), row));
-        }
-        Ok((built, pipelines))
+        let mut others: Vec<(usize, LinkedSteps)> = steps.into_iter().enumerate().collect();
+        others.retain(|(i, steps)| !loaded.is_some_and(|loaded| holds(&loaded.steps[*i], steps)));
+        let of_pass = others.iter().flat_map(|(i, steps)| {
+            let name = plan.passes[*i].name.as_str();
+            steps.iter().map(move |step| (name, &**step, TargetFormats::of(plan, step)))
+        });
+        let pipelines = self.pipelines.create(&self.gpu, of_pass)?;
+        let build = |(i, steps): (usize, LinkedSteps)| {
+            let pass = &plan.passes[i];
+            let steps = steps.into_iter();
+            let row = steps.map(|step| LoadedStep::new(&self.gpu, &self.pipelines, plan, pass, step));
+            (PassId(i as u32), row.collect())
+        };
+        Ok((others.into_iter().map(build).collect(), pipelines))
     }
 
     /// Compares passes whose steps were built with the loaded ones, by name.

@@ -5,6 +5,7 @@ mod frames;
 mod graph;
 mod rays;
 mod reload;
+mod start;
 mod table;
 mod value;
 
@@ -72,6 +73,9 @@ enum Figure {
     Value,
     /// Time from the save of a shader to the end of the next frame, where the driver has compiled the same before
     Reload,
+    /// Time from the start of a process to its first picture: `lightloom render ism-invtm cornell-box --size 64x64`, with
+    /// what the driver has compiled before in its cache, and without
+    Start,
 }
 
 /// What figures are measured with.
@@ -139,6 +143,7 @@ fn measure(bench: &Bench<'_>, figure: Figure) -> Result<Section> {
         Figure::Memory => graph::memory(bench),
         Figure::Value => value::measure(bench),
         Figure::Reload => reload::measure(bench),
+        Figure::Start => start::measure(bench),
     }
 }
 

@@ -5,15 +5,15 @@ mod watch;
 use crate::context::{Context, overrides, parse_size};
 use crate::output::{self, progress, say};
 use anyhow::{Context as _, Result, bail};
-use frame_graph::{CompileOptions, human_bytes};
+use frame_graph::{CompileOptions, LinkContext, human_bytes};
 use metrics::statistics::median;
 use metrics::{Display, FileFormat, Image, Tonemap};
-use renderer::{Catalog, FrameOptions, Gpu, Provenance, Renderer};
+use renderer::{Catalog, Compiled, FrameOptions, Gpu, Provenance, Renderer, compile_options};
 use serde_json::json;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Render a scene by a pipeline.
 #[derive(clap::Args)]
@@ -52,9 +52,10 @@ pub(crate) struct Args {
     /// A value for a parameter or a pass's setting; any number of times
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// Print the GPU time of each pass: the median of the frames after the first. Every pass runs in every frame
+    /// Print the GPU time of each pass: the median of the frames after the first. Every pass runs in every frame. Also
+    /// print where the time went from the start of the process to the first picture
     #[arg(long)]
-    time: bool,
+    pub(crate) time: bool,
     /// Tone-mapping of PNG files: reinhard, reinhard:WHITE, clamp, aces
     #[arg(long, default_value = "reinhard")]
     tonemap: Tonemap,
@@ -78,19 +79,30 @@ pub(crate) struct Args {
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let out = Sequence::new(&args.out, args.frames)?;
-    let scene = renderer::load_scene(&context.catalog, &args.scene)?;
-    for repair in &scene.repairs {
-        eprintln!("note: {repair}");
-    }
     let catalog = match args.thread_order {
         Some(seed) => Arc::new(Catalog::with_thread_order(context.catalog.assets().clone(), seed)),
         None => Arc::clone(&context.catalog),
     };
-    let mut renderer = Renderer::new(Gpu::open()?, catalog, scene, args.size)?;
+    let overrides = overrides(&args.set)?;
+    // The driver starts on another thread, while this one loads the scene and the shaders.
+    let (gpu, scene) = std::thread::scope(|scope| {
+        let gpu = scope.spawn(Gpu::open);
+        let scene = renderer::load_scene(&catalog, &args.scene);
+        if let Ok(scene) = &scene {
+            let link_context = LinkContext { frame: args.size, traits: scene.traits() };
+            // The catalog keeps the shaders; whatever is wrong is told when the pipeline is set.
+            let _ = Compiled::new(&catalog, &args.pipeline, &overrides, &link_context, &compile_options());
+        }
+        (gpu.join(), scene)
+    });
+    let (gpu, scene) = (gpu.unwrap_or_else(|panic| std::panic::resume_unwind(panic)), scene?);
+    for repair in &scene.repairs {
+        eprintln!("note: {repair}");
+    }
+    let mut renderer = Renderer::new(gpu?, catalog, scene, args.size)?;
     renderer.set_seed(args.seed);
-    renderer
-        .set_compile_options(CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() })?;
-    renderer.set_pipeline(&args.pipeline, &overrides(&args.set)?)?;
+    renderer.set_compile_options(CompileOptions { sharing: !args.no_sharing, ..compile_options() })?;
+    renderer.set_pipeline(&args.pipeline, &overrides)?;
     renderer.keep(&args.output)?;
     renderer.set_frame_options(FrameOptions {
         timed: args.time,
@@ -114,11 +126,12 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
     let bar = progress(if progressive { u64::MAX } else { u64::from(frames) }, "rendering");
     let start = Instant::now();
     let mut times: Vec<Vec<f64>> = Vec::new();
-    let mut written = Vec::new();
+    let (mut written, mut first_picture) = (Vec::new(), None);
     for frame in 0..frames {
         if args.time {
             renderer.run_everything();
         }
+        let running = tracing::info_span!(target: "phase", "frames").entered();
         renderer.frame_until_done(|report, progress| {
             times.push(report.times.clone());
             if let Some(progress) = progress.filter(|_| progressive) {
@@ -127,20 +140,27 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
             }
             ControlFlow::Continue(())
         })?;
+        drop(running);
         if out.wants(frame, frames) {
+            let reading = tracing::info_span!(target: "phase", "read back").entered();
             let picture = renderer.picture(&args.output, args.layer)?;
+            drop(reading);
+            let writing = tracing::info_span!(target: "phase", "encoded and written").entered();
             let provenance =
                 Provenance::new(renderer, &args.scene, (&args.output, args.layer), args.first_frame);
             let path = out.path(args.first_frame + frame);
             write(&picture, &path, args, &provenance.to_json())?;
+            drop(writing);
             written.push(path);
+            first_picture = first_picture.or_else(|| context.phases.first_picture());
         }
         if !progressive {
             bar.inc(1);
         }
     }
     bar.finish_and_clear();
-    report(context, args, renderer, &written, &times, start.elapsed().as_secs_f64())
+    let first_picture = first_picture.filter(|_| args.time);
+    report(context, args, renderer, &written, &times, start.elapsed().as_secs_f64(), first_picture)
 }
 
 /// Writes a picture beside its place and moves it there, so that whoever reads it finds a whole one. What is encoded
@@ -205,6 +225,7 @@ fn report(
     written: &[PathBuf],
     times: &[Vec<f64>],
     seconds: f64,
+    first_picture: Option<Duration>,
 ) -> Result<()> {
     let Some(plan) = renderer.plan() else { return Ok(()) };
     let rows: Vec<(String, f64)> = plan
@@ -224,6 +245,7 @@ fn report(
             "seconds": seconds,
             "passes": rows.iter().map(|(name, ms)| json!({ "pass": name, "gpu_ms": if args.time { Some(*ms) } else { None } })).collect::<Vec<_>>(),
             "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
+            "start": first_picture.map(|whole| context.phases.to_json(whole)),
             "clamped_energy": clamped,
             "counters": counters.iter().map(|(name, counters)| json!({ "of": name.as_str(), "requested": counters.requested, "produced": counters.produced })).collect::<Vec<_>>(),
             "progress": progress.map(|progress| json!({ "step": progress.step, "steps": progress.steps, "error": progress.error, "done": progress.is_done() })),
@@ -243,6 +265,9 @@ fn report(
             human_bytes(plan.memory.unshared),
             human_bytes(plan.memory.bound)
         );
+    }
+    if let Some(whole) = first_picture {
+        context.phases.print(whole);
     }
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
         say!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);

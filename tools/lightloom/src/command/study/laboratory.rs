@@ -171,8 +171,12 @@ fn keep_extras(renderer: &mut Renderer, request: &RunRequest) -> Result<Extras, 
     };
     let keep: Vec<String> =
         [&extras.depth, &extras.normal, &extras.lights].into_iter().flatten().cloned().collect();
-    if !keep.is_empty() {
-        renderer.set_compile_options(options(keep)).map_err(text)?;
+    // The estimate of the error is that of what is read: nothing is, but the picture that is measured.
+    let read = [request.output.as_str(), "progress"];
+    let estimates = request.until_done && read.iter().all(|name| plan.output(name).is_some());
+    let outputs = if estimates { read.map(str::to_owned).to_vec() } else { Vec::new() };
+    if !keep.is_empty() || !outputs.is_empty() {
+        renderer.set_compile_options(CompileOptions { outputs, ..options(keep) }).map_err(text)?;
     }
     Ok(extras)
 }
