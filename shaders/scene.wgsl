@@ -61,5 +61,7 @@ var<storage, read> scene_area_table: array<u32>;
 var scene_textures: texture_2d_array<f32>;
 /// The same texels as they stand, for data that is not colour.
 var scene_textures_linear: texture_2d_array<f32>;
-/// Trilinear, repeating.
+/// Trilinear and anisotropic, repeating.
 var scene_sampler: sampler;
+/// The same without footprints, for the finest level.
+var scene_sampler_finest: sampler;

@@ -47,7 +47,7 @@ fn texel_of(
 ) -> vec4<f32> {
     let texels = max(abs(uv_x), abs(uv_y)) * vec2<f32>(textureDimensions(textures));
     if max(texels.x, texels.y) < 0.5 {
-        return textureSampleLevel(textures, scene_sampler, uv, layer, 0.0);
+        return textureSampleLevel(textures, scene_sampler_finest, uv, layer, 0.0);
     }
     return textureSampleGrad(textures, scene_sampler, uv, layer, uv_x, uv_y);
 }

@@ -4,7 +4,9 @@
 use crate::adapter::{mean, renderer, root};
 use metrics::{Epsilon, Image, Pair};
 
-/// One bounce with exact visibility: mean energy within 2 % of Mitsuba's, so units are right.
+const SEEDS: u32 = 3;
+
+/// One bounce with exact visibility: mean energy within 3 % of Mitsuba's, so units are right.
 #[test]
 fn energy_is_that_of_a_path_tracer() {
     let folder = root().join("../shared/scenes/references");
@@ -19,13 +21,19 @@ fn energy_is_that_of_a_path_tracer() {
     ];
     for (name, size, pipeline, map) in cases {
         let scene = folder.join(format!("{name}.glb"));
-        let values = [map, "lights=512", "interleave_x=2", "interleave_y=2", "gather.area_bound=0.0"];
+        let values = [map, "lights=512", "interleave_x=4", "interleave_y=4", "gather.area_bound=0.0"];
         let Some(mut renderer) = renderer(pipeline, &scene.to_string_lossy(), size, &values) else { return };
-        renderer.frame().unwrap();
-        let indirect = renderer.output("indirect").unwrap();
         let reference = Image::read(folder.join(format!("{name}_indirect1.exr"))).unwrap();
-        let pair = Pair::new(&indirect, &reference).unwrap();
-        let (energy, error) = (pair.energy_ratio().unwrap(), pair.rel_mse(Epsilon::default()).unwrap());
+        // Between seeds, so few lights differ by some 2 % of the energy in Sponza.
+        let (mut energy, mut error) = (0.0, 0.0);
+        for seed in 0..SEEDS {
+            renderer.set_seed(seed);
+            renderer.frame().unwrap();
+            let indirect = renderer.output("indirect").unwrap();
+            let pair = Pair::new(&indirect, &reference).unwrap();
+            energy += pair.energy_ratio().unwrap() / f64::from(SEEDS);
+            error += pair.rel_mse(Epsilon::default()).unwrap() / f64::from(SEEDS);
+        }
         eprintln!("{pipeline}, {name}: energy {energy:.4}, relMSE {error:.4}");
         // Imperfect maps shadow too much: 8 % were measured on the Cornell box with 4,096 lights.
         let tolerance = if pipeline == "ism-classic" { 0.03 } else { 0.12 };

@@ -74,7 +74,7 @@ impl SceneOnGpu {
         let info = stored("scene info", bytemuck::bytes_of(&info), BufferUsages::UNIFORM);
         let materials = stored("scene materials", cast_slice(&materials), storage);
         let areas = stored("scene area table", cast_slice(&scene.area_table()), storage);
-        let sampler = |label, filter, address| {
+        let sampler = |label, filter, address, anisotropy_clamp| {
             SceneBinding::Sampler(device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
                 address_mode_u: address,
@@ -86,11 +86,12 @@ impl SceneOnGpu {
                 } else {
                     wgpu::MipmapFilterMode::Nearest
                 },
-                // An adapter that has no anisotropic filtering, or less of it, takes what it has.
-                anisotropy_clamp: if filter == FilterMode::Linear { ANISOTROPY } else { 1 },
+                anisotropy_clamp,
                 ..Default::default()
             }))
         };
+        let repeating =
+            |label, anisotropy| sampler(label, FilterMode::Linear, AddressMode::Repeat, anisotropy);
         let mut state = State {
             scene_bindings: Vec::new(),
             made: 0,
@@ -107,9 +108,11 @@ impl SceneOnGpu {
             ("scene_area_table", SceneBinding::Buffer(areas)),
             ("scene_textures", SceneBinding::Texture(array.color)),
             ("scene_textures_linear", SceneBinding::Texture(array.linear)),
-            ("scene_sampler", sampler("scene", FilterMode::Linear, AddressMode::Repeat)),
-            ("linear_sampler", sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge)),
-            ("nearest_sampler", sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge)),
+            // An adapter that has no anisotropic filtering, or less of it, takes what it has.
+            ("scene_sampler", repeating("scene", ANISOTROPY)),
+            ("scene_sampler_finest", repeating("scene, finest level", 1)),
+            ("linear_sampler", sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge, 1)),
+            ("nearest_sampler", sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge, 1)),
         ]);
         SceneOnGpu { vertices, state: Mutex::new(state) }
     }
