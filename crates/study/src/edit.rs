@@ -20,6 +20,8 @@ pub struct Edits {
     pub seeds: Option<u32>,
     /// Measured frames.
     pub frames: Option<u32>,
+    /// Time of a frame, or of all frames of a cell, in place of that of a budget of time \[ms\]; > 0.
+    pub ms: Option<f64>,
     /// A quick preview: a quarter of each side, one seed, first and last value of each axis.
     pub quick: bool,
 }
@@ -51,6 +53,9 @@ impl Study {
                     *frames = wanted;
                 }
             }
+        }
+        if let (Some(wanted), Budget::Time { ms, .. }) = (edits.ms, &mut self.budget) {
+            *ms = wanted;
         }
         if !edits.scenes.is_empty() {
             self.scenes = edits.scenes.iter().map(|scene| given("--scene", scene)).collect();

@@ -38,6 +38,9 @@ pub(crate) struct Evaluator<'a> {
     /// Errors of each frame that is compared with a reference.
     errors: BTreeMap<Measure, Vec<Option<f64>>>,
     tid: Tid,
+    tid_of_reference: Tid,
+    /// The reference of the last frame, where its temporal difference is measured.
+    last_truth: Option<Image>,
     tracked: Vec<(usize, usize)>,
     found: Vec<Vec<f64>>,
     expected: Vec<Vec<f64>>,
@@ -84,6 +87,8 @@ impl<'a> Evaluator<'a> {
             series: Series::default(),
             errors: BTreeMap::new(),
             tid: Tid::default(),
+            tid_of_reference: Tid::default(),
+            last_truth: None,
             tracked: Vec::new(),
             found: Vec::new(),
             expected: Vec::new(),
@@ -164,6 +169,9 @@ impl<'a> Evaluator<'a> {
             self.put(Measure::Tid, pair.rms());
             self.tid.add(&pair);
         }
+        if self.wants(Measure::TidOfReference) {
+            self.follow_truth(frame, index)?;
+        }
         if self.wants(Measure::E) || self.wants(Measure::EPrime) {
             self.track(frame, index)?;
         }
@@ -185,6 +193,23 @@ impl<'a> Evaluator<'a> {
         if self.wants(Measure::StaticDeviation) && !self.facts.moves {
             self.pictures.push(frame.image.clone());
         }
+        Ok(())
+    }
+
+    /// Measures how the reference differs from that of the frame before, at the surfaces that both frames see.
+    fn follow_truth(&mut self, frame: &Observed, index: usize) -> Result<(), String> {
+        let Some(truth) = &mut self.truth else { return Ok(()) };
+        let truth = truth.frame(index)?.clone();
+        if let (Some(last), Some(last_truth)) = (&self.last, &self.last_truth)
+            && let (Some(before), Some(now)) = (view(last), view(frame))
+        {
+            let (before, now) = (View { image: last_truth, ..before }, View { image: &truth, ..now });
+            let pair =
+                temporal::temporal_difference(&before, &now, SAME_SURFACE).map_err(|e| e.to_string())?;
+            self.put(Measure::TidOfReference, pair.rms());
+            self.tid_of_reference.add(&pair);
+        }
+        self.last_truth = Some(truth);
         Ok(())
     }
 
@@ -287,6 +312,7 @@ impl<'a> Evaluator<'a> {
             Measure::GpuMs => self.times.total(over_frames),
             Measure::Memory => Some(run.memory.held as f64 / f64::from(1 << 20)),
             Measure::Tid => self.tid.value(),
+            Measure::TidOfReference => self.tid_of_reference.value(),
             Measure::E | Measure::EPrime => {
                 let series = ErrorSeries::of(&self.found, &self.expected, self.facts.seconds_per_frame)?;
                 Some(if measure == Measure::E { series.average_error } else { series.average_change })

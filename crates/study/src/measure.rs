@@ -38,6 +38,8 @@ pub enum Measure {
     Memory,
     /// Temporal image difference.
     Tid,
+    /// Temporal image difference of the reference.
+    TidOfReference,
     /// |E| at tracked pixels.
     E,
     /// |E′| at tracked pixels.
@@ -232,6 +234,17 @@ static ROWS: &[Row] = &[
             "TID",
             RADIANCE,
             "Temporal image difference: RMS over the surfaces that two consecutive frames both see (TCAS §6.2)",
+        )
+    },
+    Row {
+        needs: SERIES,
+        better: Better::Neither,
+        ..error(
+            Measure::TidOfReference,
+            "tid-of-reference",
+            "TID of the reference",
+            RADIANCE,
+            "The same of the reference over the same frames: what moving surfaces, shadows and samples of pixels give without any flicker",
         )
     },
     Row {

@@ -15,6 +15,22 @@ fn walk(frames: u32) -> Plan {
     plan(walk)
 }
 
+/// The picture of the fake grows by 1 from frame to frame, whatever a pipeline makes of it.
+#[test]
+fn the_reference_has_a_temporal_difference_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut walk = study(
+        "budget: Frames(3), reference: Pipeline(pipeline: \"truth\"), measures: [\"tid\", \"tid-of-reference\"]",
+    );
+    walk.edit(&study::Edits { scenes: vec!["walk".to_owned()], ..Default::default() }).unwrap();
+    let ran = run(&plan(walk), &mut Fake::default(), folder.path()).unwrap();
+    let cell = &ran.results.cells[0];
+    let series = &cell.series.values["tid-of-reference"];
+    assert_eq!(series[0], None, "the first frame has none before it");
+    assert!(series[1..].iter().all(|tid| (tid.unwrap() - 1.0).abs() < 1e-6), "{series:?}");
+    assert!((cell.measures["tid-of-reference"].unwrap() - 1.0).abs() < 1e-6);
+}
+
 #[test]
 fn a_walk_keeps_every_frame() {
     let folder = tempfile::tempdir().unwrap();

@@ -62,6 +62,9 @@ pub(crate) struct Args {
     /// Measured frames per cell, in place of the study's
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
+    /// Time in milliseconds, in place of that of the study's budget of time; other budgets stay
+    #[arg(long, value_parser = parse_ms)]
+    ms: Option<f64>,
     /// A quick preview: a quarter of each side, one seed, first and last value of each axis
     #[arg(long)]
     quick: bool,
@@ -121,6 +124,13 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     }
 }
 
+fn parse_ms(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(ms) if ms > 0.0 && f64::is_finite(ms) => Ok(ms),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
 fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<()> {
     let edits = Edits {
         scenes: args.scene.clone(),
@@ -129,6 +139,7 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         set_reference: values("--set-reference", &args.set_reference)?,
         seeds: args.seeds,
         frames: args.frames,
+        ms: args.ms,
         quick: args.quick,
     };
     let mut study = study::parse(source(context, file)?)?;
@@ -192,6 +203,7 @@ fn command(args: &Args, file: &str) -> String {
     words.extend(args.scene.iter().map(|scene| format!("--scene {scene}")));
     words.extend(args.seeds.map(|seeds| format!("--seeds {seeds}")));
     words.extend(args.frames.map(|frames| format!("--frames {frames}")));
+    words.extend(args.ms.map(|ms| format!("--ms {ms}")));
     words.extend(args.quick.then(|| "--quick".to_owned()));
     words.push("-o DIR".to_owned());
     words.join(" ")

@@ -62,7 +62,7 @@ impl GpuLaboratory {
         // What is kept for measures is no memory of the pipeline.
         let memory = memory(&renderer);
         let extras = keep_extras(&mut renderer, request)?;
-        if !request.until_done {
+        if !request.until_done && request.stop_after_ms.is_none() {
             converge(&mut renderer, request)?;
         }
         renderer.set_frame_options(FrameOptions { timed: request.timed, ..FrameOptions::default() });
@@ -201,7 +201,8 @@ fn converge(renderer: &mut Renderer, request: &RunRequest) -> Result<(), String>
     Ok(())
 }
 
-/// Frames after frames, each handed on after the warm-up.
+/// Frames after frames, each handed on after the warm-up. A budget of time that is spent over frames begins with nothing: all
+/// that the first frame needs is in it, and what accumulates begins again.
 fn sequence(
     renderer: &mut Renderer,
     request: &RunRequest,
@@ -210,8 +211,12 @@ fn sequence(
 ) -> Result<(), String> {
     let mut spent = 0.0;
     for offset in 0..request.warm_up.saturating_add(request.frames) {
-        if request.timed {
+        let first = offset == request.warm_up;
+        if request.timed && (request.stop_after_ms.is_none() || first) {
             renderer.run_everything();
+        }
+        if request.stop_after_ms.is_some() && first {
+            renderer.set_camera(None, true);
         }
         let times = renderer.frame().map_err(text)?.times.clone();
         if offset < request.warm_up {
