@@ -33,7 +33,7 @@ pub struct Harness<'a> {
     shader: Option<&'a str>,
     overrides: BTreeMap<String, OutputOverride>,
     set: BTreeMap<String, Value>,
-    size: (u32, u32),
+    pub(crate) size: (u32, u32),
     given: Vec<Given>,
     /// Inputs that read the past of an output of the pass: input and output.
     feedback: Vec<(String, String)>,

@@ -33,6 +33,7 @@ mod harness;
 pub mod random;
 mod shader_use;
 pub mod statistics;
+pub mod view;
 
 /// What can reset a history buffer between two frames, for [`Harness::event`].
 pub use frame_graph::ResetCause;

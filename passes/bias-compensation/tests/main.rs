@@ -53,12 +53,7 @@ fn compensated(height: f32, bound: f32, rays: u32, before: [f32; 4]) -> Option<V
                 ),
             ],
         )
-        .input(
-            "irradiance",
-            "Irradiance",
-            &[("interleave_x", 4), ("interleave_y", 2)],
-            vec![("", texture(Format::Rgba32Float), bytemuck::cast_slice(&vec![before; pixels]).to_vec())],
-        )
+        .irradiance((4, 2), |_, _| before)
         .fact("clamp", bound / extent)
         .run()?;
     Some(outputs.read("compensated"))

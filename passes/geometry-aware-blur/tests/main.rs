@@ -1,7 +1,6 @@
 //! The filter removes the pattern of interleaving, and only that.
 
 use geometry_aware_blur::cpu_reference::window;
-use glam::Vec3;
 use pass_test::Harness;
 
 /// The irradiance that both ways of filtering make of what a function describes: depth [m] and normal. `None`
@@ -21,47 +20,17 @@ fn run(
     (width, height): (u32, u32),
     see: impl Fn(u32, u32) -> (f32, [f32; 3]),
     irradiance: impl Fn(u32, u32) -> [f32; 4],
-    (n, m): (u32, u32),
+    interleave: (u32, u32),
     (alpha, beta): (f32, f32),
     separable: bool,
 ) -> Option<Vec<[f32; 4]>> {
-    let pixels: Vec<(u32, u32)> = (0..width * height).map(|i| (i % width, i / width)).collect();
-    let seen: Vec<(f32, [f32; 3])> = pixels.iter().map(|(x, y)| see(*x, *y)).collect();
-    let depth: Vec<f32> = seen.iter().map(|(depth, _)| *depth).collect();
-    let normal: Vec<[u16; 4]> = seen
-        .iter()
-        .map(|(_, [x, y, z])| [*x, *y, *z, 0.0].map(|v| half::f16::from_f32(v).to_bits()))
-        .collect();
-    let value: Vec<[f32; 4]> = pixels.iter().map(|(x, y)| irradiance(*x, *y)).collect();
-    let texture = |format| pass::ResourceDesc::texture_2d(format, (width, height));
-    let camera = scene::Camera {
-        position: Vec3::ZERO,
-        target: Vec3::NEG_Z,
-        up: Vec3::Y,
-        vertical_fov: 0.8,
-        near: 0.01,
-    };
     let outputs = Harness::new(geometry_aware_blur::PASS)
         .frame(width, height)
-        .camera(camera)
         .set("alpha", alpha)
         .set("beta", beta)
         .set("separable", separable)
-        .input(
-            "view",
-            "GBuffer",
-            &[],
-            vec![
-                ("depth", texture(pass::Format::R32Float), bytemuck::cast_slice(&depth).to_vec()),
-                ("normal", texture(pass::Format::Rgba16Float), bytemuck::cast_slice(&normal).to_vec()),
-            ],
-        )
-        .input(
-            "irradiance",
-            "Irradiance",
-            &[("interleave_x", n), ("interleave_y", m)],
-            vec![("", texture(pass::Format::Rgba32Float), bytemuck::cast_slice(&value).to_vec())],
-        )
+        .view(see)
+        .irradiance(interleave, irradiance)
         .run()?;
     Some(outputs.read("filtered"))
 }

@@ -1,0 +1,100 @@
+//! Inputs that functions of the pixel describe: what a camera sees, and light that was gathered there.
+
+use crate::Harness;
+use half::f16;
+use pass::{Format, ResourceDesc};
+use scene::Camera;
+
+/// The camera of [`Harness::view`]: at the origin, looking along −z, with a vertical field of view of 0.8 rad.
+pub const CAMERA: Camera = Camera {
+    position: glam::Vec3::ZERO,
+    target: glam::Vec3::NEG_Z,
+    up: glam::Vec3::Y,
+    vertical_fov: 0.8,
+    near: 0.01,
+};
+
+impl Harness<'_> {
+    /// Gives the input port `view` a G-buffer of the frame's size, in which `see` says the depth \[m\] and the normal of
+    /// each pixel, seen by [`CAMERA`].
+    pub fn view(self, see: impl Fn(u32, u32) -> (f32, [f32; 3])) -> Self {
+        let seen: Vec<(f32, [f32; 3])> = self.pixels().map(|(x, y)| see(x, y)).collect();
+        let depth: Vec<f32> = seen.iter().map(|(depth, _)| *depth).collect();
+        let half = |v: f32| f16::from_f32(v).to_bits();
+        let normal: Vec<[u16; 4]> = seen.iter().map(|(_, [x, y, z])| [*x, *y, *z, 0.0].map(half)).collect();
+        let picture = |format| ResourceDesc::texture_2d(format, self.size);
+        let members = vec![
+            ("depth", picture(Format::R32Float), bytemuck::cast_slice(&depth).to_vec()),
+            ("normal", picture(Format::Rgba16Float), bytemuck::cast_slice(&normal).to_vec()),
+        ];
+        self.camera(CAMERA).input("view", "GBuffer", &[], members)
+    }
+
+    /// Gives the input port `irradiance` a picture of the frame's size, interleaved by `n` × `m` sub-images, in which
+    /// `value` says each pixel.
+    pub fn irradiance(self, (n, m): (u32, u32), value: impl Fn(u32, u32) -> [f32; 4]) -> Self {
+        let pixels: Vec<[f32; 4]> = self.pixels().map(|(x, y)| value(x, y)).collect();
+        let picture = ResourceDesc::texture_2d(Format::Rgba32Float, self.size);
+        let members = vec![("", picture, bytemuck::cast_slice(&pixels).to_vec())];
+        self.input("irradiance", "Irradiance", &[("interleave_x", n), ("interleave_y", m)], members)
+    }
+
+    fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let (width, height) = self.size;
+        (0..width * height).map(move |i| (i % width, i / width))
+    }
+}
+
+/// Depth \[m\] and normal of a pixel.
+pub type See<'a> = &'a dyn Fn(u32, u32) -> (f32, [f32; 3]);
+
+/// Irradiance of a pixel.
+pub type Light<'a> = &'a dyn Fn(u32, u32) -> [f32; 4];
+
+/// The side of the pictures of [`assert_edges_stay`] \[px\].
+pub const SIDE: u32 = 48;
+
+/// The normal of what faces [`CAMERA`].
+pub const TOWARDS: [f32; 3] = [0.0, 0.0, 1.0];
+
+/// Asserts what holds of every filter that stops at edges of the geometry, on pictures of [`SIDE`]² pixels: what is
+/// nearer, or faces another way, gives nothing; what sees nothing is black and gives nothing; and a floor at a grazing
+/// angle is one surface. `filtered` runs the filter.
+///
+/// # Panics
+/// Where one of these does not hold.
+pub fn assert_edges_stay(filtered: impl Fn(See<'_>, Light<'_>) -> Option<Vec<[f32; 4]>>) {
+    let at = |i: usize| (i as u32 % SIDE, i as u32 / SIDE);
+    let left = |x: u32| x < SIDE / 2;
+    let step = |x: u32, _: u32| (if left(x) { 3.0f32 } else { 5.0 }, TOWARDS);
+    let crease = |x: u32, _: u32| (3.0, if left(x) { TOWARDS } else { [1.0, 0.0, 0.0] });
+    let halves = |x: u32, _: u32| if left(x) { [1.0; 4] } else { [9.0; 4] };
+    for (name, see) in [("step", &step as See<'_>), ("crease", &crease)] {
+        let Some(pixels) = filtered(see, &halves) else { return };
+        for (i, value) in pixels.iter().enumerate() {
+            let (x, y) = at(i);
+            let wanted = halves(x, y);
+            assert!((value[0] - wanted[0]).abs() < 1e-3, "{name}: {value:?} for {wanted:?} at {x}, {y}");
+        }
+    }
+
+    let hole = |x: u32, y: u32| if (x, y) == (20, 20) { (0.0f32, [0.0; 3]) } else { (3.0, TOWARDS) };
+    let bright = |x: u32, y: u32| if (x, y) == (20, 20) { [1e6; 4] } else { [2.0; 4] };
+    let Some(pixels) = filtered(&hole, &bright) else { return };
+    for (i, value) in pixels.iter().enumerate() {
+        let wanted = if at(i) == (20, 20) { 0.0 } else { 2.0 };
+        assert!((value[0] - wanted).abs() < 1e-4, "{value:?} for {wanted} beside what sees nothing");
+    }
+
+    // 1 m below the camera: the depths of neighbouring rows differ by far more than any threshold.
+    let floor = |_: u32, y: u32| {
+        let down = ((y as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0) * 0.4f32.tan();
+        if down > 0.02 { (1.0 / down, [0.0, 1.0, 0.0]) } else { (0.0, [0.0; 3]) }
+    };
+    let stripes = |_: u32, y: u32| [(y % 2) as f32; 4];
+    let Some(pixels) = filtered(&floor, &stripes) else { return };
+    for x in 16..32 {
+        let value = pixels[(36 * SIDE + x) as usize];
+        assert!((value[0] - 0.5).abs() < 0.05, "stripes remain on a floor: {value:?}");
+    }
+}
