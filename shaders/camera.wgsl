@@ -33,6 +33,12 @@ fn view_ray(at_px: vec2<f32>) -> vec3<f32> {
     return (camera.world_from_view * vec4(plane, -1.0, 0.0)).xyz;
 }
 
+/// World direction through the centre of a pixel of a view of `size` pixels, which may be smaller than the frame; with
+/// length 1 along the viewing axis.
+fn pixel_ray(pixel: vec2<f32>, size: vec2<u32>) -> vec3<f32> {
+    return view_ray((pixel + 0.5) * camera.size / vec2<f32>(size));
+}
+
 /// World position [m] of what the centre of a pixel of the full frame sees at that depth.
 fn position_from_depth(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
     return camera.position + view_ray(vec2<f32>(pixel) + 0.5) * depth;

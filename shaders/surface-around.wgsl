@@ -15,11 +15,6 @@ struct SurfaceAround {
     slope: vec3<f32>,
 }
 
-/// World direction through the centre of a pixel of a view of `size` pixels, with length 1 along the viewing axis.
-fn pixel_ray(pixel: vec2<f32>, size: vec2<u32>) -> vec3<f32> {
-    return view_ray((pixel + 0.5) * camera.size / vec2<f32>(size));
-}
-
 fn surface_around(pixel: vec2<u32>, size: vec2<u32>, depth: f32, normal: vec3<f32>) -> SurfaceAround {
     let centre = vec2<f32>(pixel);
     let ray = pixel_ray(centre, size);

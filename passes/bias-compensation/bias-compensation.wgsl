@@ -43,8 +43,7 @@ fn compensate(@builtin(global_invocation_id) id: vec3<u32>) {
     let depth = textureLoad(view_depth, id.xy, 0).x;
     let bound = settings.bound * scene_info.extent;
     if depth > 0.0 && bound > 0.0 {
-        let pixel = (vec2<f32>(id.xy) + 0.5) * camera.size / vec2<f32>(settings.view_size);
-        let at = camera.position + view_ray(pixel) * depth;
+        let at = camera.position + pixel_ray(vec2<f32>(id.xy), settings.view_size) * depth;
         let normal = normalize(textureLoad(view_normal, id.xy, 0).xyz);
         whole += vec4(near_field(id.xy, at, normal, bound), 0.0);
     }

@@ -63,12 +63,6 @@ fn subset(s: u32, subsets: u32, count: u32) -> Subset {
     return Subset(s, (count + subsets - 1u - s) / subsets, subsets);
 }
 
-/// World position [m] of the surface at a pixel of the view, which may be smaller than the frame.
-fn view_position(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
-    let at = (vec2<f32>(pixel) + 0.5) * camera.size / vec2<f32>(settings.view_size);
-    return camera.position + view_ray(at) * depth;
-}
-
 /// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d²): what remains after the bound, and what
 /// the bound removes.
 fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
@@ -126,7 +120,7 @@ fn gather(
         let inside = min(pixel, settings.view_size - 1u);
         let depth = textureLoad(view_depth, inside, 0).x;
         receivers[r].seen = depth > 0.0;
-        receivers[r].at = view_position(inside, depth);
+        receivers[r].at = camera.position + pixel_ray(vec2<f32>(inside), settings.view_size) * depth;
         receivers[r].normal = normalize(textureLoad(view_normal, inside, 0).xyz);
     }
     let own = subset(image, subsets, min(lights.count, arrayLength(&lights.lights)));

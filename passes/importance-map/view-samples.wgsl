@@ -34,9 +34,7 @@ fn pick(
     let depth = textureLoad(view_depth, pixel, 0).r;
     var picked = ViewSample();
     if depth > 0.0 {
-        // The view may be smaller than the frame.
-        let at_px = (vec2<f32>(pixel) + 0.5) * camera.size / vec2<f32>(size);
-        picked.position = to_extents(camera.position + view_ray(at_px) * depth);
+        picked.position = to_extents(camera.position + pixel_ray(vec2<f32>(pixel), size) * depth);
         picked.normal = textureLoad(view_normal, pixel, 0).xyz;
         // DEVIATION(diffuse): the BRDF without its glossy part.
         let albedo = textureLoad(view_albedo, pixel, 0).rgb;

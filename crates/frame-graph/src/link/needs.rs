@@ -185,6 +185,12 @@ impl<'a> Linker<'a> {
             !known && nearest(&link.port.value, [input]).is_some()
         };
         let decl = &self.nodes[node].decl;
+        // A link that an insertion broke leads to one input, which `in:` does not name; or that was reported.
+        let is_fed = |wire: &Wire<'_>| {
+            let input = &used.ports.inputs[wire.input as usize];
+            decl.links.iter().all(|link| *link.port.value != *input.name)
+        };
+        let unfed = decl.feed.is_some() && !self.wires[node].iter().any(is_fed);
         let mut missing = Vec::new();
         for input in needed {
             let wired =
@@ -194,7 +200,7 @@ impl<'a> Linker<'a> {
             }
             match decl.links.iter().find(|link| link.port.value == *input.name) {
                 // A link whose input is misspelt was reported.
-                None if decl.feed.is_some() || decl.links.iter().any(|link| misspelt(link, &input.name)) => {}
+                None if unfed || decl.links.iter().any(|link| misspelt(link, &input.name)) => {}
                 None => missing.push((input, None)),
                 // A link that leads nowhere was reported, unless it leads to a pass that is gone.
                 Some(link) => missing.push((input, Some(link))),

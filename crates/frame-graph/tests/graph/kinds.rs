@@ -179,6 +179,17 @@ impl TestPassTypes {
                     )])
                 },
             ),
+            kind(
+                "guided",
+                vec![],
+                ports(&["view: GBuffer", "irradiance: Irradiance"], &["irradiance: Irradiance"], none),
+                |_| {
+                    Ok(vec![OutputDesc::one(
+                        "irradiance",
+                        ResourceDesc::texture_2d(Format::Rgba16Float, Extent::like("irradiance")),
+                    )])
+                },
+            ),
             kind("noise", vec![], ports(&[], &["irradiance: Irradiance"], SceneBindings::FRAME), |_| {
                 Ok(vec![image("irradiance")])
             }),
