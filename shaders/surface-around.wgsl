@@ -3,6 +3,9 @@
 
 #import "camera.wgsl"
 
+var view_depth: texture_2d<f32>;
+var view_normal: texture_2d<f32>;
+
 /// What the centre pixel of a window sees.
 struct SurfaceAround {
     pixel: vec2<i32>,
@@ -34,12 +37,11 @@ fn off_plane(around: SurfaceAround, other: vec2<i32>, other_depth: f32) -> f32 {
 
 /// Likeness in [0, 1] of what another pixel sees: falls with the distance from the centre's plane, in units of `plane` (a
 /// fraction of the depth), and with the angle between normals, as a power of its cosine.
-fn likeness(
-    around: SurfaceAround, other: vec2<i32>, other_depth: f32, other_normal: vec3<f32>, plane: f32, power: f32,
-) -> f32 {
+fn likeness(around: SurfaceAround, other: vec2<i32>, plane: f32, power: f32) -> f32 {
+    let other_depth = textureLoad(view_depth, other, 0).x;
     if other_depth <= 0.0 {
         return 0.0;
     }
-    let cosine = clamp(dot(around.normal, other_normal), 0.0, 1.0);
+    let cosine = clamp(dot(around.normal, textureLoad(view_normal, other, 0).xyz), 0.0, 1.0);
     return exp(-off_plane(around, other, other_depth) / max(plane, 1e-6)) * pow(cosine, power);
 }

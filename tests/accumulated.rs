@@ -1,10 +1,10 @@
 //! Pictures whose frames are samples of them: what differs between frames, what they converge to, and when they begin again.
 
-use crate::adapter::{bits, renderer, set};
+use crate::adapter::{bits, done, renderer, set};
+use frame_graph::Value;
 use glam::Vec3;
 use metrics::{Epsilon, Image, Pair};
 use renderer::Renderer;
-use std::ops::ControlFlow;
 
 const SIZE: (u32, u32) = (48, 48);
 
@@ -48,20 +48,10 @@ fn the_mean_over_frames_converges() {
     else {
         return;
     };
-    let ended = |renderer: &mut Renderer| {
-        let mut frames = 0;
-        renderer
-            .frame_until_done(|_, _| {
-                frames += 1;
-                ControlFlow::Continue(())
-            })
-            .unwrap();
-        frames
-    };
-    ended(&mut paths);
+    done(&mut paths);
     let errors = |frames: &str| {
         let mut renderer = with_fine_edges(frames)?;
-        let ran = ended(&mut renderer);
+        let ran = done(&mut renderer);
         let error = |output| rel_mse(&renderer.output(output).unwrap(), &paths.output(output).unwrap());
         Some((ran, error("direct"), error("indirect")))
     };
@@ -88,6 +78,24 @@ fn another_sample_is_no_movement_and_movement_begins_again() {
     renderer.frame().unwrap();
     renderer.frame().unwrap();
     assert!(step(&renderer) >= 2, "it stands still");
+}
+
+/// A value that the sum does not follow from neither ends it nor begins the samples again.
+#[test]
+fn a_change_of_exposure_keeps_the_samples() {
+    let picture = |changes: bool| {
+        let mut renderer = accumulated("frames=100")?;
+        for _ in 0..4 {
+            renderer.frame().unwrap();
+            if changes {
+                renderer.set_value("image/mean.exposure", Value::F32(2.0)).unwrap();
+            }
+        }
+        assert_eq!(step(&renderer), 4);
+        Some(bits(&renderer.output("indirect").unwrap()))
+    };
+    let (Some(whole), Some(changed)) = (picture(false), picture(true)) else { return };
+    assert!(whole == changed, "the same four samples");
 }
 
 /// What reads no random numbers and no camera is not made again: the maps of the scene's own lights.

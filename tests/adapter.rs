@@ -3,6 +3,7 @@
 use frame_graph::Overrides;
 use metrics::Image;
 use renderer::{Assets, Catalog, Gpu, Renderer, parse_value};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -42,6 +43,18 @@ pub(crate) fn renderer_in(
 /// A renderer on the files of the tree.
 pub(crate) fn renderer(pipeline: &str, scene: &str, size: (u32, u32), values: &[&str]) -> Option<Renderer> {
     renderer_in(root(), pipeline, scene, size, values)
+}
+
+/// Runs frames until the pipeline says that it is done, and returns their number.
+pub(crate) fn done(renderer: &mut Renderer) -> u32 {
+    let mut frames = 0;
+    renderer
+        .frame_until_done(|_, _| {
+            frames += 1;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    frames
 }
 
 /// Settings that make imperfect shadow maps cheap.

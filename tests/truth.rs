@@ -1,24 +1,12 @@
 //! The reference pipeline: it accumulates, stops, begins again where something moves, and agrees with virtual lights
 //! that have nothing wrong with them but their number.
 
-use crate::adapter::{bits, mean, renderer, root};
+use crate::adapter::{bits, done, mean, renderer, root};
 use frame_graph::Value;
 use glam::Vec3;
 use metrics::statistics::Summary;
 use metrics::{Epsilon, Image, Pair};
 use renderer::Renderer;
-use std::ops::ControlFlow;
-
-fn done(renderer: &mut Renderer) -> u32 {
-    let mut frames = 0;
-    renderer
-        .frame_until_done(|_, _| {
-            frames += 1;
-            ControlFlow::Continue(())
-        })
-        .unwrap();
-    frames
-}
 
 fn samples(renderer: &Renderer) -> u32 {
     renderer.progress().unwrap().expect("the reference tells its progress").step

@@ -19,8 +19,6 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-var view_depth: texture_2d<f32>;
-var view_normal: texture_2d<f32>;
 var irradiance: texture_2d<f32>;
 var filtered: texture_storage_2d<rgba32float, write>;
 
@@ -49,10 +47,7 @@ fn smooth_window(@builtin(global_invocation_id) id: vec3<u32>) {
             if (x == 0 && y == 0) || any(other < vec2(0)) || any(other >= vec2<i32>(settings.view_size)) {
                 continue;
             }
-            let alike = likeness(
-                around, other, textureLoad(view_depth, other, 0).x, textureLoad(view_normal, other, 0).xyz,
-                settings.plane, settings.normal_power,
-            );
+            let alike = likeness(around, other, settings.plane, settings.normal_power);
             let weight = exp(falloff * f32(x * x + y * y)) * alike;
             sum += weight * textureLoad(irradiance, other, 0);
             weights += weight;

@@ -24,8 +24,6 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-var view_depth: texture_2d<f32>;
-var view_normal: texture_2d<f32>;
 var irradiance: texture_2d<f32>;
 var filtered: texture_storage_2d<rgba32float, write>;
 

@@ -175,8 +175,9 @@ impl Renderer {
         if !sampled {
             self.executor.set_seed(self.seed);
             self.view.set_jitter(Vec2::ZERO);
+            // Where frames are samples, a sum may go on through the change of a value: no sample comes twice.
+            self.sample = 0;
         }
-        self.sample = 0;
         self.pipeline = Some(Loaded { name, overrides, compiled, sampled });
         Ok(report)
     }

@@ -162,7 +162,8 @@ impl SceneView {
         let camera = |jitter| {
             gpu_data::Camera::new(&pose.camera, previous.as_ref().unwrap_or(&pose.camera), size, jitter)
         };
-        let (still, sampled) = (camera(Vec2::ZERO), camera(self.jitter));
+        let still = camera(Vec2::ZERO);
+        let sampled = if self.jitter == Vec2::ZERO { still } else { camera(self.jitter) };
         let written = Some((still, sampled));
         if written != self.written_camera {
             queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&sampled));
