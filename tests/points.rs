@@ -106,7 +106,26 @@ fn more_points_than_the_budget_are_told() {
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
     let told = run(&["shadows.points_per_map=100"]);
-    assert!(told.contains("shadows/splat.counters: 1600 produced of "), "{told}");
+    assert!(
+        told.contains("shadows/splat.counters: requested ") && told.contains(", produced 1600"),
+        "{told}"
+    );
     let told = run(&["shadows.points_per_map=20000"]);
     assert!(!told.contains("made of"), "all were made: {told}");
+}
+
+/// The maps of this many lights are twice the bytes of a buffer that an adapter need bind: they are splatted and filled in parts.
+#[test]
+fn maps_of_more_bytes_than_a_step_binds_are_rendered() {
+    let Some(coarse) = mean_of_indirect(64) else { return };
+    let fine = mean_of_indirect(128).expect("the adapter is still there");
+    assert!((fine / coarse - 1.0).abs() < 0.05, "{fine} with maps of 128², {coarse} with those of 64²");
+}
+
+/// The mean indirect light of `ism` in the Cornell box with 4,096 lights; `None`, with a note, where there is no adapter.
+fn mean_of_indirect(map: u32) -> Option<f64> {
+    let map = format!("map={map}");
+    let mut renderer = renderer("ism", "cornell-box", (24, 24), &["lights=4096", "rsm.size=128", &map])?;
+    renderer.frame().unwrap();
+    Some(mean(&renderer.output("indirect").unwrap())[1])
 }

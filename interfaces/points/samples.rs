@@ -2,6 +2,7 @@
 
 use super::{BLOCK, COUNT};
 use pass::{Compute, PassTypeError, RecordContext, Value};
+use std::ops::Range;
 
 /// Samples of the port `points` for a number of maps.
 #[derive(Clone, Copy, Debug)]
@@ -24,9 +25,14 @@ impl SurfaceSamples {
         Ok(SurfaceSamples { maps, per_map: per_map.min(count), block })
     }
 
-    /// The number of sample indices of all maps, rounded up to whole blocks.
-    pub fn threads(&self) -> u32 {
-        self.maps.next_multiple_of(self.block) * self.per_map
+    /// Returns how many maps take turns: the samples of so many maps, from a multiple of it on, are next to each other.
+    pub fn block(&self) -> u32 {
+        self.block
+    }
+
+    /// Returns the indices of the samples of these maps, of which the first is a multiple of [`SurfaceSamples::block`].
+    pub fn of_maps(&self, maps: &Range<u32>) -> Range<u32> {
+        maps.start * self.per_map..maps.end.next_multiple_of(self.block) * self.per_map
     }
 
     /// Returns a dispatch with the values of a member of `settings` of the type SamplesWanted.

@@ -11,8 +11,9 @@ struct Settings {
     visibility_tile: u32,
     visibility_columns: u32,
     visibility_rows: u32,
-    /// The first map of the layer.
+    /// The first map that is drawn, and the first that is bound.
     first_map: u32,
+    first_bound: u32,
     /// Side of a map at level 1 [px].
     coarse_side: u32,
     push_threshold: f32,
@@ -30,7 +31,7 @@ struct Tile {
     @location(1) @interpolate(flat) origin: vec2<u32>,
 }
 
-/// Two triangles per map of the layer.
+/// Two triangles per map.
 @vertex
 fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Tile {
     let map = settings.first_map + instance;
@@ -53,7 +54,7 @@ fn fill(in: Tile) -> @location(0) f32 {
     let texel = vec2<u32>(in.position.xy) - in.origin;
     let side = settings.visibility_tile;
     // +∞ is a hole.
-    let own = min(bitcast<f32>(depth[(in.map * side + texel.y) * side + texel.x]), NOTHING);
+    let own = min(bitcast<f32>(depth[((in.map - settings.first_bound) * side + texel.y) * side + texel.x]), NOTHING);
 #if PYRAMID
     let p = parents(texel);
     let values = vec4(

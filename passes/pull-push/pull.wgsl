@@ -14,6 +14,8 @@ struct Settings {
     coarse_begin: u32,
     /// 2^l of the finer level.
     scale: f32,
+    /// The first of these maps; the finest level, where it is bound, begins with it.
+    first_map: u32,
     /// Distances are averaged if they differ by less than this fraction of the scene's extent, doubled with each level;
     /// otherwise the coarser texel is a hole. Larger: holes close at silhouettes, but surfaces mix.
     /// [default: 0.05, min: 0.0]
@@ -26,30 +28,30 @@ var<storage, read_write> pyramid: array<f32>;
 
 fn fine(map: u32, texel: vec2<u32>) -> f32 {
     let side = settings.fine_side;
-    let index = (map * side + texel.y) * side + texel.x;
 #if FINEST
     // +∞ is a hole.
-    let value = min(bitcast<f32>(depth[index]), NOTHING);
+    let value = min(bitcast<f32>(depth[((map - settings.first_map) * side + texel.y) * side + texel.x]), NOTHING);
 #else
-    let value = pyramid[settings.fine_begin + index];
+    let value = pyramid[settings.fine_begin + (map * side + texel.y) * side + texel.x];
 #endif
     return select(NOTHING, value, all(texel < vec2(side)));
 }
 
-/// One thread per coarse texel; z is the map.
+/// One thread per coarse texel; z counts maps from the first.
 @compute @workgroup_size(8, 8)
 fn pull(@builtin(global_invocation_id) id: vec3<u32>) {
     let side = settings.coarse_side;
     if any(id.xy >= vec2(side)) {
         return;
     }
+    let map = settings.first_map + id.z;
     let corner = id.xy * 2u;
     let values = vec4(
-        fine(id.z, corner),
-        fine(id.z, corner + vec2(1u, 0u)),
-        fine(id.z, corner + vec2(0u, 1u)),
-        fine(id.z, corner + vec2(1u, 1u)),
+        fine(map, corner),
+        fine(map, corner + vec2(1u, 0u)),
+        fine(map, corner + vec2(0u, 1u)),
+        fine(map, corner + vec2(1u, 1u)),
     );
     let threshold = settings.pull_threshold * scene_info.extent * settings.scale;
-    pyramid[settings.coarse_begin + (id.z * side + id.y) * side + id.x] = pulled(values, threshold);
+    pyramid[settings.coarse_begin + (map * side + id.y) * side + id.x] = pulled(values, threshold);
 }

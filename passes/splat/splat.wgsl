@@ -2,7 +2,8 @@
 // holes are filled. [ISM §3.2]
 //
 // depth: [count × tile × tile] u32, map after map, each row by row: the bits of the distance [m]. Distances are not
-// negative, so their bits are in the order of their values and an integer minimum keeps the nearest.
+// negative, so their bits are in the order of their values and an integer minimum keeps the nearest. What is bound may be
+// a run of the maps.
 
 #option KERNEL box one_of [box, surfel] // the paper's one distance a splat, or that of the point's tangent plane
 
@@ -24,8 +25,11 @@ struct Settings {
     max_splat: f32,
     /// Splats of all maps that were requested.
     wanted: u32,
-    /// Samples of all maps, where their number is padded to whole blocks.
-    threads: u32,
+    /// The first of the maps that are bound.
+    first_map: u32,
+    /// The samples of these maps: from the first to before the end, where their number is padded to whole blocks.
+    first: u32,
+    end: u32,
     @align(16) samples: SamplesWanted,
 }
 
@@ -61,8 +65,8 @@ fn splat(
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local_index: u32,
 ) {
-    let index = row_index(group, groups, local_index, 64u);
-    if index >= settings.threads {
+    let index = settings.first + row_index(group, groups, local_index, 64u);
+    if index >= settings.end {
         return;
     }
     let point = surface_sample(settings.samples, index);
@@ -89,7 +93,7 @@ fn splat(
     let low = vec2<u32>(max(ceil(position - 0.5 * side - 0.5), vec2(0.0)));
     let high = vec2<u32>(min(ceil(position + 0.5 * side - 0.5), vec2(f32(tile))));
     let size = high - low;
-    let first = (map * tile + low.y) * tile + low.x;
+    let first = ((map - settings.first_map) * tile + low.y) * tile + low.x;
 #if KERNEL == surfel
     let normal = point.normal * frame;
     let height = dot(normal, local);

@@ -172,10 +172,11 @@ fn create(
     }
 }
 
+/// Checks an object against the limits of the adapter; of a buffer, steps bind at most so many bytes at once.
 pub(crate) fn check_limits(
     gpu: &Gpu,
     name: &str,
-    desc: &ResourceDesc,
+    (desc, bound): (&ResourceDesc, u64),
     from: impl FnOnce() -> String,
 ) -> Result<(), ExecutorError> {
     let limits = gpu.limits();
@@ -195,12 +196,12 @@ pub(crate) fn check_limits(
             }
         }
         ResourceDesc::Buffer(buffer) => {
-            for (allowed, limit) in [
-                (limits.max_storage_buffer_binding_size, "max_storage_buffer_binding_size"),
-                (limits.max_buffer_size, "max_buffer_size"),
+            for (bytes, allowed, limit) in [
+                (bound, limits.max_storage_buffer_binding_size, "max_storage_buffer_binding_size"),
+                (buffer.bytes, limits.max_buffer_size, "max_buffer_size"),
             ] {
-                if buffer.bytes > allowed {
-                    return error(format!("{} bytes", buffer.bytes), format!("{allowed} bytes"), limit);
+                if bytes > allowed {
+                    return error(format!("{bytes} bytes"), format!("{allowed} bytes"), limit);
                 }
             }
         }

@@ -4,8 +4,9 @@ use crate::current::{FrameObjects, LayerViews};
 use crate::gpu::Gpu;
 use crate::object::{Object, ObjectUsage, SceneBinding};
 use crate::pipeline::{Pipeline, PipelineKind, Pipelines, TargetFormats};
+use frame_graph::ResourceDesc;
 use frame_graph::plan::{AllocationId, Plan, PlannedPass, ResourceId};
-use pass::{Draw, LinkedStep, Load, Raster, Source, Step, Threads, UniformFill};
+use pass::{Bound, Draw, LinkedStep, Load, Raster, Source, Step, Threads, UniformFill};
 use shader_library::GlobalKind;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -126,7 +127,10 @@ impl LoadedStep {
     /// error if its bindings differ.
     pub(crate) fn take_values(&mut self, new: LoadedStep) -> Result<(), Box<LoadedStep>> {
         let binds = |step: &LinkedStep| {
-            step.bindings.iter().map(|bound| (bound.global, bound.source.clone())).collect::<Vec<_>>()
+            step.bindings
+                .iter()
+                .map(|bound| (bound.global, bound.source.clone(), bound.window.clone()))
+                .collect::<Vec<_>>()
         };
         let same = Arc::ptr_eq(&self.pipeline, &new.pipeline)
             && binds(&self.linked) == binds(&new.linked)
@@ -340,7 +344,7 @@ impl LoadedStep {
             .iter()
             .map(|bound| {
                 let global = &globals[bound.global];
-                let resource = self.resource(context, &bound.source, &global.name);
+                let resource = self.resource(context, bound, &global.name);
                 wgpu::BindGroupEntry { binding: global.binding, resource }
             })
             .collect();
@@ -351,17 +355,20 @@ impl LoadedStep {
         })
     }
 
-    fn resource<'a>(
-        &self,
-        context: StepContext<'a>,
-        source: &Source,
-        name: &str,
-    ) -> wgpu::BindingResource<'a> {
+    fn resource<'a>(&self, context: StepContext<'a>, bound: &Bound, name: &str) -> wgpu::BindingResource<'a> {
+        let source = &bound.source;
         match source {
             Source::Resource(_) | Source::Past(_) => {
                 match context.objects.of(source).map(|id| context.objects.object(id)) {
                     Some(Object::Texture { view, .. }) => wgpu::BindingResource::TextureView(view),
-                    Some(Object::Buffer(buffer)) => buffer.as_entire_binding(),
+                    Some(Object::Buffer(buffer)) => match &bound.window {
+                        Some(bytes) => wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                            buffer,
+                            offset: bytes.start,
+                            size: std::num::NonZeroU64::new(bytes.end - bytes.start),
+                        }),
+                        None => buffer.as_entire_binding(),
+                    },
                     None => unreachable!("loading gives every resource of the plan an object"),
                 }
             }
@@ -380,6 +387,20 @@ impl LoadedStep {
                     size: std::num::NonZeroU64::new(self.linked.uniforms[*index].size()),
                 })
             }
+        }
+    }
+}
+
+/// Reports how many bytes of each buffer of the plan a step binds.
+pub(crate) fn bound_bytes(step: &LinkedStep, plan: &Plan, add: &mut impl FnMut(ResourceId, u64)) {
+    for bound in &step.bindings {
+        let id = match &bound.source {
+            Source::Resource(id) => *id,
+            Source::Past(history) => plan.histories[history.0 as usize].resource,
+            Source::SceneBinding(_) | Source::Uniform(_) => continue,
+        };
+        if let ResourceDesc::Buffer(buffer) = &plan.resources[id.0 as usize].desc {
+            add(id, bound.window.as_ref().map_or(buffer.bytes, |bytes| bytes.end - bytes.start));
         }
     }
 }

@@ -187,6 +187,7 @@ fn pasts_uniforms_clears_and_draws_allocate_what_wgpu_does() {
             draw: Draw::Fullscreen,
             values: Vec::new(),
             bind: Vec::new(),
+            windows: Vec::new(),
         })]
     });
     let workshop = Workshop::new(vec![count, draw], &[("count.wgsl", COUNT), ("draw.wgsl", DRAW)]);

@@ -28,8 +28,8 @@ pub use link::{
     pass_seed,
 };
 pub use record::{
-    Compute, DepthTarget, Draw, Load, PortDesc, Raster, RecordContext, Recording, Step, Target, Threads,
-    request, request_of_module,
+    Compute, DepthTarget, Draw, LARGEST_WINDOW, Load, PortDesc, Raster, RecordContext, Recording, Step,
+    Target, Threads, WINDOW_ALIGNMENT, request, request_of_module,
 };
 use shader_library::TypeLayout;
 pub use shader_library::{Define, Library, Request};

@@ -1,7 +1,7 @@
 //! Links the steps of a pass to the resources of a plan: shaders loaded, globals resolved by name, types
 //! checked, uniforms laid out. All of this works without a GPU, so that `check` verifies what an executor will run.
 
-use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step};
+use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step, WINDOW_ALIGNMENT};
 use crate::{Interface, Pass, scene_bindings};
 use fit::{describe, describe_global, mismatch};
 use frame_graph::codes::{Code, link as codes};
@@ -9,6 +9,7 @@ use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId
 use frame_graph::{Diagnostic, Diagnostics, Label, ResourceDesc, Setting, Span, Traits, Use, nearest};
 use names::{Named, Names};
 use shader_library::{Global, GlobalKind, Library, Request, Shader, Stage};
+use std::ops::Range;
 use std::sync::Arc;
 
 mod fit;
@@ -37,6 +38,8 @@ pub struct Bound {
     pub global: usize,
     /// What it is bound to.
     pub source: Source,
+    /// The bytes of its buffer that it sees; `None` for all.
+    pub window: Option<Range<u64>>,
 }
 
 /// A step with all names resolved.
@@ -175,14 +178,14 @@ struct StepLinker<'a> {
 
 impl StepLinker<'_> {
     fn link(&self, step: Step, library: &Library) -> Result<LinkedStep, Diagnostics> {
-        let (request, entry_names, bind, values) = match &step {
-            Step::Compute(Compute { shader, entry, bind, values, .. }) => {
-                (shader, vec![(entry, Stage::Compute)], bind, values)
+        let (request, entry_names, bind, windows, values) = match &step {
+            Step::Compute(Compute { shader, entry, bind, windows, values, .. }) => {
+                (shader, vec![(entry, Stage::Compute)], bind, windows, values)
             }
-            Step::Raster(Raster { shader, vertex, fragment, bind, values, .. }) => {
+            Step::Raster(Raster { shader, vertex, fragment, bind, windows, values, .. }) => {
                 let mut entries = vec![(vertex, Stage::Vertex)];
                 entries.extend(fragment.iter().map(|name| (name, Stage::Fragment)));
-                (shader, entries, bind, values)
+                (shader, entries, bind, windows, values)
             }
         };
         let shader = library.load(request)?;
@@ -215,7 +218,11 @@ impl StepLinker<'_> {
                 }
                 None => self.bind(&shader, request, global, renamed)?,
             };
-            bindings.push(Bound { global, source });
+            let window = windows.iter().find(|(of, _)| of == name).map(|(_, bytes)| bytes.clone());
+            if let Some(bytes) = &window {
+                self.check_window(&shader, request, global, &source, bytes)?;
+            }
+            bindings.push(Bound { global, source, window });
         }
         let (mut targets, mut depth) = (Vec::new(), None);
         if let Step::Raster(raster) = &step {
@@ -335,6 +342,38 @@ impl StepLinker<'_> {
             ));
         }
         Ok(named.source.clone())
+    }
+
+    /// Checks that a global can see these bytes of what it is bound to.
+    fn check_window(
+        &self,
+        shader: &Shader,
+        request: &Request,
+        global: usize,
+        source: &Source,
+        bytes: &Range<u64>,
+    ) -> Result<(), Diagnostics> {
+        let name = &shader.interface.globals[global].name;
+        let resource = match source {
+            Source::Resource(id) => Some(*id),
+            Source::Past(history) => Some(self.plan.histories[history.0 as usize].resource),
+            Source::SceneBinding(_) | Source::Uniform(_) => None,
+        };
+        let why = match resource.map(|id| &self.plan.resources[id.0 as usize].desc) {
+            Some(ResourceDesc::Buffer(buffer)) if bytes.is_empty() || bytes.end > buffer.bytes => {
+                format!("it has {} bytes", buffer.bytes)
+            }
+            Some(ResourceDesc::Buffer(_)) if !bytes.start.is_multiple_of(WINDOW_ALIGNMENT) => {
+                format!("the first is no multiple of {WINDOW_ALIGNMENT}")
+            }
+            Some(ResourceDesc::Buffer(_)) => return Ok(()),
+            _ => "it is no buffer of the graph".to_owned(),
+        };
+        let message = format!(
+            "{}: `{name}` cannot see the bytes {} to {}: {why}",
+            request.path, bytes.start, bytes.end
+        );
+        Err(self.error(&codes::MISMATCH, message, shader.global_place(global), Vec::new()))
     }
 
     /// The buffer that an indirect dispatch or draw takes its size from. The step itself cannot write it.

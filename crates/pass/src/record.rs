@@ -7,6 +7,7 @@ use frame_graph::{
 };
 use shader_library::{Define, Library, Request};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// What is known when a pass records its steps: everything but the contents of resources.
@@ -165,6 +166,13 @@ pub struct Recording {
     pub steps: Vec<Step>,
 }
 
+/// What the first byte of a window of a buffer is a multiple of, on every adapter: WebGPU's default of
+/// `minStorageBufferOffsetAlignment`.
+pub const WINDOW_ALIGNMENT: u64 = 256;
+
+/// The bytes of a buffer that every adapter can bind: WebGPU's default of `maxStorageBufferBindingSize`.
+pub const LARGEST_WINDOW: u64 = 128 << 20;
+
 /// A dispatch or a draw.
 ///
 /// The uniform `settings` of its shader is filled member by member, from the first of these that has the
@@ -196,6 +204,9 @@ pub struct Compute {
     pub values: Vec<(String, Value)>,
     /// Globals that are not bound by their own name: `(global, port or port.member)`.
     pub bind: Vec<(String, String)>,
+    /// Globals that see a part of their buffer: `(global, bytes)`. The first byte is a multiple of
+    /// [`WINDOW_ALIGNMENT`].
+    pub windows: Vec<(String, Range<u64>)>,
 }
 
 /// How many threads a dispatch has. Workgroups are counted from the entry point's size.
@@ -237,6 +248,9 @@ pub struct Raster {
     pub values: Vec<(String, Value)>,
     /// Globals that are not bound by their own name: `(global, port or port.member)`.
     pub bind: Vec<(String, String)>,
+    /// Globals that see a part of their buffer: `(global, bytes)`. The first byte is a multiple of
+    /// [`WINDOW_ALIGNMENT`].
+    pub windows: Vec<(String, Range<u64>)>,
 }
 
 /// A colour target.
@@ -322,7 +336,14 @@ impl Target {
 impl Compute {
     /// Creates a dispatch whose globals are bound by name.
     pub fn new(shader: Request, entry: &str, threads: Threads) -> Compute {
-        Compute { shader, entry: entry.into(), threads, values: Vec::new(), bind: Vec::new() }
+        Compute {
+            shader,
+            entry: entry.into(),
+            threads,
+            values: Vec::new(),
+            bind: Vec::new(),
+            windows: Vec::new(),
+        }
     }
 
     /// Creates a dispatch of one thread for each texel of a size.
@@ -339,6 +360,12 @@ impl Compute {
     /// Binds a global to a resource of another name.
     pub fn bind(mut self, global: &str, resource: &str) -> Compute {
         self.bind.push((global.into(), resource.into()));
+        self
+    }
+
+    /// Lets a global see these bytes of its buffer alone: a shader can bind less than a buffer may hold.
+    pub fn window(mut self, global: &str, bytes: Range<u64>) -> Compute {
+        self.windows.push((global.into(), bytes));
         self
     }
 }

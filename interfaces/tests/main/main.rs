@@ -1,4 +1,5 @@
 //! The interfaces of the tree against their WGSL.
 
 mod atlas;
+mod depth_atlas;
 mod structs;

@@ -81,6 +81,7 @@ impl Pass for Gbuffer {
             draw: Draw::Scene,
             values: Vec::new(),
             bind: Vec::new(),
+            windows: Vec::new(),
         };
         let specular = has("specular");
         let defines =

@@ -103,6 +103,7 @@ impl Pass for ParaboloidShadowMaps {
                 draw: Draw::Vertices { vertices, instances: layout.maps(layer).len() as u32 },
                 values: vec![("first_map".into(), Value::U32(layout.maps(layer).start))],
                 bind: Vec::new(),
+                windows: Vec::new(),
             })
         };
         Ok(Recording { steps: (0..layout.layers()).map(layer).collect() })

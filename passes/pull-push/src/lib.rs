@@ -5,18 +5,21 @@ pub mod cpu_reference;
 use interfaces::depth_atlas;
 use interfaces::visibility::{AtlasLayout, DepthBias};
 use pass::{
-    Compute, Define, Draw, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Raster,
-    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, Threads,
+    Compute, Define, Draw, Info, LARGEST_WINDOW, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, Threads,
     UseContext, Value, setting,
 };
+use std::ops::Range;
 
 /// The pass type `pull-push`.
-pub const PASS: &dyn Pass = &PullPush { side: AtlasLayout::SIDE };
+pub const PASS: &dyn Pass = &PullPush { side: AtlasLayout::SIDE, window: LARGEST_WINDOW };
 
 /// Hole filling by pull and push with rejection of outliers.
 pub struct PullPush {
     /// The greatest side of a layer of the atlas \[px\].
     pub side: u32,
+    /// The bytes of the splatted maps that a step binds at most.
+    pub window: u64,
 }
 
 const PULL: &str = "passes/pull-push/pull.wgsl";
@@ -53,11 +56,19 @@ impl Pyramid {
         (1..level).map(|finer| self.count * self.side(finer).pow(2)).sum()
     }
 
-    /// A step between a level and the coarser one, with one thread per texel of level `threads`.
-    fn step(self, finer: u32, threads: u32, shader: pass::Request, entry: &str) -> Compute {
+    /// A step between a level and the coarser one, with one thread per texel of level `threads` of these maps.
+    fn step(
+        self,
+        finer: u32,
+        threads: u32,
+        maps: &Range<u32>,
+        shader: pass::Request,
+        entry: &str,
+    ) -> Compute {
         let side = self.side(threads);
         let begin = |level| Value::U32(self.begin(level));
-        Compute::new(shader, entry, Threads::Grid([side, side, self.count]))
+        Compute::new(shader, entry, Threads::Grid([side, side, maps.end - maps.start]))
+            .value("first_map", Value::U32(maps.start))
             .value("fine_side", Value::U32(self.side(finer)))
             .value("coarse_side", Value::U32(self.side(finer + 1)))
             .value("fine_begin", begin(finer))
@@ -113,34 +124,51 @@ impl Pass for PullPush {
         let (tile, count) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
         let pyramid = Pyramid { tile, count };
         let mut recording = Recording::default();
-        for finer in 0..levels {
-            let shader = cx.shader(PULL, &[("FINEST", Define::Bool(finer == 0))]);
-            recording = recording.then(pyramid.step(finer, finer + 1, shader, "pull"));
+        let windows = depth_atlas::windows(count, tile, 1, self.window);
+        let shader = |finest| cx.shader(PULL, &[("FINEST", Define::Bool(finest))]);
+        if levels > 0 {
+            recording = recording.then_all(windows.iter().map(|window| {
+                let step = pyramid.step(0, 1, &window.maps, shader(true), "pull");
+                step.window("depth", window.bytes.clone())
+            }));
+        }
+        for finer in 1..levels {
+            recording = recording.then(pyramid.step(finer, finer + 1, &(0..count), shader(false), "pull"));
         }
         for finer in (1..levels).rev() {
-            recording = recording.then(pyramid.step(finer, finer, cx.shader(PUSH, &[]), "push"));
+            let step = pyramid.step(finer, finer, &(0..count), cx.shader(PUSH, &[]), "push");
+            recording = recording.then(step);
         }
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, pyramid.count));
         let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
-        recording.steps.extend((0..layout.layers()).map(|layer| {
-            Step::Raster(Raster {
-                shader: cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]),
-                vertex: "cover".into(),
-                fragment: Some("fill".into()),
-                targets: vec![Target {
-                    resource: "visibility.atlas".into(),
-                    layer,
-                    load: Load::Clear([AtlasLayout::NOTHING; 4]),
-                }],
-                depth: None,
-                draw: Draw::Vertices { vertices: 6, instances: layout.maps(layer).len() as u32 },
-                values: vec![
-                    ("coarse_side".into(), Value::U32(pyramid.side(1))),
-                    ("first_map".into(), Value::U32(layout.maps(layer).start)),
-                ],
-                bind: vec![("level_1".into(), "pyramid".into())],
-            })
-        }));
+        for layer in 0..layout.layers() {
+            let of_layer = layout.maps(layer);
+            for window in &windows {
+                let maps = window.maps.start.max(of_layer.start)..window.maps.end.min(of_layer.end);
+                if maps.is_empty() {
+                    continue;
+                }
+                let load = match maps.start == of_layer.start {
+                    true => Load::Clear([AtlasLayout::NOTHING; 4]),
+                    false => Load::Keep,
+                };
+                recording.steps.push(Step::Raster(Raster {
+                    shader: cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]),
+                    vertex: "cover".into(),
+                    fragment: Some("fill".into()),
+                    targets: vec![Target { resource: "visibility.atlas".into(), layer, load }],
+                    depth: None,
+                    draw: Draw::Vertices { vertices: 6, instances: maps.len() as u32 },
+                    values: vec![
+                        ("coarse_side".into(), Value::U32(pyramid.side(1))),
+                        ("first_map".into(), Value::U32(maps.start)),
+                        ("first_bound".into(), Value::U32(window.maps.start)),
+                    ],
+                    bind: vec![("level_1".into(), "pyramid".into())],
+                    windows: vec![("depth".into(), window.bytes.clone())],
+                }));
+            }
+        }
         Ok(recording)
     }
 }

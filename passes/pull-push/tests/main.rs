@@ -1,5 +1,6 @@
 //! Hole filling on maps whose answer is known.
 
+use pass::LARGEST_WINDOW;
 use pass_test::Harness;
 use pull_push::cpu_reference::{Level, pull_push, pulled};
 
@@ -134,7 +135,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         let bits: Vec<u32> =
             maps.iter().flat_map(|map| &map.depth).map(|depth| (*depth as f32).to_bits()).collect();
         let bytes = bytemuck::cast_slice(&bits).to_vec();
-        let pass = pull_push::PullPush { side: layer };
+        let pass = pull_push::PullPush { side: layer, window: LARGEST_WINDOW };
         let outputs = Harness::new(&pass)
             .scene("plane")
             .set("levels", levels)
@@ -165,4 +166,30 @@ fn the_gpu_agrees_with_the_cpu_reference() {
             }
         }
     }
+}
+
+#[test]
+fn maps_that_are_bound_in_parts_are_filled_as_in_one() {
+    // 130 maps in parts of 64, and in layers of 25: a part ends within a layer, and a layer within a part.
+    let bits: Vec<u32> =
+        (0..130).flat_map(|salt| rough(8, salt).depth).map(|depth| (depth as f32).to_bits()).collect();
+    let filled = |window| {
+        let bytes = bytemuck::cast_slice(&bits).to_vec();
+        let pass = pull_push::PullPush { side: 40, window };
+        let outputs = Harness::new(&pass)
+            .scene("plane")
+            .set("levels", 3)
+            .input(
+                "depth",
+                "DepthAtlas",
+                &[("tile", 8), ("count", 130)],
+                vec![("", pass_test::buffer(bytes.len() as u64), bytes)],
+            )
+            .fact("depth_bias", 1.0)
+            .fact("slope_bias", 0.0)
+            .run()?;
+        Some(outputs.read::<u32>("visibility.atlas"))
+    };
+    let Some(whole) = filled(LARGEST_WINDOW) else { return };
+    assert!(whole == filled(1).expect("the adapter is still there"), "texels differ");
 }

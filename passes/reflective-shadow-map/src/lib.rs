@@ -98,6 +98,7 @@ impl Pass for ReflectiveShadowMap {
                     draw: Draw::Scene,
                     values: vec![("layer".into(), Value::U32(layer))],
                     bind: Vec::new(),
+                    windows: Vec::new(),
                 })
             })
             .collect();

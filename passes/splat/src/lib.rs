@@ -6,16 +6,20 @@ use interfaces::points::SurfaceSamples;
 use interfaces::visibility::{DepthBias, DepthBiasSettings};
 use interfaces::{counters, depth_atlas, virtual_lights};
 use pass::{
-    Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, setting,
+    Compute, Define, Info, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
+    setting,
 };
 use std::f64::consts::PI;
 
 /// The pass type `splat`.
-pub const PASS: &dyn Pass = &Splat;
+pub const PASS: &dyn Pass = &Splat { window: LARGEST_WINDOW };
 
 /// Imperfect shadow maps before their holes are filled.
-pub struct Splat;
+pub struct Splat {
+    /// The bytes of the maps that a dispatch binds at most.
+    pub window: u64,
+}
 
 const SHADER: &str = "passes/splat/splat.wgsl";
 
@@ -145,17 +149,25 @@ impl Pass for Splat {
         let within_budget = (settings.budget / maps.max(1)).max(1);
         let samples = SurfaceSamples::new(cx, maps, wanted.min(within_budget))?;
         let shader = cx.shader(SHADER, &[("KERNEL", Define::from(settings.kernel))]);
-        let dispatch = |entry: &str, threads: u32| {
-            samples
-                .fill(Compute::new(shader.clone(), entry, Threads::Row(threads)), "samples")
-                .value("wanted", Value::U32(wanted.saturating_mul(maps)))
-                .value("threads", Value::U32(samples.threads()))
-        };
-        let texels = maps * tile * tile;
-        let cleared = Recording::one(dispatch("clear", texels.div_ceil(4)).bind("cleared", "depth"));
-        Ok(match samples.threads() {
-            0 => cleared,
-            threads => cleared.then(dispatch("splat", threads)),
-        })
+        let mut recording = Recording::default();
+        for window in depth_atlas::windows(maps, tile, samples.block(), self.window) {
+            let of_maps = samples.of_maps(&window.maps);
+            let dispatch = |entry: &str, global: &str, threads: u32| {
+                samples
+                    .fill(Compute::new(shader.clone(), entry, Threads::Row(threads)), "samples")
+                    .bind(global, "depth")
+                    .window(global, window.bytes.clone())
+                    .value("wanted", Value::U32(wanted.saturating_mul(maps)))
+                    .value("first_map", Value::U32(window.maps.start))
+                    .value("first", Value::U32(of_maps.start))
+                    .value("end", Value::U32(of_maps.end))
+            };
+            let texels = (window.maps.end - window.maps.start) * tile * tile;
+            recording = recording.then(dispatch("clear", "cleared", texels.div_ceil(4)));
+            if !of_maps.is_empty() {
+                recording = recording.then(dispatch("splat", "depth", of_maps.end - of_maps.start));
+            }
+        }
+        Ok(recording)
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, dvec3, uvec2};
 use interfaces::virtual_lights::VirtualLight;
+use pass::LARGEST_WINDOW;
 use pass_test::Harness;
 use splat::cpu_reference::paraboloid::{
     direction_from_paraboloid, frame_from_normal, paraboloid_density, paraboloid_from_direction, texel_area,
@@ -209,6 +210,46 @@ fn the_gpu_agrees_with_the_cpu_reference() {
             assert!(differ.count() * 500 <= texels, "map {m} of {tile}²");
         }
     }
+}
+
+#[test]
+fn maps_that_are_bound_in_parts_are_splatted_as_in_one() {
+    // 130 maps in parts of 64, each with a light of its own.
+    let points: Vec<[f32; 8]> = sphere(900)
+        .enumerate()
+        .map(|(i, n)| (n * (0.3 + 1.7 * (i as f64 * 0.618).fract()), frame_from_normal(n).col(i % 3)))
+        .map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0].map(|x| x as f32))
+        .collect();
+    let normals: Vec<DVec3> = sphere(130).collect();
+    let lights: Vec<VirtualLight> = (0..130)
+        .map(|i| normals[i * 37 % 130])
+        .map(|normal| VirtualLight {
+            position: (0.1 * normal).as_vec3().to_array(),
+            normal: normal.as_vec3().to_array(),
+            flux: [1.0; 3],
+            ..VirtualLight::default()
+        })
+        .collect();
+    let splatted = |window| {
+        let outputs = Harness::new(&splat::Splat { window })
+            .scene("plane")
+            .set("map", 16)
+            .set("points_per_map", 50)
+            .input(
+                "points",
+                "Points",
+                &[("count", 900)],
+                vec![("", pass_test::buffer(900 * 32), bytemuck::cast_slice(&points).to_vec())],
+            )
+            .module(STORED)
+            .lights(&lights)
+            .run()?;
+        Some((outputs.read::<u32>("depth"), outputs.read::<u32>("counters")))
+    };
+    let Some(whole) = splatted(LARGEST_WINDOW) else { return };
+    let last = &whole.0[129 * 256..];
+    assert!(last.iter().any(|bits| *bits != f32::INFINITY.to_bits()), "the last map has points");
+    assert!(whole == splatted(1).expect("the adapter is still there"), "texels or counters differ");
 }
 
 #[test]

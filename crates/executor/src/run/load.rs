@@ -6,7 +6,7 @@ use crate::error::ExecutorError;
 use crate::fill::{copy, fill};
 use crate::object::{Object, ObjectUsage, check_limits};
 use crate::pipeline::TargetFormats;
-use crate::step::LoadedStep;
+use crate::step::{LoadedStep, bound_bytes};
 use crate::timing::Timers;
 use crate::uniforms::Uniforms;
 use frame_graph::frame::FrameState;
@@ -48,6 +48,7 @@ impl Executor {
     /// ([`ExecutorError::NothingLeft`]).
     pub fn load(&mut self, plan: Arc<Plan>, steps: Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError> {
         self.check_features(&plan, &steps)?;
+        self.check_sizes(&plan, &steps)?;
         let usages = allocation_usages(&plan, steps.iter().flatten().map(|step| &**step));
         let succession = self.loaded.as_ref().map(|old| Succession::between(&old.plan, &plan));
         let kept = self.loaded.as_ref().is_some_and(|old| {
@@ -76,6 +77,22 @@ impl Executor {
         let used: HashSet<u128> = loaded.map(LoadedStep::shader_hash).collect();
         self.pipelines.trim(&used);
         Ok(report)
+    }
+
+    /// Checks objects, and what steps bind of buffers, against the limits of the adapter.
+    fn check_sizes(&self, plan: &Plan, steps: &[LinkedSteps]) -> Result<(), ExecutorError> {
+        let mut bound = vec![0; plan.allocations.len()];
+        for step in steps.iter().flatten() {
+            bound_bytes(step, plan, &mut |id, bytes| {
+                let most = &mut bound[plan.resources[id.0 as usize].allocation.0 as usize];
+                *most = bytes.max(*most);
+            });
+        }
+        for (allocation, bound) in plan.allocations.iter().zip(bound) {
+            let from = || size_from(plan, allocation);
+            check_limits(&self.gpu, name_of(plan, allocation), (&allocation.desc, bound), from)?;
+        }
+        Ok(())
     }
 
     /// Builds the steps of all passes, or, where the structure is `kept`, of those whose steps are not the loaded ones;
@@ -165,10 +182,6 @@ impl Executor {
         usages: &[ObjectUsage],
         succession: Option<&Succession>,
     ) -> Result<(), ExecutorError> {
-        for allocation in &plan.allocations {
-            let from = || size_from(&plan, allocation);
-            check_limits(&self.gpu, name_of(&plan, allocation), &allocation.desc, from)?;
-        }
         let mut old = self.loaded.take();
         let carried = match (&old, succession) {
             (Some(old), Some(succession)) => carry(old, &plan, usages, succession),

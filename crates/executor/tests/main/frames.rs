@@ -245,6 +245,7 @@ fn draws_reach_their_layer_and_keep_what_is_there() {
             draw: Draw::Vertices { vertices: 6, instances: 1 },
             values: vec![("width".into(), Value::F32(width)), ("color".into(), Value::F32(color))],
             bind: Vec::new(),
+            windows: Vec::new(),
         })
     };
     let layers = ResourceDesc::texture_2d_array(Format::R32Float, Extent::Fixed(4, 1), 3);
@@ -388,8 +389,11 @@ fn a_plan_that_does_not_load_replaces_nothing() {
     let (mut kinds, passes, outputs) = chain(2);
     kinds
         .push(sized("layers", ResourceDesc::texture_2d_array(Format::R32Float, Extent::Fixed(1, 1), layers)));
-    kinds.push(sized("bytes", ResourceDesc::buffer(bytes)));
-    let workshop = Workshop::new(kinds, CHAIN);
+    kinds
+        .push(sized("bytes", ResourceDesc::buffer(bytes)).steps(|_| vec![Step::Compute(run("second.wgsl"))]));
+    let second = compute(SECOND, "out[1] = 5u;");
+    let shaders = [CHAIN, &[("second.wgsl", &second)]].concat();
+    let workshop = Workshop::new(kinds, &shaders);
     let Some(mut running) = workshop.start(&passes, &outputs) else { return };
     running.frame();
     let (held, picture) = (running.0.held_bytes(), running.read("p2.out"));

@@ -86,6 +86,7 @@ fn columns(buffer: &str, offset: u64) -> Step {
         draw: Draw::Indirect { buffer: buffer.into(), offset },
         values: Vec::new(),
         bind: Vec::new(),
+        windows: Vec::new(),
     })
 }
 

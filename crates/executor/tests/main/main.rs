@@ -4,3 +4,4 @@ mod frames;
 mod harness;
 mod indirect;
 mod load;
+mod windows;

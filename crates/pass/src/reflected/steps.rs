@@ -168,6 +168,7 @@ impl Reflected {
                         draw: Draw::Fullscreen,
                         values,
                         bind: bind.clone(),
+                        windows: Vec::new(),
                     }),
                 });
             }

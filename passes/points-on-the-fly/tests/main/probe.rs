@@ -57,7 +57,11 @@ impl Pass for Probe {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = ProbeSettings::read(cx.settings);
         let samples = SurfaceSamples::new(cx, settings.maps, settings.per_map)?;
-        let probe = Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Row(samples.threads()));
+        let probe = Compute::new(
+            cx.shader(SHADER, &[]),
+            "probe",
+            Threads::Row(samples.of_maps(&(0..settings.maps)).end),
+        );
         Ok(Recording::one(samples.fill(probe, "samples")))
     }
 }
