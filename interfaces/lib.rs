@@ -6,6 +6,9 @@
 //! layout of the WGSL ones. A crate outside this tree adds an interface with
 //! [`Pass::interfaces`].
 
+#[path = "cluster-map/mod.rs"]
+pub mod cluster_map;
+pub mod clusters;
 pub mod counters;
 #[path = "depth-atlas/mod.rs"]
 pub mod depth_atlas;
@@ -35,6 +38,8 @@ pub static INTERFACES: &[Interface] = &[
     reflective_shadow_map::INTERFACE,
     importance::INTERFACE,
     virtual_lights::INTERFACE,
+    clusters::INTERFACE,
+    cluster_map::INTERFACE,
     points::INTERFACE,
     depth_atlas::INTERFACE,
     visibility::INTERFACE,

@@ -1,6 +1,7 @@
 //! Structs that Rust and WGSL share.
 
 use interfaces::INTERFACES;
+use interfaces::clusters::{self, Cluster, ClustersHeader, NO_TEXEL};
 use interfaces::counters::Counters;
 use interfaces::progress::{PROGRESS, Progress};
 use interfaces::virtual_lights::{self, VirtualLight};
@@ -12,6 +13,23 @@ fn rust_has_the_layouts_of_the_wgsl() {
     let library = pass_test::shaders();
     let layouts = [
         struct_layout!(Counters { requested: "u32", produced: "u32" }),
+        struct_layout!(Cluster {
+            position: "vec3f",
+            area: "f32",
+            normal: "vec3f",
+            importance: "f32",
+            flux: "vec3f",
+            radius: "f32",
+            centre_flux: "vec3f",
+            texel: "u32",
+            uv: "vec2f",
+            layer: "u32",
+            texels: "u32",
+            generation: "u32",
+            state: "u32",
+            delta: "f32",
+            mean_delta: "f32",
+        }),
         struct_layout!(Progress { step: "u32", steps: "u32", error: "f32", done: "u32" }),
         struct_layout!(VirtualLight {
             position: "vec3f",
@@ -75,4 +93,20 @@ fn stand_ins_are_there() {
     for module in INTERFACES.iter().filter_map(|interface| interface.stand_in) {
         library.outline(&Request::new(module)).unwrap_or_else(|error| panic!("{error}"));
     }
+}
+
+#[test]
+fn clusters_come_out_of_their_buffer() {
+    let cx = pass_test::use_context();
+    let bytes = |count| clusters::output(&cx, "clusters", count).unwrap().members[0].1.clone();
+    assert_eq!(bytes(0), pass::ResourceDesc::buffer(size_of::<ClustersHeader>() as u64));
+    assert_eq!(bytes(3), pass::ResourceDesc::buffer(80 + 3 * 96));
+    let header =
+        ClustersHeader { merged: 4, greatest_area: 2.5, map_flux: [1.0, 2.0, 3.0], ..Default::default() };
+    let cluster =
+        Cluster { position: [1.0, 2.0, 3.0], texel: NO_TEXEL, uv: [0.5, 7.0], ..Default::default() };
+    let bytes = clusters::to_bytes(&header, &[cluster, Cluster::default()]);
+    let wanted = (ClustersHeader { count: 2, ..header }, vec![cluster, Cluster::default()]);
+    assert_eq!(clusters::from_bytes(&bytes), Some(wanted));
+    assert_eq!(clusters::from_bytes(&bytes[..bytes.len() - 1]), None);
 }
