@@ -1,7 +1,7 @@
 //! Clusters of the texels of a reflective shadow map, which go from frame to frame.
 
 use bytemuck::{Pod, Zeroable};
-use pass::{Content, Fact, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
+use pass::{Content, Fact, Figure, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
 
 /// The number of clusters.
 pub const COUNT: Fact<u32> = Fact::required("count", "the number of clusters");
@@ -15,7 +15,15 @@ pub const INTERFACE: Interface = Interface::new(
     &[Member::required("", Content::Struct(CLUSTERS), "what is true of all clusters, and the clusters")],
 )
 .with_facts(&[COUNT.decl()])
-.with_folder("interfaces/clusters");
+.with_folder("interfaces/clusters")
+.with_figures(&[
+    Figure::new("alive", "clusters that have texels", ""),
+    Figure::new("vanished", "clusters that have lost their texels", ""),
+    Figure::new("merged", "clusters that were merged", ""),
+    Figure::new("split", "clusters that were split", ""),
+    Figure::new("mean_share", "mean of area times importance over the clusters", "m²"),
+    Figure::new("share_variance", "variance of area times importance over the clusters", "m⁴"),
+]);
 
 /// Where a cluster stands: the constants `CLUSTER_…` of clusters.wgsl.
 pub mod state {

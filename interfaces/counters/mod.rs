@@ -1,7 +1,6 @@
 //! How much a pass was requested to produce, and how much it produced.
 
-use bytemuck::{Pod, Zeroable};
-use pass::{Content, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
+use pass::{Content, Figure, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
 
 const COUNTERS: Struct = Struct::new("interfaces/counters/counters.wgsl", "Counters");
 
@@ -11,24 +10,11 @@ pub const INTERFACE: Interface = Interface::new(
     "How much a pass was requested to produce, and how much it produced within its bounds.",
     &[Member::required("", Content::Struct(COUNTERS), "both numbers")],
 )
-.with_folder("interfaces/counters");
-
-/// `struct Counters` of counters.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub struct Counters {
-    /// How many were requested.
-    pub requested: u32,
-    /// How many were produced.
-    pub produced: u32,
-}
-
-impl Counters {
-    /// Reads counters from the bytes of the buffer; `None` where there are too few.
-    pub fn from_bytes(bytes: &[u8]) -> Option<Counters> {
-        bytes.get(..size_of::<Counters>()).map(bytemuck::pod_read_unaligned)
-    }
-}
+.with_folder("interfaces/counters")
+.with_figures(&[
+    Figure::new("requested", "how many were requested", ""),
+    Figure::new("produced", "how many were produced", ""),
+]);
 
 /// Describes an output of counters.
 ///

@@ -22,12 +22,14 @@ pub struct Interface {
     /// For an interface whose producers have a [`Module`](crate::Module): the module with which a consumer's shader is
     /// reflected before its producer is known.
     pub stand_in: Option<&'static str>,
+    /// Numbers at the beginning of its first member, a struct, that tell a user how a frame went.
+    pub figures: &'static [Figure],
 }
 
 impl Interface {
     /// Declares an interface without facts and without WGSL.
     pub const fn new(name: &'static str, doc: &'static str, members: &'static [Member]) -> Interface {
-        Interface { name, doc, members, facts: &[], folder: None, stand_in: None }
+        Interface { name, doc, members, facts: &[], folder: None, stand_in: None, figures: &[] }
     }
 
     /// Returns the same with these facts.
@@ -45,6 +47,11 @@ impl Interface {
         Interface { stand_in: Some(module), ..self }
     }
 
+    /// Returns the same with these figures.
+    pub const fn with_figures(self, figures: &'static [Figure]) -> Interface {
+        Interface { figures, ..self }
+    }
+
     /// Returns the member of that name; `""` for the only one.
     pub fn member(&self, name: &str) -> Option<&'static Member> {
         self.members.iter().find(|member| member.name == name)
@@ -53,6 +60,24 @@ impl Interface {
     /// Returns the declaration of the fact of that name.
     pub fn fact(&self, name: &str) -> Option<&'static FactDecl> {
         self.facts.iter().find(|fact| fact.name == name)
+    }
+}
+
+/// A number that a pass tells about a frame: a scalar of the struct that an interface's first member holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Figure {
+    /// The name of the struct's member, a `u32` or an `f32`.
+    pub name: &'static str,
+    /// What it counts or measures.
+    pub doc: &'static str,
+    /// The unit; empty for none.
+    pub unit: &'static str,
+}
+
+impl Figure {
+    /// Declares a figure.
+    pub const fn new(name: &'static str, doc: &'static str, unit: &'static str) -> Figure {
+        Figure { name, doc, unit }
     }
 }
 

@@ -128,7 +128,7 @@ pub use data_file::Name;
 pub use description::{Description, parse};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Source, Span, nearest};
 pub use frame::{Change, FrameState, ResetCause};
-pub use interface::{Content, Fact, FactDecl, FactValue, Interface, Member, Struct};
+pub use interface::{Content, Fact, FactDecl, FactValue, Figure, Interface, Member, Struct};
 pub use link::{Graph, LinkContext, link};
 pub use plan::{Plan, PlanId};
 pub use port::{

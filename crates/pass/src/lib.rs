@@ -19,9 +19,9 @@ pub mod scene_bindings;
 pub mod setting;
 
 pub use frame_graph::{
-    Clear, Content, Extent, Fact, FactDecl, FactValue, Facts, Format, InputPort, Interface, Member, Module,
-    Name, OutputContext, OutputDesc, OutputPort, PassTypeError, Ports, ResourceDesc, SceneBindings, Setting,
-    Settings, Struct, Traits, Usage, Use, Value, ValueType,
+    Clear, Content, Extent, Fact, FactDecl, FactValue, Facts, Figure, Format, InputPort, Interface, Member,
+    Module, Name, OutputContext, OutputDesc, OutputPort, PassTypeError, Ports, ResourceDesc, SceneBindings,
+    Setting, Settings, Struct, Traits, Usage, Use, Value, ValueType,
 };
 pub use link::{
     Bound, FrameValue, FrameWord, LinkedStep, LinkedSteps, PastFact, Source, UniformFill, link_steps,

@@ -17,6 +17,7 @@
 
 mod compile;
 mod error;
+mod figures;
 mod picture;
 mod provenance;
 mod reload;
@@ -27,7 +28,7 @@ pub use catalog::{Assets, Catalog};
 pub use compile::{Compiled, compile_options};
 pub use error::RenderError;
 pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, Timings, wgpu};
-pub use interfaces::counters::Counters;
+pub use figures::PortFigures;
 pub use interfaces::progress::Progress;
 pub use provenance::{Provenance, parse_value};
 pub use reload::Reload;

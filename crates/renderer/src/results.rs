@@ -1,6 +1,6 @@
-//! The results of frames: outputs, pictures of any resource, counters and progress.
+//! The results of frames: outputs, pictures of any resource, and progress.
 
-use crate::{Counters, Progress, RenderError, Renderer, picture};
+use crate::{Progress, RenderError, Renderer, picture};
 use executor::Object;
 use executor::wgpu;
 use frame_graph::Name;
@@ -112,25 +112,6 @@ impl Renderer {
         Progress::from_bytes(&bytes)
             .map(Some)
             .ok_or_else(|| RenderError::NoProgress { resource: output.from.to_string(), bytes: bytes.len() })
-    }
-
-    /// Returns the counters of passes, by `pass.port`: all that the plan has of the interface `Counters`. Waits for the
-    /// GPU.
-    ///
-    /// # Errors
-    /// Where the device is gone.
-    pub fn counters(&self) -> Result<Vec<(Name, Counters)>, RenderError> {
-        let Some(plan) = self.plan() else { return Ok(Vec::new()) };
-        let ports = plan.passes.iter().flat_map(|pass| &pass.outputs);
-        let members = ports
-            .filter(|port| port.interface.as_str() == interfaces::counters::INTERFACE.name)
-            .flat_map(|port| &port.members);
-        let mut counters = Vec::new();
-        for (_, id) in members {
-            let name = plan.resources[id.0 as usize].name.clone();
-            counters.extend(Counters::from_bytes(&self.executor.read(*id)?).map(|counters| (name, counters)));
-        }
-        Ok(counters)
     }
 
     /// Returns the texture of an output, for an application that draws with it.

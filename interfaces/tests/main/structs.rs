@@ -2,7 +2,6 @@
 
 use interfaces::INTERFACES;
 use interfaces::clusters::{self, Cluster, ClustersHeader, NO_TEXEL};
-use interfaces::counters::Counters;
 use interfaces::progress::{PROGRESS, Progress};
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Content, Request};
@@ -12,7 +11,6 @@ use shader_library::struct_layout;
 fn rust_has_the_layouts_of_the_wgsl() {
     let library = pass_test::shaders();
     let layouts = [
-        struct_layout!(Counters { requested: "u32", produced: "u32" }),
         struct_layout!(Cluster {
             position: "vec3f",
             area: "f32",
@@ -109,4 +107,21 @@ fn clusters_come_out_of_their_buffer() {
     let wanted = (ClustersHeader { count: 2, ..header }, vec![cluster, Cluster::default()]);
     assert_eq!(clusters::from_bytes(&bytes), Some(wanted));
     assert_eq!(clusters::from_bytes(&bytes[..bytes.len() - 1]), None);
+}
+
+#[test]
+fn every_figure_is_a_number_of_its_struct() {
+    let library = pass_test::shaders();
+    for interface in INTERFACES.iter().filter(|interface| !interface.figures.is_empty()) {
+        let Some(Content::Struct(structure)) = interface.members.first().map(|member| member.content) else {
+            panic!("{} has figures and no struct that holds them", interface.name);
+        };
+        let shader = library.load(&Request::new(structure.file)).unwrap_or_else(|error| panic!("{error}"));
+        let layout = shader.interface.layout(structure.name).expect("the file has the struct");
+        for figure in interface.figures {
+            let member = layout.members.iter().find(|member| member.name == figure.name);
+            let scalar = member.is_some_and(|member| ["u32", "f32"].contains(&member.ty.as_str()));
+            assert!(scalar, "{}: {} is no number of {}", interface.name, figure.name, structure.name);
+        }
+    }
 }

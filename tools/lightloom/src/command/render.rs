@@ -5,10 +5,10 @@ mod watch;
 use crate::context::{Context, overrides, parse_size};
 use crate::output::{self, progress, say};
 use anyhow::{Context as _, Result, bail};
-use frame_graph::{CompileOptions, LinkContext, human_bytes};
+use frame_graph::{CompileOptions, Figure, LinkContext, human_bytes};
 use metrics::statistics::median;
 use metrics::{Display, FileFormat, Image, Tonemap};
-use renderer::{Catalog, Compiled, FrameOptions, Gpu, Provenance, Renderer, compile_options};
+use renderer::{Catalog, Compiled, FrameOptions, Gpu, PortFigures, Provenance, Renderer, compile_options};
 use serde_json::json;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -236,7 +236,7 @@ fn report(
         .collect();
     let clamped = clamped_share(renderer);
     let progress = renderer.progress()?;
-    let counters = renderer.counters()?;
+    let figures = renderer.figures()?;
     if context.json {
         output::json(&json!({
             "pictures": written,
@@ -247,7 +247,7 @@ fn report(
             "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
             "start": first_picture.map(|whole| context.phases.to_json(whole)),
             "clamped_energy": clamped,
-            "counters": counters.iter().map(|(name, counters)| json!({ "of": name.as_str(), "requested": counters.requested, "produced": counters.produced })).collect::<Vec<_>>(),
+            "figures": figures.iter().map(figures_to_json).collect::<Vec<_>>(),
             "progress": progress.map(|progress| json!({ "step": progress.step, "steps": progress.steps, "error": progress.error, "done": progress.is_done() })),
         }));
         return Ok(());
@@ -272,8 +272,10 @@ fn report(
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
         say!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
     }
-    for (name, counters) in counters.iter().filter(|(_, counters)| counters.produced < counters.requested) {
-        say!("{name}: {} produced of {} requested", counters.produced, counters.requested);
+    for port in worth_telling(&figures) {
+        let told =
+            port.values.iter().map(|(figure, value)| format!("{} {value}{}", figure.name, unit(figure)));
+        say!("{}: {}", port.port, told.collect::<Vec<_>>().join(", "));
     }
     if let Some(progress) = progress {
         let state = if progress.is_done() { "converged" } else { "not converged" };
@@ -293,6 +295,33 @@ fn report(
         }
     }
     Ok(())
+}
+
+/// The figures that say something to a reader: not those of counters that produced all that was requested, and of passes of
+/// a sub-graph that hand on one interface those of the last.
+fn worth_telling(all: &[PortFigures]) -> impl Iterator<Item = &PortFigures> {
+    let complete = |port: &PortFigures| {
+        port.value("requested").is_some_and(|requested| port.value("produced") == Some(requested))
+    };
+    let group =
+        |port: &PortFigures| (port.interface, port.port.rsplit_once('/').map(|(group, _)| group.to_owned()));
+    all.iter().enumerate().filter_map(move |(i, port)| {
+        let last = all[i + 1..].iter().all(|later| group(later) != group(port));
+        (last && !complete(port)).then_some(port)
+    })
+}
+
+/// A figure's unit, after a space.
+fn unit(figure: &Figure) -> String {
+    if figure.unit.is_empty() { String::new() } else { format!(" {}", figure.unit) }
+}
+
+/// The figures of a port as an object: the port as `of`, then each figure by its name.
+fn figures_to_json(port: &PortFigures) -> serde_json::Value {
+    let mut object = serde_json::Map::new();
+    object.insert("of".to_owned(), json!(port.port.as_str()));
+    object.extend(port.values.iter().map(|(figure, value)| (figure.name.to_owned(), json!(value))));
+    object.into()
 }
 
 /// The median of a pass's times over the frames after the first, in which drivers compile shaders.
