@@ -22,5 +22,11 @@ pub const INTERFACE: Interface = Interface::new(
             Content::Texture(Format::Rgba32Float),
             "array: flux reflected by the texel's part of the surface [W]; in alpha the area of that part [m²]",
         ),
+        Member::optional("albedo", Content::Texture(Format::Rgba16Float), "array: diffuse reflectance"),
+        Member::optional(
+            "specular",
+            Content::Texture(Format::Rgba16Float),
+            "array: specular reflectance at normal incidence, and in alpha roughness; where a surface is glossy",
+        ),
     ],
 );

@@ -34,7 +34,7 @@ fn project(vertex: Attributes) -> Seen {
 
 @fragment
 fn surfaces(seen: Seen) -> Texel {
-    let change = Change(dpdx(seen.offset), dpdy(seen.offset), dpdx(seen.uv), dpdy(seen.uv));
+    let change = change_of(seen);
     let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
     if !surface_exists(seen.material, at.coverage) {
         discard;
@@ -45,4 +45,18 @@ fn surfaces(seen: Seen) -> Texel {
     let world_from_layer = scene_light_layers[settings.layer].world_from_layer;
     let along = -dot(seen.offset, world_from_layer[2].xyz);
     return Texel(vec4(world_from_layer[3].xyz + seen.offset, along), vec4(normal, 0.0), vec4(at.albedo, 1.0));
+}
+
+@fragment
+fn specular(seen: Seen) -> @location(0) vec4<f32> {
+    let change = change_of(seen);
+    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
+    if !surface_exists(seen.material, at.coverage) {
+        discard;
+    }
+    return vec4(at.specular, at.roughness);
+}
+
+fn change_of(seen: Seen) -> Change {
+    return Change(dpdx(seen.offset), dpdy(seen.offset), dpdx(seen.uv), dpdy(seen.uv));
 }

@@ -31,7 +31,7 @@ pub fn incident_flux(layer: Layer, texel: UVec2, size: u32, half_extent: DVec2) 
         return (high - low).element_product().abs();
     }
     let cosine = 1.0 / (0.5 * (low + high)).extend(1.0).length();
-    falloff(layer, cosine) * solid_angle(low, high)
+    falloff(layer, cosine) * rectangle_solid_angle(low, high)
 }
 
 /// Returns the share of the intensity at an angle of that cosine to the axis: the square of a ramp, as
@@ -46,7 +46,7 @@ pub fn falloff(layer: Layer, cosine: f64) -> f64 {
 }
 
 /// Returns the solid angle \[sr\] of a rectangle on the plane at distance 1, given two opposite corners.
-pub fn solid_angle(low: DVec2, high: DVec2) -> f64 {
+pub fn rectangle_solid_angle(low: DVec2, high: DVec2) -> f64 {
     let volume = (high - low).element_product().abs();
     let [a, b, c, d] = [low, low.with_x(high.x), high, low.with_y(high.y)].map(|corner| corner.extend(1.0));
     triangle_solid_angle(a, b, c, volume) + triangle_solid_angle(a, c, d, volume)

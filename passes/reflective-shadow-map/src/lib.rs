@@ -67,14 +67,18 @@ impl Pass for ReflectiveShadowMap {
         let array = |format| ResourceDesc::texture_2d_array(format, extent.clone(), layers);
         // Without lights nothing is rendered: there is one layer, which sees nothing.
         let usage = if lit == 0 { Usage::ClearFirst(pass::Clear::Zero) } else { Usage::Overwrites };
-        let members = vec![
-            ("position".into(), array(Format::Rgba32Float), usage.clone()),
-            ("normal".into(), array(Format::Rgba16Float), usage.clone()),
-            ("flux".into(), array(Format::Rgba32Float), usage),
+        let glossy = outputs.traits.0.get("glossy").and_then(Value::as_bool).unwrap_or(false);
+        let members = [
+            ("position", Format::Rgba32Float, true),
+            ("normal", Format::Rgba16Float, true),
+            ("flux", Format::Rgba32Float, true),
+            ("albedo", Format::Rgba16Float, true),
+            ("specular", Format::Rgba16Float, glossy),
         ];
+        let members = members.into_iter().filter(|(_, _, present)| *present);
+        let members = members.map(|(name, format, _)| (name.into(), array(format), usage.clone())).collect();
         let mut all = vec![OutputDesc::of("rsm", members)];
         if lit > 0 {
-            all.push(OutputDesc::scratch("albedo", array(Format::Rgba16Float)));
             all.push(OutputDesc::scratch("nearest", ResourceDesc::texture_2d(Format::Depth32Float, extent)));
         }
         Ok(all)
@@ -84,24 +88,28 @@ impl Pass for ReflectiveShadowMap {
         let layers = light_layers(cx.traits);
         let size = ReflectiveShadowMapSettings::read(cx.settings).size;
         let shader = cx.shader(SURFACES, &[("TEXTURED", Define::Bool(cx.trait_bool("textured")))]);
-        let mut steps: Vec<Step> = (0..layers)
-            .map(|layer| {
-                let target = |resource: &str| Target { layer, ..Target::clear(resource) };
-                Step::Raster(Raster {
-                    shader: shader.clone(),
-                    vertex: "project".into(),
-                    fragment: Some("surfaces".into()),
-                    // Together with the flux, it would be more than the 32 bytes per texel that WebGPU
-                    // guarantees.
-                    targets: vec![target("rsm.position"), target("rsm.normal"), target("albedo")],
-                    depth: Some(DepthTarget { resource: "nearest".into(), layer: 0, clear: 0.0 }),
-                    draw: Draw::Scene,
-                    values: vec![("layer".into(), Value::U32(layer))],
-                    bind: Vec::new(),
-                    windows: Vec::new(),
-                })
+        let draw = |layer: u32, fragment: &str, members: &[&str]| {
+            let target = |member: &&str| Target { layer, ..Target::clear(&format!("rsm.{member}")) };
+            Step::Raster(Raster {
+                shader: shader.clone(),
+                vertex: "project".into(),
+                fragment: Some(fragment.into()),
+                targets: members.iter().map(target).collect(),
+                depth: Some(DepthTarget { resource: "nearest".into(), layer: 0, clear: 0.0 }),
+                draw: Draw::Scene,
+                values: vec![("layer".into(), Value::U32(layer))],
+                bind: Vec::new(),
+                windows: Vec::new(),
             })
-            .collect();
+        };
+        let mut steps = Vec::new();
+        for layer in 0..layers {
+            // All that a draw may write: WebGPU guarantees 32 bytes per texel.
+            steps.push(draw(layer, "surfaces", &["position", "normal", "albedo"]));
+            if cx.has_member("rsm", "specular") {
+                steps.push(draw(layer, "specular", &["specular"]));
+            }
+        }
         if layers > 0 {
             steps.push(Step::Compute(Compute::new(
                 cx.shader(FLUX, &[]),

@@ -3,7 +3,7 @@
 mod gpu;
 
 use glam::{DVec2, dvec2, uvec2};
-use reflective_shadow_map::cpu_reference::{Layer, incident_flux, solid_angle};
+use reflective_shadow_map::cpu_reference::{Layer, incident_flux, rectangle_solid_angle};
 use std::f64::consts::PI;
 
 #[test]
@@ -28,7 +28,7 @@ fn six_faces_make_the_whole_sphere() {
 fn a_small_texel_has_its_area_times_the_cosine_cubed() {
     let (x, y, side) = (0.7, -0.3, 1e-5);
     let corner = dvec2(x, y);
-    let exact = solid_angle(corner, corner + side);
+    let exact = rectangle_solid_angle(corner, corner + side);
     let differential = side * side / (1.0 + (corner + 0.5 * side).length_squared()).powf(1.5);
     assert!((exact / differential - 1.0).abs() < 1e-9, "{exact} {differential}");
 }

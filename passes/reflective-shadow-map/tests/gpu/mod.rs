@@ -19,7 +19,7 @@ fn run(scene: &Scene, size: u32) -> Option<(Map, Outputs)> {
         Harness::new(reflective_shadow_map::PASS).with_scene(scene.clone()).set("size", size).run()?;
     let vectors = |name: &str| outputs.read::<[f32; 4]>(name).into_iter().map(Into::into).collect();
     let (position, flux) = (vectors("rsm.position"), vectors("rsm.flux"));
-    let (normal, albedo) = (outputs.read("rsm.normal"), outputs.read("albedo"));
+    let (normal, albedo) = (outputs.read("rsm.normal"), outputs.read("rsm.albedo"));
     Some((Map { position, normal, albedo, flux }, outputs))
 }
 
@@ -138,4 +138,25 @@ fn without_lights_there_is_one_layer_that_sees_nothing() {
     assert_eq!(layers(&outputs), 1);
     assert_eq!(outputs.read::<[f32; 4]>("rsm.position"), [[0.0; 4]; 16]);
     assert_eq!(outputs.read::<[f32; 4]>("rsm.flux"), [[0.0; 4]; 16]);
+}
+
+/// A glossy surface has its reflectance and roughness; elsewhere the map has no such member.
+#[test]
+fn a_glossy_surface_has_its_specular_reflectance() {
+    let mut scene = pass_test::scene("plane");
+    let Some((_, outputs)) = run(&scene, 16) else { return };
+    assert!(outputs.desc("rsm.albedo").texture().is_some());
+    for material in &mut scene.materials {
+        (material.metallic, material.roughness) = (1.0, 0.25);
+        material.base_color = glam::vec4(0.75, 0.5, 0.25, 1.0);
+    }
+    let Some((map, outputs)) = run(&scene, 16) else { return };
+    let specular: Vec<[f16; 4]> = outputs.read("rsm.specular");
+    let seen = map.position.iter().zip(specular).filter(|(position, _)| position.w > 0.0);
+    let mut texels = 0;
+    for (_, specular) in seen {
+        assert_eq!(specular.map(f16::to_f32), [0.75, 0.5, 0.25, 0.25]);
+        texels += 1;
+    }
+    assert!(texels > 100, "{texels} texels see the square");
 }
