@@ -53,3 +53,29 @@ pub fn view_response(position: DVec3, normal: DVec3, samples: &[ViewSample], min
 pub fn importance(flux: DVec3, response: DVec3, defensive: f64) -> f64 {
     flux.dot(response) + defensive * luminance(flux)
 }
+
+/// Returns what a texel reflects of the flux that the light sends into it \[W\]: ACRSM Eq. 4.1 with Eq. 5.1-5.2. `specular` is
+/// the reflectance at normal incidence, and roughness.
+pub fn reflected(beam: DVec3, albedo: DVec3, specular: (DVec3, f64), diffuse_weight: f64) -> f64 {
+    let diffuse = (albedo * beam).max_element();
+    diffuse_weight * diffuse + (1.0 - diffuse_weight) * (specular.0 * beam).max_element() * (1.0 - specular.1)
+}
+
+/// Returns the mean cosine under which samples of the view see a position \[extents\]: ACRSM Eq. 4.2.
+pub fn seen(position: DVec3, samples: &[ViewSample]) -> f64 {
+    let cosine =
+        |sample: &ViewSample| sample.normal.dot((position - sample.position).normalize_or_zero()).max(0.0);
+    samples.iter().map(cosine).sum::<f64>() / samples.len() as f64
+}
+
+/// Returns the importance of texels by what each reflects and how it is seen, greatest value 1: ACRSM Eq. 4.3.
+pub fn by_reflectance(texels: &[(f64, f64)], view_weight: f64) -> Vec<f64> {
+    let part = |value: f64, greatest: f64| if greatest > 0.0 { value / greatest } else { 0.0 };
+    let greatest = texels.iter().map(|(reflected, _)| *reflected).fold(0.0, f64::max);
+    let combined = |(reflected, seen): &(f64, f64)| {
+        (1.0 - view_weight) * part(*reflected, greatest) + view_weight * seen
+    };
+    let values: Vec<f64> = texels.iter().map(combined).collect();
+    let greatest = values.iter().copied().fold(0.0, f64::max);
+    values.into_iter().map(|value| part(value, greatest)).collect()
+}

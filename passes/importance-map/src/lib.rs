@@ -2,11 +2,12 @@
 
 pub mod cpu_reference;
 
+use gpu_algorithms::reduce;
 use interfaces::importance::{self, VIEW_SAMPLE};
 use pass::{
     Compute, Define, Extent, Format, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, Usage, UseContext,
-    input, output,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, Usage,
+    UseContext, Value, input, output,
 };
 
 /// The pass, for the catalog.
@@ -17,9 +18,16 @@ pub struct ImportanceMap;
 
 const VIEW_SAMPLES: &str = "passes/importance-map/view-samples.wgsl";
 const IMPORTANCE_MAP: &str = "passes/importance-map/importance-map.wgsl";
+const REFLECTANCE: &str = "passes/importance-map/reflectance.wgsl";
+const GREATEST: &str = "passes/importance-map/greatest.wgsl";
+const NORMALISE: &str = "passes/importance-map/normalise.wgsl";
 const STORED: &str = "shaders/importance-stored.wgsl";
 const BY_BLOCKS: &str = "shaders/importance-by-blocks.wgsl";
 const ON_DEMAND: &str = "shaders/importance-on-demand.wgsl";
+
+const VALUES: Struct = Struct::new("passes/importance-map/reflectance-values.wgsl", "ReflectanceValues");
+const GREATEST_VALUES: Struct =
+    Struct::new("passes/importance-map/reflectance-values.wgsl", "GreatestValues");
 
 pass::choice! {
     /// How importance is defined.
@@ -28,6 +36,8 @@ pass::choice! {
         Contribution = "contribution",
         /// The luminance of the flux that a texel reflects.
         Flux = "flux",
+        /// How its surface reflects, and how it lies to samples of the view.
+        Reflectance = "reflectance",
     }
 }
 
@@ -48,7 +58,8 @@ pass::settings! {
     pub struct ImportanceMapSettings {
         /// How importance is defined. contribution: what the texel contributes to samples of the view,
         /// without visibility (TCAS Eq. 1-2). flux: the luminance of the flux that it reflects, independent
-        /// of the camera (ISM §4).
+        /// of the camera (ISM §4). reflectance: how the surface reflects, and how it lies to samples of the
+        /// view; at most 1 (ACRSM Eq. 4.1-4.3).
         measure: Measure = Measure::Contribution;
         /// Where it is evaluated, for the measure contribution. texels: at each texel, and stored. blocks: the
         /// flux at each texel, but the response of the view at one texel of each block, which takes 1/stride²
@@ -74,6 +85,11 @@ pass::settings! {
         /// sight. 0: as in the paper.
         // DEVIATION(defensive): the paper adds nothing.
         defensive: f32 = 0.02, min: 0.0, max: 1000.0, unit: "1/extents²";
+        /// Weight w_d of diffuse against specular reflection, for the measure reflectance. 1: diffuse alone.
+        diffuse_weight: f32 = 0.5, min: 0.0, max: 1.0;
+        /// Weight w_v of how the texel lies to samples of the view against how it reflects, for the measure
+        /// reflectance. 0: independent of the camera.
+        view_weight: f32 = 0.5, min: 0.0, max: 1.0;
     }
 }
 
@@ -82,8 +98,8 @@ impl Pass for ImportanceMap {
         Info {
             kind: "importance-map",
             about: "Computes the importance of the texels of a reflective shadow map as virtual lights.",
-            paper: "TCAS §4.1, Eq. 1-2; ISM §4",
-            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP],
+            paper: "TCAS §4.1, Eq. 1-2; ISM §4; ACRSM §4.5",
+            shaders: &[VIEW_SAMPLES, IMPORTANCE_MAP, REFLECTANCE, GREATEST, NORMALISE],
         }
     }
 
@@ -94,16 +110,14 @@ impl Pass for ImportanceMap {
     fn ports(&self, _: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
         let rsm = input("rsm", "ReflectiveShadowMap", "Each texel is a potential virtual light.");
         let importance = output("importance", "Importance", "f(v) of each texel.");
-        Ok(match ImportanceMapSettings::read(settings).measure {
-            Measure::Contribution => Ports {
-                inputs: vec![rsm, input("view", "GBuffer", "What the lights are to be important for.")],
-                outputs: vec![importance],
-                scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA),
-            },
-            Measure::Flux => {
-                Ports { inputs: vec![rsm], outputs: vec![importance], scene_bindings: SceneBindings::NONE }
-            }
-        })
+        let view = input("view", "GBuffer", "What the lights are to be important for.");
+        let of_view = SceneBindings::SCENE.and(SceneBindings::CAMERA);
+        let (inputs, scene_bindings) = match ImportanceMapSettings::read(settings).measure {
+            Measure::Contribution => (vec![rsm, view], of_view),
+            Measure::Flux => (vec![rsm], SceneBindings::NONE),
+            Measure::Reflectance => (vec![rsm, view], of_view.and(SceneBindings::LIGHTS)),
+        };
+        Ok(Ports { inputs, outputs: vec![importance], scene_bindings })
     }
 
     fn outputs(
@@ -112,7 +126,8 @@ impl Pass for ImportanceMap {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let flux = cx.input("rsm").and_then(|rsm| rsm.member("flux")).and_then(ResourceDesc::texture);
-        let layers = flux.ok_or_else(|| PassTypeError::input("rsm", "expected a member `flux`"))?.layers;
+        let flux = flux.ok_or_else(|| PassTypeError::input("rsm", "expected a member `flux`"))?;
+        let layers = flux.layers;
         let settings = ImportanceMapSettings::read(cx.settings);
         let port = |members: Vec<(&str, ResourceDesc<Extent>)>| {
             let members = members.into_iter();
@@ -130,6 +145,19 @@ impl Pass for ImportanceMap {
         }
         let samples = use_cx.buffer(VIEW_SAMPLE, u64::from(settings.view_samples))?;
         let scratch = OutputDesc::scratch("samples", samples.clone());
+        if settings.measure == Measure::Reflectance {
+            if cx.input("rsm").is_some_and(|rsm| rsm.member("albedo").is_none()) {
+                return Err(PassTypeError::input("rsm", "expected a member `albedo`"));
+            }
+            let texels = flux.size.0 * flux.size.1 * layers;
+            return Ok(vec![
+                stored(),
+                scratch,
+                OutputDesc::scratch("values", use_cx.buffer(VALUES, u64::from(texels))?),
+                OutputDesc::scratch("greatest", use_cx.buffer(GREATEST_VALUES, 1)?),
+                reduce::scratch(use_cx, "blocks", texels, size_of::<f32>() as u64)?,
+            ]);
+        }
         Ok(match settings.evaluate {
             Evaluation::Texels => vec![stored(), scratch],
             Evaluation::Blocks => {
@@ -158,19 +186,42 @@ impl Pass for ImportanceMap {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = ImportanceMapSettings::read(cx.settings);
-        let by_contribution = settings.measure == Measure::Contribution;
-        let stored = match settings.evaluate {
-            _ if !by_contribution => "flux",
-            Evaluation::Blocks => "response",
-            Evaluation::Texels | Evaluation::OnDemand => "contribution",
-        };
         let pick = Compute::new(cx.shader(VIEW_SAMPLES, &[]), "pick", Threads::Row(settings.view_samples));
-        if by_contribution && settings.evaluate == Evaluation::OnDemand {
-            return Ok(Recording::one(pick.bind("samples", "importance.samples")));
-        }
-        let ((width, height), layers) = (cx.size("importance"), cx.layers("importance"));
-        let shader = cx.shader(IMPORTANCE_MAP, &[("STORED", Define::from(stored))]);
-        let measure = Compute::new(shader, "measure", Threads::Grid([width, height, layers]));
-        Ok(if by_contribution { Recording::one(pick).then(measure) } else { Recording::one(measure) })
+        let stored = match (settings.measure, settings.evaluate) {
+            (Measure::Flux, _) => return Ok(Recording::one(measure(cx, "flux"))),
+            (Measure::Reflectance, _) => return by_reflectance(cx, pick),
+            (Measure::Contribution, Evaluation::OnDemand) => {
+                return Ok(Recording::one(pick.bind("samples", "importance.samples")));
+            }
+            (Measure::Contribution, Evaluation::Blocks) => "response",
+            (Measure::Contribution, Evaluation::Texels) => "contribution",
+        };
+        Ok(Recording::one(pick).then(measure(cx, stored)))
     }
+}
+
+/// A thread for each texel of what is stored.
+fn threads(cx: &RecordContext<'_>) -> Threads {
+    let (width, height) = cx.size("importance");
+    Threads::Grid([width, height, cx.layers("importance")])
+}
+
+fn measure(cx: &RecordContext<'_>, stored: &str) -> Compute {
+    Compute::new(cx.shader(IMPORTANCE_MAP, &[("STORED", Define::from(stored))]), "measure", threads(cx))
+}
+
+/// Importance by reflectance: the greatest value of all texels divides what they reflect, and then their importance.
+fn by_reflectance(cx: &RecordContext<'_>, pick: Compute) -> Result<Recording, PassTypeError> {
+    let specular = Define::Bool(cx.has_member("rsm", "specular"));
+    let shader = cx.shader(REFLECTANCE, &[("SPECULAR", specular)]);
+    let mut recording = Recording::one(pick).then(Compute::new(shader, "reflectance", threads(cx)));
+    let (width, height) = cx.size("importance");
+    let texels = width * height * cx.layers("importance");
+    for of in ["reflected", "importance"] {
+        let shader = cx.shader(GREATEST, &[("OF", Define::from(of))]);
+        let steps = reduce::steps(&cx.use_context(), &shader, texels, "blocks")?;
+        recording =
+            recording.then_all(steps.into_iter().map(|step| step.value("texels", Value::U32(texels))));
+    }
+    Ok(recording.then(Compute::new(cx.shader(NORMALISE, &[]), "normalise", threads(cx))))
 }

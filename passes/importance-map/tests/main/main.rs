@@ -2,6 +2,7 @@
 
 mod gpu;
 mod measure;
+mod reflectance;
 
 use importance_map::PASS;
 

@@ -1,0 +1,138 @@
+//! Importance by reflectance against the CPU reference, where one light sends the same into each texel: a directional one.
+
+use glam::{DVec3, Vec3};
+use importance_map::PASS;
+use importance_map::cpu_reference::{ViewSample, by_reflectance, reflected, seen};
+use pass::{Format, ResourceDesc};
+use pass_test::Harness;
+use pass_test::random::{halton3, hash2, unit_float};
+use scene::{Camera, Scene};
+
+const SIZE: u32 = 24;
+const FRAME: (u32, u32) = (16, 12);
+const SAMPLES: u32 = 90;
+
+fn vector(element: u32, dimension: u32) -> Vec3 {
+    Vec3::from([0, 1, 2].map(|c| unit_float(hash2(element, dimension + c)) as f32))
+}
+
+/// A cube of 1 m in the sunlight: its extent is √3 m.
+fn scene() -> Scene {
+    pass_test::scene_from(
+        "Scene(geometry: Objects([Object(name: \"cube\", geometry: BuiltIn(\"cube\"), transform: Transform(translate: \
+         (0.5, 0.5, 0.5)))]), lights: [Directional(name: \"sun\", direction: (0.0, -1.0, 0.0), irradiance: (2.0, 3.0, 0.5))])",
+    )
+}
+
+fn camera() -> Camera {
+    let position = Vec3::new(0.4, 0.6, 2.0);
+    Camera { position, target: position + Vec3::NEG_Z, up: Vec3::Y, vertical_fov: 1.0, near: 0.01 }
+}
+
+/// Every third texel is unlit.
+fn lit(texel: u32) -> bool {
+    !texel.is_multiple_of(3)
+}
+
+fn roughness(texel: u32) -> f32 {
+    vector(texel, 90).x
+}
+
+fn importance(glossy: bool, diffuse_weight: f32, view_weight: f32) -> Option<Vec<f32>> {
+    let texels = |value: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
+        (0..SIZE * SIZE).flat_map(|i| bytemuck::bytes_of(&value(i)).to_vec()).collect()
+    };
+    let array = || ResourceDesc::texture_2d_array(Format::Rgba32Float, (SIZE, SIZE), 1);
+    let position = |i| vector(i, 10).extend(if lit(i) { 1.0 } else { 0.0 }).to_array();
+    let mut rsm = vec![
+        ("position", array(), texels(&position)),
+        ("normal", array(), texels(&|_| [0.0, 1.0, 0.0, 0.0])),
+        ("flux", array(), texels(&|_| [1.0; 4])),
+        ("albedo", array(), texels(&|i| vector(i, 30).extend(1.0).to_array())),
+    ];
+    if glossy {
+        rsm.push(("specular", array(), texels(&|i| vector(i, 60).extend(roughness(i)).to_array())));
+    }
+    let pixels = |value: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
+        (0..FRAME.0 * FRAME.1).flat_map(|i| bytemuck::bytes_of(&value(i)).to_vec()).collect()
+    };
+    let image = || ResourceDesc::texture_2d(Format::Rgba32Float, FRAME);
+    let view = vec![
+        ("depth", image(), pixels(&|i| [depth(i); 4])),
+        ("normal", image(), pixels(&|i| normal(i).extend(0.0).to_array())),
+        ("albedo", image(), pixels(&|_| [0.5; 4])),
+    ];
+    let outputs = Harness::new(PASS)
+        .set("measure", "reflectance")
+        .set("diffuse_weight", diffuse_weight)
+        .set("view_weight", view_weight)
+        .set("view_samples", SAMPLES)
+        .frame(FRAME.0, FRAME.1)
+        .with_scene(scene())
+        .camera(camera())
+        .input("rsm", "ReflectiveShadowMap", &[], rsm)
+        .input("view", "GBuffer", &[], view)
+        .run()?;
+    Some(outputs.read("importance.map"))
+}
+
+fn depth(pixel: u32) -> f32 {
+    if pixel.is_multiple_of(7) { 0.0 } else { 0.5 + vector(pixel, 40).x }
+}
+
+fn normal(pixel: u32) -> Vec3 {
+    (vector(pixel, 50) - 0.5).normalize()
+}
+
+fn samples() -> Vec<ViewSample> {
+    let sample = |k| {
+        let [x, y, _] = halton3(k + 1, 0);
+        let (x, y) = ((x * f64::from(FRAME.0)) as u32, (y * f64::from(FRAME.1)) as u32);
+        let i = y * FRAME.0 + x;
+        if depth(i) == 0.0 {
+            return ViewSample::default();
+        }
+        let centred = |at: u32, of: u32| 2.0 * f64::from(at) + 1.0 - f64::from(of);
+        let scale = f64::tan(0.5) / f64::from(FRAME.1);
+        let way = DVec3::new(centred(x, FRAME.0) * scale, -centred(y, FRAME.1) * scale, -1.0);
+        let at = camera().position.as_dvec3() + way * f64::from(depth(i));
+        ViewSample { position: at / 3f64.sqrt(), normal: normal(i).as_dvec3(), response: DVec3::ONE }
+    };
+    (0..SAMPLES).map(sample).collect()
+}
+
+#[test]
+fn reflectance_is_that_of_the_cpu_reference() {
+    let samples = samples();
+    for glossy in [false, true] {
+        for (diffuse_weight, view_weight) in [(1.0, 0.0), (0.5, 0.5), (0.2, 0.9), (0.0, 1.0)] {
+            let Some(found) = importance(glossy, diffuse_weight, view_weight) else { return };
+            let value = |i: u32| {
+                if !lit(i) {
+                    return (0.0, 0.0);
+                }
+                let specular = if glossy { vector(i, 60).as_dvec3() } else { DVec3::ZERO };
+                let specular = (specular, f64::from(roughness(i)));
+                let beam = DVec3::new(2.0, 3.0, 0.5);
+                let reflected =
+                    reflected(beam, vector(i, 30).as_dvec3(), specular, f64::from(diffuse_weight));
+                (reflected, seen(vector(i, 10).as_dvec3() / 3f64.sqrt(), &samples))
+            };
+            let values: Vec<(f64, f64)> = (0..SIZE * SIZE).map(value).collect();
+            let wanted = by_reflectance(&values, f64::from(view_weight));
+            for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
+                let case = format!("glossy {glossy}, {diffuse_weight} and {view_weight}, texel {i}");
+                assert!((f64::from(*found) - wanted).abs() < 1e-4, "{case}: {found} for {wanted}");
+            }
+            let greatest = found.iter().copied().fold(0.0, f32::max);
+            assert_eq!(greatest, 1.0, "glossy {glossy}, {diffuse_weight} and {view_weight}");
+        }
+    }
+}
+
+/// Where nothing reflects and nothing is seen there is nothing to divide by.
+#[test]
+fn what_reflects_nothing_has_no_importance() {
+    let Some(found) = importance(false, 0.0, 0.0) else { return };
+    assert!(found.iter().all(|value| *value == 0.0));
+}
