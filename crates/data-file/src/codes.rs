@@ -143,6 +143,7 @@ pub mod study {
         REFERENCE = "T013": "What a reference names is not there.";
         PHASE = "T014": "A phase names a pass that no pipeline of the study has.";
         CLAIM = "T015": "A claim names what is not measured, run or varied, or says nothing that could fail.";
+        FIGURE = "T016": "A figure is none that a pass of a pipeline of the study tells.";
     }
 }
 

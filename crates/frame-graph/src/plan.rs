@@ -5,7 +5,7 @@ mod json;
 mod members;
 mod svg;
 mod text;
-mod values;
+pub(crate) mod values;
 
 use crate::port::{Facts, OutputOverride, SceneBindings};
 use crate::resource::{Clear, ResourceDesc, human_bytes};

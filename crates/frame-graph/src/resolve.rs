@@ -3,6 +3,7 @@
 mod copies;
 mod diff;
 mod document;
+mod figures;
 mod flatten;
 mod localise;
 mod print;

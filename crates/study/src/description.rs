@@ -57,6 +57,8 @@ pub struct Study {
     pub measures: Vec<At<Measure>>,
     /// Groups of passes whose GPU times are added up, in order.
     pub phases: Vec<Phase>,
+    /// Figures of passes that are measured, in order.
+    pub figures: Vec<StudyFigure>,
     /// What errors are measured against.
     pub reference: Reference,
     /// The claims of the paper on the measures, in order.
@@ -95,6 +97,15 @@ pub struct Phase {
     pub name: At<String>,
     /// Names of passes; the name of a sub-graph stands for all passes in it.
     pub passes: Vec<At<String>>,
+}
+
+/// A figure of a pass, as a measure.
+#[derive(Clone, Debug)]
+pub struct StudyFigure {
+    /// The name in tables.
+    pub name: At<String>,
+    /// `pass.port.figure`.
+    pub of: At<String>,
 }
 
 /// A value for a parameter or a setting.

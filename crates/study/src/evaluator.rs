@@ -3,7 +3,7 @@
 mod series;
 mod times;
 
-use crate::description::Phase;
+use crate::description::{Phase, StudyFigure};
 use crate::laboratory::{CellRun, Observed, Occluded, SceneFacts};
 use crate::measure::Measure;
 use crate::record::{FrameSeries, PassTime};
@@ -26,6 +26,9 @@ const RECEIVERS: usize = 256;
 /// Collects the measurements of the frames of one cell.
 pub(crate) struct Evaluator<'a> {
     measures: &'a [Measure],
+    figures: &'a [StudyFigure],
+    /// The values of each figure, frame by frame.
+    told: Vec<Vec<f64>>,
     facts: &'a SceneFacts,
     /// Index of the frame of the jump among the measured ones.
     jump: Option<usize>,
@@ -70,14 +73,15 @@ pub(crate) struct Verdict {
 
 impl<'a> Evaluator<'a> {
     pub(crate) fn new(
-        measures: &'a [Measure],
-        phases: &'a [Phase],
+        (measures, phases, figures): (&'a [Measure], &'a [Phase], &'a [StudyFigure]),
         facts: &'a SceneFacts,
         jump: Option<usize>,
         truth: Option<Truth>,
     ) -> Evaluator<'a> {
         Evaluator {
             measures,
+            figures,
+            told: vec![Vec::new(); figures.len()],
             facts,
             jump,
             truth,
@@ -111,6 +115,7 @@ impl<'a> Evaluator<'a> {
             self.first = frame.frame;
         }
         self.time(&frame);
+        self.tell(&frame);
         let broken =
             frame.image.pixels().iter().filter(|pixel| !pixel[..3].iter().all(|c| c.is_finite())).count();
         if broken > 0 && self.broken.is_none() {
@@ -138,6 +143,18 @@ impl<'a> Evaluator<'a> {
     fn put(&mut self, measure: Measure, value: Option<f64>) {
         if self.facts.moves {
             self.series.put(measure.key(), self.frames as usize, value);
+        }
+    }
+
+    /// Takes the figures of a frame.
+    fn tell(&mut self, frame: &Observed) {
+        for (figure, told) in self.figures.iter().zip(&mut self.told) {
+            let value = frame.figures.iter().find(|(name, _)| *name == figure.of.value);
+            let Some((_, value)) = value else { continue };
+            told.push(*value);
+            if self.facts.moves {
+                self.series.put(&figure.key(), self.frames as usize, Some(*value));
+            }
         }
     }
 
@@ -284,6 +301,8 @@ impl<'a> Evaluator<'a> {
             measures.insert(measure.key().to_owned(), value.filter(|value| value.is_finite()));
         }
         measures.extend(self.times.phases(over_frames));
+        let figures = self.figures.iter().zip(&self.told);
+        measures.extend(figures.map(|(figure, told)| (figure.key(), mean(told))));
         Verdict {
             measures,
             passes: self.times.medians(),

@@ -1,6 +1,6 @@
 //! Keys: hashes of everything on which a cell or a reference depends.
 
-use crate::description::Phase;
+use crate::description::{Phase, StudyFigure};
 use crate::laboratory::{Laboratory, RunRequest};
 use crate::measure::{DEFINITIONS, Measure};
 use crate::plan::{Made, PlannedCell};
@@ -30,6 +30,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub(crate) struct Taken<'a> {
     pub(crate) measures: &'a [Measure],
     pub(crate) phases: &'a [Phase],
+    pub(crate) figures: &'a [StudyFigure],
     /// Whether the values of single frames are stored.
     pub(crate) by_frame: bool,
 }
@@ -42,6 +43,9 @@ impl Taken<'_> {
         for phase in self.phases {
             let passes: Vec<&str> = phase.passes.iter().map(|at| at.value.as_str()).collect();
             text += &format!(" {:?}: {passes:?}", phase.name.value);
+        }
+        for figure in self.figures {
+            text += &format!(" {:?}: {}", figure.name.value, figure.of.value);
         }
         if self.by_frame {
             text += " by frame";
@@ -94,7 +98,8 @@ mod tests {
     /// Keys of cells without phases and series are the same as those from before these existed.
     #[test]
     fn what_is_not_taken_leaves_no_trace() {
-        let taken = Taken { measures: &[Measure::Rmse, Measure::Tid], phases: &[], by_frame: false };
+        let taken =
+            Taken { measures: &[Measure::Rmse, Measure::Tid], phases: &[], figures: &[], by_frame: false };
         assert_eq!(taken.text(), "1 [Rmse, Tid]");
         assert_eq!(Taken { by_frame: true, ..taken }.text(), "1 [Rmse, Tid] by frame");
     }

@@ -61,6 +61,8 @@ pub struct PipelineFacts {
     /// Names of its passes, including those that are switched off: `lights`, or `shadows/splat` within a
     /// sub-graph.
     pub passes: Vec<String>,
+    /// Names of its figures: `pass.port.figure`.
+    pub figures: Vec<String>,
     /// Everything to which values can be given.
     pub settings: Vec<Settable>,
 }
@@ -126,6 +128,8 @@ pub struct RunRequest {
     pub views: bool,
     /// Whether [`Observed`] needs the virtual lights.
     pub lights: bool,
+    /// The figures that [`Observed`] needs: `pass.port.figure`.
+    pub figures: Vec<String>,
     /// GPU time of measured frames \[ms\] after which the run stops, even before `frames`.
     pub stop_after_ms: Option<f64>,
     /// Whether to stop when the pipeline's output `progress` says that it has converged. If set, time stands
@@ -157,6 +161,8 @@ pub struct Observed {
     pub camera: Pinhole,
     /// The virtual lights, if requested and the pipeline has any.
     pub lights: Option<Vec<VirtualLight>>,
+    /// The requested figures; those that the pipeline has.
+    pub figures: Vec<(String, f64)>,
     /// Indirect irradiance, with the luminance of what clamping removed in alpha, if the pipeline computes
     /// it.
     pub irradiance: Option<Image>,

@@ -30,6 +30,7 @@
 //!     seeds: 5 or [1, 2, 3]?,               // 5 stands for 1 to 5; the default is [0], the plain sequences
 //!     measures: ["rel-mse", "gpu-ms" *],
 //!     phases: { "name": ["pass or sub-graph" *] * }?,   // sum of the GPU times of passes: the measure `gpu-ms:name`
+//!     figures: { "name": "pass.port.figure" * }?,   // what passes tell of a frame: the measure `figure:name`
 //!     reference: REFERENCE?,                // the default is None
 //!     claims: [CLAIM *]?,                   // the claims of the paper about the measures
 //! )
@@ -67,6 +68,9 @@
 //! frame is the sum over its passes that run in it, each counted once; a pipeline without any of them has no
 //! value. Phases may overlap.
 //!
+//! **Figures.** A figure is a number by which a pass tells how a frame went, such as `lights/average.averaged.alive`:
+//! `render` prints them. Its value is the mean over the measured frames; a pipeline without the pass has none.
+//!
 //! **Claims.** They are checked for each scene, or for each of `scenes`, whenever the report is written. Each
 //! mean is over all finished cells of a pick, and so over its seeds and over the values of all other axes. A
 //! claim is decided by the differences of these means, seed by seed: it holds, or does not, where their 95 %
@@ -94,6 +98,7 @@ pub mod description;
 mod edit;
 mod error;
 mod evaluator;
+mod figure;
 mod folder;
 mod interval;
 mod key;

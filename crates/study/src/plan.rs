@@ -2,7 +2,9 @@
 
 mod check;
 
-use crate::description::{At, Budget, Group, Phase, Reference, SEED, SIZE, Study, Vary, size_of};
+use crate::description::{
+    At, Budget, Group, Phase, Reference, SEED, SIZE, Study, StudyFigure, Vary, size_of,
+};
 use crate::laboratory::{PipelineFacts, Registry, RunRequest, SceneFacts, Values};
 use crate::measure::Measure;
 use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord};
@@ -92,6 +94,7 @@ impl Plan {
         let reference = checker.reference(&scenes);
         checker.budget(&scenes, &pipelines);
         checker.phases(&pipelines);
+        checker.figures(&pipelines);
         checker.claims(&pipelines);
         let combinations =
             checker.combinations(MOST_CELLS, scenes.len() * pipelines.len() * study.seeds.len());
@@ -118,10 +121,11 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Returns all measures, with phases last, as tables show them.
+    /// Returns all measures, with phases and figures last, as tables show them.
     pub(crate) fn infos(&self) -> impl Iterator<Item = MeasureInfo> {
         let measures = self.measures.iter().map(|measure| measure.info());
-        measures.chain(self.study.phases.iter().map(Phase::info))
+        let phases = self.study.phases.iter().map(Phase::info);
+        measures.chain(phases).chain(self.study.figures.iter().map(StudyFigure::info))
     }
 
     fn add_cells(
@@ -204,6 +208,7 @@ impl Plan {
                 || matches!(study.budget, Budget::Time { .. }),
             views: needs(|needs| needs.views),
             lights: needs(|needs| needs.lights),
+            figures: study.figures.iter().map(|figure| figure.of.value.clone()).collect(),
             stop_after_ms,
             until_done: false,
         };
@@ -251,6 +256,7 @@ impl Plan {
                     timed: false,
                     views: false,
                     lights: false,
+                    figures: Vec::new(),
                     stop_after_ms: None,
                     until_done: accumulates,
                     frames: if moves { request.frames } else { 1 },

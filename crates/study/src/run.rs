@@ -179,6 +179,7 @@ impl Session<'_> {
                 let taken = Taken {
                     measures: &plan.measures,
                     phases: &plan.study.phases,
+                    figures: &plan.study.figures,
                     by_frame: plan.scenes[cell.scene].moves && cell.request.frames > 1,
                 };
                 let pipeline = &plan.pipelines[cell.pipeline].name;
@@ -319,7 +320,8 @@ impl Session<'_> {
         let first = request.first_frame + request.warm_up;
         let jump =
             plan.study.jump.as_ref().and_then(|jump| jump.value.checked_sub(first)).map(|jump| jump as usize);
-        let mut judge = Evaluator::new(&plan.measures, &plan.study.phases, facts, jump, truth);
+        let mut judge =
+            Evaluator::new((&plan.measures, &plan.study.phases, &plan.study.figures), facts, jump, truth);
         let run = self.lab.run(&request, &mut |frame| judge.observe(frame))?;
         if judge.frames == 0 {
             return Err("no frame was measured".to_owned());
@@ -379,6 +381,7 @@ impl Session<'_> {
                 frames: request.frames.min(3),
                 views: false,
                 lights: false,
+                figures: Vec::new(),
                 ..request.clone()
             };
             let mut totals = Vec::new();

@@ -179,7 +179,7 @@ fn same_code(a: &Facts, b: &Facts) -> bool {
 }
 
 /// The defaults with the values that are given; `None` where one of these is wrong.
-fn complete(decl: &PassDecl, schema: &[Setting]) -> Option<Settings> {
+pub(crate) fn complete(decl: &PassDecl, schema: &[Setting]) -> Option<Settings> {
     let defaults = schema.iter().map(|setting| (setting.name.clone(), setting.default.clone()));
     let mut settings = Settings(defaults.collect());
     for set in &decl.set {

@@ -1,7 +1,7 @@
 //! Checks that the parts of a study's file agree with each other.
 
 use super::read::twice;
-use super::{At, Claim, Group, Phase, Pipelines, Reference, SEED, Study, Vary};
+use super::{At, Claim, Group, Phase, Pipelines, Reference, SEED, Study, StudyFigure, Vary};
 use crate::measure::Measure;
 use crate::record::AxisValue;
 use frame_graph::codes::study as codes;
@@ -124,8 +124,9 @@ fn errors(study: &Study) -> Vec<Diagnostic> {
 
 /// Checks that the study takes the measure of a claim, and that no axis is given two values.
 fn measured(study: &Study, claim: &Claim, errors: &mut Vec<Diagnostic>) {
-    let phases: Vec<String> = study.phases.iter().map(Phase::key).collect();
-    let taken = study.measures.iter().map(|at| at.value.key()).chain(phases.iter().map(String::as_str));
+    let others: Vec<String> =
+        study.phases.iter().map(Phase::key).chain(study.figures.iter().map(StudyFigure::key)).collect();
+    let taken = study.measures.iter().map(|at| at.value.key()).chain(others.iter().map(String::as_str));
     let taken: Vec<&str> = taken.collect();
     let name = &claim.measure;
     if !taken.contains(&name.value.as_str()) {

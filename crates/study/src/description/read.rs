@@ -3,7 +3,8 @@
 mod claims;
 
 use super::{
-    At, Budget, Group, Phase, Pipelines, Reference, SEED, SIZE, Set, Study, Variant, Vary, size_value,
+    At, Budget, Group, Phase, Pipelines, Reference, SEED, SIZE, Set, Study, StudyFigure, Variant, Vary,
+    size_value,
 };
 use crate::measure::Measure;
 use crate::record::AxisValue;
@@ -28,6 +29,7 @@ const STUDY: &[&str] = &[
     "seeds",
     "measures",
     "phases",
+    "figures",
     "reference",
     "claims",
 ];
@@ -72,6 +74,7 @@ fn study(g: &mut Grammar<'_, '_>, tree: &Node, source: &Arc<Source>) -> Option<S
     let seeds = fields.get("seeds").map_or(Some(vec![0]), |node| g.seeds(node));
     let measures = g.reader.need(&fields, "measures").map(|node| g.measures(node)).unwrap_or_default();
     let phases = fields.get("phases").map(|node| g.phases(node)).unwrap_or_default();
+    let figures = fields.get("figures").map(|node| g.figures(node)).unwrap_or_default();
     let reference = fields.get("reference").map_or(Some(Reference::None), |node| g.reference(node));
     let claims = fields.get("claims").map(|node| g.claims(node)).unwrap_or_default();
     let stem = source.name.rsplit(['/', '\\']).next().unwrap_or_default();
@@ -93,6 +96,7 @@ fn study(g: &mut Grammar<'_, '_>, tree: &Node, source: &Arc<Source>) -> Option<S
         seeds: seeds?,
         measures,
         phases,
+        figures,
         reference: reference?,
         claims,
     })
@@ -436,6 +440,23 @@ impl Grammar<'_, '_> {
             Phase { name, passes: self.names(node, "a pass or sub-graph") }
         };
         entries.into_iter().map(phase).collect()
+    }
+
+    fn figures(&mut self, node: &Node) -> Vec<StudyFigure> {
+        let entries = self.entries(node, "figures: { \"name\": \"pass.port.figure\" }");
+        if entries.is_empty() && node.form == Form::Map(Vec::new()) {
+            let span = self.reader.span_of(node);
+            self.error(&codes::EMPTY, span, "there is no figure in it");
+        }
+        let mut found = Vec::new();
+        for (name, node) in entries {
+            if name.value.trim().is_empty() {
+                self.error(&codes::EMPTY, name.span.clone(), "a figure needs a name");
+            }
+            let of = self.text_at(node, "the name of a figure: \"pass.port.figure\"");
+            found.extend(of.map(|of| StudyFigure { name, of }));
+        }
+        found
     }
 
     fn reference(&mut self, node: &Node) -> Option<Reference> {

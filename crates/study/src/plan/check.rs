@@ -1,7 +1,9 @@
 //! Checks the names and values of a study.
 
 use super::{Resolved, combinations_of, product};
-use crate::description::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant};
+use crate::description::{
+    At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, StudyFigure, Variant,
+};
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
 use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
@@ -311,6 +313,22 @@ impl<'a> Checker<'a> {
                 .label(pass.span.clone(), "")
                 .suggest("passes and sub-graphs", &pass.value, known.iter().copied());
                 self.errors.push(error);
+            }
+        }
+    }
+
+    /// Checks that each figure is one of some pipeline.
+    pub(super) fn figures(&mut self, pipelines: &[Resolved]) {
+        if self.errors.iter().any(|error| error.code == codes::PIPELINE.code) {
+            return;
+        }
+        let known: Vec<&str> =
+            pipelines.iter().flat_map(|pipeline| &pipeline.facts.figures).map(String::as_str).collect();
+        for StudyFigure { of, .. } in &self.study.figures {
+            if !known.contains(&of.value.as_str()) {
+                let message = format!("no pipeline has a figure `{}`", of.value);
+                let error = Diagnostic::new(&codes::FIGURE, message).label(of.span.clone(), "");
+                self.errors.push(error.suggest("figures", &of.value, known.iter().copied()));
             }
         }
     }

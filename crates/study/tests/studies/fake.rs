@@ -74,6 +74,7 @@ impl Registry for Shelf {
             paper: String::new(),
             outputs: outputs.iter().map(|output| (*output).to_owned()).collect(),
             passes: passes(name).map(str::to_owned).to_vec(),
+            figures: if name == "exact" { vec!["rays/trace.counters.hits".to_owned()] } else { Vec::new() },
             settings,
         })
     }
@@ -163,6 +164,12 @@ impl Laboratory for Fake {
                 normal: None,
                 camera: camera(),
                 lights: request.lights.then(|| lights_of(frame)),
+                figures: request
+                    .figures
+                    .iter()
+                    .filter(|_| request.pipeline == "exact")
+                    .map(|name| (name.clone(), f64::from(frame)))
+                    .collect(),
                 // For each unit that is kept, clamping removed the number of the frame.
                 irradiance: Image::new(width, height, vec![[1.0, 1.0, 1.0, frame as f32]; width * height])
                     .ok(),

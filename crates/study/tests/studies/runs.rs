@@ -1,6 +1,7 @@
 //! Running, going on, parts.
 
 use super::fake::{Fake, plan, run, study, told};
+use frame_graph::Source;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -228,4 +229,21 @@ fn references_of_every_size_are_joined() {
     let merged = study::merge(&[at("1"), at("2")], &at("all")).unwrap();
     let from: Vec<&str> = merged.study.references.iter().map(|reference| reference.from.as_str()).collect();
     assert_eq!(from, ["pipeline truth, 8x4", "pipeline truth, 4x4"]);
+}
+
+#[test]
+fn figures_of_passes_are_means_over_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "Study(scenes: [\"walk\"], pipelines: [\"exact\", \"fast\"], size: (8, 4), budget: Frames(4),
+        measures: [\"mean\"], figures: { \"hits\": \"rays/trace.counters.hits\" })";
+    let study =
+        study::parse(Source::new("studies/test.ron", text)).unwrap_or_else(|errors| panic!("{errors}"));
+    let ran = run(&plan(study), &mut Fake::default(), folder.path()).unwrap();
+    for cell in &ran.results.cells {
+        // The fake tells the number of the frame: 1 to 4, after one to warm up.
+        let expected = (cell.pipeline == "exact").then_some(2.5);
+        assert_eq!(cell.measures["figure:hits"], expected, "{}", cell.pipeline);
+        let series = cell.series.values.get("figure:hits").map(Vec::len);
+        assert_eq!(series, expected.map(|_| 4), "{}", cell.pipeline);
+    }
 }

@@ -279,6 +279,7 @@ fn observed(
     let scene = renderer.scene();
     Ok(Observed {
         frame,
+        figures: figures(renderer, &request.figures)?,
         image: renderer.output(&request.output).map_err(text)?,
         passes: plan.passes.iter().map(|pass| pass.name.to_string()).zip(times.iter().copied()).collect(),
         depth: picture(&extras.depth)?,
@@ -287,6 +288,18 @@ fn observed(
         lights: lights.transpose()?.map(|lights| lights.iter().map(measured).collect()),
         irradiance: plan.output("irradiance").and_then(|_| renderer.output("irradiance").ok()),
     })
+}
+
+/// The figures of the last frame that are wanted.
+fn figures(renderer: &Renderer, wanted: &[String]) -> Result<Vec<(String, f64)>, String> {
+    if wanted.is_empty() {
+        return Ok(Vec::new());
+    }
+    let ports = renderer.figures().map_err(text)?;
+    let named = ports.iter().flat_map(|port| {
+        port.values.iter().map(|(figure, value)| (format!("{}.{}", port.port, figure.name), *value))
+    });
+    Ok(named.filter(|(name, _)| wanted.contains(name)).collect())
 }
 
 /// What the measures look at in a virtual light.

@@ -70,6 +70,7 @@ impl Registry for CatalogRegistry {
             paper: resolved.paper().unwrap_or_default().to_owned(),
             outputs: resolved.outputs().map(ToString::to_string).collect(),
             passes: resolved.passes().map(|(name, _)| name.to_string()).collect(),
+            figures: resolved.figures(&*self.catalog),
             settings: resolved.settable(&*self.catalog),
         })
     }
