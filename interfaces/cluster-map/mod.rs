@@ -5,6 +5,12 @@ use pass::{Content, Fact, Format, Interface, Member};
 /// The number of clusters.
 pub const COUNT: Fact<u32> = Fact::required("count", "the number of clusters");
 
+/// The side of the window of texels around a cluster that it may take.
+pub const WINDOW: Fact<u32> = Fact::optional(
+    "window",
+    "side of the square of texels around a cluster, in which all of its texels are; 0, or left out: the layer",
+);
+
 /// What an empty texel holds, and one that no cluster reaches.
 pub const NONE: u32 = u32::MAX;
 
@@ -19,4 +25,4 @@ pub const INTERFACE: Interface = Interface::new(
          none",
     )],
 )
-.with_facts(&[COUNT.decl()]);
+.with_facts(&[COUNT.decl(), WINDOW.decl()]);

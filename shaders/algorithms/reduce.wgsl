@@ -8,7 +8,8 @@
 //   fn reduce_both(a: Reduced, b: Reduced) -> Reduced
 //   fn reduce_workgroup(thread: u32, own: Reduced) -> Reduced   what 256 threads bring, combined; all of them call it
 //   fn reduce_store(result: Reduced)                  called once, by one thread
-// For sums of f32 and of Scaled, sum-f32.wgsl and sum-scaled.wgsl give all but the first two functions and the last.
+// For sums of f32, of vec4 and of Scaled, sum-f32.wgsl, sum-vec4.wgsl and sum-scaled.wgsl give all but the first two
+// functions and the last.
 
 #import "algorithms/workgroup.wgsl"
 #import "dispatch.wgsl"

@@ -11,6 +11,7 @@ const BLOCK_SIZE: u32 = GROUP_SIZE * RUN;
 
 var<workgroup> shared_numbers: array<f32, GROUP_SIZE>;
 var<workgroup> shared_whole_numbers: array<u32, GROUP_SIZE>;
+var<workgroup> shared_vectors: array<vec4<f32>, GROUP_SIZE>;
 
 /// Blocks that so many elements fill.
 fn blocks_of(length: u32) -> u32 {
@@ -66,4 +67,19 @@ fn workgroup_max(thread: u32, value: f32) -> f32 {
     let greatest = shared_numbers[0];
     workgroupBarrier();
     return greatest;
+}
+
+/// Returns the sum of the workgroup, of numbers of either sign: halves are added until one is left.
+fn workgroup_sum4(thread: u32, value: vec4<f32>) -> vec4<f32> {
+    shared_vectors[thread] = value;
+    workgroupBarrier();
+    for (var width = GROUP_SIZE / 2u; width > 0u; width /= 2u) {
+        if thread < width {
+            shared_vectors[thread] += shared_vectors[thread + width];
+        }
+        workgroupBarrier();
+    }
+    let sum = shared_vectors[0];
+    workgroupBarrier();
+    return sum;
 }

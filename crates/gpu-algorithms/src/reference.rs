@@ -1,6 +1,7 @@
 //! CPU references of the algorithms, and of WGSL that several passes share: what results are compared with, in double
 //! precision or integers.
 
+pub mod clustering;
 pub mod paraboloid;
 pub mod triangle_samples;
 

@@ -28,6 +28,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+mod clusters;
 mod given;
 mod harness;
 pub mod random;
@@ -35,6 +36,7 @@ mod shader_use;
 pub mod statistics;
 pub mod view;
 
+pub use clusters::RsmTexel;
 /// What can reset a history buffer between two frames, for [`Harness::event`].
 pub use frame_graph::ResetCause;
 pub use harness::Harness;

@@ -1,9 +1,11 @@
 // The sum of a buffer of weights.
 
-#option SCALED false // whether the sum may leave the range of f32
+#option SUM f32 one_of [f32, vec4, scaled] // of what: scaled is for sums that may leave the range of f32
 
-#if SCALED
+#if SUM == scaled
 #import "algorithms/sum-scaled.wgsl"
+#elif SUM == vec4
+#import "algorithms/sum-vec4.wgsl"
 #else
 #import "algorithms/sum-f32.wgsl"
 #endif
@@ -16,9 +18,13 @@ fn reduce_length() -> u32 {
     return count[0];
 }
 
-#if SCALED
+#if SUM == scaled
 fn reduce_element(i: u32) -> Scaled {
     return Scaled(weight_of(weights[i]), 0);
+}
+#elif SUM == vec4
+fn reduce_element(i: u32) -> vec4<f32> {
+    return vec4(weights[i], -weights[i], 1.0, 0.0);
 }
 #else
 fn reduce_element(i: u32) -> f32 {

@@ -1,0 +1,187 @@
+// Which cluster each texel of a reflective shadow map belongs to: of those in whose window it lies, the nearest one, where
+// normals and importance count as distances too. [ACRSM §4.6, Eq. 4.4-4.5]
+//
+// Texels gather: a workgroup lists the clusters whose windows meet its tile, in the order of their indices, so that of
+// equally near ones each texel takes the first.
+
+#option NORMAL_DISTANCE cosine one_of [cosine, angle] // What counts as the distance of two normals. cosine: 1 - |cos| (ACRSM Eq. 4.4), by which the two sides of a thin wall are no distance apart. angle: the angle in units of half a turn (Eq. 3.7), by which they are as far apart as can be.
+#option IMPORTANCE false // whether importance counts
+#option FLUX false // whether flux counts
+#option PARTS false // whether the clusters take several dispatches
+
+#import "algorithms/workgroup.wgsl"
+#import "clustering.wgsl"
+#import "color.wgsl"
+#import "scene.wgsl"
+#if IMPORTANCE
+#import interface "importance"
+#endif
+
+struct Settings {
+    /// Side of the window of a cluster [px].
+    window: u32,
+    /// Weights of the distances of positions, normals, importance and flux; they sum to 1.
+    weights: vec4<f32>,
+    /// The clusters that this dispatch takes: `begin` to `end`.
+    begin: u32,
+    end: u32,
+    /// 1 for the dispatch that takes the last clusters.
+    last: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> clusters: Clusters;
+var rsm_position: texture_2d_array<f32>;
+var rsm_normal: texture_2d_array<f32>;
+#if FLUX
+var rsm_flux: texture_2d_array<f32>;
+#endif
+var map: texture_storage_2d_array<r32uint, write>;
+#if PARTS
+/// The nearest cluster of each texel in the dispatches before: the bits of its distance, and its index.
+var<storage, read_write> nearest: array<vec2<u32>>;
+#endif
+
+/// Side of the tile of a workgroup; it has GROUP_SIZE threads.
+const SIDE: u32 = 16u;
+
+/// The clusters of a chunk whose windows meet the tile: position and importance,
+var<workgroup> listed_places: array<vec4<f32>, GROUP_SIZE>;
+/// normal,
+var<workgroup> listed_normals: array<vec3<f32>, GROUP_SIZE>;
+#if FLUX
+/// flux of the texel at the centre,
+var<workgroup> listed_fluxes: array<vec3<f32>, GROUP_SIZE>;
+#endif
+/// index, and the part of the tile that is in the window.
+var<workgroup> listed_indices: array<vec2<u32>, GROUP_SIZE>;
+
+/// A part of the tile in one number: corners, in six bits each.
+fn pack(part: Window) -> u32 {
+    return part.low.x | (part.low.y << 6u) | (part.high.x << 12u) | (part.high.y << 18u);
+}
+
+/// Whether a packed part of the tile has this texel of it.
+fn part_holds(packed: u32, local: vec2<u32>) -> bool {
+    let low = vec2(packed, packed >> 6u) & vec2(63u);
+    let high = vec2(packed >> 12u, packed >> 18u) & vec2(63u);
+    return all(local >= low) && all(local < high);
+}
+
+/// Lists those of the clusters from `first` to before `end` that can take texels of the tile, at most GROUP_SIZE, and
+/// returns how many there are. All threads of the workgroup must call it.
+fn list_chunk(thread: u32, first: u32, end: u32, tile: Window, layer: u32) -> u32 {
+    let index = first + thread;
+    var part = Window(vec2(0u), vec2(0u));
+    var cluster: Cluster;
+    if index < end {
+        cluster = clusters.clusters[index];
+        let window = window_of(cluster.uv, settings.window, textureDimensions(rsm_position));
+        if cluster.state == CLUSTER_ALIVE && cluster.layer == layer && is_finite(cluster.position) {
+            part.low = clamp(window.low, tile.low, tile.high) - tile.low;
+            part.high = clamp(window.high, tile.low, tile.high) - tile.low;
+        }
+    }
+    let meets = all(part.low < part.high);
+    let ranks = prefix_sum_u32(thread, select(0u, 1u, meets));
+    if meets {
+        let at = ranks.x - 1u;
+        listed_places[at] = vec4(cluster.position, weight_of(cluster.importance));
+        listed_normals[at] = direction_of(cluster.normal);
+#if FLUX
+        listed_fluxes[at] = flux_of(cluster.centre_flux);
+#endif
+        listed_indices[at] = vec2(index, pack(part));
+    }
+    workgroupBarrier();
+    return ranks.y;
+}
+
+/// Distance of two normals in [0, 1]; 1 where one of them is none. [ACRSM Eq. 4.4]
+fn normal_distance(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    let cosine = dot(a, b);
+#if NORMAL_DISTANCE == angle
+    if all(a == vec3(0.0)) || all(b == vec3(0.0)) {
+        return 1.0;
+    }
+    return atan2(length(cross(a, b)), cosine) / PI;
+#else
+    return 1.0 - min(abs(cosine), 1.0);
+#endif
+}
+
+#if FLUX
+/// Distance of two fluxes in [0, 1]; 0 where both are dark. [ACRSM Eq. 3.8]
+fn flux_distance(a: vec3<f32>, b: vec3<f32>) -> f32 {
+    // DEVIATION(flux-distance): relative to both, so that it needs no unit.
+    let greatest = max(max(max(a.r, a.g), a.b), max(max(b.r, b.g), b.b));
+    if greatest == 0.0 {
+        return 0.0;
+    }
+    let difference = a / greatest - b / greatest;
+    return dot(difference, difference) / (dot(a / greatest, a / greatest) + dot(b / greatest, b / greatest));
+}
+#endif
+
+@compute @workgroup_size(SIDE, SIDE)
+fn map_texels(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let size = textureDimensions(rsm_position);
+    let layer = group.z;
+    let corner = group.xy * SIDE;
+    let tile = Window(corner, min(corner + SIDE, size));
+    let texel = corner + local.xy;
+    let is_inside = all(texel < size);
+    // Outside the map, any texel will do: nothing comes of it.
+    let place = min(texel, size - 1u);
+    let position = textureLoad(rsm_position, place, layer, 0);
+    let lit = is_inside && is_lit(position);
+    let normal = direction_of(textureLoad(rsm_normal, place, layer, 0).xyz);
+#if IMPORTANCE
+    let own_importance = weight_of(importance(layer, place));
+#endif
+#if FLUX
+    let flux = flux_of(textureLoad(rsm_flux, place, layer, 0).rgb);
+#endif
+    // Distances are compared by their bits, of which a NaN has more than any number.
+    var best = vec2(0xffffffffu, NO_CLUSTER);
+#if PARTS
+    let slot = (layer * size.y + place.y) * size.x + place.x;
+    if settings.begin > 0u {
+        best = nearest[slot];
+    }
+#endif
+    let end = min(min(clusters.count, arrayLength(&clusters.clusters)), settings.end);
+    for (var first = settings.begin; first < end; first += GROUP_SIZE) {
+        let listed = list_chunk(thread, first, end, tile, layer);
+        for (var i = 0u; i < select(0u, listed, lit); i++) {
+            if !part_holds(listed_indices[i].y, local.xy) {
+                continue;
+            }
+            let centre = listed_places[i];
+            var distance = settings.weights.x * length(position.xyz - centre.xyz) / max(scene_info.extent, 1e-30);
+            distance += settings.weights.y * normal_distance(listed_normals[i], normal);
+#if IMPORTANCE
+            distance += settings.weights.z * abs(centre.w - own_importance);
+#endif
+#if FLUX
+            distance += settings.weights.w * flux_distance(listed_fluxes[i], flux);
+#endif
+            let bits = bitcast<u32>(distance) & 0x7fffffffu;
+            if bits < best.x {
+                best = vec2(bits, listed_indices[i].x);
+            }
+        }
+    }
+#if PARTS
+    if is_inside && settings.last == 0u {
+        nearest[slot] = best;
+    }
+#endif
+    if is_inside && settings.last != 0u {
+        textureStore(map, texel, layer, vec4(best.y));
+    }
+}

@@ -1,0 +1,17 @@
+// What reduce.wgsl needs for four sums of f32 of either sign.
+
+#import "algorithms/reduce.wgsl"
+
+alias Reduced = vec4<f32>;
+
+fn reduce_identity() -> vec4<f32> {
+    return vec4(0.0);
+}
+
+fn reduce_both(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+    return a + b;
+}
+
+fn reduce_workgroup(thread: u32, own: vec4<f32>) -> vec4<f32> {
+    return workgroup_sum4(thread, own);
+}
