@@ -1,0 +1,191 @@
+// Moves each cluster to the mean of its texels and measures it. One workgroup per cluster, over its window. [ACRSM §4.7]
+//
+// All sums have one order: a thread takes every 256th texel of the window, and workgroup_sum4 adds up the threads.
+
+#option AREA texels one_of [texels, disk] // What the area of a cluster is. texels: the sum of the areas of its texels. disk: that of the circle around its centre through its farthest texel (ACRSM §4.7), which is 1.5 to 2 times as large for cells that fit together, and grows with a single texel.
+#option IMPORTANCE false // whether importance is averaged
+
+#import "algorithms/workgroup.wgsl"
+#import "clustering.wgsl"
+#import "color.wgsl"
+#import "dispatch.wgsl"
+#if IMPORTANCE
+#import interface "importance"
+#endif
+
+struct Settings {
+    /// Side of the windows in which texels were mapped [px]; 0 for the layer.
+    window: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> clusters: Clusters;
+var map: texture_2d_array<u32>;
+var rsm_position: texture_2d_array<f32>;
+var rsm_normal: texture_2d_array<f32>;
+var rsm_flux: texture_2d_array<f32>;
+var<storage, read_write> averaged: Clusters;
+
+/// Texel i of a window, row by row.
+fn texel_of(window: Window, i: u32) -> vec2<u32> {
+    let width = window.high.x - window.low.x;
+    return window.low + vec2(i % width, i / width);
+}
+
+/// What can be summed over texels. Places are offsets from the old centre: far from the origin, their own sum would round
+/// away what differs.
+struct Sums {
+    /// Position [m], importance.
+    place: vec4<f32>,
+    /// Normal, area [m²].
+    surface: vec4<f32>,
+    /// Flux [W], number of texels.
+    flux: vec4<f32>,
+    /// Place in the layer [texels].
+    uv: vec4<f32>,
+}
+
+/// What a texel adds.
+fn summand(texel: vec2<u32>, old: Cluster) -> Sums {
+    let position = textureLoad(rsm_position, texel, old.layer, 0).xyz;
+    let normal = direction_of(textureLoad(rsm_normal, texel, old.layer, 0).xyz);
+    let flux = textureLoad(rsm_flux, texel, old.layer, 0);
+    let uv = vec2<f32>(texel) + 0.5 - old.uv;
+#if IMPORTANCE
+    let importance = weight_of(importance(old.layer, texel));
+#else
+    let importance = 1.0;
+#endif
+    return Sums(
+        vec4(position - old.position, importance),
+        vec4(normal, weight_of(flux.a)),
+        vec4(flux_of(flux.rgb), 1.0),
+        vec4(uv, 0.0, 0.0),
+    );
+}
+
+/// Length of the mean of unit normals below which it has no direction: that of the rounding of half floats.
+const LEAST_NORMAL: f32 = 1e-3;
+
+/// The centre that these sums of at least one texel give.
+fn centre_of(sums: Sums, old: Cluster) -> Cluster {
+    let texels = sums.flux.w;
+    var centre = old;
+    centre.position = old.position + sums.place.xyz / texels;
+    centre.importance = sums.place.w / texels;
+    let normal = sums.surface.xyz / texels;
+    if length(normal) > LEAST_NORMAL {
+        centre.normal = normalize(normal);
+    }
+    centre.uv = old.uv + sums.uv.xy / texels;
+    centre.flux = sums.flux.rgb;
+    centre.texels = u32(texels);
+    return centre;
+}
+
+var<workgroup> shared_nearest: array<vec2<u32>, GROUP_SIZE>;
+
+/// The lesser of two pairs in lexical order.
+fn lesser(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    return select(b, a, a.x < b.x || (a.x == b.x && a.y < b.y));
+}
+
+/// The least pair of the workgroup, in lexical order. All threads must call it.
+fn workgroup_least(thread: u32, own: vec2<u32>) -> vec2<u32> {
+    shared_nearest[thread] = own;
+    workgroupBarrier();
+    for (var width = GROUP_SIZE / 2u; width > 0u; width /= 2u) {
+        if thread < width {
+            shared_nearest[thread] = lesser(shared_nearest[thread], shared_nearest[thread + width]);
+        }
+        workgroupBarrier();
+    }
+    return shared_nearest[0];
+}
+
+@compute @workgroup_size(GROUP_SIZE)
+fn average(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let index = row_index(group, groups, 0u, 1u);
+    let size = textureDimensions(map);
+    var old: Cluster;
+    var window = Window(vec2(0u), vec2(0u));
+    if index < min(clusters.count, arrayLength(&clusters.clusters)) {
+        old = clusters.clusters[index];
+        if old.state == CLUSTER_ALIVE {
+            window = window_of(old.uv, settings.window, size);
+        }
+    }
+    let sides = window.high - window.low;
+    let length = sides.x * sides.y;
+
+    var sums: Sums;
+    for (var i = thread; i < length; i += GROUP_SIZE) {
+        let texel = texel_of(window, i);
+        if textureLoad(map, texel, old.layer, 0).x == index {
+            let more = summand(texel, old);
+            sums.place += more.place;
+            sums.surface += more.surface;
+            sums.flux += more.flux;
+            sums.uv += more.uv;
+        }
+    }
+    sums.place = workgroup_sum4(thread, sums.place);
+    sums.surface = workgroup_sum4(thread, sums.surface);
+    sums.flux = workgroup_sum4(thread, sums.flux);
+    sums.uv = workgroup_sum4(thread, sums.uv);
+    let has_texels = sums.flux.w > 0.0;
+
+    var centre = centre_of(sums, old);
+    var farthest2 = 0.0;
+    var nearest = vec2(0xffffffffu);
+    for (var i = thread; i < select(0u, length, has_texels); i += GROUP_SIZE) {
+        let texel = texel_of(window, i);
+        if textureLoad(map, texel, old.layer, 0).x == index {
+            let offset = textureLoad(rsm_position, texel, old.layer, 0).xyz - centre.position;
+            farthest2 = max(farthest2, dot(offset, offset));
+            let beside = vec2<f32>(texel) + 0.5 - centre.uv;
+            // Numbers that are not negative are in the order of their bits.
+            let bits = bitcast<u32>(dot(beside, beside));
+            nearest = lesser(nearest, vec2(bits, (old.layer * size.y + texel.y) * size.x + texel.x));
+        }
+    }
+    farthest2 = workgroup_max(thread, farthest2);
+    nearest = workgroup_least(thread, nearest);
+    if thread != 0u || index >= arrayLength(&averaged.clusters) {
+        return;
+    }
+    if has_texels {
+        centre.state = CLUSTER_ALIVE;
+        centre.texel = nearest.y;
+        centre.radius = sqrt(farthest2);
+#if AREA == texels
+        // DEVIATION(area): what its texels cover.
+        centre.area = sums.surface.w;
+#else
+        centre.area = PI * farthest2;
+#endif
+        // DEVIATION(centre-texel): of a texel of its own; the mean itself can lie in another cell, or where nothing is lit.
+        let texel = vec2(nearest.y % size.x, nearest.y / size.x % size.y);
+        centre.centre_flux = flux_of(textureLoad(rsm_flux, texel, old.layer, 0).rgb);
+        averaged.clusters[index] = centre;
+    } else {
+        averaged.clusters[index] = vanished(old);
+    }
+}
+
+/// A cluster that has lost its texels: it is waiting for a seed.
+fn vanished(old: Cluster) -> Cluster {
+    var gone = old;
+    gone.state = CLUSTER_TO_SEED;
+    gone.texels = 0u;
+    gone.texel = NO_TEXEL;
+    gone.area = 0.0;
+    gone.radius = 0.0;
+    gone.flux = vec3(0.0);
+    gone.centre_flux = vec3(0.0);
+    return gone;
+}
