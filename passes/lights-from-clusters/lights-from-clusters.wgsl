@@ -1,0 +1,89 @@
+// A virtual light of each cluster of texels of a reflective shadow map; all of them together have the flux of the map.
+// [ACRSM §4.3, §5.3.3]
+
+#option ENERGY texels one_of [texels, centre] // What the flux of a light comes from, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the colour of one place.
+#option AREA true // whether lights have the area of their clusters; otherwise they are points
+
+#import "algorithms/sum-vec4.wgsl"
+#import "clustering.wgsl"
+#import "rsm-light.wgsl"
+
+var<storage, read> clusters: Clusters;
+/// The flux of all lights before they are scaled [W].
+var<storage, read_write> unscaled: array<vec4<f32>>;
+var<storage, read_write> lights: VirtualLights;
+
+fn cluster_count() -> u32 {
+    return min(clusters.count, arrayLength(&clusters.clusters));
+}
+
+/// What a light carries before it is scaled.
+fn unscaled_flux(cluster: Cluster) -> vec3<f32> {
+    if cluster.texels == 0u {
+        return vec3(0.0);
+    }
+#if ENERGY == centre
+    return flux_of(cluster.centre_flux * f32(cluster.texels));
+#else
+    return flux_of(cluster.flux);
+#endif
+}
+
+fn reduce_length() -> u32 {
+    return cluster_count();
+}
+
+fn reduce_element(i: u32) -> vec4<f32> {
+    return vec4(unscaled_flux(clusters.clusters[i]), 0.0);
+}
+
+fn reduce_store(result: vec4<f32>) {
+    unscaled[0] = result;
+}
+
+/// What a channel of all lights is scaled by; 0 where none of them has any of it.
+fn scale_of(whole: f32, of_lights: f32) -> f32 {
+    if of_lights > 0.0 {
+        return whole / of_lights;
+    }
+    return 0.0;
+}
+
+@compute @workgroup_size(64)
+fn make_lights(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = row_index(group, groups, local, 64u);
+    let count = arrayLength(&lights.lights);
+    if i == 0u {
+        lights.count = count;
+        lights.pad0 = 0u;
+        lights.pad1 = 0u;
+        lights.pad2 = 0u;
+    }
+    if i >= count {
+        return;
+    }
+    var cluster: Cluster;
+    if i < cluster_count() {
+        cluster = clusters.clusters[i];
+    }
+    if cluster.texels == 0u {
+        lights.lights[i] = dark_light(NO_TEXEL);
+        return;
+    }
+    let whole = flux_of(clusters.map_flux);
+    let sum = unscaled[0];
+    // DEVIATION(scale): the texels that no cluster took shine too.
+    let scale = vec3(scale_of(whole.r, sum.r), scale_of(whole.g, sum.g), scale_of(whole.b, sum.b));
+    // Sums near the end of the range of f32 give infinite scales.
+    let flux = min(flux_of(unscaled_flux(cluster) * scale), vec3(1e37));
+#if AREA
+    let area = weight_of(cluster.area);
+#else
+    let area = 0.0;
+#endif
+    lights.lights[i] = VirtualLight(cluster.position, area, cluster.normal, cluster.texel, flux, 0.0);
+}
