@@ -12,6 +12,9 @@ const SIDE: u32 = 64;
 /// Distance of neighbouring texels on a floor of 2 m [m].
 const STEP: f32 = 2.0 / SIDE as f32;
 
+/// Whether a texel is in a cell.
+type Holds<'a> = &'a dyn Fn(u32, u32) -> bool;
+
 /// A floor as a sun above it sees it.
 fn floor(x: u32, y: u32) -> RsmTexel {
     RsmTexel {
@@ -40,7 +43,7 @@ fn the_area_of_a_cell_is_that_of_its_texels() {
     let square = is_in((20, 12), (36, 28));
     let strip = is_in((4, 30), (60, 34));
     let disc = |x: u32, y: u32| (f64::from(x) - 31.5).hypot(f64::from(y) - 31.5) < 20.0;
-    let cells: [(&dyn Fn(u32, u32) -> bool, f64); 3] = [(&square, 1.38), (&strip, 10.6), (&disc, 0.995)];
+    let cells: [(Holds<'_>, f64); 3] = [(&square, 1.38), (&strip, 10.6), (&disc, 0.995)];
     for (holds, factor) in cells {
         let texels = (0..SIDE * SIDE).filter(|i| holds(i % SIDE, i / SIDE)).count() as f64;
         let covered = texels * f64::from(STEP * STEP);
@@ -75,7 +78,7 @@ fn the_centre_of_a_ring_or_a_hook_is_a_texel_of_its_own() {
         (12.0..16.0).contains(&radius)
     };
     let hook = |x: u32, y: u32| (10..14).contains(&x) || ((10..50).contains(&x) && y >= 60);
-    let cells: [&dyn Fn(u32, u32) -> bool; 2] = [&ring, &hook];
+    let cells: [Holds<'_>; 2] = [&ring, &hook];
     for holds in cells {
         // The hole is another cluster's, and the texels at the mean are bright.
         let bright = |x: u32, y: u32| {
@@ -111,7 +114,7 @@ fn clusters_far_from_the_origin_have_their_centre() {
 #[test]
 fn opposed_normals_keep_the_old_one() {
     let wall = |x: u32, y: u32| {
-        let normal = if x % 2 == 0 { [0.0, 0.0, 1.0] } else { [0.0, 0.0, -1.0] };
+        let normal = if x.is_multiple_of(2) { [0.0, 0.0, 1.0] } else { [0.0, 0.0, -1.0] };
         RsmTexel { normal, ..floor(x, y) }
     };
     let world = World::new((SIDE, SIDE), wall, |_, _| 0);
