@@ -6,6 +6,7 @@
 #import "dispatch.wgsl"
 #import "proposal.wgsl"
 #import "rsm-light.wgsl"
+#import "shuffle.wgsl"
 
 struct Settings {
     count: u32,

@@ -1,4 +1,4 @@
-//! The CPU reference of shaders/random.wgsl, in `f64`.
+//! The CPU reference of shaders/random.wgsl and shuffle.wgsl, in `f64`.
 
 /// Returns a permutation of 32 bits (Jarzynski & Olano 2020).
 pub fn hash(value: u32) -> u32 {
@@ -35,4 +35,23 @@ pub fn halton3(index: u32, seed: u32) -> [f64; 3] {
         let shift = if seed == 0 { 0.0 } else { unit_float(hash2(seed, dimension)) };
         (radical_inverse(base, index) + shift).fract()
     })
+}
+
+/// Returns the position of `place` in a permutation of `count` elements that the key selects.
+pub fn shuffled(place: u32, count: u32, key: u32) -> u32 {
+    let bits = 32 - (count - 1).leading_zeros();
+    let within_power_of_two = |mut place: u32| {
+        let mut state = key;
+        for _ in 0..4 {
+            state = hash(state);
+            place = place.wrapping_mul(state | 1).wrapping_add(state >> 16) & ((1 << bits) - 1);
+            place ^= place >> bits.div_ceil(2);
+        }
+        place
+    };
+    let mut shuffled = within_power_of_two(place);
+    while shuffled >= count {
+        shuffled = within_power_of_two(shuffled);
+    }
+    shuffled
 }

@@ -74,26 +74,9 @@ impl Chain {
     }
 }
 
-/// Returns the element of Halton's sequence that is proposed to a chain at a step, given the `keys` of that
-/// step's shuffle.
-pub fn element(chain: u32, step: u32, count: u32, keys: [u32; 4]) -> u32 {
-    let place = if step > 0 { shuffled(chain, count, keys) } else { chain };
+/// Returns the element of Halton's sequence that is proposed to a chain at a step; `shuffled` returns the chain's place in
+/// that step's shuffle.
+pub fn element(chain: u32, step: u32, count: u32, shuffled: impl Fn(u32) -> u32) -> u32 {
+    let place = if step > 0 { shuffled(chain) } else { chain };
     step * count + place + 1
-}
-
-/// Returns the position of `place` in a permutation of `count` elements, with one key per round.
-pub fn shuffled(place: u32, count: u32, keys: [u32; 4]) -> u32 {
-    let bits = 32 - (count - 1).leading_zeros();
-    let within_power_of_two = |mut place: u32| {
-        for key in keys {
-            place = place.wrapping_mul(key | 1).wrapping_add(key >> 16) & ((1 << bits) - 1);
-            place ^= place >> bits.div_ceil(2);
-        }
-        place
-    };
-    let mut shuffled = within_power_of_two(place);
-    while shuffled >= count {
-        shuffled = within_power_of_two(shuffled);
-    }
-    shuffled
 }

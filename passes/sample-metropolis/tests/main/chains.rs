@@ -1,8 +1,8 @@
 //! The distribution of the last sample, against the exact one of Metropolis-Hastings.
 
-use pass_test::random::{halton3, hash, hash2, radical_inverse, unit_float};
+use pass_test::random::{halton3, hash, hash2, radical_inverse, shuffled, unit_float};
 use pass_test::statistics::{assert_follows, chi_squared, chi_squared_limit};
-use sample_metropolis::cpu_reference::{Chain, element, importance_of};
+use sample_metropolis::cpu_reference::{self, Chain, importance_of};
 
 pub(crate) const SIZE: (u32, u32) = (12, 7);
 
@@ -20,13 +20,9 @@ pub(crate) fn importance(layers: u32) -> Vec<f32> {
         .collect()
 }
 
-/// What the shader's rounds take from `hash2(seed, step)`.
-pub(crate) fn keys(seed: u32, step: u32) -> [u32; 4] {
-    let mut key = hash2(seed, step);
-    [0; 4].map(|_| {
-        key = hash(key);
-        key
-    })
+/// The element that is proposed to a chain at a step.
+pub(crate) fn element(chain: u32, step: u32, count: u32, seed: u32) -> u32 {
+    cpu_reference::element(chain, step, count, |place| shuffled(place, count, hash2(seed, step)))
 }
 
 /// A map and where its texels are.
@@ -79,7 +75,7 @@ pub(crate) fn independent(chain: u32, step: u32) -> [f64; 4] {
 
 /// Four numbers as the shader has them.
 pub(crate) fn halton(chain: u32, step: u32, count: u32, seed: u32) -> [f64; 4] {
-    let element = element(chain, step, count, keys(seed, step));
+    let element = element(chain, step, count, seed);
     let [layer, column, row] = halton3(element, seed);
     let shift = if seed == 0 { 0.0 } else { unit_float(hash2(seed, 3)) };
     [layer, column, row, (radical_inverse(7, element) + shift).fract()]
