@@ -21,6 +21,17 @@ fn weight_of(x: f32) -> f32 {
     return bitcast<f32>(min(bits, 0x7f7fffffu));
 }
 
+/// Returns a weight with its own exponent. A compiler may turn a s + b s into (a + b) s, which leaves the range of f32 where a
+/// and b are in the same unit: of two numbers from here it cannot know that they are. What is denormal counts as 0, as it does
+/// on GPUs that have no such numbers.
+fn scaled_weight(x: f32) -> Scaled {
+    let bits = bitcast<u32>(weight_of(x));
+    if bits < 0x800000u {
+        return Scaled(0.0, 0);
+    }
+    return Scaled(bitcast<f32>((bits & 0x7fffffu) | 0x3f800000u), i32(bits >> 23u) - 127);
+}
+
 /// Returns x · 2^exponent for x ≥ 0, exact unless the result is denormal. Two factors, since 2^-127 is denormal itself.
 fn times_power_of_two(x: f32, exponent: i32) -> f32 {
     let all = clamp(exponent, -252, 252);
