@@ -12,6 +12,23 @@ fn pulled(values: vec4<f32>, threshold: f32) -> f32 {
     return select(NOTHING, mean, any(valid) && farthest - nearest <= threshold);
 }
 
+/// Pull: the median of those of four texels that are not holes: of two or four, the mean of the middle two if these are
+/// close to each other, otherwise NOTHING. [ACRSM §5.3.2]
+// DEVIATION(middle-two): the paper does not say what the median of an even number is, nor what it does with holes.
+fn pulled_median(values: vec4<f32>, threshold: f32) -> f32 {
+    let first = min(values.xz, values.yw);
+    let second = max(values.xz, values.yw);
+    let inner = vec2(max(first.x, first.y), min(second.x, second.y));
+    // In ascending order, so that holes are the last.
+    let sorted = array(min(first.x, first.y), min(inner.x, inner.y), max(inner.x, inner.y), max(second.x, second.y));
+    let valid = values < vec4(NOTHING);
+    let count = u32(dot(select(vec4(0.0), vec4(1.0), valid), vec4(1.0)));
+    let low = sorted[(max(count, 1u) - 1u) / 2u];
+    let high = sorted[count / 2u];
+    // Halves, since the sum of two holes is infinite.
+    return select(NOTHING, 0.5 * low + 0.5 * high, count > 0u && high - low <= threshold);
+}
+
 /// Push: a hole, and a value far from that of the coarser level, are replaced by the latter. It is interpolated
 /// bilinearly between those of the four nearest coarse texels that are close to the parent, which is the first. If the
 /// parent is a hole, it is interpolated between the others, if these are close to each other.

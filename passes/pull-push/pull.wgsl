@@ -1,6 +1,7 @@
 // Pull: one level of the pyramid from the finer one. [ISM §3.2]
 
 #option FINEST true // whether the finer level is the maps themselves
+#option PULL mean one_of [mean, median] // How the four finer texels of a coarse one are combined, holes left out. mean: their mean if all are close to each other, otherwise a hole (ISM). median: their median, of two or four the mean of the middle two if these are close (ACRSM): single outliers leave no hole.
 
 #import "combine.wgsl"
 #import "scene.wgsl"
@@ -17,7 +18,8 @@ struct Settings {
     /// The first of these maps; the finest level, where it is bound, begins with it.
     first_map: u32,
     /// Distances are averaged if they differ by less than this fraction of the scene's extent, doubled with each level;
-    /// otherwise the coarser texel is a hole. Larger: holes close at silhouettes, but surfaces mix.
+    /// otherwise the coarser texel is a hole. Larger: holes close at silhouettes, but surfaces mix. By the median, only
+    /// the middle two of an even number are averaged.
     /// [default: 0.05, min: 0.0]
     pull_threshold: f32,
 }
@@ -53,5 +55,10 @@ fn pull(@builtin(global_invocation_id) id: vec3<u32>) {
         fine(map, corner + vec2(1u, 1u)),
     );
     let threshold = settings.pull_threshold * scene_info.extent * settings.scale;
-    pyramid[settings.coarse_begin + (map * side + id.y) * side + id.x] = pulled(values, threshold);
+#if PULL == median
+    let coarse = pulled_median(values, threshold);
+#else
+    let coarse = pulled(values, threshold);
+#endif
+    pyramid[settings.coarse_begin + (map * side + id.y) * side + id.x] = coarse;
 }

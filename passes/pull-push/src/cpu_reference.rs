@@ -46,6 +46,18 @@ pub fn pulled(values: [f64; 4], threshold: f64) -> f64 {
     }
 }
 
+/// Returns the median of those of four that are not holes: of an even number the mean of the middle two, if they are
+/// within `threshold` of each other; otherwise a hole.
+pub fn pulled_median(values: [f64; 4], threshold: f64) -> f64 {
+    let mut valid: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+    valid.sort_by(f64::total_cmp);
+    if valid.is_empty() {
+        return f64::INFINITY;
+    }
+    let (low, high) = (valid[(valid.len() - 1) / 2], valid[valid.len() / 2]);
+    if high - low <= threshold { 0.5 * (low + high) } else { f64::INFINITY }
+}
+
 /// Returns the value of a texel, given the pushed level above it.
 pub fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f64 {
     let side = (x % 2 * 2 - 1, y % 2 * 2 - 1);
@@ -66,8 +78,19 @@ pub fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f
     if (own - value).abs() > threshold { value } else { own }
 }
 
-/// Fills a map: thresholds in metres at level 0.
+/// Fills a map by means: thresholds in metres at level 0.
 pub fn pull_push(map: &Level, levels: u32, pull_threshold: f64, push_threshold: f64) -> Level {
+    pull_push_by(pulled, map, levels, pull_threshold, push_threshold)
+}
+
+/// Fills a map, where `pulled` combines four texels within a threshold of each other.
+pub fn pull_push_by(
+    pulled: fn([f64; 4], f64) -> f64,
+    map: &Level,
+    levels: u32,
+    pull_threshold: f64,
+    push_threshold: f64,
+) -> Level {
     let mut pyramid = vec![map.clone()];
     for l in 0..levels {
         let finer = &pyramid[l as usize];

@@ -26,6 +26,9 @@ const PULL: &str = "passes/pull-push/pull.wgsl";
 const PUSH: &str = "passes/pull-push/push.wgsl";
 const FILL: &str = "passes/pull-push/fill.wgsl";
 
+/// The option of the shader that says how texels are combined; in lower case, the name of the setting.
+const PULL_BY: &str = "PULL";
+
 /// The most workgroups along a dimension: WebGPU's default.
 const MAX_GROUPS: u32 = 65_535;
 
@@ -89,6 +92,7 @@ impl Pass for PullPush {
 
     fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let mut all = PullPushSettings::schema();
+        all.extend(setting::of_options(cx.shaders, PULL, &[PULL_BY])?);
         all.extend(setting::of_shader(cx.shaders, PULL)?);
         all.extend(setting::of_shader(cx.shaders, PUSH)?);
         Ok(all)
@@ -125,7 +129,7 @@ impl Pass for PullPush {
         let pyramid = Pyramid { tile, count };
         let mut recording = Recording::default();
         let windows = depth_atlas::windows(count, tile, 1, self.window);
-        let shader = |finest| cx.shader(PULL, &[("FINEST", Define::Bool(finest))]);
+        let shader = |finest| cx.shader(PULL, &[("FINEST", Define::Bool(finest)), cx.option(PULL_BY)]);
         if levels > 0 {
             recording = recording.then_all(windows.iter().map(|window| {
                 let step = pyramid.step(0, 1, &window.maps, shader(true), "pull");

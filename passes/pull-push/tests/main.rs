@@ -2,7 +2,7 @@
 
 use pass::LARGEST_WINDOW;
 use pass_test::Harness;
-use pull_push::cpu_reference::{Level, pull_push, pulled};
+use pull_push::cpu_reference::{Level, pull_push, pull_push_by, pulled, pulled_median};
 
 const HOLE: f64 = f64::INFINITY;
 
@@ -102,6 +102,30 @@ fn only_values_close_to_each_other_are_averaged() {
     assert_eq!(pulled([4.0, HOLE, HOLE, HOLE], 0.0), 4.0);
 }
 
+#[test]
+fn the_median_leaves_out_holes_and_outliers_but_mixes_no_surfaces() {
+    assert_eq!(pulled_median([HOLE; 4], 0.5), HOLE);
+    assert_eq!(pulled_median([HOLE, 4.0, HOLE, HOLE], 0.0), 4.0);
+    assert_eq!(pulled_median([1.5, HOLE, HOLE, 1.0], 0.5), 1.25);
+    assert_eq!(pulled_median([HOLE, 9.0, HOLE, 1.0], 0.5), HOLE, "no surface has the majority");
+    assert_eq!(pulled_median([9.0, 1.0, HOLE, 1.2], 0.5), 1.2, "the middle one of three");
+    assert_eq!(pulled_median([9.0, 1.0, 2.0, 1.5], 0.5), 1.75);
+    assert_eq!(pulled_median([9.0, 1.0, 9.0, 1.0], 0.5), HOLE);
+}
+
+#[test]
+fn the_median_fills_where_the_mean_gives_up() {
+    // Of each 2×2 block a hole, an outlier and two of the wall.
+    let rough = level(32, |x, y| match (x % 2, y % 2) {
+        (0, 0) => HOLE,
+        (1, 1) => 7.0,
+        _ => 1.0,
+    });
+    let closed = level(32, |_, _| 1.0);
+    assert_eq!(pull_push_by(pulled_median, &rough, 2, 0.05, 0.05), closed);
+    assert_eq!(pull_push(&rough, 2, 0.05, 0.05), rough, "by the mean, all coarse texels are holes");
+}
+
 /// A map with holes, two surfaces and points of the far one showing through.
 fn rough(side: usize, salt: usize) -> Level {
     level(side, |x, y| {
@@ -118,18 +142,22 @@ fn rough(side: usize, salt: usize) -> Level {
 fn the_gpu_agrees_with_the_cpu_reference() {
     // The scene `plane` is a square of 2 m.
     let extent = 8f64.sqrt();
+    let mean = ("mean", pulled as fn([f64; 4], f64) -> f64);
+    let median = ("median", pulled_median as fn([f64; 4], f64) -> f64);
     // The last atlases have a layer for each map.
-    for (side, levels, layer) in [
-        (1, 2, 8192),
-        (2, 1, 8192),
-        (3, 2, 8192),
-        (5, 0, 8192),
-        (8, 4, 8192),
-        (64, 2, 8192),
-        (65, 3, 8192),
-        (130, 2, 8192),
-        (8, 2, 15),
-        (5, 1, 9),
+    for (side, levels, layer, (by, combined)) in [
+        (1, 2, 8192, mean),
+        (2, 1, 8192, mean),
+        (3, 2, 8192, mean),
+        (5, 0, 8192, mean),
+        (8, 4, 8192, mean),
+        (64, 2, 8192, mean),
+        (65, 3, 8192, mean),
+        (130, 2, 8192, mean),
+        (3, 2, 8192, median),
+        (65, 3, 8192, median),
+        (8, 2, 15, mean),
+        (5, 1, 9, median),
     ] {
         let maps: Vec<Level> = (0..3).map(|salt| rough(side, salt)).collect();
         let bits: Vec<u32> =
@@ -139,6 +167,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         let outputs = Harness::new(&pass)
             .scene("plane")
             .set("levels", levels)
+            .set("pull", by)
             .input(
                 "depth",
                 "DepthAtlas",
@@ -154,7 +183,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         let atlas: Vec<f32> = outputs.read("visibility.atlas");
         let columns = outputs.fact("visibility", "columns").as_u32().expect("a number") as usize;
         for (m, map) in maps.iter().enumerate() {
-            let wanted = pull_push(map, levels, 0.05 * extent, 0.05 * extent);
+            let wanted = pull_push_by(combined, map, levels, 0.05 * extent, 0.05 * extent);
             for (i, wanted) in wanted.depth.iter().enumerate() {
                 let (x, y) = (m % columns * side + i % side, m / columns * side + i / side);
                 let got = f64::from(atlas[y * columns * side + x]);
