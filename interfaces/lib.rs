@@ -17,6 +17,7 @@ pub mod gbuffer;
 #[path = "importance/mod.rs"]
 pub mod importance;
 pub mod irradiance;
+pub mod owners;
 #[path = "path-samples/mod.rs"]
 pub mod path_samples;
 pub mod points;
@@ -38,6 +39,7 @@ pub static INTERFACES: &[Interface] = &[
     reflective_shadow_map::INTERFACE,
     importance::INTERFACE,
     virtual_lights::INTERFACE,
+    owners::INTERFACE,
     clusters::INTERFACE,
     cluster_map::INTERFACE,
     points::INTERFACE,

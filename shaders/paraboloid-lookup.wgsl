@@ -28,12 +28,21 @@ fn paraboloid_lookup(
     slope_bias: f32,
 ) -> ParaboloidLookup {
     let frame = frame_from_normal(light.normal);
-    let local = (at - light.position) * frame;
+    return paraboloid_lookup_in_frame((at - light.position) * frame, normal * frame, tile, depth_bias, slope_bias);
+}
+
+/// The same in the light's frame: `local` [m] is the receiver, and `plane_normal` its unit normal.
+fn paraboloid_lookup_in_frame(
+    local: vec3<f32>,
+    plane_normal: vec3<f32>,
+    tile: u32,
+    depth_bias: f32,
+    slope_bias: f32,
+) -> ParaboloidLookup {
     let distance = length(local);
     if local.z <= 0.0 {
         return ParaboloidLookup(true, vec2(0.0), 0.0, vec4(0.0), 0.0);
     }
-    let plane_normal = normal * frame;
     let height = dot(plane_normal, local);
     // The width of a texel [m] is distance · √(density · area); with z = (1 - r²) / (1 + r²) that is:
     let width = (distance + local.z) * (2.0 / f32(tile));

@@ -3,6 +3,7 @@
 #import "paraboloid.wgsl"
 #import "paraboloid-lookup.wgsl"
 #import "virtual-lights.wgsl"
+#import "visibility-shared.wgsl"
 
 struct VisibilityFacts {
     /// Side of a map [px].
@@ -20,9 +21,7 @@ struct VisibilityFacts {
 var<uniform> visibility_facts: VisibilityFacts;
 var visibility_atlas: texture_2d_array<f32>;
 
-/// Part of a virtual light that is seen from a point: 0 behind the light's plane and in shadow, 1 in the light.
-/// `index` is the light's, `at` [m] and the unit `normal` are the receiver's.
-fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
+fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let tile = visibility_facts.tile;
     let facts = visibility_facts;
     let lookup = paraboloid_lookup(light, at, normal, tile, facts.depth_bias, facts.slope_bias);

@@ -6,7 +6,8 @@ use pass::{Content, Fact, Interface, Member, OutputDesc, PassTypeError, Struct, 
 /// The most lights there can be.
 pub const COUNT: Fact<u32> = Fact::required("count", "the most lights there can be");
 
-const LIGHTS: Struct = Struct::new("interfaces/virtual-lights/virtual-lights.wgsl", "VirtualLights");
+/// The struct, for interfaces that have it as a member.
+pub const LIGHTS: Struct = Struct::new("interfaces/virtual-lights/virtual-lights.wgsl", "VirtualLights");
 
 /// The interface `VirtualLights`.
 pub const INTERFACE: Interface = Interface::new(

@@ -2,8 +2,9 @@
 
 mod atlas;
 
+use crate::virtual_lights;
 pub use atlas::{AtlasLayout, DepthBias, DepthBiasSettings};
-use pass::{Content, Fact, Format, Interface, Member};
+use pass::{Content, Fact, Format, Interface, Member, Module, OutputContext, Value};
 
 /// The loop iterations of a lookup.
 pub const LOOP_ITERATIONS: Fact<u32> =
@@ -22,20 +23,49 @@ pub const SLOPE_BIAS: Fact<f32> = Fact::optional(
     "slope_bias",
     "bias of a lookup, in widths of a texel times the slope of the receiver's plane",
 );
-/// The bilinear taps of a filtered lookup.
-pub const TAPS: Fact<u32> = Fact::optional("taps", "bilinear taps of a lookup along each side of its window");
+/// The taps of a filtered lookup.
+pub const TAPS: Fact<u32> =
+    Fact::optional("taps", "taps of a lookup: along each side of a square window, or in a disc");
+/// The taps of a search for blockers.
+pub const SEARCH: Fact<u32> = Fact::optional("search", "taps of a lookup that look for blockers");
+/// How near to the light blockers are looked for.
+pub const NEAREST: Fact<f32> = Fact::optional(
+    "nearest",
+    "least height of blockers above the light's plane, as a share of the receiver's",
+);
+
+/// The option of modules whose lookups can be those of another light's map: shaders/visibility-shared.wgsl declares it.
+pub const SHARED: &str = "SHARED";
+
+/// Returns the module in that file for the maps of an input: where lights share the maps, it looks a light up in the map
+/// of its owner.
+pub fn module_of_maps(cx: &OutputContext<'_>, input: &str, path: &str) -> Module {
+    let module = Module::new(path);
+    match cx.input(input).and_then(|maps| maps.member("owners")) {
+        Some(_) => module.option(SHARED, Value::Bool(true)),
+        None => module,
+    }
+}
 
 /// The interface `Visibility`.
 pub const INTERFACE: Interface = Interface::new(
     "Visibility",
     "Whether a virtual light is seen from a point. Module: defines `fn visibility(index: u32, light: VirtualLight, at: \
      vec3<f32>, normal: vec3<f32>) -> f32`.",
-    &[Member::optional(
-        "atlas",
-        Content::Texture(Format::R32Float),
-        "array: paraboloid maps of the distance [m], one tile a virtual light, row by row and layer by layer; a large \
-         number where nothing is",
-    )],
+    &[
+        Member::optional(
+            "atlas",
+            Content::Texture(Format::R32Float),
+            "array: paraboloid maps of the distance [m], one tile a virtual light, row by row and layer by layer; a \
+             large number where nothing is",
+        ),
+        Member::optional("owners", Content::Buffer, "where lights share maps, u32 a light: whose map is its own"),
+        Member::optional(
+            "sources",
+            Content::Struct(virtual_lights::LIGHTS),
+            "where lights share maps: the lights of the maps",
+        ),
+    ],
 )
 .with_facts(&[
     LOOP_ITERATIONS.decl(),
@@ -45,5 +75,7 @@ pub const INTERFACE: Interface = Interface::new(
     DEPTH_BIAS.decl(),
     SLOPE_BIAS.decl(),
     TAPS.decl(),
+    SEARCH.decl(),
+    NEAREST.decl(),
 ])
 .with_stand_in("shaders/visibility-none.wgsl");

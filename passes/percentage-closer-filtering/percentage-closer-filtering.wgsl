@@ -7,6 +7,7 @@
 #import "paraboloid.wgsl"
 #import "paraboloid-lookup.wgsl"
 #import "virtual-lights.wgsl"
+#import "visibility-shared.wgsl"
 
 struct VisibilityFacts {
     /// Side of a map [px].
@@ -26,9 +27,7 @@ struct VisibilityFacts {
 var<uniform> visibility_facts: VisibilityFacts;
 var visibility_atlas: texture_2d_array<f32>;
 
-/// Share of a virtual light that is visible from a point: 0 behind the light's plane. `index` is the light's, `at` [m]
-/// and the unit `normal` are the receiver's.
-fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
+fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let tile = visibility_facts.tile;
     let taps = visibility_facts.taps;
     let facts = visibility_facts;

@@ -234,6 +234,14 @@ impl<'a> Harness<'a> {
         self
     }
 
+    /// Gives an option of the module of the input added last a value.
+    pub fn module_option(mut self, name: &str, value: impl Into<Value>) -> Self {
+        if let Some(module) = self.given.last_mut().and_then(|input| input.facts.module_mut()) {
+            module.options.insert(name.to_owned(), value.into());
+        }
+        self
+    }
+
     /// Disables the second run with another order of threads, because the outputs depend on it: `reason` says why they
     /// may.
     ///

@@ -2,10 +2,10 @@
 
 pub mod cpu_reference;
 
-use interfaces::visibility::{COLUMNS, DEPTH_BIAS, LOOP_ITERATIONS, ROWS, SLOPE_BIAS, TAPS, TILE};
+use interfaces::visibility::{self, COLUMNS, DEPTH_BIAS, LOOP_ITERATIONS, ROWS, SLOPE_BIAS, TAPS, TILE};
 use pass::{
-    Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    SceneBindings, Setting, Settings, UseContext,
+    Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, SceneBindings,
+    Setting, Settings, UseContext,
 };
 
 /// The pass type `percentage-closer-filtering`.
@@ -62,7 +62,7 @@ impl Pass for PercentageCloserFiltering {
         let reach = (taps + 1) as f32 / 2.0;
         Ok(vec![
             OutputDesc::hand_on("visibility", "maps")
-                .module(Module::new(MODULE))
+                .module(visibility::module_of_maps(cx, "maps", MODULE))
                 .fact(TILE, cx.fact("maps", TILE)?)
                 .fact(COLUMNS, cx.fact("maps", COLUMNS)?)
                 .fact(ROWS, cx.fact("maps", ROWS)?)

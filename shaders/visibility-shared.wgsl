@@ -1,0 +1,28 @@
+// What a module of the interface Visibility answers: the visibility of a light by its own map or, where lights share maps,
+// by the map of its owner.
+//
+// The module that imports this file gives
+//   fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32
+// the part of the light of map `index` that is seen.
+
+#option SHARED false // whether lights share maps: the pass share-visibility sets it
+
+#import "virtual-lights.wgsl"
+
+#if SHARED
+/// The owner of each light.
+var<storage, read> visibility_owners: array<u32>;
+/// The owners: the lights of the maps.
+var<storage, read> visibility_sources: VirtualLights;
+#endif
+
+/// Part of a virtual light that is seen from a point: 0 behind the light's plane and in shadow, 1 in the light.
+/// `index` is the light's, `at` [m] and the unit `normal` are the receiver's.
+fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
+#if SHARED
+    let owner = visibility_owners[index];
+    return visibility_by_map(owner, visibility_sources.lights[owner], at, normal);
+#else
+    return visibility_by_map(index, light, at, normal);
+#endif
+}
