@@ -177,6 +177,74 @@ fn a_filter_of_lookups_changes_only_the_module_of_the_reader() {
     assert!((soft / plain - 1.0).abs() < 0.15, "{soft} against {plain}: as much light as before, or nearly");
 }
 
+/// Where lookups are soft.
+#[derive(Clone, Copy, PartialEq)]
+enum Soft {
+    Nowhere,
+    BeforeSharing,
+    AfterSharing,
+}
+
+/// The indirect light in the Cornell box by maps of its virtual lights, or of so many clusters of them.
+fn by_maps_of(name: &str, clusters: Option<u32>, soft: Soft) -> Option<metrics::Image> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("pipelines")).unwrap();
+    let (passes, of) = match clusters {
+        None => (String::new(), "lights"),
+        Some(count) => {
+            let links = format!(r#"in: {{ "lights": "lights" }}, set: {{ "count": {count} }}"#);
+            (
+                format!(r#"passes: {{ "clusters": Pass(kind: "cluster-lights", {links}) }},"#),
+                "clusters.clusters",
+            )
+        }
+    };
+    let links = format!(r#"in: {{ "lights": "{of}" }}, set: {{ "map": 32 }}"#);
+    let mut patches = vec![format!(r#"Replace("shadows", Pass(kind: "paraboloid-shadow-maps", {links}))"#)];
+    let mut last = "shadows";
+    let mut insert = |name: &'static str, pass: &str| {
+        let between = format!(r#"("{last}.visibility", "gather.visibility")"#);
+        patches.push(format!(r#"Insert(name: "{name}", pass: Pass({pass}), between: {between})"#));
+        last = name;
+    };
+    let filter = r#"kind: "percentage-closer-soft-shadows""#;
+    if soft == Soft::BeforeSharing {
+        insert("soft", filter);
+    }
+    if clusters.is_some() {
+        let links = r#"{ "lights": "clusters.clusters", "owners": "clusters.owners" }"#;
+        insert("shared", &format!(r#"kind: "share-visibility", in: {links}"#));
+    }
+    if soft == Soft::AfterSharing {
+        insert("soft", filter);
+    }
+    let text = format!(r#"Pipeline(extends: "ism-uniform.ron", {passes} patch: [{}])"#, patches.join(", "));
+    std::fs::write(folder.path().join(format!("pipelines/{name}.ron")), text).unwrap();
+    let values = ["lights=64", "rsm.size=64"];
+    let mut renderer = renderer_in(folder.path().to_owned(), name, "cornell-box", (24, 24), &values)?;
+    renderer.frame().unwrap();
+    Some(renderer.output("indirect").unwrap())
+}
+
+/// Clustered visibility with a cluster a light is the visibility of the lights, to the bit, also where lookups are soft,
+/// before or after maps are shared. With fewer clusters it is another picture, about as bright.
+#[test]
+fn clusters_of_one_light_are_as_visible_as_the_light() {
+    let Some(hard) = by_maps_of("hard", None, Soft::Nowhere) else { return };
+    let whole = |name, clusters, soft| by_maps_of(name, clusters, soft).unwrap();
+    let shared = whole("shared", Some(64), Soft::Nowhere);
+    assert!(bits(&hard) == bits(&shared), "64 clusters of 64 lights");
+    let wanted = whole("soft", None, Soft::BeforeSharing);
+    assert!(bits(&hard) != bits(&wanted), "shadows are softer");
+    for (name, soft) in [("before", Soft::BeforeSharing), ("after", Soft::AfterSharing)] {
+        assert!(bits(&wanted) == bits(&whole(name, Some(64), soft)), "{name}");
+    }
+    let few = whole("few", Some(24), Soft::BeforeSharing);
+    assert!(bits(&few) != bits(&wanted), "maps are shared");
+    let [few, wanted] = [few, wanted].map(|image| mean(&image).iter().sum::<f64>());
+    assert!((few / wanted - 1.0).abs() < 0.2, "{few} by 24 clusters, {wanted} by 64 lights");
+}
+
 /// What maps get wrong where rays do not, with the same lights: relMSE and energy of what is gathered, by the pass that
 /// stands for `shadows`.
 fn against_rays(scene: &str, shadows: &str) -> Option<(f64, f64)> {

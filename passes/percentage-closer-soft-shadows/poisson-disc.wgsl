@@ -1,0 +1,40 @@
+// Points of the unit disc, spread evenly and without order: the first n are a kernel of n taps.
+//
+// Made once by best-candidate sampling (Mitchell 1991) about the centre, then moved at random, first 16 and then the rest,
+// wherever that brought the share of points beside a line nearer to the share of the disc; points never came nearer to each
+// other than 0.36 and 0.235. So of 16 points no line has more than a tenth of them too many on one side.
+
+const POISSON_DISC = array<vec2<f32>, 32>(
+    vec2(0.0, 0.0),
+    vec2(0.0955, -0.752),
+    vec2(0.4218, 0.7762),
+    vec2(-0.8823, -0.0263),
+    vec2(0.7642, -0.1836),
+    vec2(-0.7089, -0.5272),
+    vec2(-0.23, 0.7083),
+    vec2(0.4859, -0.5282),
+    vec2(0.1625, 0.4895),
+    vec2(-0.4006, -0.102),
+    vec2(-0.2464, 0.3294),
+    vec2(0.7799, 0.311),
+    vec2(0.1535, -0.3829),
+    vec2(-0.6202, 0.389),
+    vec2(-0.3367, -0.6842),
+    vec2(0.4917, 0.0745),
+    vec2(-0.4574, 0.8725),
+    vec2(-0.0022, 0.9819),
+    vec2(0.8641, -0.4745),
+    vec2(0.7272, 0.6054),
+    vec2(-0.3095, -0.4246),
+    vec2(0.2973, 0.2098),
+    vec2(0.2718, -0.9091),
+    vec2(-0.1071, -0.9565),
+    vec2(0.9815, -0.0411),
+    vec2(-0.4291, 0.1498),
+    vec2(0.4453, -0.2001),
+    vec2(-0.842, -0.2911),
+    vec2(-0.6635, -0.1132),
+    vec2(0.05, 0.2368),
+    vec2(0.1322, 0.7706),
+    vec2(-0.881, 0.3467),
+);

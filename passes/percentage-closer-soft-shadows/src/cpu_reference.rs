@@ -1,0 +1,86 @@
+//! The algorithm in plain f64: same names and order as percentage-closer-soft-shadows.wgsl.
+
+pub use gpu_algorithms::reference::paraboloid;
+
+use glam::{DVec2, DVec3, UVec2};
+use paraboloid::{texel_centre, tile_position};
+use std::f64::consts::PI;
+
+/// One map of a light, and how it is looked up.
+#[derive(Clone, Copy, Debug)]
+pub struct Map<'a> {
+    /// Distances \[m\], row by row.
+    pub distances: &'a [f64],
+    /// Side \[px\].
+    pub tile: u32,
+    /// Depth bias, in widths of a texel at the receiver.
+    pub depth_bias: f64,
+    /// Taps that look for blockers.
+    pub search: usize,
+    /// Taps that are filtered.
+    pub taps: usize,
+    /// Least height of a blocker above the light's plane, as a share of the receiver's.
+    pub nearest: f64,
+}
+
+/// Returns the points of the kernel, as the WGSL has them.
+pub fn poisson_disc() -> Vec<DVec2> {
+    let points = include_str!("../poisson-disc.wgsl").lines().filter_map(|line| {
+        let (x, y) = line.trim().strip_prefix("vec2(")?.strip_suffix("),")?.split_once(", ")?;
+        Some(DVec2::new(x.parse().ok()?, y.parse().ok()?))
+    });
+    points.collect()
+}
+
+impl Map<'_> {
+    /// Returns whether a point of the light's frame is seen through its texel, and what is stored there \[m\].
+    fn look_up(&self, at: DVec3, plane_normal: DVec3) -> (bool, f64) {
+        let distance = at.length();
+        let place = tile_position(at.truncate() / (distance + at.z), self.tile);
+        let texel: UVec2 = place.clamp(DVec2::ZERO, DVec2::splat(f64::from(self.tile - 1))).as_uvec2();
+        let stored = self.distances[(texel.y * self.tile + texel.x) as usize];
+        let bias = (distance + at.z) * 2.0 / f64::from(self.tile) * self.depth_bias;
+        let centre = texel_centre(texel, self.tile);
+        let r2 = centre.length_squared();
+        let height = plane_normal.dot(at);
+        let along = 2.0 * plane_normal.truncate().dot(centre) + plane_normal.z * (1.0 - r2);
+        let own = if along * height > 0.0 { height * (1.0 + r2) / along } else { distance };
+        (own.clamp(0.5 * distance, distance) - bias <= stored, stored)
+    }
+
+    fn look_up_beside(&self, receiver: DVec3, plane_normal: DVec3, beside: DVec3) -> (bool, f64) {
+        let (plane_height, along) = (plane_normal.dot(receiver), plane_normal.dot(beside));
+        let share = if along * plane_height > 0.0 { (plane_height / along).min(1.0) } else { 1.0 };
+        let at = beside * share;
+        let (seen, stored) = self.look_up(at, plane_normal);
+        (seen, stored * at.z / at.length())
+    }
+
+    /// Returns the part of a disc of that area \[m²\] that is seen from a receiver \[m\] with a unit normal, both in the
+    /// disc's frame.
+    pub fn visibility(&self, area: f64, receiver: DVec3, plane_normal: DVec3) -> f64 {
+        if receiver.z <= 0.0 {
+            return 0.0;
+        }
+        let radius = (area / PI).sqrt();
+        if radius == 0.0 {
+            return f64::from(u8::from(self.look_up(receiver, plane_normal).0));
+        }
+        let kernel = poisson_disc();
+        let tap = |radius: f64, i: usize| {
+            self.look_up_beside(receiver, plane_normal, receiver + (radius * kernel[i]).extend(0.0))
+        };
+        let search_radius = radius * (1.0 - self.nearest) / self.nearest;
+        let blockers: Vec<f64> = (0..self.search)
+            .map(|i| tap(search_radius, i))
+            .filter_map(|(seen, height)| (!seen).then_some(height))
+            .collect();
+        if blockers.is_empty() {
+            return 1.0;
+        }
+        let blocker = (blockers.iter().sum::<f64>() / blockers.len() as f64).max(self.nearest * receiver.z);
+        let penumbra = radius * (receiver.z - blocker).max(0.0) / blocker;
+        let seen = (0..self.taps).filter(|i| tap(penumbra, *i).0).count();
+        seen as f64 / self.taps as f64
+    }
+}

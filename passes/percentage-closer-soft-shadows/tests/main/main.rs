@@ -1,0 +1,319 @@
+//! Soft lookups: the CPU reference against closed forms and rays, and the GPU against the CPU reference.
+
+mod probe;
+
+use frame_graph::port::InputDesc;
+use glam::{DVec2, DVec3, UVec2, dvec2, dvec3};
+use interfaces::virtual_lights::VirtualLight;
+use pass::{OutputContext, OutputDesc, PassTypeError, ResourceDesc, Settings, Use, UseContext, Value};
+use percentage_closer_soft_shadows::cpu_reference::paraboloid::{direction_from_paraboloid, texel_centre};
+use percentage_closer_soft_shadows::cpu_reference::{Map, poisson_disc};
+use probe::{DEPTH_BIAS, Lookups, Receiver, answers};
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+const MODULE: &str = "passes/percentage-closer-soft-shadows/percentage-closer-soft-shadows.wgsl";
+const NOTHING: f64 = 3.0e38;
+
+/// The distances that a map has of what `along` meets in a direction.
+fn map_of(tile: u32, along: impl Fn(DVec3) -> Option<f64>) -> Vec<f64> {
+    let stored = |i: u32| {
+        let direction = direction_from_paraboloid(texel_centre(UVec2::new(i % tile, i / tile), tile));
+        along(direction).unwrap_or(NOTHING)
+    };
+    (0..tile * tile).map(stored).collect()
+}
+
+fn map(distances: &[f64], tile: u32) -> Map<'_> {
+    Map { distances, tile, depth_bias: DEPTH_BIAS, search: 16, taps: 16, nearest: 0.25 }
+}
+
+/// Half of a plane that is parallel to the light's, at a height, over the floor at the height 2: everything on one side
+/// of an edge through the point `at`, to which `across` is perpendicular.
+#[derive(Clone, Copy)]
+struct Edge {
+    height: f64,
+    at: DVec2,
+    across: DVec2,
+}
+
+const FLOOR: f64 = 2.0;
+
+impl Edge {
+    fn covers(&self, at: DVec2) -> bool {
+        (at - self.at).dot(self.across) < 0.0
+    }
+
+    fn map(&self, tile: u32) -> Vec<f64> {
+        map_of(tile, |direction| {
+            let z = (direction.z > 0.0).then_some(direction.z)?;
+            let met = self.covers(direction.truncate() * (self.height / z));
+            Some(if met { self.height / z } else { FLOOR / z })
+        })
+    }
+
+    /// The part of a disc of that radius about the origin that rays from a point on the floor reach.
+    fn by_rays(&self, radius: f64, receiver: DVec3) -> f64 {
+        const RAYS: u32 = 4096;
+        let reaches = |i: u32| {
+            let (r, angle) = (((f64::from(i) + 0.5) / f64::from(RAYS)).sqrt(), f64::from(i) * 2.399_963);
+            let on_light = radius * r * dvec2(angle.cos(), angle.sin());
+            !self.covers(on_light.lerp(receiver.truncate(), self.height / FLOOR))
+        };
+        f64::from((0..RAYS).filter(|i| reaches(*i)).count() as u32) / f64::from(RAYS)
+    }
+}
+
+#[test]
+fn the_kernel_is_a_poisson_disc() {
+    let kernel = poisson_disc();
+    assert_eq!((kernel.len(), kernel[0]), (32, DVec2::ZERO));
+    assert!(kernel.iter().all(|point| point.length() <= 1.0));
+    // Of so many points in a disc, the best packings have 0.55 and 0.38.
+    for (count, least) in [(16, 0.36), (32, 0.235)] {
+        let some = &kernel[..count];
+        let pairs = some.iter().enumerate().flat_map(|(i, a)| some[..i].iter().map(move |b| a.distance(*b)));
+        let nearest = pairs.fold(f64::INFINITY, f64::min);
+        assert!(nearest >= least, "{nearest} between the nearest of {count}");
+    }
+}
+
+/// The part of a unit disc on one side of a line at a distance from its centre.
+fn segment(distance: f64) -> f64 {
+    let d = distance.clamp(-1.0, 1.0);
+    0.5 + (d * (1.0 - d * d).sqrt() + d.asin()) / PI
+}
+
+#[test]
+fn a_line_through_the_kernel_has_the_part_of_the_disc_beside_it() {
+    for (count, most) in [(16, 0.11), (32, 0.08)] {
+        let kernel = &poisson_disc()[..count];
+        for (i, j) in (0..32).flat_map(|i| (0..41).map(move |j| (i, j))) {
+            let (sin, cos) = (TAU * f64::from(i) / 32.0).sin_cos();
+            let distance = f64::from(j) / 20.0 - 1.0;
+            let beside = kernel.iter().filter(|point| point.dot(dvec2(cos, sin)) < distance).count();
+            let (got, wanted) = (beside as f64 / count as f64, segment(distance));
+            assert!((got - wanted).abs() < most, "{got} of {count} for {wanted}, direction {i}, {distance}");
+        }
+    }
+}
+
+/// Where visibility rises from a tenth to nine tenths, in the penumbra of an edge.
+#[test]
+fn penumbrae_are_as_wide_as_similar_triangles_say() {
+    let radius = 0.3;
+    let area = PI * radius * radius;
+    // A tenth of the disc is beyond this distance from its centre, in radii.
+    let tenth = (0..1000).map(|i| f64::from(i) / 1000.0).find(|d| segment(*d) >= 0.9).expect("it is there");
+    let mut widths = Vec::new();
+    for height in [0.8, 1.0, 1.4, 1.8] {
+        // Eq. 3.2, with the light's diameter.
+        let wanted = (FLOOR - height) * 2.0 * radius / height;
+        let mut sum = 0.0;
+        for direction in 0..8 {
+            let (sin, cos) = (0.1 + TAU * f64::from(direction) / 8.0).sin_cos();
+            let across = dvec2(cos, sin);
+            let edge = Edge { height, at: 0.2 * across, across };
+            let distances = edge.map(512);
+            let seen = |t: f64| {
+                let at = (0.2 * FLOOR / height + t) * across;
+                map(&distances, 512).visibility(area, at.extend(FLOOR), DVec3::NEG_Z)
+            };
+            let steps: Vec<(f64, f64)> =
+                (-150..=150).map(|i| f64::from(i) / 100.0 * wanted / 2.0).map(|t| (t, seen(t))).collect();
+            let (first, last) = (steps[0], steps[300]);
+            assert_eq!(
+                (first.1, last.1),
+                (0.0, 1.0),
+                "dark and lit ends at {height} m, direction {direction}"
+            );
+            let from =
+                |least: f64| steps.iter().find(|(_, seen)| *seen >= least).expect("it is lit in the end").0;
+            sum += from(0.9) - from(0.1);
+        }
+        let width = sum / 8.0;
+        assert!(
+            (width / (tenth * wanted) - 1.0).abs() < 0.12,
+            "{width} m for {} m at {height} m",
+            tenth * wanted
+        );
+        widths.push(width);
+    }
+    assert!(widths.is_sorted_by(|a, b| a > b), "nearer to the receiver is sharper: {widths:?}");
+}
+
+#[test]
+fn a_disc_is_as_visible_as_rays_say() {
+    let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0);
+    for (i, height) in [0.7, 1.1, 1.6].into_iter().enumerate() {
+        for (j, radius) in [0.1, 0.3, 0.6].into_iter().enumerate() {
+            let angle = 0.7 + 2.0 * i as f64 + j as f64;
+            let across = dvec2(angle.cos(), angle.sin());
+            // The last ones are seen at 60° from the light's normal.
+            let edge = Edge { height, at: 0.9 * j as f64 * height * across, across };
+            let distances = edge.map(512);
+            for k in 0..60 {
+                let t = (f64::from(k) / 30.0 - 1.0) * 1.3 * radius * (FLOOR - height) / height;
+                let along = across.perp() * (0.3 * f64::from(k % 7));
+                let at = (edge.at * (FLOOR / height) + t * across + along).extend(FLOOR);
+                let got = map(&distances, 512).visibility(PI * radius * radius, at, DVec3::NEG_Z);
+                let error = (got - edge.by_rays(radius, at)).abs();
+                (sum, worst, count) = (sum + error, worst.max(error), count + 1);
+            }
+        }
+    }
+    // 16 taps are 17 shades, and their edges fall between those of the disc.
+    let mean = sum / f64::from(count);
+    assert!(mean < 0.04 && worst < 0.2, "off by {mean} on average, {worst} at most");
+}
+
+/// Planes that the light stands over or that are its neighbours, seen by lights that are larger than they are high.
+#[test]
+fn planes_do_not_shadow_themselves() {
+    for (tile, degrees) in [(32, 0.0), (32, 30.0), (32, 55.0), (128, 55.0), (128, 75.0), (128, 90.0)] {
+        let (sin, cos) = f64::to_radians(degrees).sin_cos();
+        let (normal, height) = (dvec3(0.6 * sin, -0.8 * sin, -cos), 1.0);
+        let along = |direction: DVec3| {
+            let along = normal.dot(direction);
+            (along < -1e-3).then(|| -height / along)
+        };
+        let distances = map_of(tile, along);
+        for radius in [0.0, 0.2, 1.0, 3.0] {
+            let mut count = 0;
+            for i in 0..4000_u32 {
+                let [u, v] = [0.754_877, 0.569_840].map(|step: f64| (f64::from(i) * step).fract());
+                let (z, angle) = (u, TAU * v);
+                let direction = (dvec2(angle.cos(), angle.sin()) * (1.0 - z * z).sqrt()).extend(z);
+                // Away from the rim of the map and of the plane, up to three heights away.
+                let Some(distance) = along(direction).filter(|distance| z > 0.1 && *distance < 3.0 * height)
+                else {
+                    continue;
+                };
+                let seen =
+                    map(&distances, tile).visibility(PI * radius * radius, distance * direction, normal);
+                assert_eq!(seen, 1.0, "{tile}², {degrees}°, radius {radius}, {direction} at {distance} m");
+                count += 1;
+            }
+            assert!(count > 200, "{count} receivers");
+        }
+    }
+}
+
+/// Receivers on spheres around two lights that look along z, of the radius 2.
+fn receivers(count: u32) -> Vec<Receiver> {
+    let receiver = |i: u32| {
+        let [u, v] = [0.754_877, 0.569_840].map(|step: f64| (f64::from(i) * step).fract());
+        let (z, angle) = (0.02 + 0.97 * u, TAU * v);
+        let direction = (dvec2(angle.cos(), angle.sin()) * (1.0 - z * z).sqrt()).extend(z);
+        Receiver { position: (2.0 * direction).to_array(), normal: (-direction).to_array(), light: i % 2 }
+    };
+    (0..count).map(receiver).collect()
+}
+
+/// Two maps in which every texel is a blocker at 0.9 m or is open, by a hash of its place.
+fn rough_maps(tile: u32) -> Vec<f32> {
+    let stored = |i: u32| if i.wrapping_mul(0x9e37_79b9) >> 31 == 0 { NOTHING as f32 } else { 0.9 };
+    (0..2 * tile * tile).map(stored).collect()
+}
+
+fn light(area: f32) -> VirtualLight {
+    VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], area, ..VirtualLight::default() }
+}
+
+#[test]
+fn the_gpu_agrees_with_the_cpu_reference() {
+    const TILE: u32 = 16;
+    let maps = rough_maps(TILE);
+    let wide: Vec<f64> = maps.iter().map(|distance| f64::from(*distance)).collect();
+    let receivers = receivers(600);
+    for (area, search, taps, nearest) in [(0.05, 16, 16, 0.25), (0.8, 16, 16, 0.25), (2.0, 7, 32, 0.5)] {
+        let lookups = Lookups { module: MODULE, search, taps, nearest };
+        let Some(got) = answers(lookups, TILE, &maps, &[light(area); 2], &receivers) else { return };
+        let (mut differ, mut between) = (0, 0);
+        for (receiver, got) in receivers.iter().zip(got) {
+            let distances = &wide[receiver.light as usize * 256..][..256];
+            let map = Map {
+                search: search as usize,
+                taps: taps as usize,
+                nearest: f64::from(nearest),
+                ..map(distances, TILE)
+            };
+            let wanted = map.visibility(f64::from(area), receiver.position.into(), receiver.normal.into());
+            differ += usize::from((f64::from(got) - wanted).abs() > 1e-5);
+            between += usize::from(wanted > 0.0 && wanted < 1.0);
+        }
+        // A tap may fall on the other side of a texel's edge in single precision.
+        assert!(differ <= 6, "{differ} of 600 differ, area {area}");
+        assert!(between > 300, "{between} receivers are in penumbrae, area {area}");
+    }
+}
+
+#[test]
+fn a_point_light_is_looked_up_once_to_the_bit() {
+    let (maps, receivers) = (rough_maps(16), receivers(600));
+    let with = |module| {
+        let lookups = Lookups { module, search: 16, taps: 16, nearest: 0.25 };
+        answers(lookups, 16, &maps, &[light(0.0); 2], &receivers)
+    };
+    let (Some(soft), Some(hard)) = (with(MODULE), with("shaders/visibility-atlas.wgsl")) else { return };
+    assert!(soft.iter().zip(&hard).all(|(soft, hard)| soft.to_bits() == hard.to_bits()));
+    let lit = hard.iter().filter(|seen| **seen > 0.0).count();
+    assert!((200..400).contains(&lit), "{lit} of 600 are lit");
+}
+
+#[test]
+fn no_tap_leaves_its_own_map() {
+    // Of three maps, the middle one is open, and those beside it are closed; and the other way round.
+    let receivers: Vec<Receiver> =
+        receivers(600).into_iter().map(|receiver| Receiver { light: 1, ..receiver }).collect();
+    for open in [true, false] {
+        let stored = |layer| if (layer == 1) == open { NOTHING as f32 } else { 0.01 };
+        let maps: Vec<f32> = (0..3 * 64).map(|i| stored(i / 64)).collect();
+        let lookups = Lookups { module: MODULE, search: 32, taps: 32, nearest: 0.1 };
+        let Some(got) = answers(lookups, 8, &maps, &[light(30.0); 3], &receivers) else { return };
+        assert!(got.iter().all(|seen| *seen == if open { 1.0 } else { 0.0 }), "{got:?}");
+    }
+}
+
+#[test]
+fn behind_the_light_nothing_is_seen_and_a_blocker_at_the_light_is_no_nan() {
+    let maps = vec![0.0_f32; 64];
+    let at = |z: f64| Receiver { position: [0.3, 0.1, z], normal: [0.0, 0.0, -1.0], light: 0 };
+    let lookups = Lookups { module: MODULE, search: 16, taps: 16, nearest: 0.25 };
+    let Some(got) = answers(lookups, 8, &maps, &[light(0.5)], &[at(-1.0), at(0.0), at(1e-3), at(2.0)]) else {
+        return;
+    };
+    assert_eq!(got, [0.0; 4]);
+}
+
+#[test]
+fn it_softens_maps_and_nothing_else() {
+    let (library, overrides, inputs) = (pass_test::shaders(), BTreeMap::new(), ["maps".to_owned()]);
+    let kind = percentage_closer_soft_shadows::PASS;
+    let use_ = Use { kind: kind.info().kind, shader: None, inputs: &inputs, outputs: &overrides };
+    let outputs = |members: &[&str]| -> Result<Vec<OutputDesc>, PassTypeError> {
+        let desc = ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8));
+        let facts = [("tile", 8), ("columns", 1), ("rows", 1)].map(|(name, value)| (name, Value::U32(value)));
+        let biases = ["depth_bias", "slope_bias"].map(|name| (name, Value::F32(0.5)));
+        let maps = InputDesc {
+            name: "maps".into(),
+            interface: "Visibility".into(),
+            members: members.iter().map(|name| ((*name).to_owned(), desc.clone())).collect(),
+            facts: Arc::new(facts.into_iter().chain(biases).collect()),
+        };
+        let settings = Settings(BTreeMap::from([("taps".to_owned(), Value::U32(9))]));
+        let traits = pass::Traits::default();
+        let context =
+            OutputContext { use_, settings: &settings, inputs: &[maps], frame: (8, 8), traits: &traits };
+        kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
+    };
+    let made = outputs(&["atlas"]).expect("an atlas with its facts");
+    assert!(made[0].members.is_empty() && made[0].handed.len() == 1, "the atlas is handed on");
+    assert_eq!(made[0].facts.get("loop_iterations"), Some(&Value::U32(16 + 9)));
+    let options = |made: &[OutputDesc]| made[0].facts.module().expect("it has a module").options.clone();
+    assert!(options(&made).is_empty());
+    let shared = outputs(&["atlas", "owners", "sources"]).expect("maps that lights share");
+    assert_eq!(options(&shared).get("SHARED"), Some(&Value::Bool(true)));
+    assert_eq!(outputs(&[]).expect_err("rays have no maps").input.as_deref(), Some("maps"));
+}

@@ -1,0 +1,175 @@
+//! Lookups in the maps of owners, against those of the owners themselves.
+
+use frame_graph::port::{HandedOn, InputDesc};
+use interfaces::virtual_lights::{VirtualLight, to_bytes};
+use pass::{
+    Compute, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, SceneBindings, Setting, Settings, Threads, Use, UseContext, Value,
+};
+use pass_test::Harness;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+const MODULE: &str = "shaders/visibility-atlas.wgsl";
+const SHADER: &str = "passes/share-visibility/tests/probe.wgsl";
+const TILE: u32 = 8;
+const LIGHTS: u32 = 400;
+const CLUSTERS: u32 = 5;
+
+/// Writes what the module of its input answers.
+struct Probe;
+
+impl Pass for Probe {
+    fn info(&self) -> Info {
+        Info { kind: "probe", about: "", paper: "", shaders: &[SHADER] }
+    }
+
+    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        Ok(Vec::new())
+    }
+
+    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
+        Ok(Ports {
+            inputs: vec![
+                pass::input("visibility", "Visibility", ""),
+                pass::input("lights", "VirtualLights", ""),
+                pass::input("receivers", "Buffer", ""),
+            ],
+            outputs: vec![pass::output("answers", "Buffer", "")],
+            scene_bindings: SceneBindings::NONE,
+        })
+    }
+
+    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+        Ok(vec![OutputDesc::one("answers", ResourceDesc::buffer(4 * u64::from(LIGHTS)))])
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+        Ok(Recording::one(Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Grid([LIGHTS, 1, 1]))))
+    }
+}
+
+/// The cluster of a light.
+fn owner(light: u32) -> u32 {
+    (light.wrapping_mul(0x9e37_79b9) >> 16) % CLUSTERS
+}
+
+/// Lights that look along z, each at a place of its own.
+fn looking_along_z(count: u32, spread: f32) -> Vec<VirtualLight> {
+    let place = |i: u32| [0.754_88, 0.569_84].map(|step: f32| spread * (i as f32 * step).fract());
+    let light = |i| VirtualLight {
+        position: [place(i)[0], place(i)[1], 0.0],
+        normal: [0.0, 0.0, 1.0],
+        flux: [1.0; 3],
+        ..VirtualLight::default()
+    };
+    (0..count).map(light).collect()
+}
+
+/// Maps of which every texel is open or closed by a hash of its place.
+fn maps() -> Vec<f32> {
+    (0..CLUSTERS * TILE * TILE)
+        .map(|i: u32| if i.wrapping_mul(0x9e37_79b9) >> 31 == 0 { 3.0e38 } else { 0.01 })
+        .collect()
+}
+
+/// A receiver of each light over the light that `of` names.
+fn receivers(of: impl Fn(u32) -> u32) -> Vec<u8> {
+    let receiver = |i: u32| {
+        let [u, v] = [0.618_03, 0.414_21].map(|step: f32| 2.0 * (i as f32 * step).fract() - 1.0);
+        [u, v, 0.7, f32::from_bits(of(i)), 0.0, 0.0, -1.0, 0.0]
+    };
+    let all: Vec<[f32; 8]> = (0..LIGHTS).map(receiver).collect();
+    bytemuck::cast_slice(&all).to_vec()
+}
+
+#[test]
+fn a_light_is_looked_up_in_the_map_of_its_owner() {
+    let clusters = looking_along_z(CLUSTERS, 0.5);
+    let with = |shared: bool| {
+        let atlas = ResourceDesc::texture_2d_array(pass::Format::R32Float, (TILE, TILE), CLUSTERS);
+        let mut members = vec![("atlas", atlas, bytemuck::cast_slice(&maps()).to_vec())];
+        if shared {
+            let owners: Vec<u32> = (0..LIGHTS).map(owner).collect();
+            let owners = bytemuck::cast_slice(&owners).to_vec();
+            let sources = to_bytes(&clusters);
+            members.push(("owners", pass_test::buffer(owners.len() as u64), owners));
+            members.push(("sources", pass_test::buffer(sources.len() as u64), sources));
+        }
+        let receivers = receivers(|i| if shared { i } else { owner(i) });
+        let outputs = Harness::new(&Probe)
+            .input("visibility", "Visibility", &[("tile", TILE), ("columns", 1), ("rows", 1)], members)
+            .fact("depth_bias", 0.02)
+            .fact("slope_bias", 0.0)
+            .module(MODULE)
+            .module_option("SHARED", shared)
+            // The lights of their own are elsewhere, where each sees something else.
+            .lights(&if shared { looking_along_z(LIGHTS, 3.0) } else { clusters.clone() })
+            .input(
+                "receivers",
+                "Buffer",
+                &[],
+                vec![("", pass_test::buffer(receivers.len() as u64), receivers)],
+            )
+            .run()?;
+        Some(outputs.read::<f32>("answers"))
+    };
+    let (Some(shared), Some(direct)) = (with(true), with(false)) else { return };
+    assert_eq!(shared, direct);
+    let seen = direct.iter().filter(|seen| **seen > 0.0).count();
+    assert!((100..300).contains(&seen), "{seen} of 400 are lit");
+    assert!((0..CLUSTERS).all(|cluster| (0..LIGHTS).any(|light| owner(light) == cluster)));
+}
+
+/// What the pass makes of maps with such members and such a module.
+fn outputs(members: &[&str], module: Option<Module>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    let (library, overrides) = (pass_test::shaders(), BTreeMap::new());
+    let inputs = ["maps", "lights", "owners"].map(str::to_owned);
+    let kind = share_visibility::PASS;
+    let use_ = Use { kind: kind.info().kind, shader: None, inputs: &inputs, outputs: &overrides };
+    let members = members.iter().map(|name| ((*name).to_owned(), pass_test::buffer(16)));
+    let mut facts: frame_graph::Facts =
+        [("tile", Value::U32(8)), ("depth_bias", Value::F32(0.5))].into_iter().collect();
+    if let Some(module) = module {
+        facts.set_module(module);
+    }
+    let maps = InputDesc {
+        name: "maps".into(),
+        interface: "Visibility".into(),
+        members: members.collect(),
+        facts: Arc::new(facts),
+    };
+    let context = OutputContext {
+        use_,
+        settings: &Settings::default(),
+        inputs: &[maps],
+        frame: (8, 8),
+        traits: &pass::Traits::default(),
+    };
+    kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
+}
+
+#[test]
+fn maps_are_handed_on_with_their_facts_and_their_module() {
+    let module = Module::new(MODULE);
+    let made = &outputs(&["atlas"], Some(module.clone())).expect("maps with a lookup")[0];
+    assert!(made.members.is_empty(), "nothing is written");
+    let all = HandedOn::All { input: "maps".into() };
+    assert!(made.handed.len() == 3 && made.handed[0] == all, "{:?}", made.handed);
+    assert_eq!(made.facts.get("tile"), Some(&Value::U32(8)));
+    assert_eq!(made.facts.get("depth_bias"), Some(&Value::F32(0.5)));
+    assert_eq!(made.facts.module(), Some(&module.option("SHARED", Value::Bool(true))));
+}
+
+#[test]
+fn what_cannot_be_shared_is_refused() {
+    for (members, module, why) in [
+        (&["atlas"][..], None, "has no module"),
+        (&[], Some("shaders/visibility-none.wgsl"), "cannot be shared"),
+        (&["atlas", "owners", "sources"], Some(MODULE), "shared already"),
+    ] {
+        let refused = outputs(members, module.map(Module::new)).expect_err(why);
+        assert_eq!(refused.input.as_deref(), Some("maps"));
+        assert!(refused.message.contains(why), "{}", refused.message);
+    }
+}

@@ -1,0 +1,23 @@
+// Writes what the module of a port Visibility returns for a receiver of each light, one thread per light.
+
+#import interface "visibility"
+
+struct Receiver {
+    position: vec3<f32>,
+    light: u32,
+    normal: vec3<f32>,
+    pad: f32,
+}
+
+var<storage, read> receivers: array<Receiver>;
+var<storage, read> lights: VirtualLights;
+var<storage, read_write> answers: array<f32>;
+
+@compute @workgroup_size(64)
+fn probe(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < arrayLength(&answers) {
+        let receiver = receivers[id.x];
+        let light = lights.lights[receiver.light];
+        answers[id.x] = visibility(receiver.light, light, receiver.position, receiver.normal);
+    }
+}
