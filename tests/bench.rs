@@ -136,6 +136,66 @@ fn memory_is_that_of_every_pipeline() {
     }
 }
 
+/// Every ceiling is a rate, and each pass of each frame has what it must do, a bound, and the ceiling that sets it.
+#[test]
+fn passes_are_held_against_ceilings() {
+    if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
+        return;
+    }
+    let json = json(&["--roofline"]);
+    assert_eq!(json["adapter"], gpu().unwrap().describe());
+    assert!(json["note"].as_str().is_some_and(|note| note.contains("atrium")), "{json}");
+    let ceilings = json["ceilings"].as_array().unwrap();
+    let names = ["copy", "load", "store", "load-words", "atomics", "atomics-of-one", "threads", "barriers"];
+    let more = ["multiplications", "dispatches", "load-texels", "store-texels", "fragments", "triangles"];
+    for name in names.into_iter().chain(more) {
+        assert!(ceilings.iter().any(|ceiling| ceiling["name"] == name), "{name}: {json}");
+    }
+    for ceiling in ceilings {
+        let [least, median, greatest] =
+            ["least", "median", "greatest"].map(|key| ceiling[key].as_f64().unwrap());
+        assert!(0.0 < least && least <= median && median <= greatest && greatest.is_finite(), "{ceiling}");
+    }
+    let frames = json["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 3);
+    for frame in frames {
+        for pass in frame["passes"].as_array().unwrap() {
+            let at_least = pass["at_least"].as_f64().unwrap();
+            assert!(0.0 < at_least && at_least.is_finite(), "{pass}");
+            let bound_by = pass["bound_by"].as_str().unwrap();
+            assert_eq!(pass["at_least_by_count"][bound_by].as_f64().unwrap(), at_least, "{pass}");
+            let counts = pass["counts"].as_object().unwrap();
+            let most = pass["at_least_by_count"].as_object().unwrap().values().filter_map(Value::as_f64);
+            assert_eq!(most.fold(0.0, f64::max), at_least, "{pass}");
+            assert!(counts.values().all(|count| count.as_u64().is_some_and(|count| count > 0)), "{pass}");
+        }
+        // What a frame takes beyond its bound is what the table shows; below it can only be noise, as where other tests
+        // run while passes are timed. Single passes of microseconds are within that noise altogether.
+        let [time, at_least] = ["median", "at_least"].map(|key| frame[key].as_f64().unwrap());
+        assert!(0.0 < at_least && at_least <= NOISE * time, "{frame}");
+    }
+    // What the settings of a quick look make: eight maps of 32², of a quarter of a point for each texel of the disc,
+    // and two triangles for each map.
+    let count = |frame: usize, pass: &str, key: &str| -> u64 {
+        let passes = frames[frame]["passes"].as_array().unwrap();
+        let pass = passes.iter().find(|known| known["name"] == pass).unwrap_or_else(|| panic!("{pass}"));
+        pass["counts"][key].as_u64().unwrap()
+    };
+    let points = 201 * 8;
+    assert_eq!(count(1, "shadows/splat", "threads"), u64::next_multiple_of(points, 64) + 8 * 32 * 32 / 4);
+    assert_eq!(count(1, "shadows/splat", "dispatches"), 2);
+    assert!((1..=8 * 32 * 32).contains(&count(1, "shadows/splat", "atomics")));
+    assert_eq!(count(1, "shadows/fill", "fragments"), 8 * 32 * 32);
+    assert_eq!(count(1, "shadows/fill", "triangles"), 2 * 8);
+    let triangles = count(2, "view", "triangles");
+    assert_eq!(count(2, "shadows", "triangles"), 8 * triangles);
+    // Each texel's depth and normal are read once, and what is lit is written: four, sixteen and eight bytes at least.
+    assert!(count(0, "gather", "bytes") > 32 * 32 * (4 + 8 + 16));
+}
+
+/// How much shorter than its bound a frame may seem where two cores do other work now and then.
+const NOISE: f64 = 2.0;
+
 #[test]
 fn tables_are_for_people_and_pages() {
     let done = bench(&["--only", "memory"]);
@@ -150,12 +210,27 @@ fn tables_are_for_people_and_pages() {
     assert!(table.iter().all(|line| line.matches('|').count() == 6), "{said}");
 }
 
+/// The roofline has a table of ceilings and one for each frame, in columns and as Markdown.
+#[test]
+fn rooflines_are_for_people_and_pages() {
+    if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
+        return;
+    }
+    let said = text(&bench(&["--roofline"]));
+    assert!(said.starts_with("ceiling ") && said.contains("\nism-classic, 8 maps of 32², "), "{said}");
+    assert!(said.contains("\nshadows/splat ") && said.contains(" atomics, "), "{said}");
+    let said = text(&bench(&["--roofline", "--markdown"]));
+    let tables = said.lines().filter(|line| line.starts_with("|---")).count();
+    assert_eq!(tables, 4, "{said}");
+}
+
 #[test]
 fn mistakes_are_told() {
-    let cases: [(&[&str], i32, &str); 4] = [
+    let cases: [(&[&str], i32, &str); 5] = [
         (&["--only", "ray"], 2, "rays"),
         (&["--runs", "0"], 2, "1..=1000000"),
         (&["--markdown", "--json"], 2, "--json"),
+        (&["--roofline", "--only", "rays"], 2, "--only"),
         (&["--only", "ism-frame", "--scene", "atrum"], 1, "atrium"),
     ];
     let needs_gpu = |code| code == 1;

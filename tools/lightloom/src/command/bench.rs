@@ -3,8 +3,10 @@
 mod encode;
 mod frames;
 mod graph;
+mod layout;
 mod rays;
 mod reload;
+mod roofline;
 mod start;
 mod table;
 mod value;
@@ -26,11 +28,17 @@ use table::{Section, Table};
 #[command(after_help = "Examples:
   lightloom bench
   lightloom bench --only rays --scene sponza.glb
-  lightloom bench --markdown")]
+  lightloom bench --markdown
+  lightloom bench --roofline")]
 pub(crate) struct Args {
     /// Measure this alone; any number of times
     #[arg(long, value_name = "NAME")]
     only: Vec<Figure>,
+    /// Measure in place of the figures what the adapter can do at most (copies, loads, stores, atomics, threads,
+    /// barriers, arithmetic, dispatches, fragments, triangles), beside what each pass of three frames must move and do:
+    /// those of `ism-frame` and `shadow-maps`
+    #[arg(long, conflicts_with = "only")]
+    roofline: bool,
     /// A scene by name or file: rays are traced in it too, and frames are of the first that is
     /// given in place of the atrium. Any number of times
     #[arg(long)]
@@ -112,6 +120,15 @@ impl Bench<'_> {
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let bench = Bench { catalog: &context.catalog, args, gpu: OnceCell::new() };
+    if args.roofline {
+        let roofline = roofline::measure(&bench)?;
+        if context.json {
+            output::json(&roofline.to_json());
+        } else {
+            roofline.print(args.markdown);
+        }
+        return Ok(());
+    }
     let all: &[Figure] = clap::ValueEnum::value_variants();
     let wanted = all.iter().filter(|figure| args.only.is_empty() || args.only.contains(figure));
     let wanted: Vec<Figure> = wanted.copied().collect();

@@ -8,15 +8,20 @@ use renderer::{FrameOptions, Renderer};
 use std::sync::Arc;
 
 /// The first scene that is given, or the atrium, which has about the structure of Sponza.
-fn scene<'a>(bench: &'a Bench<'_>) -> &'a str {
+pub(super) fn scene<'a>(bench: &'a Bench<'_>) -> &'a str {
     bench.args.scene.first().map_or("atrium", String::as_str)
 }
 
 /// A pipeline whose passes are all run and timed in each frame. One frame has been.
-struct Timed(Renderer);
+pub(super) struct Timed(Renderer);
 
 impl Timed {
-    fn new(bench: &Bench<'_>, pipeline: &str, frame: (u32, u32), values: &[(&str, u32)]) -> Result<Timed> {
+    pub(super) fn new(
+        bench: &Bench<'_>,
+        pipeline: &str,
+        frame: (u32, u32),
+        values: &[(&str, u32)],
+    ) -> Result<Timed> {
         let gpu = bench.timing_gpu()?;
         let loaded = renderer::load_scene(bench.catalog, scene(bench))?;
         let mut renderer = Renderer::new(gpu, Arc::clone(bench.catalog), loaded, frame)?;
@@ -29,7 +34,7 @@ impl Timed {
     }
 
     /// Milliseconds of each pass.
-    fn frame(&mut self) -> Result<Vec<f64>> {
+    pub(super) fn frame(&mut self) -> Result<Vec<f64>> {
         self.0.run_everything();
         Ok(self.0.frame()?.times.clone())
     }
@@ -39,8 +44,12 @@ impl Timed {
         passes.iter().map(|pass| pass.name.to_string()).collect()
     }
 
-    fn triangles(&self) -> usize {
+    pub(super) fn triangles(&self) -> usize {
         self.0.scene().triangles()
+    }
+
+    pub(super) fn renderer(&mut self) -> &mut Renderer {
+        &mut self.0
     }
 }
 

@@ -1,5 +1,6 @@
-//! Figures with their goals, and how they are printed.
+//! Figures with their goals.
 
+use super::layout::{Machine, digits, print_columns};
 use super::{Args, Figure};
 use crate::output::say;
 use clap::ValueEnum as _;
@@ -26,6 +27,15 @@ impl Spread {
     /// Something that is no matter of chance.
     pub(super) fn exact(value: f64) -> Spread {
         Spread { median: value, least: value, greatest: value }
+    }
+
+    /// The median with its unit, and with the least and the greatest where these differ.
+    pub(super) fn with_unit(self, unit: &str) -> String {
+        let Spread { median, least, greatest } = self;
+        if least == greatest {
+            return format!("{} {unit}", digits(median));
+        }
+        format!("{} {unit} ({}–{})", digits(median), digits(least), digits(greatest))
     }
 
     /// `amount` over each value: a rate from times.
@@ -99,12 +109,7 @@ impl Row {
 
     /// As the table has it.
     fn cells(&self) -> [String; 5] {
-        let Spread { median, least, greatest } = self.measured;
-        let spread = if least == greatest {
-            String::new()
-        } else {
-            format!(" ({}–{})", digits(least), digits(greatest))
-        };
+        let median = self.measured.median;
         let (goal, met) = match self.goal {
             Some(goal) => {
                 let (sign, value) = goal.sign_and_value();
@@ -113,13 +118,7 @@ impl Row {
             }
             None => (String::new(), ""),
         };
-        [
-            self.name.clone(),
-            format!("{} {}{spread}", digits(median), self.unit),
-            goal,
-            met.to_owned(),
-            self.from.to_owned(),
-        ]
+        [self.name.clone(), self.measured.with_unit(self.unit), goal, met.to_owned(), self.from.to_owned()]
     }
 
     fn to_json(&self, figure: Figure) -> Value {
@@ -154,10 +153,7 @@ pub(super) struct Section {
 /// All that was measured, with the machine.
 pub(super) struct Table {
     sections: Vec<Section>,
-    adapter: Option<String>,
-    cores: usize,
-    runs: u32,
-    quick: bool,
+    machine: Machine,
 }
 
 impl Table {
@@ -168,37 +164,22 @@ impl Table {
                 .flat_map(|section| &mut section.rows)
                 .for_each(|row| (row.goal, row.from) = (None, ""));
         }
-        Table {
-            sections,
-            adapter: gpu.map(Gpu::describe),
-            cores: std::thread::available_parallelism().map_or(1, usize::from),
-            runs: args.runs,
-            quick: args.quick,
-        }
+        Table { sections, machine: Machine::new(gpu, args) }
     }
 
     pub(super) fn print(&self, markdown: bool) {
-        let rows = self.sections.iter().flat_map(|section| &section.rows).map(Row::cells);
-        let heads = ["what", "measured", "goal", "met", "from"].map(str::to_owned);
         if markdown {
-            say!("{}\n", self.machine());
-            say!("| {} |\n|---|---|---|---|---|", heads.join(" | "));
-            rows.for_each(|cells| say!("| {} |", cells.join(" | ")));
-            say!("");
+            say!("{}\n", self.machine.line());
+        }
+        let rows = self.sections.iter().flat_map(|section| &section.rows).map(Row::cells);
+        print_columns(["what", "measured", "goal", "met", "from"], rows, markdown);
+        say!("");
+        if markdown {
             self.notes().for_each(|(name, note)| say!("- `{name}`: {note}"));
             return;
         }
-        let rows: Vec<[String; 5]> = std::iter::once(heads).chain(rows).collect();
-        let width = |column: usize| rows.iter().map(|cells| cells[column].chars().count()).max().unwrap_or(0);
-        let widths: [usize; 5] = std::array::from_fn(width);
-        for cells in &rows {
-            let line: Vec<String> =
-                cells.iter().zip(widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
-            say!("{}", line.join("  ").trim_end());
-        }
-        say!("");
         self.notes().for_each(|(name, note)| say!("{name}: {note}"));
-        say!("{}", self.machine());
+        say!("{}", self.machine.line());
     }
 
     pub(super) fn to_json(&self) -> Value {
@@ -208,49 +189,17 @@ impl Table {
             .flat_map(|section| section.rows.iter().map(|row| row.to_json(section.figure)));
         let notes: serde_json::Map<String, Value> =
             self.notes().map(|(name, note)| (name, json!(note))).collect();
-        json!({
-            "version": env!("CARGO_PKG_VERSION"),
-            "optimised": OPTIMISED,
-            "adapter": self.adapter,
-            "cores": self.cores,
-            "runs": self.runs,
-            "quick": self.quick,
-            "rows": rows.collect::<Vec<_>>(),
-            "notes": notes,
-        })
+        self.machine.json_with([("rows", rows.collect()), ("notes", notes.into())])
     }
 
     fn notes(&self) -> impl Iterator<Item = (String, &str)> {
         self.sections.iter().map(|section| (name(section.figure), section.note.as_str()))
     }
-
-    /// On what, and how.
-    fn machine(&self) -> String {
-        let adapter = self.adapter.as_deref().unwrap_or("no adapter was requested");
-        let build = if OPTIMISED { "" } else { ", built without full optimisation" };
-        let quick = if self.quick { "; a quick look, to which the goals do not apply" } else { "" };
-        format!(
-            "Lightloom {}{build}; {adapter}, {} CPU cores. Medians (least–greatest); runs after the first: {}{quick}.",
-            env!("CARGO_PKG_VERSION"),
-            self.cores,
-            self.runs,
-        )
-    }
 }
-
-/// Whether CPU times are those of a release.
-const OPTIMISED: bool = !cfg!(debug_assertions);
 
 /// As `--only` takes it.
 fn name(figure: Figure) -> String {
     figure.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
-/// Three digits that count.
-fn digits(value: f64) -> String {
-    let before = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    let behind = (2.0 - before).clamp(0.0, 6.0) as usize;
-    format!("{value:.behind$}")
 }
 
 /// A number as one writes a goal.
@@ -279,12 +228,6 @@ mod tests {
         assert!(Goal::AtLeast(30.0).met(30.0) && !Goal::AtLeast(30.0).met(29.9));
         assert!(Goal::AtMost(1.05).met(1.05) && !Goal::AtMost(1.05).met(1.06));
         assert!(Goal::Below(1.0).met(0.99) && !Goal::Below(1.0).met(1.0));
-    }
-
-    #[test]
-    fn numbers_have_three_digits() {
-        let cases = [(0.0, "0.00"), (0.01234, "0.0123"), (1.0, "1.00"), (45.67, "45.7"), (14449.2, "14449")];
-        cases.iter().for_each(|(value, text)| assert_eq!(digits(*value), *text));
     }
 
     #[test]
