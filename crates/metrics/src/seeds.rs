@@ -17,7 +17,16 @@ use crate::{Image, ImageError};
 /// All three are unbiased. Therefore bias² is sometimes slightly below 0 if the true bias is small; it is not
 /// clamped, since that would raise averages over many estimates. Noise of the reference counts as bias: its
 /// variance is added.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+///
+/// bias² and variance have one value for all pictures. Their intervals come from leaving out one picture at a
+/// time (jackknife): picture i gives the pseudo-value K θ − (K − 1) θᵢ, where θ is the estimate and θᵢ that
+/// without the picture. Both estimates are means over pairs of pictures (U-statistics), so the mean of the
+/// pseudo-values is the estimate itself, and Student's interval of that mean is its interval. Pictures are left
+/// out and not pixels, since pixels of one picture share their virtual lights and are not independent. In
+/// simulations with five pictures the interval of bias² contains the truth in 95 of 100 repetitions, and in more
+/// where there is no bias; that of the variance in as many if pixels are independent, but in 84 if half of the
+/// noise is shared by all pixels (crates/metrics/tests).
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Decomposition {
     /// Number K of pictures.
     pub seeds: usize,
@@ -30,12 +39,21 @@ pub struct Decomposition {
     /// √(variance / K) (radiance): the noise, as root mean square over pixels and RGB, that remains in the
     /// mean of the K pictures.
     pub standard_error: f64,
-    /// Standard error of `bias_squared` itself (squared radiance), computed by leaving out one seed at a time
-    /// (jackknife); `None` for two seeds. It is taken over seeds, since pixels of one picture share their
-    /// virtual lights and are not independent.
-    pub bias_squared_error: Option<f64>,
+    /// A pseudo-value of bias² and variance for each picture, in their order. Of two pictures none can be left
+    /// out: both have the estimate itself.
+    pub by_seed: Vec<PseudoValues>,
     /// Pixels left out: NaN or infinite in the reference or in any picture.
     pub non_finite: usize,
+}
+
+/// What one picture adds to the estimates over all (squared radiance). The means over the pictures are the
+/// estimates.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PseudoValues {
+    /// The pseudo-value of bias².
+    pub bias_squared: f64,
+    /// The pseudo-value of the variance; may be negative, unlike the estimate.
+    pub variance: f64,
 }
 
 impl Decomposition {
@@ -88,23 +106,23 @@ impl Decomposition {
         let mse = all_squares / k;
         // It is not below 0, except for rounding.
         let variance = (mse - bias_squared).max(0.0);
-        let without = |(square, product): (&f64, &f64)| {
-            let (products, squares) = (all_products - 2.0 * product + square, all_squares - square);
-            (products - squares) / ((k - 1.0) * (k - 2.0))
+        let pseudo_values = |(square, product): (&f64, &f64)| {
+            if pictures.len() == 2 {
+                return PseudoValues { bias_squared, variance };
+            }
+            // Of the sum over ordered pairs, those with this picture; without it, (K − 1)(K − 2) pairs remain.
+            let without = (all_products - all_squares - 2.0 * (product - square)) / (k - 2.0);
+            let bias_squared = k * bias_squared - without;
+            PseudoValues { bias_squared, variance: square - bias_squared }
         };
-        let bias_squared_error = (pictures.len() > 2).then(|| {
-            let left_out: Vec<f64> = squares.iter().zip(&products).map(without).collect();
-            let mean = left_out.iter().sum::<f64>() / k;
-            let scatter: f64 = left_out.iter().map(|value| (value - mean).powi(2)).sum();
-            ((k - 1.0) / k * scatter).sqrt()
-        });
+        let by_seed = squares.iter().zip(&products).map(pseudo_values).collect();
         Ok(Self {
             seeds: pictures.len(),
             mse,
             bias_squared,
             variance,
             standard_error: (variance / k).sqrt(),
-            bias_squared_error,
+            by_seed,
             non_finite,
         })
     }

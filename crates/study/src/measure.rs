@@ -197,7 +197,7 @@ static ROWS: &[Row] = &[
             "bias2",
             "bias²",
             "(W/(m² sr))²",
-            "The squared error that remains in the mean of any number of seeds; one value for all seeds",
+            "The squared error that remains in the mean of any number of seeds; interval by leaving out one seed at a time (jackknife)",
         )
     },
     Row {
@@ -207,7 +207,7 @@ static ROWS: &[Row] = &[
             "variance",
             "variance",
             "(W/(m² sr))²",
-            "The variance between seeds; one value for all seeds",
+            "The variance between seeds; interval as that of bias²",
         )
     },
     other(
@@ -342,7 +342,8 @@ impl Measure {
         self.row().needs
     }
 
-    /// Returns whether the measure is one value for all seeds of a cell.
+    /// Returns whether the measure is computed from the pictures of all seeds together. The value of a cell is
+    /// then its jackknife pseudo-value: see [`metrics::seeds::Decomposition`].
     pub fn is_over_seeds(self) -> bool {
         self.row().needs.seeds
     }

@@ -1,4 +1,4 @@
-//! Measures that are one value for all seeds: bias² and variance, computed from the pictures of the cells.
+//! Measures that need the pictures of all seeds: bias² and variance.
 
 use crate::error::StudyError;
 use crate::measure::Measure;
@@ -7,7 +7,8 @@ use metrics::Image;
 use metrics::seeds::Decomposition;
 use std::path::Path;
 
-/// Adds bias² and variance to the first finished cell of each group of seeds; the others have no value.
+/// Adds bias² and variance to the finished cells of each group of seeds: to each its jackknife pseudo-value, so
+/// that means, intervals and differences seed by seed are formed as those of other measures.
 pub(crate) fn add(results: &mut Results, folder: &Path) -> Result<(), StudyError> {
     let wanted: Vec<Measure> = [Measure::Bias2, Measure::Variance]
         .into_iter()
@@ -17,17 +18,21 @@ pub(crate) fn add(results: &mut Results, folder: &Path) -> Result<(), StudyError
         return Ok(());
     }
     for group in groups(&results.cells) {
-        let done: Vec<usize> =
-            group.iter().copied().filter(|index| results.cells[*index].outcome == Outcome::Done).collect();
+        let rendered = |index: &usize| {
+            let cell = &results.cells[*index];
+            cell.outcome == Outcome::Done && cell.images.image.is_some()
+        };
+        let done: Vec<usize> = group.iter().copied().filter(rendered).collect();
         let found = decompose(&results.cells, &done, folder)?;
-        for (place, index) in group.iter().enumerate() {
-            let first = done.first().map_or(place == 0, |first| first == index);
+        for index in group {
+            let place = done.iter().position(|other| *other == index);
+            let own = place.and_then(|place| found.as_ref()?.by_seed.get(place));
             for measure in &wanted {
-                let value = found.filter(|_| first).map(|found| match measure {
-                    Measure::Bias2 => found.bias_squared,
-                    _ => found.variance,
+                let value = own.map(|own| match measure {
+                    Measure::Bias2 => own.bias_squared,
+                    _ => own.variance,
                 });
-                results.cells[*index].measures.insert(measure.key().to_owned(), value);
+                results.cells[index].measures.insert(measure.key().to_owned(), value);
             }
         }
     }

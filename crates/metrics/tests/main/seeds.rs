@@ -1,10 +1,41 @@
 //! Bias and variance apart.
 
-use metrics::seeds::{Decomposition, mean_image};
+use metrics::seeds::{Decomposition, PseudoValues, mean_image};
+use metrics::statistics::Summary;
 use metrics::{Image, ImageError};
 
 fn grey(value: f32) -> Image {
     Image::new(1, 1, vec![[value, value, value, 1.0]]).unwrap()
+}
+
+/// Returns a picture of 4×4 pixels with these values.
+fn picture(mut value: impl FnMut() -> f64) -> Image {
+    Image::from_fn(4, 4, |_, _| {
+        let [r, g, b] = std::array::from_fn(|_| value() as f32);
+        [r, g, b, 1.0]
+    })
+    .unwrap()
+}
+
+/// Random numbers (SplitMix64).
+struct Noise(u64);
+
+impl Noise {
+    /// Returns a number in 0..1.
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut n = self.0;
+        for (shift, multiplier) in [(30, 0xbf58_476d_1ce4_e5b9), (27, 0x94d0_49bb_1331_11eb)] {
+            n = (n ^ (n >> shift)).wrapping_mul(multiplier);
+        }
+        ((n ^ (n >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Returns a number of mean 0 and variance 1 (Box & Muller 1958).
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
 }
 
 #[track_caller]
@@ -20,7 +51,9 @@ fn two_seeds_by_hand() {
     close(found.variance, 2.0);
     close(found.bias_squared, 3.0);
     close(found.standard_error, 1.0);
-    assert_eq!((found.seeds, found.bias_squared_error), (2, None));
+    assert_eq!(found.seeds, 2);
+    // Neither can be left out.
+    assert!(found.by_seed.iter().all(|seed| (seed.bias_squared, seed.variance) == (3.0, 2.0)), "{found:?}");
 }
 
 #[test]
@@ -31,8 +64,63 @@ fn three_seeds_by_hand() {
     close(found.mse, 35.0 / 3.0);
     close(found.variance, 4.0);
     close(found.bias_squared, 23.0 / 3.0);
-    let scatter: f64 = [15.0, 5.0, 3.0].iter().map(|b: &f64| (b - 23.0 / 3.0).powi(2)).sum();
-    close(found.bias_squared_error.unwrap(), (scatter * 2.0 / 3.0).sqrt());
+    // The variances of the other two are 2, 8 and 2.
+    for (seed, (bias, variance)) in found.by_seed.iter().zip([(15.0, 2.0), (5.0, 8.0), (3.0, 2.0)]) {
+        close(seed.bias_squared, 3.0 * 23.0 / 3.0 - 2.0 * bias);
+        close(seed.variance, 3.0 * 4.0 - 2.0 * variance);
+    }
+}
+
+/// Bias² and variance are U-statistics: the mean of their pseudo-values is the estimate, for any pictures.
+#[test]
+fn pseudo_values_average_to_the_estimates() {
+    for seeds in 2..7 {
+        let mut noise = Noise(seeds);
+        let pictures: Vec<Image> = (0..seeds).map(|_| picture(|| noise.uniform() * 5.0)).collect();
+        let found = Decomposition::of(&pictures, &picture(|| noise.uniform())).unwrap();
+        let mean = |value: fn(&PseudoValues) -> f64| {
+            found.by_seed.iter().map(value).sum::<f64>() / found.by_seed.len() as f64
+        };
+        close(mean(|seed| seed.bias_squared), found.bias_squared);
+        close(mean(|seed| seed.variance), found.variance);
+    }
+}
+
+/// In 95 of 100 repetitions the interval over five seeds should contain the truth. Gaussian noise of variance 1, a
+/// part of which is shared by all pixels of a picture, as noise of virtual lights is.
+#[test]
+fn intervals_contain_the_truth_as_often_as_they_say() {
+    const REPETITIONS: usize = 2000;
+    let shares = |bias: f64, shared: f64| {
+        let mut noise = Noise(1);
+        let mut hits = [0; 2];
+        for _ in 0..REPETITIONS {
+            let pictures: Vec<Image> = (0..5)
+                .map(|_| {
+                    let common = shared.sqrt() * noise.normal();
+                    picture(|| bias + common + (1.0 - shared).sqrt() * noise.normal())
+                })
+                .collect();
+            let found = Decomposition::of(&pictures, &picture(|| 0.0)).unwrap();
+            let contains = |value: fn(&PseudoValues) -> f64, truth: f64| {
+                let values: Vec<f64> = found.by_seed.iter().map(value).collect();
+                let summary = Summary::of(&values).unwrap();
+                usize::from((summary.mean - truth).abs() <= summary.half_width_95)
+            };
+            hits[0] += contains(|seed| seed.bias_squared, bias * bias);
+            hits[1] += contains(|seed| seed.variance, 1.0);
+        }
+        hits.map(|hits| hits as f64 / REPETITIONS as f64)
+    };
+    // One deviation of a share of 0.95 is 0.005.
+    let [bias, variance] = shares(2.0, 0.0);
+    assert!((bias - 0.95).abs() < 0.015 && (variance - 0.95).abs() < 0.03, "{bias} {variance}");
+    // The variance of noise that is shared is that of few numbers, which is skewed: five of them are too few.
+    let [bias, variance] = shares(2.0, 0.5);
+    assert!((bias - 0.95).abs() < 0.015 && (0.8..0.9).contains(&variance), "{bias} {variance}");
+    // Without a bias, its estimate has no slope in the pictures, and its interval is too wide.
+    let [bias, _] = shares(0.0, 0.5);
+    assert!(bias > 0.97, "{bias}");
 }
 
 #[test]
@@ -47,17 +135,11 @@ fn a_known_bias_is_found_in_noise() {
     // Uniform noise over 0..3 about the reference's 2 has a bias of −1/2 and a variance of 9/12.
     const SEEDS: usize = 4;
     const SIDE: usize = 64;
-    let noise = |seed: usize, x: usize, y: usize, channel: usize| {
-        let mut n = (((seed * SIDE + y) * SIDE + x) * 3 + channel) as u64;
-        for multiplier in [0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb] {
-            n = (n ^ (n >> 30)).wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_mul(multiplier);
-        }
-        3.0 * (n >> 40) as f32 / (1_u32 << 24) as f32
-    };
+    let mut noise = Noise(0);
     let pictures: Vec<Image> = (0..SEEDS)
-        .map(|seed| {
-            Image::from_fn(SIDE, SIDE, |x, y| {
-                let [r, g, b] = [0, 1, 2].map(|channel| noise(seed, x, y, channel));
+        .map(|_| {
+            Image::from_fn(SIDE, SIDE, |_, _| {
+                let [r, g, b] = std::array::from_fn(|_| 3.0 * noise.uniform() as f32);
                 [r, g, b, 1.0]
             })
             .unwrap()
@@ -69,7 +151,8 @@ fn a_known_bias_is_found_in_noise() {
     // √(0.9 + …)/√(3·64²·3)), bias² for some 0.004 (2·0.5·√(0.75/(4·3·64²))).
     assert!((found.variance - 0.75).abs() < 0.02, "{found:?}");
     assert!((found.bias_squared - 0.25).abs() < 0.016, "{found:?}");
-    assert!(found.bias_squared_error.unwrap() < 0.016, "{found:?}");
+    let biases: Vec<f64> = found.by_seed.iter().map(|seed| seed.bias_squared).collect();
+    assert!(Summary::of(&biases).unwrap().half_width_95 < 0.06, "{found:?}");
     close(found.bias_squared + found.variance, found.mse);
     close(found.standard_error, (found.variance / 4.0).sqrt());
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
-use study::{Outcome, Results, RunOptions, Shard};
+use study::{Outcome, Results, RunOptions, Shard, Verdict};
 
 const SWEEP: &str = "vary: Grid({ \"lights\": [16, 64, 256] }), seeds: 2, budget: Frames(3),
     measures: [\"rmse\", \"energy\", \"bias2\", \"variance\", \"gpu-ms\", \"memory\"], reference: Pipeline(pipeline: \"truth\")";
@@ -29,13 +29,10 @@ fn measures_are_those_of_the_closed_forms() {
         close(cell.measures["gpu-ms"], 2.0 + 0.01 * lights);
         close(cell.measures["memory"], 3.0);
         assert_eq!((cell.frames, cell.passes.len()), (3, 2));
-        // Of e₁ = 1.5 and e₂ = −0.5 over the lights: variance Σ (e − 0.5)² / 1 = 2, bias² = 0.25 − 2 / 2.
-        if cell.seed == 1 {
-            close(cell.measures["variance"], 2.0 / (lights * lights));
-            close(cell.measures["bias2"], -0.75 / (lights * lights));
-        } else {
-            assert_eq!((cell.measures["variance"], cell.measures["bias2"]), (None, None));
-        }
+        // Of e₁ = 1.5 and e₂ = −0.5 over the lights: variance Σ (e − 0.5)² / 1 = 2, bias² = 0.25 − 2 / 2. Of two
+        // seeds none can be left out, and both have the estimate.
+        close(cell.measures["variance"], 2.0 / (lights * lights));
+        close(cell.measures["bias2"], -0.75 / (lights * lights));
         for image in [&cell.images.image, &cell.images.flip, &cell.images.reference] {
             assert!(folder.path().join(image.as_ref().unwrap()).is_file());
         }
@@ -43,6 +40,35 @@ fn measures_are_those_of_the_closed_forms() {
     let reference = &ran.results.study.references[0];
     assert_eq!((reference.noise, reference.from.as_str()), (Some(1e-6), "pipeline truth"));
     assert_eq!(Results::read(folder.path()).unwrap(), ran.results);
+}
+
+/// Each seed has its pseudo-value, and their mean is the estimate over all.
+#[test]
+fn bias_and_variance_have_intervals() {
+    let folder = tempfile::tempdir().unwrap();
+    let fields = "vary: Grid({ \"lights\": [1, 4] }), seeds: 4, measures: [\"bias2\", \"variance\"],
+        reference: Pipeline(pipeline: \"truth\"),
+        claims: [
+            Order(measure: \"variance\", rising: [At(\"fast\", { \"lights\": 4 }), At(\"fast\", { \"lights\": 1 })]),
+            Order(measure: \"bias2\", rising: [At(\"fast\", { \"lights\": 1 }), At(\"fast\", { \"lights\": 4 })]),
+        ]";
+    let results = run(&plan(study(fields)), &mut Fake::default(), folder.path()).unwrap().results;
+    // Errors 1.5, −0.5, 1.5, −0.5: variance 4/3, bias² 1/4 − 1/3. Without a seed of 1.5 the products of pairs are
+    // −0.75 twice and 0.25, whose mean is −5/12; without the other −0.75 twice and 2.25, whose mean is 1/4.
+    let rows = results.rows();
+    let bias: Vec<f64> = rows[0].cells.iter().map(|cell| cell.measures["bias2"].unwrap()).collect();
+    for (found, left_out) in bias.iter().zip([-5.0 / 12.0, 0.25, -5.0 / 12.0, 0.25]) {
+        close(Some(*found), 4.0 * (-1.0 / 12.0) - 3.0 * left_out);
+    }
+    let [bias, variance] = ["bias2", "variance"].map(|key| rows[0].figure(key).unwrap());
+    close(Some(bias.mean), -1.0 / 12.0);
+    close(Some(variance.mean), 4.0 / 3.0);
+    // Pseudo-values 11/12 and −13/12: a deviation of 2 / √3, and t = 3.182.
+    close(bias.half.map(|half| (half * 1e3).round()), 1837.0);
+    // All errors are 1 from their mean, so that no seed says anything else of the variance.
+    assert!(variance.half.unwrap_or_default() < 1e-5, "{variance:?}");
+    let verdicts: Vec<Option<Verdict>> = results.findings().iter().map(|finding| finding.verdict).collect();
+    assert_eq!(verdicts, [Some(Verdict::Holds), Some(Verdict::Undecided)], "not by their means alone");
 }
 
 /// Every file of a folder with the time of its last change.
