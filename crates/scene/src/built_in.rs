@@ -5,6 +5,7 @@ mod atrium;
 mod builder;
 mod cloth;
 mod cornell;
+mod hall;
 mod nave;
 mod simple;
 
@@ -14,11 +15,17 @@ use crate::model::Model;
 type Make = fn() -> Model;
 
 /// Every built-in geometry, by name.
-const BUILT_IN: [(&str, Make); 9] = [
+const BUILT_IN: [(&str, Make); 15] = [
     ("cornell-box", cornell::cornell_box),
     ("cornell-box-lamp", cornell::cornell_box_lamp),
     ("atrium", atrium::atrium),
     ("nave", nave::nave),
+    ("hall-1k", || hall::hall(1)),
+    ("hall-4k", || hall::hall(2)),
+    ("hall-16k", || hall::hall(4)),
+    ("hall-64k", || hall::hall(8)),
+    ("hall-256k", || hall::hall(16)),
+    ("hall-1m", || hall::hall(32)),
     ("cloth", cloth::cloth),
     ("plane", simple::plane),
     ("cube", simple::cube),

@@ -1,12 +1,15 @@
 //! Checks whether the measurements of a study agree with the claims of its paper.
 
-use crate::description::{Claim, Pick, Pins, Relation};
+use crate::description::{Claim, Pick, Pins, Relation, TRIANGLES, place_of};
+use crate::growth::Exponents;
 use crate::interval::Interval;
 use crate::record::{AxisValue, Cell, ClaimRecord, Outcome, PickRecord, RelationRecord, Results};
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// What the measurements say of a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// It holds, beyond the 95 % interval over the seeds.
     Holds,
@@ -16,22 +19,23 @@ pub enum Verdict {
     Undecided,
 }
 
-/// The result of a claim for one scene.
-#[derive(Clone, Debug, PartialEq)]
+/// The result of a claim for one scene, or for all whose triangles it is over.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding<'a> {
     /// The claim.
     pub claim: &'a ClaimRecord,
-    /// The scene.
-    pub scene: &'a str,
-    /// Mean of the measure over the cells of each pick, with its interval over the seeds, in the order of
-    /// [`RelationRecord::picks`]; `None` if no cell has the measure.
+    /// The scenes, in the order of the study.
+    pub scenes: Vec<&'a str>,
+    /// Means over the seeds, with their intervals: of the measure over the cells of each pick, in the order of
+    /// [`RelationRecord::picks`]; for a growth, of the exponent in the upper half of the axis, and of that over
+    /// the whole axis. `None` if no cell has the measure.
     pub means: Vec<Option<Interval>>,
     /// What the measurements say; `None` if there are none.
     pub verdict: Option<Verdict>,
 }
 
 impl Finding<'_> {
-    /// Returns the ratio of the two means; `None` for an order, and if the denominator is not above 0.
+    /// Returns the ratio of the two means; `None` for other relations, and if the denominator is not above 0.
     pub fn ratio(&self) -> Option<f64> {
         match (&self.claim.relation, self.means.as_slice()) {
             (RelationRecord::Ratio { .. }, [Some(of), Some(to)]) if to.mean > 0.0 => Some(of.mean / to.mean),
@@ -41,52 +45,95 @@ impl Finding<'_> {
 }
 
 impl Results {
-    /// Returns the result of each claim for each scene that it is about, in the order of the study. Means are
-    /// over all finished cells that have the measure, first those of each seed, then over the seeds.
+    /// Returns the result of each claim for each scene that it is about, in the order of the study; where it is
+    /// over the triangles of scenes, for all of them at once. Means are over all finished cells that have the
+    /// measure, first those of each seed, then over the seeds.
     pub fn findings(&self) -> Vec<Finding<'_>> {
         let mut findings = Vec::new();
         for claim in &self.study.claims {
             let scenes = self.study.scenes.iter().map(|scene| scene.name.as_str());
-            let about =
-                scenes.filter(|name| claim.scenes.is_empty() || claim.scenes.iter().any(|s| s == name));
-            findings.extend(about.map(|scene| self.finding(claim, scene)));
+            let about: Vec<&str> = scenes
+                .filter(|name| claim.scenes.is_empty() || claim.scenes.iter().any(|s| s == name))
+                .collect();
+            match &claim.relation {
+                RelationRecord::Growth { over, .. } if over == TRIANGLES => {
+                    findings.extend((!about.is_empty()).then(|| self.finding(claim, about)));
+                }
+                _ => findings.extend(about.into_iter().map(|scene| self.finding(claim, vec![scene]))),
+            }
         }
         findings
     }
 
-    fn finding<'a>(&'a self, claim: &'a ClaimRecord, scene: &'a str) -> Finding<'a> {
-        let picks = claim.relation.picks();
-        let seeds: Vec<Seeds> = picks.into_iter().map(|pick| self.seeds(claim, pick, scene)).collect();
+    fn finding<'a>(&'a self, claim: &'a ClaimRecord, scenes: Vec<&'a str>) -> Finding<'a> {
+        let seeds = match &claim.relation {
+            RelationRecord::Growth { of, over, .. } => self.exponents(claim, of, over, &scenes),
+            relation => relation.picks().into_iter().map(|pick| self.seeds(claim, pick, &scenes)).collect(),
+        };
         let mean = |seeds: &Seeds| Interval::of(&seeds.values().copied().collect::<Vec<f64>>());
         Finding {
             claim,
-            scene,
+            scenes,
             means: seeds.iter().map(mean).collect(),
             verdict: verdict(&claim.relation, &seeds),
         }
     }
 
-    fn seeds(&self, claim: &ClaimRecord, pick: &PickRecord, scene: &str) -> Seeds {
+    /// Returns the finished cells of a pick that have the measure, with its value.
+    fn values<'a>(
+        &'a self,
+        claim: &'a ClaimRecord,
+        pick: &'a PickRecord,
+        scenes: &'a [&str],
+    ) -> impl Iterator<Item = (&'a Cell, f64)> {
         let cells = self.cells.iter().filter(|cell| {
             cell.outcome == Outcome::Done
-                && (cell.scene.as_str(), &cell.pipeline) == (scene, &pick.pipeline)
+                && scenes.contains(&cell.scene.as_str())
+                && cell.pipeline == pick.pipeline
                 && lies_at(cell, &claim.at)
                 && lies_at(cell, &pick.at)
         });
+        cells.filter_map(|cell| Some((cell, cell.measures.get(&claim.measure).copied().flatten()?)))
+    }
+
+    fn seeds(&self, claim: &ClaimRecord, pick: &PickRecord, scenes: &[&str]) -> Seeds {
         let mut values: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-        for cell in cells {
-            if let Some(value) = cell.measures.get(&claim.measure).copied().flatten() {
-                values.entry(cell.seed).or_default().push(value);
-            }
+        for (cell, value) in self.values(claim, pick, scenes) {
+            values.entry(cell.seed).or_default().push(value);
         }
         values
             .into_iter()
             .map(|(seed, values)| (seed, values.iter().sum::<f64>() / values.len() as f64))
             .collect()
     }
+
+    /// Returns the exponents of a growth: in the upper half of the axis, and over all of it.
+    fn exponents(&self, claim: &ClaimRecord, of: &PickRecord, over: &str, scenes: &[&str]) -> Vec<Seeds> {
+        let mut points: BTreeMap<u32, Vec<(f64, f64)>> = BTreeMap::new();
+        for (cell, value) in self.values(claim, of, scenes) {
+            if let Some(place) = self.place(cell, over) {
+                points.entry(cell.seed).or_default().push((place, value));
+            }
+        }
+        let found: Vec<(u32, Exponents)> =
+            points.into_iter().filter_map(|(seed, points)| Some((seed, Exponents::of(points)?))).collect();
+        let seeds = |exponent: fn(&Exponents) -> f64| {
+            found.iter().map(|(seed, exponents)| (*seed, exponent(exponents))).collect()
+        };
+        vec![seeds(|exponents| exponents.upper), seeds(|exponents| exponents.whole)]
+    }
+
+    /// Returns where a cell lies on an axis of numbers.
+    fn place(&self, cell: &Cell, over: &str) -> Option<f64> {
+        if over == TRIANGLES {
+            let scene = self.study.scenes.iter().find(|scene| scene.name == cell.scene)?;
+            return Some(scene.triangles as f64);
+        }
+        place_of(cell.axes.get(over)?)
+    }
 }
 
-/// The mean of a measure over the cells of each seed.
+/// The mean of a measure over the cells of each seed, or its exponent.
 type Seeds = BTreeMap<u32, f64>;
 
 /// Decides a claim by what it says must be above 0: the difference of two means, seed by seed, since the same seed gives
@@ -102,7 +149,12 @@ fn verdict(relation: &RelationRecord, seeds: &[Seeds]) -> Option<Verdict> {
             let most = at_most.map(|most| margin(of, to, |of, to| most * to - of));
             least.into_iter().chain(most).collect()
         }
-        (RelationRecord::Ratio { .. }, _) => None,
+        (RelationRecord::Growth { at_least, at_most, .. }, [upper, ..]) => {
+            let least = at_least.map(|least| margin(upper, upper, |exponent, _| exponent - least));
+            let most = at_most.map(|most| margin(upper, upper, |exponent, _| most - exponent));
+            least.into_iter().chain(most).collect()
+        }
+        (RelationRecord::Ratio { .. } | RelationRecord::Growth { .. }, _) => None,
     };
     // An order is strict, a bound is not.
     let strict = matches!(relation, RelationRecord::Order(_));
@@ -144,11 +196,12 @@ fn lies_at(cell: &Cell, at: &BTreeMap<String, AxisValue>) -> bool {
 }
 
 impl RelationRecord {
-    /// Returns the picks whose means are compared, in the order of the text.
+    /// Returns the picks that it is about, in the order of the text.
     pub fn picks(&self) -> Vec<&PickRecord> {
         match self {
             RelationRecord::Order(rising) => rising.iter().collect(),
             RelationRecord::Ratio { of, to, .. } => vec![of, to],
+            RelationRecord::Growth { of, .. } => vec![of],
         }
     }
 }
@@ -164,6 +217,12 @@ impl Claim {
             Relation::Ratio { of, to, at_least, at_most } => {
                 RelationRecord::Ratio { of: pick(of), to: pick(to), at_least: *at_least, at_most: *at_most }
             }
+            Relation::Growth { of, over, at_least, at_most } => RelationRecord::Growth {
+                of: pick(of),
+                over: over.value.clone(),
+                at_least: *at_least,
+                at_most: *at_most,
+            },
         };
         ClaimRecord {
             measure: self.measure.value.clone(),

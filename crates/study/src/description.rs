@@ -191,6 +191,8 @@ pub enum Reference {
 pub const SIZE: &str = "size";
 /// The axis that a reference may follow besides those of the study.
 pub const SEED: &str = "seed";
+/// What a claim of growth may be over besides the axes of the study: the number of triangles of its scenes.
+pub const TRIANGLES: &str = "triangles";
 
 /// Reads a study. All errors of the file are reported at once.
 ///
@@ -252,6 +254,14 @@ impl Group {
 /// Converts a size to a value of the axis [`SIZE`]: `640x480`.
 pub(crate) fn size_value((width, height): (u32, u32)) -> AxisValue {
     AxisValue::Text(format!("{width}x{height}"))
+}
+
+/// Returns the place of a value on an axis of numbers; that of a size is its number of pixels.
+pub(crate) fn place_of(value: &AxisValue) -> Option<f64> {
+    match value {
+        AxisValue::Number(number) => Some(*number),
+        _ => size_of(value).map(|(width, height)| f64::from(width) * f64::from(height)),
+    }
 }
 
 /// Converts a value of the axis [`SIZE`] to a size.

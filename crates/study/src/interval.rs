@@ -1,9 +1,10 @@
 //! A mean over seeds, with its confidence interval.
 
 use metrics::statistics::Summary;
+use serde::Serialize;
 
 /// A mean over seeds, with its 95 % confidence interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
     /// Number of seeds, at least 1.
     pub seeds: usize,

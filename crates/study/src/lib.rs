@@ -45,7 +45,7 @@
 //! | VALUES | `[value *]`; with `Optional([value *])`, pipelines that have no such path run once, without it. The axis `"size"` takes `[(width, height) *]` and is the size of frames |
 //! | budget | `Frames(8)`: equal number of frames. `Lights(1024)`: equal number of lights; with names `Lights(count: 1024, by: "lights"?, frames: 5?)`. `Time(ms: 20.0, by: "lights", frames: 5?)`: equal time per frame; the integer `by` is searched so that the median frame meets it within 5 %, once for all seeds. `Time(ms: 500.0, frames: …?)`: frames accumulate until the GPU time is spent |
 //! | REFERENCE | `Pipeline(pipeline: "reference", set: { … }?, follow: ["path" *]?, frames: …?)`, `Picture("file.exr")`, `Pictures({ "scene": "file.exr" * })` or `None`; paths of files are relative to the working folder |
-//! | CLAIM | `Order(measure: "tid", rising: [PICK, PICK *], at: AT?, scenes: ["name" *]?, says: "TCAS Fig. 7"?)`: each mean is less than the next; or `Ratio(measure: "gpu-ms:sample", of: PICK, to: PICK, at_most: 0.5?, at_least: 0.1?, …)`, with at least one bound |
+//! | CLAIM | `Order(measure: "tid", rising: [PICK, PICK *], at: AT?, scenes: ["name" *]?, says: "TCAS Fig. 7"?)`: each mean is less than the next; or `Ratio(measure: "gpu-ms:sample", of: PICK, to: PICK, at_most: 0.5?, at_least: 0.1?, …)`, with at least one bound; or `Growth(measure: "gpu-ms:gather", of: PICK, over: "axis", at_most: 1.0?, at_least: 0.5?, …)`: the exponent with which the measure grows over an axis of numbers. `over: "size"` is over pixels, `over: "triangles"` over those of the scenes |
 //! | PICK | `"name"`, all cells of a pipeline by its name in tables; or `At("name", AT)`, those with these values |
 //! | AT | `{ "axis": value * }`: the cells with these values, and those whose pipelines do not have the axis |
 //!
@@ -75,7 +75,13 @@
 //! mean is over all finished cells of a pick, and so over its seeds and over the values of all other axes. A
 //! claim is decided by the differences of these means, seed by seed: it holds, or does not, where their 95 %
 //! interval lies on one side, and is not decided where that has both; a single seed is taken at its word.
-//! `Ratio` needs a denominator above 0. A claim without cells, as after `--quick` or `--set`, is not
+//! `Ratio` needs a denominator above 0. `Growth` is of the exponent p of a power law, measure ∝ axisᵖ: the slope
+//! of a straight line (least squares) through the logarithms of axis and measure, for each seed. The line goes
+//! through the upper half of the axis (by its logarithm, and through three values at least), since fixed costs
+//! flatten growth at the lower end; the exponent over all values is reported beside it. Where the two are
+//! alike, nothing flattens; where the upper one is the greater, growth beyond the axis may be greater still: of
+//! a fixed cost that is a tenth of the time there, the exponent is a tenth below that of the rest. Over
+//! triangles a claim is about all its scenes at once. A claim without cells, as after `--quick` or `--set`, is not
 //! measured. A claim that does not hold is a result, not a failure.
 //!
 //! **Keys.** The key of a cell is a hash of its plan, shaders, scene, values, size, seed, frames, budget,
@@ -100,6 +106,7 @@ mod error;
 mod evaluator;
 mod figure;
 mod folder;
+mod growth;
 mod interval;
 mod key;
 mod laboratory;

@@ -197,13 +197,14 @@ pub struct ClaimRecord {
     pub relation: RelationRecord,
     /// Values of axes: cells with other values are left out, but those without the axis count.
     pub at: BTreeMap<String, AxisValue>,
-    /// Names of the scenes that it is about, each checked separately; all if empty.
+    /// Names of the scenes that it is about, each checked separately, except where a growth is over their
+    /// triangles; all if empty.
     pub scenes: Vec<String>,
     /// Where the paper makes the claim; may be empty.
     pub says: String,
 }
 
-/// A relation between means over cells.
+/// A relation between means over cells, or of them to an axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RelationRecord {
@@ -218,6 +219,17 @@ pub enum RelationRecord {
         /// The least ratio.
         at_least: Option<f64>,
         /// The greatest ratio.
+        at_most: Option<f64>,
+    },
+    /// The exponent with which a measure grows over an axis lies within bounds.
+    Growth {
+        /// Whose measure grows.
+        of: PickRecord,
+        /// The axis; `triangles` for those of the scenes.
+        over: String,
+        /// The least exponent.
+        at_least: Option<f64>,
+        /// The greatest exponent.
         at_most: Option<f64>,
     },
 }

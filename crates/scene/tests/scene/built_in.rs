@@ -96,6 +96,28 @@ fn the_cornell_boxs_walls_face_inwards_and_its_blocks_outwards() {
     }
 }
 
+/// The hall is the same surface in any number of triangles.
+#[test]
+fn halls_differ_in_triangles_alone() {
+    let pillar = 4.0 * 0.5 * 4.0;
+    let expected = 2.0 * (12.0 * 8.0 + 12.0 * 4.0 + 8.0 * 4.0) + 10.0 * pillar;
+    for (name, triangles) in [("hall-1k", 1 << 10), ("hall-4k", 1 << 12), ("hall-64k", 1 << 16)] {
+        let hall = shipped(name);
+        assert_eq!(hall.triangles(), triangles, "{name}");
+        assert!((hall.area() / expected - 1.0).abs() < 1e-5, "{name}: {} m²", hall.area());
+        assert_eq!(hall.bounds(), shipped("hall-1k").bounds());
+        let centre = Vec3::new(0.0, 2.0, 0.0);
+        // Walls face inwards, and are all that lies on the bounds.
+        let (min, max) = hall.bounds();
+        let on_bounds = |at: Vec3| at.x == min.x || at.x == max.x || at.z == min.z || at.z == max.z;
+        for vertex in hall.vertices.iter().filter(|vertex| on_bounds(Vec3::from(vertex.position))) {
+            let inwards = centre - Vec3::from(vertex.position);
+            assert!(inwards.dot(vertex.normal.into()) > 0.0, "{name}: {vertex:?}");
+        }
+    }
+    assert_eq!(shipped("hall-1m").triangles(), 1 << 20);
+}
+
 #[test]
 fn simple_bodies_have_their_closed_forms() {
     let area =

@@ -37,6 +37,17 @@ pub enum Relation {
         /// The greatest ratio.
         at_most: Option<f64>,
     },
+    /// The exponent with which a measure grows over an axis lies within bounds, of which there is at least one.
+    Growth {
+        /// Whose measure grows.
+        of: Pick,
+        /// The axis, or [`TRIANGLES`](super::TRIANGLES).
+        over: At<String>,
+        /// The least exponent.
+        at_least: Option<f64>,
+        /// The greatest exponent.
+        at_most: Option<f64>,
+    },
 }
 
 /// The cells of a pipeline that a claim is about.
@@ -49,11 +60,12 @@ pub struct Pick {
 }
 
 impl Relation {
-    /// Returns the picks whose means are compared, in the order of the text.
+    /// Returns the picks that it is about, in the order of the text.
     pub fn picks(&self) -> Vec<&Pick> {
         match self {
             Relation::Order(rising) => rising.iter().collect(),
             Relation::Ratio { of, to, .. } => vec![of, to],
+            Relation::Growth { of, .. } => vec![of],
         }
     }
 }

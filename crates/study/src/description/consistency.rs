@@ -1,7 +1,11 @@
 //! Checks that the parts of a study's file agree with each other.
 
 use super::read::twice;
-use super::{At, Claim, Group, Phase, Pipelines, Reference, SEED, Study, StudyFigure, Vary};
+use super::{
+    At, Claim, Group, Phase, Pipelines, Reference, Relation, SEED, Study, StudyFigure, TRIANGLES, Vary,
+    place_of,
+};
+use crate::growth::FEWEST_VALUES;
 use crate::measure::Measure;
 use crate::record::AxisValue;
 use frame_graph::codes::study as codes;
@@ -27,6 +31,9 @@ impl Study {
                 let error = Diagnostic::new(&codes::CLAIM, message).label(scene.span.clone(), "");
                 errors.push(error.suggest("scenes", &scene.value, scenes.iter().copied()));
             }
+            if let Relation::Growth { over, .. } = &claim.relation {
+                errors.extend(self.unfit_axis(claim, over));
+            }
         }
         told(errors)
     }
@@ -47,6 +54,48 @@ impl Study {
         let message = format!("the axis `{}` never is {}", name.value, value.value);
         let error = Diagnostic::new(&codes::CLAIM, message).label(value.span.clone(), "");
         Some(error.note(format!("it is {}", values.join(", "))))
+    }
+}
+
+impl Study {
+    /// Returns what is wrong with the axis over which a claim says that a measure grows.
+    fn unfit_axis(&self, claim: &Claim, over: &At<String>) -> Option<Diagnostic> {
+        let name = &over.value;
+        let error = |message: String| Diagnostic::new(&codes::CLAIM, message).label(over.span.clone(), "");
+        if let Some((pinned, _)) = claim.pins().find(|(axis, _)| axis.value == *name) {
+            let message = format!("an exponent over `{name}` needs all its values");
+            return Some(error(message).label(pinned.span.clone(), "leaves one of them"));
+        }
+        let few = |count: usize, what: &str| {
+            let message = format!("an exponent is of {FEWEST_VALUES} {what} at least, and these are {count}");
+            (count < FEWEST_VALUES).then(|| error(message))
+        };
+        if name == TRIANGLES {
+            return few(
+                if claim.scenes.is_empty() { self.scenes.len() } else { claim.scenes.len() },
+                "scenes",
+            );
+        }
+        let axes: Vec<&Vary> = self.vary.iter().flat_map(Group::axes).collect();
+        let Some(axis) = axes.iter().find(|axis| axis.path.value == *name) else {
+            let names = axes.iter().map(|axis| axis.path.value.as_str()).chain([TRIANGLES]);
+            let error = error(format!("a measure cannot grow over `{name}`, which is no axis"));
+            return Some(error.suggest("axes", name, names));
+        };
+        let mut places = Vec::new();
+        for at in &axis.values {
+            match place_of(&at.value).filter(|place| *place > 0.0) {
+                Some(place) => places.push(place),
+                None => {
+                    let message =
+                        format!("an exponent is over numbers above 0, and `{name}` is {}", at.value);
+                    return Some(error(message).label(at.span.clone(), "here"));
+                }
+            }
+        }
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        few(places.len(), &format!("values of `{name}`"))
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::{Resolved, combinations_of, product};
 use crate::description::{
-    At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, StudyFigure, Variant,
+    At, Budget, Group, Pipelines, Reference, Relation, SEED, SIZE, Set, Study, StudyFigure, TRIANGLES,
+    Variant,
 };
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
 use crate::phase::all_names;
@@ -342,7 +343,14 @@ impl<'a> Checker<'a> {
             }
             Pipelines::All { .. } => pipelines.iter().map(|pipeline| pipeline.record.name.as_str()).collect(),
         };
-        for pick in self.study.claims.iter().flat_map(|claim| claim.relation.picks()) {
+        let picks = self.study.claims.iter().flat_map(|claim| {
+            let over = match &claim.relation {
+                Relation::Growth { over, .. } if over.value != TRIANGLES => Some(over),
+                _ => None,
+            };
+            claim.relation.picks().into_iter().map(move |pick| (pick, over))
+        });
+        for (pick, over) in picks {
             let name = &pick.pipeline;
             if !known.contains(&name.value.as_str()) {
                 let message = format!("no pipeline of this study is named `{}`", name.value);
@@ -352,8 +360,8 @@ impl<'a> Checker<'a> {
             let Some(found) = pipelines.iter().find(|pipeline| pipeline.record.name == name.value) else {
                 continue;
             };
-            for (axis, _) in pick.at.iter().filter(|(axis, _)| axis.value != SIZE && !found.has(&axis.value))
-            {
+            let axes = pick.at.iter().map(|(axis, _)| axis).chain(over);
+            for axis in axes.filter(|axis| axis.value != SIZE && !found.has(&axis.value)) {
                 let message = format!("`{}` has no axis `{}`, and so no cells there", name.value, axis.value);
                 self.errors.push(Diagnostic::new(&codes::CLAIM, message).label(axis.span.clone(), ""));
             }

@@ -137,7 +137,7 @@ fn a_claim_may_be_about_some_scenes() {
         ])";
     let study = study::parse(Source::new("x.ron", text)).unwrap();
     let ran = run(&plan(study.clone()), &mut Fake::default(), folder.path()).unwrap();
-    let scenes: Vec<&str> = ran.results.findings().iter().map(|finding| finding.scene).collect();
+    let scenes: Vec<&str> = ran.results.findings().iter().map(|finding| finding.scenes[0]).collect();
     assert_eq!(scenes, ["box", "walk", "walk"]);
     // A run on another scene has nothing to say of it.
     let mut other = study;

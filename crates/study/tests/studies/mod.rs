@@ -5,6 +5,7 @@ mod budgets;
 mod claims;
 mod failures;
 mod fake;
+mod growth;
 mod phases;
 mod plans;
 mod runs;

@@ -233,6 +233,7 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
             "run": run,
             "failed": failures,
             "claims": { "hold": hold, "fail": fail, "undecided": undecided, "not_measured": not_measured },
+            "findings": findings,
         }));
         return Ok(());
     }

@@ -2,11 +2,12 @@
 
 use super::Grammar;
 use crate::description::{At, Claim, Pick, Pins, Relation, SIZE, size_value};
+use crate::record::AxisValue;
 use frame_graph::Diagnostic;
 use frame_graph::codes::study as codes;
 use frame_graph::reader::{Fields, Form, Node};
 
-const CLAIM: &str = "`Order(measure: \"tid\", rising: [\"a\", \"b\"])` or `Ratio(measure: \"gpu-ms\", of: \"a\", to: \"b\", at_most: 0.5)`";
+const CLAIM: &str = "`Order(measure: \"tid\", rising: [\"a\", \"b\"])`, `Ratio(measure: \"gpu-ms\", of: \"a\", to: \"b\", at_most: 0.5)` or `Growth(measure: \"gpu-ms\", of: \"a\", over: \"lights\", at_most: 1)`";
 const PICK: &str = "the name of a pipeline, or `At(\"name\", { \"axis\": value })`";
 
 impl Grammar<'_, '_> {
@@ -16,15 +17,17 @@ impl Grammar<'_, '_> {
     }
 
     fn claim(&mut self, node: &Node) -> Option<Claim> {
-        let forms: [(&'static str, &'static [&'static str]); 2] = [
+        let forms: [(&'static str, &'static [&'static str]); 3] = [
             ("Order", &["measure", "rising", "at", "scenes", "says"]),
             ("Ratio", &["measure", "of", "to", "at_least", "at_most", "at", "scenes", "says"]),
+            ("Growth", &["measure", "of", "over", "at_least", "at_most", "at", "scenes", "says"]),
         ];
         let fields = self.reader.fields(node, CLAIM, &forms)?;
         let measure = self.need_text(&fields, "measure");
         let relation = match fields.form() {
             "Order" => self.order(&fields),
-            _ => self.ratio(&fields, node),
+            "Ratio" => self.ratio(&fields, node),
+            _ => self.growth(&fields, node),
         };
         let at = fields.get("at").map(|node| self.axes_at(node)).unwrap_or_default();
         let scenes = fields.get("scenes").map(|node| self.names(node, "a scene")).unwrap_or_default();
@@ -47,12 +50,32 @@ impl Grammar<'_, '_> {
     fn ratio(&mut self, fields: &Fields<'_>, node: &Node) -> Option<Relation> {
         let of = self.reader.need(fields, "of").and_then(|node| self.pick(node));
         let to = self.reader.need(fields, "to").and_then(|node| self.pick(node));
-        let mut bound = |name: &str| fields.get(name).map(|node| self.positive(node));
+        let help = ("a ratio needs a bound", "add `at_most: 0.5` or `at_least: 2.0`");
+        let (at_least, at_most) = self.bounds(fields, node, help, Self::positive);
+        Some(Relation::Ratio { of: of?, to: to?, at_least, at_most })
+    }
+
+    fn growth(&mut self, fields: &Fields<'_>, node: &Node) -> Option<Relation> {
+        let of = self.reader.need(fields, "of").and_then(|node| self.pick(node));
+        let over = self.need_text(fields, "over");
+        let help = ("an exponent needs a bound", "add `at_most: 1.0` or `at_least: 0.5`");
+        let (at_least, at_most) = self.bounds(fields, node, help, Self::finite);
+        Some(Relation::Growth { of: of?, over: over?, at_least, at_most })
+    }
+
+    /// Reads `at_least` and `at_most`, of which there must be one; `missing` is said otherwise, with a note.
+    fn bounds(
+        &mut self,
+        fields: &Fields<'_>,
+        node: &Node,
+        (missing, note): (&str, &str),
+        read: fn(&mut Self, &Node) -> Option<f64>,
+    ) -> (Option<f64>, Option<f64>) {
+        let mut bound = |name: &str| fields.get(name).map(|node| read(self, node));
         let (at_least, at_most) = (bound("at_least"), bound("at_most"));
         if at_least.is_none() && at_most.is_none() {
-            let error = Diagnostic::new(&codes::CLAIM, "a ratio needs a bound")
-                .label(self.reader.head_of(node), "")
-                .note("add `at_most: 0.5` or `at_least: 2.0`");
+            let error =
+                Diagnostic::new(&codes::CLAIM, missing).label(self.reader.head_of(node), "").note(note);
             self.reader.tell(error);
         }
         let (at_least, at_most) = (at_least.flatten(), at_most.flatten());
@@ -62,7 +85,18 @@ impl Grammar<'_, '_> {
             let span = self.reader.head_of(node);
             self.error(&codes::CLAIM, span, format!("nothing is at least {least} and at most {most}"));
         }
-        Some(Relation::Ratio { of: of?, to: to?, at_least, at_most })
+        (at_least, at_most)
+    }
+
+    /// Reads a number, which may be negative: measures fall as well.
+    fn finite(&mut self, node: &Node) -> Option<f64> {
+        match (&node.form, self.value(node)?.value) {
+            (Form::Number(_), AxisValue::Number(number)) => Some(number),
+            _ => {
+                self.reader.wrong(node, "a number");
+                None
+            }
+        }
     }
 
     fn pick(&mut self, node: &Node) -> Option<Pick> {

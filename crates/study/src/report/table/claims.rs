@@ -30,7 +30,7 @@ impl Table {
             vec![
                 Entry::Text(claim_text(finding.claim, info)),
                 Entry::Text(finding.claim.says.clone()),
-                Entry::Text(finding.scene.to_owned()),
+                Entry::Text(scenes_text(&finding.scenes)),
                 Entry::Text(measured_text(finding, info)),
                 Entry::Verdict(finding.verdict),
             ]
@@ -44,6 +44,10 @@ impl Table {
         }
         caption += ". Each is about means over all finished cells of a scene; it is decided where the 95 % interval of \
                     the difference, seed by seed, is on one side.";
+        if findings.iter().any(|finding| matches!(finding.claim.relation, RelationRecord::Growth { .. })) {
+            caption += " An exponent is that of the upper half of its axis, where fixed costs matter least; that over the \
+                        whole axis follows.";
+        }
         Some(Table { name: "claims".to_owned(), caption, columns, rows: findings.iter().map(row).collect() })
     }
 }
@@ -66,9 +70,22 @@ fn claim_text(claim: &ClaimRecord, info: Option<&MeasureInfo>) -> String {
                 (None, None) => format!("{of} / {to}"),
             }
         }
+        RelationRecord::Growth { of, over, at_least, at_most } => {
+            let least = at_least.map(|least| format!("{} ≤ ", number::plain(least))).unwrap_or_default();
+            let most = at_most.map(|most| format!(" ≤ {}", number::plain(most))).unwrap_or_default();
+            format!("{least}exponent of {} over {over}{most}", pick_text(of))
+        }
     };
     let at = if claim.at.is_empty() { String::new() } else { format!(", {}", values_text(&claim.at)) };
     format!("{label}: {relation}{at}")
+}
+
+/// Formats the scenes of a claim: `hall-1k to hall-1m` for several.
+fn scenes_text(scenes: &[&str]) -> String {
+    match scenes {
+        [first, .., last] => format!("{first} to {last}"),
+        scenes => scenes.concat(),
+    }
 }
 
 fn pick_text(pick: &PickRecord) -> String {
@@ -76,7 +93,7 @@ fn pick_text(pick: &PickRecord) -> String {
     format!("{}{at}", pick.pipeline)
 }
 
-/// Formats measurements: `0.012, 0.02 W/(m² sr)`, `1 / 4 ms = 0.25`; `–` if there are none.
+/// Formats measurements: `0.012, 0.02 W/(m² sr)`, `1 / 4 ms = 0.25`, `0.9; whole 0.6`; `–` if there are none.
 fn measured_text(finding: &Finding<'_>, info: Option<&MeasureInfo>) -> String {
     if finding.means.iter().all(Option::is_none) {
         return "–".to_owned();
@@ -93,5 +110,6 @@ fn measured_text(finding: &Finding<'_>, info: Option<&MeasureInfo>) -> String {
             let ratio = finding.ratio().map(|ratio| format!(" = {}", Measured::single(ratio).text()));
             format!("{}{unit}{}", means.join(" / "), ratio.unwrap_or_default())
         }
+        RelationRecord::Growth { .. } => means.join("; whole "),
     }
 }
