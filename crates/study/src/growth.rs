@@ -37,11 +37,10 @@ impl Exponents {
 
 /// Returns the slope of the straight line with the least squares of distances in y.
 fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-    let across: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
+    let x = points.iter().map(|point| point.0).sum::<f64>() / points.len() as f64;
     let along: f64 = points.iter().map(|point| (point.0 - x).powi(2)).sum();
+    // From the first y, which changes no slope and makes that of equal values exactly 0.
+    let across: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - points[0].1)).sum();
     across / along
 }
 

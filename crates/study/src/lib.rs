@@ -81,7 +81,8 @@
 //! flatten growth at the lower end; the exponent over all values is reported beside it. Where the two are
 //! alike, nothing flattens; where the upper one is the greater, growth beyond the axis may be greater still: of
 //! a fixed cost that is a tenth of the time there, the exponent is a tenth below that of the rest. Over
-//! triangles a claim is about all its scenes at once. A claim without cells, as after `--quick` or `--set`, is not
+//! triangles a claim is about all its scenes at once. Cells run seed by seed, so that a machine that is slow for
+//! minutes is slow for one seed and not for one end of an axis. A claim without cells, as after `--quick` or `--set`, is not
 //! measured. A claim that does not hold is a result, not a failure.
 //!
 //! **Keys.** The key of a cell is a hash of its plan, shaders, scene, values, size, seed, frames, budget,

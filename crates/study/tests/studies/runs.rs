@@ -42,6 +42,19 @@ fn measures_are_those_of_the_closed_forms() {
     assert_eq!(Results::read(folder.path()).unwrap(), ran.results);
 }
 
+/// What makes the machine slow for a while is in one seed of many cells, not in all seeds of one.
+#[test]
+fn cells_run_seed_by_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut lab = Fake::default();
+    let fields = "vary: Grid({ \"lights\": [16, 64] }), seeds: [3, 1], measures: [\"gpu-ms\"]";
+    let ran = run(&plan(study(fields)), &mut lab, folder.path()).unwrap();
+    let seeds: Vec<u32> = lab.ran.iter().map(|request| request.seed).collect();
+    assert_eq!(seeds, [3, 3, 1, 1]);
+    let seeds: Vec<u32> = ran.results.cells.iter().map(|cell| cell.seed).collect();
+    assert_eq!(seeds, [3, 1, 3, 1], "results keep the order of the study");
+}
+
 /// Each seed has its pseudo-value, and their mean is the estimate over all.
 #[test]
 fn bias_and_variance_have_intervals() {
