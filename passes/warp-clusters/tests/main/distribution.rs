@@ -72,7 +72,7 @@ fn fewer_levels_leave_squares_even() {
         let area = |corner: u32, side: u32| (1 << bottom).min(side - corner);
         let even = |i: u32| {
             let (layer, x, y) =
-                (i / (size[0] * size[1]), i % size[0] >> bottom, i / size[0] % size[1] >> bottom);
+                (i / (size[0] * size[1]), (i % size[0]) >> bottom, (i / size[0] % size[1]) >> bottom);
             let texels = area(x << bottom, size[0]) * area(y << bottom, size[1]);
             map.sum_at(bottom, layer, [x, y]) / f64::from(texels) / total * f64::from(COUNT)
         };

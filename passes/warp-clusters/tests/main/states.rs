@@ -10,8 +10,10 @@ const SIZE: [u32; 2] = [24, 18];
 /// A map of which a third is unlit.
 fn holes() -> Pyramid {
     let texels = map(&importance(SIZE, 2), SIZE).texels.into_iter().enumerate();
-    let texels = texels
-        .map(|(i, texel)| Texel { position: texel.position.filter(|_| hash2(i as u32, 8) % 3 > 0), ..texel });
+    let texels = texels.map(|(i, texel)| Texel {
+        position: texel.position.filter(|_| !hash2(i as u32, 8).is_multiple_of(3)),
+        ..texel
+    });
     Pyramid::new(texels.collect(), SIZE)
 }
 
