@@ -179,13 +179,24 @@ fn store_texels(@builtin(global_invocation_id) id: vec3<u32>) {
     textureStore(image, id.xy & mask, vec4(f32(id.x)));
 }
 
-/// A triangle of a third of a pixel anywhere, between the centres of pixels: it is set up, and covers none.
-@vertex
-fn tiny(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+/// A corner of a triangle of a third of a pixel anywhere, between the centres of pixels.
+fn tiny_triangle(index: u32) -> vec4<f32> {
     let bits = scattered(index / 3u);
     let corner = vec2<f32>(vec2(index % 3u) == vec2(1u, 2u)) * 0.3 + 0.1;
     let at = vec2<f32>(vec2(bits, bits >> 9u) % TARGET_SIDE) + corner;
     return vec4(at / f32(TARGET_SIDE) * 2.0 - 1.0, 0.5, 1.0);
+}
+
+/// It is set up, and covers no pixel's centre.
+@vertex
+fn tiny(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    return tiny_triangle(index);
+}
+
+/// The same beside the target: it is left out before it is set up, as whatever is out of view.
+@vertex
+fn out_of_view(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    return tiny_triangle(index) + vec4(2.0, 0.0, 0.0, 0.0);
 }
 
 /// A colour that differs from pixel to pixel.

@@ -76,7 +76,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Roofline> {
     let measured =
         measured.map(|(probe, rates)| Measured { ceiling: probe.ceiling, rate: Spread::of(rates) });
     let note = format!(
-        "{} ({} triangles), every pass run again in each frame. Ceilings and frames in turn; a ceiling is repeated for {wanted} ms. At least: what takes longest of all that a pass must move and do, each at its fastest ceiling in the fastest run, as if everything overlapped; resources of the plan once however often they are read, without those of the scene.",
+        "{} ({} triangles), every pass run again in each frame. Ceilings and frames in turn; a ceiling is repeated for {wanted} ms. At least: what takes longest of all that a pass must move and do, each at its fastest ceiling, as if everything overlapped; resources of the plan once however often they are read, without those of the scene.",
         label(scene(bench)),
         frames[0].1.triangles(),
     );

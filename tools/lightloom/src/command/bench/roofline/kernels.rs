@@ -128,10 +128,13 @@ impl Kernels {
             let record = self.draws("fullscreen", format, self.target_side, 3);
             probes.push(Probe::new(ceiling, pixels, record));
         }
-        let triangles = if self.quick { 20_000 } else { 1_000_000 };
-        let record =
-            self.draws("tiny", TextureFormat::R32Float, constant("TARGET_SIDE").unwrap_or(1), 3 * triangles);
-        probes.push(Probe::new(Ceiling::Triangles, f64::from(triangles), record));
+        let triangles = if self.quick { 20_000 } else { 100_000 * self.wide };
+        let side = constant("TARGET_SIDE").unwrap_or(1);
+        for (ceiling, vertex) in [(Ceiling::Triangles, "tiny"), (Ceiling::TrianglesOutOfView, "out_of_view")]
+        {
+            let record = self.draws(vertex, TextureFormat::R32Float, side, 3 * triangles);
+            probes.push(Probe::new(ceiling, f64::from(triangles), record));
+        }
         Ok(probes)
     }
 

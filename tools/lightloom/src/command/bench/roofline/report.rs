@@ -14,7 +14,7 @@ impl Roofline {
         print_columns(["ceiling", "measured"], self.ceilings.0.iter().map(|c| c.cells()), markdown);
         for frame in &self.frames {
             say!("\n{}\n", frame.name);
-            let heads = ["pass", "measured", "at least", "for its", "over it", "what it must move and do"];
+            let heads = ["pass", "measured", "at least", "bound by", "over that", "what it must move and do"];
             let passes = frame.passes.iter().map(|pass| self.cells(pass));
             print_columns(heads, passes.chain([self.sums(frame)]), markdown);
         }

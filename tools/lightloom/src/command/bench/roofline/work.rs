@@ -98,7 +98,7 @@ impl Quantity {
             Quantity::Operations => &[Ceiling::Multiplications],
             Quantity::Dispatches => &[Ceiling::Dispatches],
             Quantity::Fragments => &[Ceiling::Fragments, Ceiling::FragmentsOfFour],
-            Quantity::Triangles => &[Ceiling::Triangles],
+            Quantity::Triangles => &[Ceiling::Triangles, Ceiling::TrianglesOutOfView],
         }
     }
 }
