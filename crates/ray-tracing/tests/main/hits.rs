@@ -132,6 +132,14 @@ fn a_tree_too_deep_is_built_by_halves() {
     }
 }
 
+/// Of flat walls, in ever more equal triangles, a ray visits a few more nodes each time, not twice as many.
+#[test]
+fn flat_walls_cost_the_logarithm_of_their_triangles() {
+    let [few, more] = ["hall-1k", "hall-64k"].map(|name| Mesh::of(&pass_test::scene(name)).bvh().cost());
+    // 64 times as many are three levels of four children.
+    assert!(few < 20.0 && more < few + 12.0, "{few} {more}");
+}
+
 #[test]
 fn a_million_triangles() {
     let started = std::time::Instant::now();
