@@ -7,6 +7,7 @@ mod adapter;
 mod application;
 mod bench;
 mod cli;
+mod clusters;
 mod direct;
 mod flux;
 mod frames;

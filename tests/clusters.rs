@@ -1,0 +1,97 @@
+//! Clusters of a reflective shadow map, as pipelines use them over frames.
+
+use crate::adapter::{gpu, mean, renderer};
+use renderer::{PortFigures, Renderer};
+
+const CLUSTERED: [&str; 3] = ["acrsm", "rsm-clustering", "clustered-visibility"];
+
+/// What the clusters of a frame say of themselves.
+fn clusters(renderer: &Renderer) -> PortFigures {
+    let figures = renderer.figures().unwrap();
+    figures
+        .into_iter()
+        .find(|port| port.port == "lights/average.averaged")
+        .expect("the clusters are averaged")
+}
+
+/// A pipeline with few lights and small maps, after some frames.
+fn after(pipeline: &str, scene: &str, frames: u32, more: &[&str]) -> Option<Renderer> {
+    let own: &[&str] = match pipeline {
+        "acrsm" | "rsm-clustering" => &["lights=64", "map=32", "window=64"],
+        "clustered-visibility" => &["lights=64", "map=32", "clusters=32"],
+        _ => &[],
+    };
+    let values: Vec<&str> = ["rsm.size=128"].iter().chain(own).chain(more).copied().collect();
+    let mut renderer = renderer(pipeline, scene, (48, 36), &values)?;
+    for _ in 0..frames {
+        renderer.frame().unwrap();
+    }
+    Some(renderer)
+}
+
+/// Area lights of clusters give the light that as many points give, and keep it from frame to frame.
+#[test]
+fn clusters_light_as_points_do() {
+    let Some(exact) = after("exhaustive", "cornell-box", 1, &["lights=1024"]) else { return };
+    let exact = mean(&exact.output("indirect").unwrap());
+    for pipeline in CLUSTERED {
+        for frames in [1, 6] {
+            let clustered = after(pipeline, "cornell-box", frames, &[]).expect("the adapter is still there");
+            let found = mean(&clustered.output("indirect").unwrap());
+            for (found, exact) in found.iter().zip(exact) {
+                // Without shadows there is more light; with discs, less where they touch what they light.
+                let most = if pipeline == "rsm-clustering" { 1.6 } else { 1.15 };
+                assert!(
+                    (0.8..most).contains(&(found / exact)),
+                    "{pipeline} after {frames} frames: {found} for {exact}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn clusters_stay_alive_while_the_light_glides() {
+    if gpu().is_none() {
+        return;
+    }
+    let more = ["interleave_x=4", "interleave_y=4"];
+    let mut gliding = after("acrsm", "cornell-box-glide", 0, &more).expect("there is an adapter");
+    let (mut moved, mut before) = (0, Vec::new());
+    // From the red wall over the edge to the back wall.
+    for frame in 0..40 {
+        gliding.set_frame_index(80 + 2 * frame);
+        gliding.frame().unwrap();
+        let told = clusters(&gliding);
+        let (alive, vanished) = (told.value("alive").unwrap(), told.value("vanished").unwrap());
+        assert_eq!(alive + vanished, 64.0, "frame {frame}: those that have vanished are back in the next");
+        assert!(vanished <= 8.0, "frame {frame}: {vanished} vanish at once");
+        let (mapped, all) = flux(&gliding);
+        assert!(mapped > 0.97 * all, "frame {frame}: clusters hold {mapped} W of {all} W");
+        let lights = gliding.output("indirect").unwrap();
+        moved += usize::from(mean(&lights).to_vec() != before);
+        before = mean(&lights).to_vec();
+    }
+    assert!(moved > 35, "the light moves");
+}
+
+/// The flux of the texels that are in a cluster, and of all: see `struct Clusters`.
+fn flux(renderer: &Renderer) -> (f32, f32) {
+    let plan = renderer.plan().unwrap();
+    let id = plan.resource("lights/average.averaged").expect("the clusters");
+    let bytes = renderer.resource_bytes(id).unwrap();
+    let (header, _) = interfaces::clusters::from_bytes(&bytes).expect("a buffer of clusters");
+    (header.mapped_flux.iter().sum(), header.map_flux.iter().sum())
+}
+
+/// What is merged is split elsewhere or seeded again: figures add up, and a restart forgets the past.
+#[test]
+fn a_restart_forgets_the_frames_before() {
+    let Some(first) = after("acrsm", "cornell-box", 1, &["lights.restart=true"]) else { return };
+    let later =
+        after("acrsm", "cornell-box", 5, &["lights.restart=true"]).expect("the adapter is still there");
+    let kept = after("acrsm", "cornell-box", 5, &[]).expect("the adapter is still there");
+    let variance = |renderer: &Renderer| clusters(renderer).value("share_variance").expect("a figure");
+    assert_eq!(variance(&first), variance(&later), "each frame begins from the same seeds");
+    assert_ne!(variance(&first), variance(&kept), "iterations go on from frame to frame");
+}
