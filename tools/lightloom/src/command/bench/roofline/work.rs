@@ -158,7 +158,7 @@ impl Work {
         );
         let target = step.targets.first().or(step.depth.as_ref());
         let desc = target.and_then(|id| plan.resources[id.0 as usize].desc.texture());
-        self.add(Quantity::Fragments, desc.map_or(0, |texture| texels_of_layer(texture)));
+        self.add(Quantity::Fragments, desc.map_or(0, texels_of_layer));
     }
 
     fn add_moved(&mut self, desc: &ResourceDesc, how: Move) {
