@@ -7,10 +7,13 @@ use notify_debouncer_full::{DebounceEventResult, Debouncer, RecommendedCache, ne
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Long enough for an editor to write a file and rename it over the old one, short enough not to be felt.
 const QUIET: Duration = Duration::from_millis(30);
+
+/// Longer than any event is held back.
+const SETTLED: Duration = Duration::from_secs(1);
 
 /// Watches folders, with all that is in them.
 pub struct Watcher {
@@ -18,6 +21,8 @@ pub struct Watcher {
     _debouncer: Debouncer<RecommendedWatcher, RecommendedCache>,
     events: Receiver<DebounceEventResult>,
     roots: Vec<PathBuf>,
+    /// Files that were found in new folders, and when. One that is removed before its own event is due has no event.
+    found: Vec<(PathBuf, Instant)>,
 }
 
 /// A folder that cannot be watched.
@@ -49,7 +54,7 @@ impl Watcher {
         for root in &roots {
             debouncer.watch(root, RecursiveMode::Recursive).map_err(failed(root))?;
         }
-        Ok(Watcher { _debouncer: debouncer, events, roots })
+        Ok(Watcher { _debouncer: debouncer, events, roots, found: Vec::new() })
     }
 
     /// Returns the files that were written, made, renamed (both names) or removed since the last call, each path
@@ -76,7 +81,9 @@ impl Watcher {
                         EventKind::Access(_) => {}
                         // A folder that is new here may have been filled before it was watched.
                         EventKind::Create(_) | EventKind::Modify(ModifyKind::Name(_)) if path.is_dir() => {
-                            changed.extend(files_under(&path));
+                            let files = files_under(&path);
+                            self.found.extend(files.iter().map(|file| (file.clone(), Instant::now())));
+                            changed.extend(files);
                         }
                         _ if path.is_dir() => {}
                         _ => {
@@ -86,6 +93,13 @@ impl Watcher {
                 }
             }
         }
+        self.found.retain(|(file, at)| {
+            let exists = file.exists();
+            if !exists {
+                changed.insert(file.clone());
+            }
+            exists && at.elapsed() < SETTLED
+        });
         changed
     }
 }
