@@ -1,6 +1,7 @@
 // How texels of two neighbouring levels are combined, with rejection of outliers. [ISM §3.2, after Marroquim et al. 2007]
 
 #import "paraboloid.wgsl"
+#import "scene.wgsl"
 
 /// Pull: the mean of those of four texels that are not holes, if they are close to each other; otherwise NOTHING.
 fn pulled(values: vec4<f32>, threshold: f32) -> f32 {
@@ -44,6 +45,12 @@ fn pushed(own: f32, coarse: vec4<f32>, threshold: f32) -> f32 {
     let weights = select(vec4(0.0), vec4(9.0, 3.0, 3.0, 1.0), close);
     let value = dot(weights, kept) / dot(weights, vec4(1.0));
     return select(own, value, reference < NOTHING && abs(own - value) > threshold);
+}
+
+/// Whether pushing leaves a texel as it is, whatever the coarser level has: it is no hole, and no two distances in the scene
+/// are farther apart than the threshold. The levels need not be read then.
+fn is_final(own: f32, threshold: f32) -> bool {
+    return own < NOTHING && threshold >= scene_info.extent;
 }
 
 /// The parent of a texel, and its neighbour towards the texel's own side: in x for x, in y for y. Before the

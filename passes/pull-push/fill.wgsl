@@ -4,7 +4,6 @@
 #option PYRAMID true // whether there is a level above the maps
 
 #import "combine.wgsl"
-#import "scene.wgsl"
 
 struct Settings {
     visibility_size: vec2<u32>,
@@ -56,6 +55,10 @@ fn fill(in: Tile) -> @location(0) f32 {
     // +∞ is a hole.
     let own = min(bitcast<f32>(depth[((in.map - settings.first_bound) * side + texel.y) * side + texel.x]), NOTHING);
 #if PYRAMID
+    let threshold = settings.push_threshold * scene_info.extent;
+    if is_final(own, threshold) {
+        return own;
+    }
     let p = parents(texel);
     let values = vec4(
         coarse(in.map, p.x, p.y),
@@ -63,7 +66,7 @@ fn fill(in: Tile) -> @location(0) f32 {
         coarse(in.map, p.x, p.w),
         coarse(in.map, p.z, p.w),
     );
-    return pushed(own, values, settings.push_threshold * scene_info.extent);
+    return pushed(own, values, threshold);
 #else
     return own;
 #endif

@@ -4,7 +4,6 @@
 #option PULL mean one_of [mean, median] // How the four finer texels of a coarse one are combined, holes left out. mean: their mean if all are close to each other, otherwise a hole (ISM). median: their median, of two or four the mean of the middle two if these are close (ACRSM): single outliers leave no hole.
 
 #import "combine.wgsl"
-#import "scene.wgsl"
 
 struct Settings {
     /// Side of a map at the two levels [px].

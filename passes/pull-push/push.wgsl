@@ -1,7 +1,6 @@
 // Push: corrects a level of the pyramid, not the finest, by the coarser one, in place. [ISM §3.2]
 
 #import "combine.wgsl"
-#import "scene.wgsl"
 
 struct Settings {
     /// Side of a map at the two levels [px].
@@ -33,6 +32,12 @@ fn push(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= vec2(side)) {
         return;
     }
+    let index = settings.fine_begin + (id.z * side + id.y) * side + id.x;
+    let own = pyramid[index];
+    let threshold = settings.push_threshold * scene_info.extent * settings.scale;
+    if is_final(own, threshold) {
+        return;
+    }
     let p = parents(id.xy);
     let values = vec4(
         coarse(id.z, p.x, p.y),
@@ -40,7 +45,5 @@ fn push(@builtin(global_invocation_id) id: vec3<u32>) {
         coarse(id.z, p.x, p.w),
         coarse(id.z, p.z, p.w),
     );
-    let index = settings.fine_begin + (id.z * side + id.y) * side + id.x;
-    let threshold = settings.push_threshold * scene_info.extent * settings.scale;
-    pyramid[index] = pushed(pyramid[index], values, threshold);
+    pyramid[index] = pushed(own, values, threshold);
 }

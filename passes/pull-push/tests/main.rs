@@ -145,19 +145,22 @@ fn the_gpu_agrees_with_the_cpu_reference() {
     let mean = ("mean", pulled as fn([f64; 4], f64) -> f64);
     let median = ("median", pulled_median as fn([f64; 4], f64) -> f64);
     // The last atlases have a layer for each map.
-    for (side, levels, layer, (by, combined)) in [
-        (1, 2, 8192, mean),
-        (2, 1, 8192, mean),
-        (3, 2, 8192, mean),
-        (5, 0, 8192, mean),
-        (8, 4, 8192, mean),
-        (64, 2, 8192, mean),
-        (65, 3, 8192, mean),
-        (130, 2, 8192, mean),
-        (3, 2, 8192, median),
-        (65, 3, 8192, median),
-        (8, 2, 15, mean),
-        (5, 1, 9, median),
+    // By a threshold of the whole extent, only holes are pushed into.
+    for (side, levels, layer, (by, combined), push) in [
+        (1, 2, 8192, mean, 0.05),
+        (2, 1, 8192, mean, 0.05),
+        (3, 2, 8192, mean, 1.0),
+        (5, 0, 8192, mean, 0.05),
+        (8, 4, 8192, mean, 0.05),
+        (64, 2, 8192, mean, 0.05),
+        (65, 3, 8192, mean, 0.05),
+        (65, 3, 8192, mean, 0.3),
+        (65, 3, 8192, mean, 1.0),
+        (130, 2, 8192, mean, 0.05),
+        (3, 2, 8192, median, 0.05),
+        (65, 3, 8192, median, 1.0),
+        (8, 2, 15, mean, 0.05),
+        (5, 1, 9, median, 0.05),
     ] {
         let maps: Vec<Level> = (0..3).map(|salt| rough(side, salt)).collect();
         let bits: Vec<u32> =
@@ -168,6 +171,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
             .scene("plane")
             .set("levels", levels)
             .set("pull", by)
+            .set("push_threshold", push)
             .input(
                 "depth",
                 "DepthAtlas",
@@ -183,7 +187,8 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         let atlas: Vec<f32> = outputs.read("visibility.atlas");
         let columns = outputs.fact("visibility", "columns").as_u32().expect("a number") as usize;
         for (m, map) in maps.iter().enumerate() {
-            let wanted = pull_push_by(combined, map, levels, 0.05 * extent, 0.05 * extent);
+            let push = f64::from(push) * extent;
+            let wanted = pull_push_by(combined, map, levels, 0.05 * extent, push);
             for (i, wanted) in wanted.depth.iter().enumerate() {
                 let (x, y) = (m % columns * side + i % side, m / columns * side + i / side);
                 let got = f64::from(atlas[y * columns * side + x]);
