@@ -17,13 +17,15 @@ struct Known {
 }
 
 const KNOWN: [Known; 8] = [
-    // A search in the table of areas by halves, the interval's two ends, three indices and three corners.
+    // Two entries of the guide table, a step of the search between them, the interval's two ends, three indices and three
+    // corners. For each entry of the guide table a search in the table of areas by halves.
     Known {
         kind: "scene-points",
         sparse: &[],
         count: |pass, work| {
             let search = u64::from(pass.triangles.max(1).ilog2());
-            work.add(Quantity::Loads, pass.threads("place") * (search + 2 + 3 + 3));
+            work.add(Quantity::Loads, pass.threads("guide") * search);
+            work.add(Quantity::Loads, pass.threads("place") * (2 + 1 + 2 + 3 + 3));
         },
     },
     // A point and a light are two vectors each; of stored points no more are read than there are splats. Atomics are
@@ -39,7 +41,8 @@ const KNOWN: [Known; 8] = [
             work.add(Quantity::Bytes, read);
         },
     },
-    // Four finer texels for each coarser one; its own and four coarser ones for each texel that is pushed or filled.
+    // Four finer texels for each coarser one; its own for each texel that is pushed or filled, and four coarser ones, but for
+    // texels that are no holes where the threshold is the scene's extent: here, for all.
     Known {
         kind: "pull-push",
         sparse: &[],
@@ -49,8 +52,8 @@ const KNOWN: [Known; 8] = [
             let texels = |level: u64| maps * tile.div_ceil(1 << level).pow(2);
             let pulled: u64 = (1..=levels).map(texels).sum();
             let pushed: u64 = (1..levels).map(texels).sum();
-            let filled = texels(0) * if levels > 0 { 5 } else { 1 };
-            work.add(Quantity::Loads, 4 * pulled + 5 * pushed + filled);
+            let each = if levels > 0 && pass.setting_f32("push_threshold") < 1.0 { 5 } else { 1 };
+            work.add(Quantity::Loads, 4 * pulled + each * (pushed + texels(0)));
             // The last layer of the atlas may be larger than its maps.
             work.set(Quantity::Fragments, texels(0));
         },
@@ -154,6 +157,13 @@ impl Pass<'_> {
 
     fn setting(&self, name: &str) -> u64 {
         number(self.planned.settings.0.get(name))
+    }
+
+    fn setting_f32(&self, name: &str) -> f32 {
+        match self.planned.settings.0.get(name) {
+            Some(Value::F32(value)) => *value,
+            _ => 0.0,
+        }
     }
 
     fn input_fact(&self, port: &str, name: &str) -> u64 {
