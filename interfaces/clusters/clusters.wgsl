@@ -45,7 +45,8 @@ struct Cluster {
     mean_delta: f32,
 }
 
-struct Clusters {
+/// What is true of all clusters together.
+struct ClustersHeader {
     /// Number k of clusters; 0 before the first frame.
     count: u32,
     /// How many have texels.
@@ -70,5 +71,9 @@ struct Clusters {
     pad3: u32,
     map_flux: vec3<f32>,
     pad4: u32,
+}
+
+struct Clusters {
+    header: ClustersHeader,
     clusters: array<Cluster>,
 }

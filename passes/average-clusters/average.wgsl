@@ -113,7 +113,7 @@ fn average(
     let size = textureDimensions(map);
     var old: Cluster;
     var window = Window(vec2(0u), vec2(0u));
-    if index < min(clusters.count, arrayLength(&clusters.clusters)) {
+    if index < min(clusters.header.count, arrayLength(&clusters.clusters)) {
         old = clusters.clusters[index];
         if old.state == CLUSTER_ALIVE {
             window = window_of(old.uv, settings.window, size);

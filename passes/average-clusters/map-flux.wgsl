@@ -23,5 +23,5 @@ fn reduce_element(i: u32) -> vec4<f32> {
 }
 
 fn reduce_store(result: vec4<f32>) {
-    averaged.map_flux = flux_of(result.rgb);
+    averaged.header.map_flux = flux_of(result.rgb);
 }

@@ -13,7 +13,7 @@ fn share_of(cluster: Cluster) -> f32 {
 
 @compute @workgroup_size(GROUP_SIZE)
 fn summarise(@builtin(local_invocation_index) thread: u32) {
-    let count = min(clusters.count, arrayLength(&clusters.clusters));
+    let count = min(clusters.header.count, arrayLength(&clusters.clusters));
     // Number of those with texels, of those that lost theirs, and the sum of shares.
     var tally = vec4(0.0);
     var flux = vec4(0.0);
@@ -44,20 +44,16 @@ fn summarise(@builtin(local_invocation_index) thread: u32) {
     }
     squares = workgroup_sum4(thread, squares);
     if thread == 0u {
-        averaged.count = clusters.count;
-        averaged.alive = u32(tally.x);
-        averaged.vanished = u32(tally.y);
-        averaged.merged = clusters.merged;
-        averaged.split = clusters.split;
-        averaged.iteration = clusters.iteration + 1u;
-        averaged.greatest_area = greatest_area;
-        averaged.mean_share = mean;
-        averaged.share_variance = squares.x / max(tally.x, 1.0);
-        averaged.pad0 = 0u;
-        averaged.pad1 = 0u;
-        averaged.pad2 = 0u;
-        averaged.mapped_flux = flux_of(flux.rgb);
-        averaged.pad3 = 0u;
-        averaged.pad4 = 0u;
+        var header = clusters.header;
+        header.alive = u32(tally.x);
+        header.vanished = u32(tally.y);
+        header.iteration++;
+        header.greatest_area = greatest_area;
+        header.mean_share = mean;
+        header.share_variance = squares.x / max(tally.x, 1.0);
+        header.mapped_flux = flux_of(flux.rgb);
+        // The flux of the map has a step of its own.
+        header.map_flux = averaged.header.map_flux;
+        averaged.header = header;
     }
 }

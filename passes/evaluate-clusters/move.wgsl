@@ -58,7 +58,7 @@ fn move_clusters(
         cluster = freed(cluster.generation);
         if fate <= outcome.split {
             let taken = clusters.clusters[splits[fate - 1u]];
-            cluster.uv = place_in(taken, hash2(hash2(settings.seed, clusters.iteration), index));
+            cluster.uv = place_in(taken, hash2(hash2(settings.seed, clusters.header.iteration), index));
             cluster.layer = taken.layer;
             cluster.state = CLUSTER_PLACED;
         }
@@ -67,20 +67,7 @@ fn move_clusters(
     if index > 0u {
         return;
     }
-    evaluated.count = clusters.count;
-    evaluated.alive = clusters.alive;
-    evaluated.vanished = clusters.vanished;
-    evaluated.merged = outcome.merged;
-    evaluated.split = outcome.split;
-    evaluated.iteration = clusters.iteration;
-    evaluated.greatest_area = clusters.greatest_area;
-    evaluated.mean_share = clusters.mean_share;
-    evaluated.share_variance = clusters.share_variance;
-    evaluated.pad0 = 0u;
-    evaluated.pad1 = 0u;
-    evaluated.pad2 = 0u;
-    evaluated.mapped_flux = clusters.mapped_flux;
-    evaluated.pad3 = 0u;
-    evaluated.map_flux = clusters.map_flux;
-    evaluated.pad4 = 0u;
+    evaluated.header = clusters.header;
+    evaluated.header.merged = outcome.merged;
+    evaluated.header.split = outcome.split;
 }

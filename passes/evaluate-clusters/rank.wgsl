@@ -52,7 +52,7 @@ fn rank(@builtin(local_invocation_index) thread: u32) {
     let looked_at = (settings.clusters_count + settings.subset - 1u) / settings.subset;
     // DEVIATION(order): the paper's order is that of threads at two counters. This one is the same on every GPU, and depends
     // on how often there was a frame and not on the frame's number.
-    let key = hash2(settings.seed, clusters.iteration);
+    let key = hash2(settings.seed, clusters.header.iteration);
     var merged = 0u;
     var split = 0u;
     for (var first = 0u; first < looked_at; first += GROUP_SIZE) {

@@ -14,7 +14,7 @@ var<storage, read_write> unscaled: array<vec4<f32>>;
 var<storage, read_write> lights: VirtualLights;
 
 fn cluster_count() -> u32 {
-    return min(clusters.count, arrayLength(&clusters.clusters));
+    return min(clusters.header.count, arrayLength(&clusters.clusters));
 }
 
 /// What a light carries before it is scaled.
@@ -74,7 +74,7 @@ fn make_lights(
         lights.lights[i] = dark_light(NO_TEXEL);
         return;
     }
-    let whole = flux_of(clusters.map_flux);
+    let whole = flux_of(clusters.header.map_flux);
     let sum = unscaled[0];
     // DEVIATION(scale): the texels that no cluster took shine too.
     let scale = vec3(scale_of(whole.r, sum.r), scale_of(whole.g, sum.g), scale_of(whole.b, sum.b));

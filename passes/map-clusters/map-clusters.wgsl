@@ -154,7 +154,7 @@ fn map_texels(
         best = nearest[slot];
     }
 #endif
-    let end = min(min(clusters.count, arrayLength(&clusters.clusters)), settings.end);
+    let end = min(min(clusters.header.count, arrayLength(&clusters.clusters)), settings.end);
     for (var first = settings.begin; first < end; first += GROUP_SIZE) {
         let listed = list_chunk(thread, first, end, tile, layer);
         for (var i = 0u; i < select(0u, listed, lit); i++) {

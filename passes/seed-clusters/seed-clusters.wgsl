@@ -39,11 +39,13 @@ fn seed(
     if index >= settings.count {
         return;
     }
+    var header = ClustersHeader();
+    header.count = settings.count;
     var cluster: Cluster;
 #if PAST
     // Clusters of another number have other elements, and a buffer without history has the number 0.
-    let goes_on = clusters.count == settings.count;
-    if goes_on {
+    if clusters.header.count == settings.count {
+        header = clusters.header;
         cluster = clusters.clusters[index];
     }
 #endif
@@ -51,37 +53,7 @@ fn seed(
         cluster = seeded_again(index, cluster.generation);
     }
     seeded.clusters[index] = cluster;
-    if index > 0u {
-        return;
+    if index == 0u {
+        seeded.header = header;
     }
-    seeded.count = settings.count;
-    seeded.alive = 0u;
-    seeded.vanished = 0u;
-    seeded.merged = 0u;
-    seeded.split = 0u;
-    seeded.iteration = 0u;
-    seeded.greatest_area = 0.0;
-    seeded.mean_share = 0.0;
-    seeded.share_variance = 0.0;
-    seeded.pad0 = 0u;
-    seeded.pad1 = 0u;
-    seeded.pad2 = 0u;
-    seeded.mapped_flux = vec3(0.0);
-    seeded.pad3 = 0u;
-    seeded.map_flux = vec3(0.0);
-    seeded.pad4 = 0u;
-#if PAST
-    if goes_on {
-        seeded.alive = clusters.alive;
-        seeded.vanished = clusters.vanished;
-        seeded.merged = clusters.merged;
-        seeded.split = clusters.split;
-        seeded.iteration = clusters.iteration;
-        seeded.greatest_area = clusters.greatest_area;
-        seeded.mean_share = clusters.mean_share;
-        seeded.share_variance = clusters.share_variance;
-        seeded.mapped_flux = clusters.mapped_flux;
-        seeded.map_flux = clusters.map_flux;
-    }
-#endif
 }

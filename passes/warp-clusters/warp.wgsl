@@ -184,23 +184,7 @@ fn warp(
         cluster = placed(index, cluster);
     }
     warped.clusters[index] = cluster;
-    if index > 0u {
-        return;
+    if index == 0u {
+        warped.header = clusters.header;
     }
-    warped.count = clusters.count;
-    warped.alive = clusters.alive;
-    warped.vanished = clusters.vanished;
-    warped.merged = clusters.merged;
-    warped.split = clusters.split;
-    warped.iteration = clusters.iteration;
-    warped.greatest_area = clusters.greatest_area;
-    warped.mean_share = clusters.mean_share;
-    warped.share_variance = clusters.share_variance;
-    warped.pad0 = 0u;
-    warped.pad1 = 0u;
-    warped.pad2 = 0u;
-    warped.mapped_flux = clusters.mapped_flux;
-    warped.pad3 = 0u;
-    warped.map_flux = clusters.map_flux;
-    warped.pad4 = 0u;
 }

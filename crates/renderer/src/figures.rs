@@ -54,9 +54,8 @@ fn read(interface: &Interface, shaders: &Library, bytes: &[u8]) -> Vec<(Figure, 
         return Vec::new();
     };
     let Ok(shader) = shaders.load(&Request::new(file)) else { return Vec::new() };
-    let Some(layout) = shader.interface.layout(name) else { return Vec::new() };
     let value = |figure: &Figure| {
-        let member = layout.members.iter().find(|member| member.name == figure.name)?;
+        let member = shader.interface.member(name, figure.name)?;
         let start = member.offset as usize;
         let word: [u8; 4] = bytes.get(start..start + 4)?.try_into().ok()?;
         match member.ty.as_str() {

@@ -1,6 +1,6 @@
 //! What a shader binds, takes and gives: all that a pass and an executor need to know of it.
 
-use crate::layout::StructLayout;
+use crate::layout::{MemberLayout, StructLayout};
 use data_file::Value;
 
 /// The shader interface that reflection finds: resources, entry points, structs and constants.
@@ -36,6 +36,18 @@ impl ShaderInterface {
     /// Returns the struct of this name.
     pub fn layout(&self, name: &str) -> Option<&StructLayout> {
         self.structs.iter().find(|layout| layout.name == name)
+    }
+
+    /// Returns the member of this name in a struct, or in a struct that is its member; its offset is that in the outer one.
+    pub fn member(&self, structure: &str, name: &str) -> Option<MemberLayout> {
+        let members = &self.layout(structure)?.members;
+        let own = members.iter().find(|member| member.name == name).cloned();
+        own.or_else(|| {
+            members.iter().find_map(|outer| {
+                let inner = self.member(&outer.ty, name)?;
+                Some(MemberLayout { offset: outer.offset + inner.offset, ..inner })
+            })
+        })
     }
 
     /// Returns the value of the constant of this name.
