@@ -9,6 +9,8 @@
 struct Settings {
     view_samples: u32,
     diffuse_weight: f32,
+    /// Side of the blocks of which one texel is compared with the view [texels].
+    block_side: u32,
 }
 
 const TILE: u32 = 64u;
@@ -21,33 +23,52 @@ var rsm_albedo: texture_2d_array<f32>;
 #if SPECULAR
 var rsm_specular: texture_2d_array<f32>;
 #endif
+/// [layers][rows][columns] ρ_v of each block.
+var<storage, read_write> block_seen: array<f32>;
 var<storage, read_write> values: array<ReflectanceValues>;
 
 fn greatest_of(rgb: vec3<f32>) -> f32 {
     return max(max(rgb.r, rgb.g), rgb.b);
 }
 
-/// Eq. 4.1 of what the light sends into the texel: f_d and f_s of Eq. 5.1-5.2, weighted.
-fn reflected(texel: vec3<u32>) -> f32 {
-    let beam = texel_beam(texel, textureDimensions(rsm_position)).flux;
-    var sum = settings.diffuse_weight * greatest_of(textureLoad(rsm_albedo, texel.xy, texel.z, 0).rgb * beam);
-#if SPECULAR
-    let specular = textureLoad(rsm_specular, texel.xy, texel.z, 0);
-    // DEVIATION(specular-exponent): smoothness, which is at most 1, in place of the exponent of Blinn's model.
-    sum += (1.0 - settings.diffuse_weight) * greatest_of(specular.rgb * beam) * (1.0 - specular.a);
-#endif
-    return weight_of(sum);
+fn is_lit(texel: vec2<u32>, layer: u32) -> bool {
+    // Outside the map, the load returns some texel or zero.
+    return all(texel < textureDimensions(rsm_position)) && textureLoad(rsm_position, texel, layer, 0).w > 0.0;
 }
 
+/// The texel that stands for a block: the one in the middle, or the first that is lit where that is not.
+fn texel_of_block(block: vec2<u32>, layer: u32) -> vec2<u32> {
+    let side = settings.block_side;
+    let first = block * side;
+    let middle = first + side / 2u;
+    if is_lit(middle, layer) {
+        return middle;
+    }
+    for (var i = 0u; i < side * side; i++) {
+        let texel = first + vec2(i % side, i / side);
+        if is_lit(texel, layer) {
+            return texel;
+        }
+    }
+    return middle;
+}
+
+fn index_of_block(block: vec2<u32>, layer: u32) -> u32 {
+    let blocks = (textureDimensions(rsm_position) + settings.block_side - 1u) / settings.block_side;
+    return (layer * blocks.y + block.y) * blocks.x + block.x;
+}
+
+/// Eq. 4.2 of a texel of each block: the mean cosine between the normals of samples of the view and the way to the texel.
 @compute @workgroup_size(16, 16)
-fn reflectance(
+fn compare_with_view(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
     let size = textureDimensions(rsm_position);
-    let position = textureLoad(rsm_position, min(id.xy, size - 1u), id.z, 0);
-    let lit = all(id.xy < size) && position.w > 0.0;
-    let at = to_extents(position.xyz);
+    let exists = all(id.xy * settings.block_side < size);
+    let texel = texel_of_block(id.xy, id.z);
+    let lit = is_lit(texel, id.z);
+    let at = to_extents(textureLoad(rsm_position, min(texel, size - 1u), id.z, 0).xyz);
     var cosines = 0.0;
     for (var first = 0u; first < settings.view_samples; first += TILE) {
         workgroupBarrier();
@@ -64,12 +85,33 @@ fn reflectance(
             }
         }
     }
+    if exists {
+        block_seen[index_of_block(id.xy, id.z)] = cosines / f32(settings.view_samples);
+    }
+}
+
+/// Eq. 4.1 of what the light sends into the texel: f_d and f_s of Eq. 5.1-5.2, weighted.
+fn reflected(texel: vec3<u32>) -> f32 {
+    let beam = texel_beam(texel, textureDimensions(rsm_position)).flux;
+    var sum = settings.diffuse_weight * greatest_of(textureLoad(rsm_albedo, texel.xy, texel.z, 0).rgb * beam);
+#if SPECULAR
+    let specular = textureLoad(rsm_specular, texel.xy, texel.z, 0);
+    // DEVIATION(specular-exponent): smoothness, which is at most 1, in place of the exponent of Blinn's model.
+    sum += (1.0 - settings.diffuse_weight) * greatest_of(specular.rgb * beam) * (1.0 - specular.a);
+#endif
+    return weight_of(sum);
+}
+
+/// What a texel reflects, and what its block has of the view.
+@compute @workgroup_size(16, 16)
+fn reflectance(@builtin(global_invocation_id) id: vec3<u32>) {
+    let size = textureDimensions(rsm_position);
     if any(id.xy >= size) {
         return;
     }
     var of_texel = ReflectanceValues(0.0, 0.0);
-    if lit {
-        of_texel = ReflectanceValues(reflected(id), cosines / f32(settings.view_samples));
+    if is_lit(id.xy, id.z) {
+        of_texel = ReflectanceValues(reflected(id), block_seen[index_of_block(id.xy / settings.block_side, id.z)]);
     }
     values[(id.z * size.y + id.y) * size.x + id.x] = of_texel;
 }

@@ -42,11 +42,11 @@ pass::choice! {
 }
 
 pass::choice! {
-    /// Where the importance by contribution is evaluated.
+    /// Where what depends on the view is evaluated.
     pub enum Evaluation {
         /// At each texel.
         Texels = "texels",
-        /// At one texel of each block, for the response of the view; times the flux of each texel.
+        /// At one texel of each block, for what depends on the view; what does not, at each texel.
         Blocks = "blocks",
         /// At the texels that a sampler asks for.
         OnDemand = "on-demand",
@@ -61,14 +61,15 @@ pass::settings! {
         /// of the camera (ISM §4). reflectance: how the surface reflects, and how it lies to samples of the
         /// view; at most 1 (ACRSM Eq. 4.1-4.3).
         measure: Measure = Measure::Contribution;
-        /// Where it is evaluated, for the measure contribution. texels: at each texel, and stored. blocks: the
-        /// flux at each texel, but the response of the view at one texel of each block, which takes 1/stride²
-        /// of the time. on-demand: at the texels that the sampler asks for: of 512² texels, 1,024
-        /// Metropolis-Hastings chains of 5 steps ask for 5,120; the inverse transform asks for all, twice.
+        /// Where it is evaluated, for the measures contribution and reflectance. texels: at each texel, and
+        /// stored. blocks: what the texel reflects at each, but what depends on the view at one texel of each
+        /// block, which takes 1/stride² of the time. on-demand, for contribution alone: at the texels that the
+        /// sampler asks for: of 512² texels, 1,024 Metropolis-Hastings chains of 5 steps ask for 5,120; the
+        /// inverse transform asks for all, twice.
         evaluate: Evaluation = Evaluation::Blocks;
         /// Side of a block, for `evaluate: blocks`. Larger: less time, but the importance follows edges and
         /// contacts less closely, so that lights differ more in brightness.
-        // DEVIATION(blocks): the texels of a block have one response.
+        // DEVIATION(blocks): the texels of a block have one response, and one ρ_v.
         stride: u32 = 4, min: 1, max: 64, unit: "texels";
         /// Number P of samples of the view, for the measure contribution. Noise of the importance falls as
         /// P^-½; time rises with P × texels that are evaluated. TCAS §2 names 0.1 % of the pixels.
@@ -149,10 +150,19 @@ impl Pass for ImportanceMap {
             if cx.input("rsm").is_some_and(|rsm| rsm.member("albedo").is_none()) {
                 return Err(PassTypeError::input("rsm", "expected a member `albedo`"));
             }
+            let side = block_side(&settings).ok_or_else(|| {
+                PassTypeError::setting(
+                    "evaluate",
+                    "importance by reflectance is divided by its greatest value, so all texels are evaluated",
+                )
+                .help("take `blocks` or `texels`")
+            })?;
             let texels = flux.size.0 * flux.size.1 * layers;
+            let blocks = flux.size.0.div_ceil(side) * flux.size.1.div_ceil(side) * layers;
             return Ok(vec![
                 stored(),
                 scratch,
+                OutputDesc::scratch("block_seen", ResourceDesc::buffer(4 * u64::from(blocks))),
                 OutputDesc::scratch("values", use_cx.buffer(VALUES, u64::from(texels))?),
                 OutputDesc::scratch("greatest", use_cx.buffer(GREATEST_VALUES, 1)?),
                 reduce::scratch(use_cx, "blocks", texels, size_of::<f32>() as u64)?,
@@ -189,7 +199,7 @@ impl Pass for ImportanceMap {
         let pick = Compute::new(cx.shader(VIEW_SAMPLES, &[]), "pick", Threads::Row(settings.view_samples));
         let stored = match (settings.measure, settings.evaluate) {
             (Measure::Flux, _) => return Ok(Recording::one(measure(cx, "flux"))),
-            (Measure::Reflectance, _) => return by_reflectance(cx, pick),
+            (Measure::Reflectance, _) => return by_reflectance(cx, pick, block_side(&settings).unwrap_or(1)),
             (Measure::Contribution, Evaluation::OnDemand) => {
                 return Ok(Recording::one(pick.bind("samples", "importance.samples")));
             }
@@ -197,6 +207,15 @@ impl Pass for ImportanceMap {
             (Measure::Contribution, Evaluation::Texels) => "contribution",
         };
         Ok(Recording::one(pick).then(measure(cx, stored)))
+    }
+}
+
+/// The side of the blocks of which one texel is compared with the view \[texels\]; `None` where texels are evaluated on demand.
+fn block_side(settings: &ImportanceMapSettings) -> Option<u32> {
+    match settings.evaluate {
+        Evaluation::Texels => Some(1),
+        Evaluation::Blocks => Some(settings.stride),
+        Evaluation::OnDemand => None,
     }
 }
 
@@ -211,12 +230,17 @@ fn measure(cx: &RecordContext<'_>, stored: &str) -> Compute {
 }
 
 /// Importance by reflectance: the greatest value of all texels divides what they reflect, and then their importance.
-fn by_reflectance(cx: &RecordContext<'_>, pick: Compute) -> Result<Recording, PassTypeError> {
+fn by_reflectance(cx: &RecordContext<'_>, pick: Compute, side: u32) -> Result<Recording, PassTypeError> {
     let specular = Define::Bool(cx.has_member("rsm", "specular"));
-    let shader = cx.shader(REFLECTANCE, &[("SPECULAR", specular)]);
-    let mut recording = Recording::one(pick).then(Compute::new(shader, "reflectance", threads(cx)));
     let (width, height) = cx.size("importance");
-    let texels = width * height * cx.layers("importance");
+    let layers = cx.layers("importance");
+    let blocks = Threads::Grid([width.div_ceil(side), height.div_ceil(side), layers]);
+    let steps = [("compare_with_view", blocks), ("reflectance", threads(cx))].map(|(entry, threads)| {
+        let step = Compute::new(cx.shader(REFLECTANCE, &[("SPECULAR", specular.clone())]), entry, threads);
+        step.value("block_side", Value::U32(side))
+    });
+    let mut recording = Recording::one(pick).then_all(steps);
+    let texels = width * height * layers;
     for of in ["reflected", "importance"] {
         let shader = cx.shader(GREATEST, &[("OF", Define::from(of))]);
         let steps = reduce::steps(&cx.use_context(), &shader, texels, "blocks")?;

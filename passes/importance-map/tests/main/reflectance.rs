@@ -38,7 +38,7 @@ fn roughness(texel: u32) -> f32 {
     vector(texel, 90).x
 }
 
-fn importance(glossy: bool, diffuse_weight: f32, view_weight: f32) -> Option<Vec<f32>> {
+fn importance(glossy: bool, weights: (f32, f32), stride: u32) -> Option<Vec<f32>> {
     let texels = |value: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
         (0..SIZE * SIZE).flat_map(|i| bytemuck::bytes_of(&value(i)).to_vec()).collect()
     };
@@ -64,8 +64,10 @@ fn importance(glossy: bool, diffuse_weight: f32, view_weight: f32) -> Option<Vec
     ];
     let outputs = Harness::new(PASS)
         .set("measure", "reflectance")
-        .set("diffuse_weight", diffuse_weight)
-        .set("view_weight", view_weight)
+        .set("evaluate", if stride == 1 { "texels" } else { "blocks" })
+        .set("stride", stride)
+        .set("diffuse_weight", weights.0)
+        .set("view_weight", weights.1)
         .set("view_samples", SAMPLES)
         .frame(FRAME.0, FRAME.1)
         .with_scene(scene())
@@ -106,7 +108,7 @@ fn reflectance_is_that_of_the_cpu_reference() {
     let samples = samples();
     for glossy in [false, true] {
         for (diffuse_weight, view_weight) in [(1.0, 0.0), (0.5, 0.5), (0.2, 0.9), (0.0, 1.0)] {
-            let Some(found) = importance(glossy, diffuse_weight, view_weight) else { return };
+            let Some(found) = importance(glossy, (diffuse_weight, view_weight), 1) else { return };
             let value = |i: u32| {
                 if !lit(i) {
                     return (0.0, 0.0);
@@ -133,6 +135,34 @@ fn reflectance_is_that_of_the_cpu_reference() {
 /// Where nothing reflects and nothing is seen there is nothing to divide by.
 #[test]
 fn what_reflects_nothing_has_no_importance() {
-    let Some(found) = importance(false, 0.0, 0.0) else { return };
+    let Some(found) = importance(false, (0.0, 0.0), 1) else { return };
     assert!(found.iter().all(|value| *value == 0.0));
+}
+
+/// The view is compared with the middle of a block, or with its first lit texel, and all lit texels of the block have that.
+#[test]
+fn a_block_is_seen_as_one_of_its_texels() {
+    let samples = samples();
+    for stride in [2, 5, 32] {
+        let Some(found) = importance(false, (1.0, 1.0), stride) else { return };
+        let texel_of_block = |i: u32| {
+            let first = [i % SIZE, i / SIZE].map(|at| at / stride * stride);
+            let inside = |[x, y]: &[u32; 2]| *x < SIZE && *y < SIZE && lit(y * SIZE + x);
+            let rest = (0..stride * stride).map(|k| [first[0] + k % stride, first[1] + k / stride]);
+            let middle = first.map(|at| at + stride / 2);
+            let [x, y] = [middle].into_iter().chain(rest).find(inside).expect("a block has lit texels");
+            y * SIZE + x
+        };
+        let value = |i: u32| {
+            let at = vector(texel_of_block(i), 10).as_dvec3() / 3f64.sqrt();
+            if lit(i) { (0.0, seen(at, &samples)) } else { (0.0, 0.0) }
+        };
+        let values: Vec<(f64, f64)> = (0..SIZE * SIZE).map(value).collect();
+        for (i, (found, wanted)) in found.iter().zip(by_reflectance(&values, 1.0)).enumerate() {
+            assert!(
+                (f64::from(*found) - wanted).abs() < 1e-4,
+                "stride {stride}, texel {i}: {found} for {wanted}"
+            );
+        }
+    }
 }
