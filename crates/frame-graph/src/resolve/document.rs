@@ -25,6 +25,32 @@ pub(super) struct Document {
     pub(super) assignments: Vec<Assignment>,
 }
 
+impl Document {
+    /// Drops the values that patches have given to a pass, or to what is inside it: it is replaced or removed.
+    fn forget_assignments_to(&mut self, pass: &str) {
+        self.assignments.retain(|assignment| {
+            let rest = assignment.path.strip_prefix(pass);
+            !rest.is_some_and(|rest| rest.starts_with(['.', '/']))
+        });
+    }
+
+    /// Makes what reads a pass read what is fed to it instead.
+    fn relink(&mut self, pass: &str, fed: &Target) {
+        let of_passes = self.passes.iter_mut().filter(|entry| {
+            let decl = &entry.decl;
+            decl.links.iter().chain(&decl.feed).any(|link| link.target.pass == pass)
+        });
+        let of_passes = of_passes.flat_map(|entry| {
+            let decl = Arc::make_mut(&mut entry.decl);
+            decl.links.iter_mut().chain(&mut decl.feed)
+        });
+        let links = of_passes.chain(self.outputs.iter_mut().map(|output| &mut output.link));
+        for link in links.filter(|link| link.target.pass == pass) {
+            link.target = Target { member: link.target.member.clone(), ..fed.clone() };
+        }
+    }
+}
+
 impl Resolver<'_> {
     /// Merges a description with the files that it extends.
     pub(super) fn document(&mut self, path: &str, description: &Description) -> Document {
@@ -163,6 +189,7 @@ impl Resolver<'_> {
         match patch {
             Patch::Replace { name, decl } => {
                 let Some(i) = self.find(document, &name.value, name.place) else { return };
+                document.forget_assignments_to(&name.value);
                 let entry = &mut document.passes[i];
                 let mut decl = PassDecl::clone(decl);
                 for link in &entry.decl.links {
@@ -177,11 +204,16 @@ impl Resolver<'_> {
             }
             Patch::Remove { name } => {
                 let Some(i) = self.find(document, &name.value, name.place) else { return };
+                document.forget_assignments_to(&name.value);
                 let decl = &mut document.passes[i].decl;
                 if decl.off.is_some() {
                     Arc::make_mut(decl).removed = Some(name.place);
-                } else {
-                    *decl = Arc::new(PassDecl::tombstone(Some(name.place)));
+                    return;
+                }
+                let feed = decl.feed.clone();
+                *decl = Arc::new(PassDecl::tombstone(Some(name.place)));
+                if let Some(feed) = feed {
+                    document.relink(&name.value, &feed.target);
                 }
             }
             Patch::Set { path, value, place } => {

@@ -128,6 +128,40 @@ fn insert_puts_a_sub_graph_into_a_link() {
 }
 
 #[test]
+fn what_is_inserted_and_removed_leaves_the_link_as_it_was() {
+    let insert = |name: &str, from: &str, to: &str| {
+        format!(r#"Insert(name: "{name}", pass: Pass(kind: "blur"), between: ("{from}", "{to}"))"#)
+    };
+    let (soft, last) = (insert("soft", "gather", "filter"), insert("last", "filter", "out.indirect"));
+    let twice = insert("twice", "soft", "filter");
+    let base = plan("patch: []");
+    let none = plan(&format!(r#"patch: [ {soft}, {last}, Remove("soft"), Remove("last") ]"#));
+    assert_eq!(read(&none, "filter", "irradiance"), read(&base, "filter", "irradiance"));
+    assert_eq!(none.output("indirect").unwrap().from, base.output("indirect").unwrap().from);
+    let second = plan(&format!(r#"patch: [ {soft}, {twice}, Remove("soft") ]"#));
+    assert_eq!(read(&second, "twice", "irradiance"), ["gather.irradiance"]);
+    assert_eq!(read(&second, "filter", "irradiance"), ["twice.irradiance"]);
+}
+
+/// Patches of extended files come first, and a variant may take out what they set.
+#[test]
+fn values_go_with_the_pass_that_they_were_given_to() {
+    let before = r#"Set("shadows/splat.map", 64), Set("shadows.map", 16), Set("filter.radius", 2)"#;
+    let removed = plan(&format!(r#"patch: [ {before}, Remove("shadows") ]"#));
+    assert!(removed.pass("shadows/splat").is_none());
+    assert_eq!(setting(&removed, "filter", "radius"), Value::F32(2.0));
+    let sub = r#"Sub(file: "parts/shadows.ron", set: { "map": 8 })"#;
+    let replaced = plan(&format!(r#"patch: [ {before}, Replace("shadows", {sub}) ]"#));
+    assert_eq!(setting(&replaced, "shadows/splat", "map"), Value::U32(8));
+    let after = plan(&format!(r#"patch: [ Replace("shadows", {sub}), {before} ]"#));
+    assert_eq!(setting(&after, "shadows/splat", "map"), Value::U32(64));
+    // What is set after the pass is gone is an error, as it is where there never was one.
+    let files = files(r#"patch: [ Remove("shadows"), Set("shadows.map", 16) ]"#);
+    let error = resolve("variant.ron", &files, &Overrides::default()).expect_err("nothing takes it");
+    assert_eq!(error.0[0].code, "E017", "{error}");
+}
+
+#[test]
 fn remove_leaves_optional_inputs_unlinked_or_what_off_says() {
     // `visibility` of gather is optional.
     let plan = plan(r#"patch: [ Remove("shadows") ]"#);
