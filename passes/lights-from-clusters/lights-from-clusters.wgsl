@@ -2,6 +2,7 @@
 // [ACRSM §4.3, §5.3.3]
 
 #option ENERGY texels one_of [texels, centre] // What the flux of a light comes from, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the colour of one place.
+#option PLACE mean one_of [mean, texel] // Where a light is. mean: at the mean of its texels (ACRSM §4.7), which lies within or before the surfaces where a cluster goes around an edge. texel: on a surface, at the texel that is nearest to the mean place in the map.
 #option AREA true // whether lights have the area of their clusters; otherwise they are points
 
 #import "algorithms/sum-vec4.wgsl"
@@ -85,5 +86,12 @@ fn make_lights(
 #else
     let area = 0.0;
 #endif
-    lights.lights[i] = VirtualLight(cluster.position, area, cluster.normal, cluster.texel, flux, 0.0);
+#if PLACE == texel
+    let size = textureDimensions(rsm_position);
+    let texel = vec2(cluster.texel % size.x, cluster.texel / size.x % size.y);
+    let position = textureLoad(rsm_position, texel, cluster.layer, 0).xyz;
+#else
+    let position = cluster.position;
+#endif
+    lights.lights[i] = VirtualLight(position, area, cluster.normal, cluster.texel, flux, 0.0);
 }

@@ -6,7 +6,8 @@ use gpu_algorithms::reduce;
 use interfaces::{clusters, virtual_lights};
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, input, output, setting,
+    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value, input, optional, output,
+    setting,
 };
 
 /// The pass type `lights-from-clusters`.
@@ -17,8 +18,10 @@ pub struct LightsFromClusters;
 
 const SHADER: &str = "passes/lights-from-clusters/lights-from-clusters.wgsl";
 
-/// The option of the shader that says what the flux of a light comes from; in lower case, the name of the setting.
+/// The options of the shader that say what the flux of a light comes from, and where it is; in lower case, the names of the
+/// settings.
 const ENERGY: &str = "ENERGY";
+const PLACE: &str = "PLACE";
 
 pass::settings! {
     /// The settings of the pass type `lights-from-clusters` that are not the shader's alone.
@@ -41,13 +44,16 @@ impl Pass for LightsFromClusters {
 
     fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
         let mut all = LightsFromClustersSettings::schema();
-        all.extend(setting::of_options(cx.shaders, SHADER, &[ENERGY])?);
+        all.extend(setting::of_options(cx.shaders, SHADER, &[ENERGY, PLACE])?);
         Ok(all)
     }
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
-            inputs: vec![input("clusters", "Clusters", "The clusters, averaged.")],
+            inputs: vec![
+                input("clusters", "Clusters", "The clusters, averaged."),
+                optional("rsm", "ReflectiveShadowMap", "Its texels, for lights at the place of one."),
+            ],
             outputs: vec![output("lights", "VirtualLights", "A light per cluster, dark without texels.")],
             scene_bindings: SceneBindings::NONE,
         })
@@ -59,6 +65,10 @@ impl Pass for LightsFromClusters {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = cx.fact("clusters", clusters::COUNT)?;
+        if cx.settings.get("place").and_then(Value::as_text) == Some("texel") && cx.input("rsm").is_none() {
+            return Err(PassTypeError::input("rsm", "lights are at a texel each, and there are no texels")
+                .help("link the reflective shadow map, or take `place: \"mean\"`"));
+        }
         Ok(vec![
             virtual_lights::output(use_cx, "lights", count)?,
             OutputDesc::scratch("unscaled", ResourceDesc::buffer(16)),
@@ -67,7 +77,7 @@ impl Pass for LightsFromClusters {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let area = LightsFromClustersSettings::read(cx.settings).area;
-        let shader = cx.shader(SHADER, &[cx.option(ENERGY), ("AREA", area.into())]);
+        let shader = cx.shader(SHADER, &[cx.option(ENERGY), cx.option(PLACE), ("AREA", area.into())]);
         let count = cx.fact("clusters", clusters::COUNT)?;
         let make = Compute::new(shader.clone(), "make_lights", Threads::Row(count));
         Ok(Recording::one(reduce::few(&shader)).then(make))
