@@ -95,3 +95,70 @@ fn a_restart_forgets_the_frames_before() {
     assert_eq!(variance(&first), variance(&later), "each frame begins from the same seeds");
     assert_ne!(variance(&first), variance(&kept), "iterations go on from frame to frame");
 }
+
+/// More clusters than lit texels, one cluster, the least and the greatest windows and thresholds, no light, several, and the
+/// faces of a point light: every frame is finite, nothing is in two clusters, and the flux of the lights is that of the map.
+#[test]
+fn at_the_edges_of_what_can_be_asked() {
+    if gpu().is_none() {
+        return;
+    }
+    let cases: [(&str, &[&str]); 10] = [
+        ("cornell-box", &["rsm.size=8", "lights=200"]),
+        ("cornell-box", &["lights=1", "window=0"]),
+        ("cornell-box", &["window=1"]),
+        ("cornell-box", &["window=8192"]),
+        ("cornell-box", &["lights/evaluate.merge=0", "lights/evaluate.split=0"]),
+        ("cornell-box", &["lights/evaluate.merge=1", "lights/evaluate.split=1"]),
+        ("cornell-box", &["importance.view_weight=0", "importance.diffuse_weight=0"]),
+        ("cornell-box-lights", &[]),
+        ("cornell-box-point", &["lights/lights.place=texel"]),
+        ("empty", &[]),
+    ];
+    for (scene, values) in cases {
+        let more = [&["map=8", "interleave_x=1", "interleave_y=1", "rsm.size=64"], values].concat();
+        let renderer = after("acrsm", scene, 5, &more).expect("there is an adapter");
+        let case = format!("{scene}, {values:?}");
+        let told = clusters(&renderer);
+        let (alive, vanished) = (told.value("alive").unwrap(), told.value("vanished").unwrap());
+        let side: f64 = if values.contains(&"rsm.size=8") { 8.0 } else { 64.0 };
+        assert!(alive <= side * side * 7.0, "{case}: {alive} clusters of fewer texels");
+        assert!(told.values.iter().all(|(_, value)| value.is_finite()), "{case}: {told:?}");
+        let picture = renderer.output("indirect").unwrap();
+        assert!(picture.pixels().iter().flatten().all(|value| value.is_finite()), "{case}");
+        let (mapped, all) = flux(&renderer);
+        assert!((0.0..=1.0001 * all).contains(&mapped), "{case}: clusters hold {mapped} W of {all} W");
+        if scene == "empty" {
+            assert_eq!((alive, all), (0.0, 0.0), "{case}: {vanished}");
+            continue;
+        }
+        assert!(alive > 0.0 && mapped > 0.0, "{case}: {told:?}");
+        let lights = renderer.plan().unwrap().resource("lights/lights.lights").expect("the lights");
+        let bytes = renderer.resource_bytes(lights).unwrap();
+        let lights = interfaces::virtual_lights::from_bytes(&bytes).expect("a buffer of lights");
+        let shining: f32 = lights.iter().flat_map(|light| light.flux).sum();
+        assert!((shining / all - 1.0).abs() < 1e-3, "{case}: lights have {shining} W of {all} W");
+    }
+}
+
+/// A light at a texel of its cluster is on a surface of the box; the mean of a cluster that goes around an edge is not.
+#[test]
+fn lights_at_texels_are_on_surfaces() {
+    let outside = |place: &str| {
+        let place = format!("lights/lights.place={place}");
+        let renderer = after("acrsm", "cornell-box-point", 4, &["lights=16", "window=0", &place])?;
+        let id = renderer.plan().unwrap().resource("lights/lights.lights").expect("the lights");
+        let bytes = renderer.resource_bytes(id).unwrap();
+        let lights = interfaces::virtual_lights::from_bytes(&bytes).expect("a buffer of lights");
+        // The walls, floor and ceiling are planes of constant coordinates; boxes within are turned.
+        let beside = |at: [f32; 3]| {
+            let [x, y, z] = at;
+            [x, 0.5528 - x, y, 0.5488 - y, z, 0.5592 - z]
+                .iter()
+                .fold(f32::MAX, |least, at| least.min(at.abs()))
+        };
+        Some(lights.iter().filter(|light| light.flux[1] > 0.0 && beside(light.position) > 0.015).count())
+    };
+    let (Some(mean), Some(texel)) = (outside("mean"), outside("texel")) else { return };
+    assert!(texel < mean, "{texel} of 16 lights are off the walls, and {mean} at the means");
+}
