@@ -35,6 +35,7 @@ pub mod random;
 mod shader_use;
 pub mod statistics;
 pub mod view;
+pub mod visibility;
 
 pub use clusters::RsmTexel;
 /// What can reset a history buffer between two frames, for [`Harness::event`].

@@ -1,53 +1,21 @@
 //! Filtered lookups against the CPU reference, and against a bilinear lookup of four texels.
 
 use frame_graph::port::InputDesc;
-use interfaces::virtual_lights::VirtualLight;
-use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, Use, UseContext, Value,
+use glam::{DVec3, UVec2, dvec2, dvec3};
+use gpu_algorithms::reference::paraboloid::{
+    direction_from_paraboloid, paraboloid_from_direction, texel_centre, tile_position,
 };
-use pass_test::Harness;
+use interfaces::virtual_lights::VirtualLight;
+use pass::{OutputContext, ResourceDesc, Settings, Use, UseContext, Value};
+use pass_test::visibility::{Receiver, atlas, lookups};
 use percentage_closer_filtering::cpu_reference::filtered;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 const MODULE: &str = "passes/percentage-closer-filtering/percentage-closer-filtering.wgsl";
-const SHADER: &str = "passes/percentage-closer-filtering/tests/probe.wgsl";
+const BILINEAR: &str = "passes/percentage-closer-filtering/tests/bilinear.wgsl";
 const TILE: u32 = 8;
 const RECEIVERS: u32 = 500;
-
-/// Writes what the module of its input answers.
-struct Probe;
-
-impl Pass for Probe {
-    fn info(&self) -> Info {
-        Info { kind: "probe", about: "", paper: "", shaders: &[SHADER] }
-    }
-
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(Vec::new())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: vec![
-                pass::input("visibility", "Visibility", ""),
-                pass::input("lights", "VirtualLights", ""),
-                pass::input("receivers", "Buffer", ""),
-            ],
-            outputs: vec![pass::output("answers", "Buffer", "")],
-            scene_bindings: SceneBindings::NONE,
-        })
-    }
-
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        Ok(vec![OutputDesc::one("answers", ResourceDesc::buffer(16 * u64::from(RECEIVERS)))])
-    }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        Ok(Recording::one(Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Grid([RECEIVERS, 1, 1]))))
-    }
-}
 
 /// Two maps, of which every texel is open or closed by a hash of its place.
 fn maps() -> Vec<f32> {
@@ -56,61 +24,53 @@ fn maps() -> Vec<f32> {
         .collect()
 }
 
-/// Position, light and normal of receivers on spheres around two lights that look along z.
-fn receivers() -> Vec<[f32; 8]> {
-    (0..RECEIVERS)
-        .map(|i| {
-            let [u, v] = [0.754_877, 0.569_840].map(|step: f64| (f64::from(i) * step).fract());
-            let (z, angle) = (0.02 + 0.97 * u, std::f64::consts::TAU * v);
-            let radius = (1.0 - z * z).sqrt();
-            let direction = [radius * angle.cos(), radius * angle.sin(), z].map(|x| x as f32);
-            let at = direction.map(|x| 2.0 * x);
-            let light = f32::from_bits(i % 2);
-            [at[0], at[1], at[2], light, -direction[0], -direction[1], -direction[2], 0.0]
-        })
-        .collect()
+/// The direction of a receiver from its light.
+fn direction(i: u32) -> DVec3 {
+    let [u, v] = [0.754_877, 0.569_840].map(|step: f64| (f64::from(i) * step).fract());
+    let (z, angle) = (0.02 + 0.97 * u, std::f64::consts::TAU * v);
+    (dvec2(angle.cos(), angle.sin()) * (1.0 - z * z).sqrt()).extend(z)
 }
 
-/// For each receiver what the module answers, what a bilinear lookup does, and where in its map the receiver falls.
-fn answers(taps: u32) -> Option<Vec<[f32; 4]>> {
+/// Receivers on spheres of the radius 2 around two lights that look along z.
+fn receivers() -> Vec<Receiver> {
+    let receiver = |i| {
+        let (position, normal) = ((2.0 * direction(i)).to_array(), (-direction(i)).to_array());
+        Receiver { position, normal, light: i % 2 }
+    };
+    (0..RECEIVERS).map(receiver).collect()
+}
+
+/// For each receiver what a module answers, in an atlas with one map a layer.
+fn answers(
+    module: &str,
+    (tile, maps): (u32, &[f32]),
+    (taps, depth_bias): (u32, f32),
+    receivers: &[Receiver],
+) -> Option<Vec<f32>> {
     let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
-    let atlas = pass::ResourceDesc::texture_2d_array(pass::Format::R32Float, (TILE, TILE), 2);
-    let outputs = Harness::new(&Probe)
-        .input(
-            "visibility",
-            "Visibility",
-            &[("tile", TILE), ("columns", 1), ("rows", 1), ("taps", taps)],
-            vec![("atlas", atlas, bytemuck::cast_slice(&maps()).to_vec())],
-        )
-        .fact("depth_bias", 0.5)
+    let facts = [("tile", tile), ("columns", 1), ("rows", 1), ("taps", taps)];
+    let outputs = lookups(&[light; 2], receivers)
+        .input("visibility", "Visibility", &facts, vec![atlas(tile, maps)])
+        .fact("depth_bias", depth_bias)
         .fact("slope_bias", 0.0)
-        .module(MODULE)
-        .lights(&[light; 2])
-        .input(
-            "receivers",
-            "Buffer",
-            &[],
-            vec![(
-                "",
-                pass_test::buffer(32 * u64::from(RECEIVERS)),
-                bytemuck::cast_slice(&receivers()).to_vec(),
-            )],
-        )
+        .module(module)
         .run()?;
     Some(outputs.read("answers"))
 }
 
 #[test]
 fn lookups_agree_with_the_cpu_reference() {
-    let maps: Vec<f64> = maps().into_iter().map(f64::from).collect();
+    let maps = maps();
+    let wide: Vec<f64> = maps.iter().map(|distance| f64::from(*distance)).collect();
     let size = (TILE * TILE) as usize;
     for taps in [1, 2, 3, 7] {
-        let Some(answers) = answers(taps) else { return };
+        let Some(answers) = answers(MODULE, (TILE, &maps), (taps, 0.5), &receivers()) else { return };
         let mut between = 0;
-        for (i, [got, _, x, y]) in answers.into_iter().enumerate() {
-            let map = &maps[i % 2 * size..][..size];
+        for (i, got) in (0..).zip(answers) {
+            let map = &wide[i as usize % 2 * size..][..size];
+            let position = tile_position(paraboloid_from_direction(direction(i)), TILE).to_array();
             // At 2 m all that is closed is nearer and all that is open is not, whatever the bias.
-            let wanted = filtered(map, TILE, [x, y].map(f64::from), 1.0, taps);
+            let wanted = filtered(map, TILE, position, 1.0, taps);
             assert!((f64::from(got) - wanted).abs() < 1e-5, "receiver {i}, {taps} taps: {got} for {wanted}");
             between += usize::from(got > 0.0 && got < 1.0);
         }
@@ -120,10 +80,9 @@ fn lookups_agree_with_the_cpu_reference() {
 
 #[test]
 fn one_tap_is_bilinear_to_the_bit() {
-    let Some(answers) = answers(1) else { return };
-    for [got, bilinear, ..] in answers {
-        assert_eq!(got.to_bits(), bilinear.to_bits());
-    }
+    let by = |module| answers(module, (TILE, &maps()), (1, 0.5), &receivers());
+    let (Some(filtered), Some(bilinear)) = (by(MODULE), by(BILINEAR)) else { return };
+    assert!(filtered.iter().zip(&bilinear).all(|(filtered, other)| filtered.to_bits() == other.to_bits()));
 }
 
 #[test]
@@ -180,60 +139,32 @@ fn it_filters_maps_and_nothing_else() {
 /// centre. Receivers lie on the plane, or behind it by a part of their distance.
 struct Plane {
     /// Unit, towards the light.
-    normal: [f64; 3],
+    normal: DVec3,
     /// The light's distance from it \[m\].
     height: f64,
 }
 
 impl Plane {
     /// The distance along a unit direction; `None` where it is not met.
-    fn along(&self, direction: [f64; 3]) -> Option<f64> {
-        let along: f64 = std::iter::zip(self.normal, direction).map(|(n, d)| n * d).sum();
+    fn along(&self, direction: DVec3) -> Option<f64> {
+        let along = self.normal.dot(direction);
         (along < -1e-3).then(|| -self.height / along)
     }
 
-    fn answers(&self, module: &str, tile: u32, behind: f64) -> Option<Vec<[f32; 4]>> {
-        let centre = |i: u32| (f64::from(i) + 0.5) * 2.0 / f64::from(tile) - 1.0;
+    fn answers(&self, module: &str, tile: u32, behind: f64) -> Option<Vec<f32>> {
         let stored = |i: u32| {
-            let (x, y) = (centre(i % tile), centre(i / tile));
-            let r2 = x * x + y * y;
-            let direction = [2.0 * x, 2.0 * y, 1.0 - r2].map(|d| d / (1.0 + r2));
+            let direction = direction_from_paraboloid(texel_centre(UVec2::new(i % tile, i / tile), tile));
             self.along(direction).map_or(3.0e38, |distance| distance as f32)
         };
         let map: Vec<f32> = (0..tile * tile).map(stored).collect();
-        let receivers: Vec<[f32; 8]> = receivers()
-            .into_iter()
-            .map(|receiver| {
-                let direction = [receiver[0], receiver[1], receiver[2]].map(|x| f64::from(x) * 0.5);
-                // What the plane does not meet lies behind the light, where nothing is tested.
-                let distance = self.along(direction).unwrap_or(-1.0) * (1.0 + behind);
-                let [x, y, z] = direction.map(|d| (d * distance) as f32);
-                let [u, v, w] = self.normal.map(|n| n as f32);
-                [x, y, z, 0.0, u, v, w, 0.0]
-            })
-            .collect();
-        let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
-        let atlas = ResourceDesc::texture_2d_array(pass::Format::R32Float, (tile, tile), 1);
-        let bytes = bytemuck::cast_slice(&receivers).to_vec();
-        let outputs = Harness::new(&Probe)
-            .input(
-                "visibility",
-                "Visibility",
-                &[("tile", tile), ("columns", 1), ("rows", 1), ("taps", 1)],
-                vec![("atlas", atlas, bytemuck::cast_slice(&map).to_vec())],
-            )
-            .fact("depth_bias", 0.02)
-            .fact("slope_bias", 0.0)
-            .module(module)
-            .lights(&[light])
-            .input(
-                "receivers",
-                "Buffer",
-                &[],
-                vec![("", pass_test::buffer(32 * u64::from(RECEIVERS)), bytes)],
-            )
-            .run()?;
-        Some(outputs.read("answers"))
+        let receiver = |i| {
+            // What the plane does not meet lies behind the light, where nothing is tested.
+            let distance = self.along(direction(i)).unwrap_or(-1.0) * (1.0 + behind);
+            let position = (direction(i) * distance).to_array();
+            Receiver { position, normal: self.normal.to_array(), light: 0 }
+        };
+        let receivers: Vec<Receiver> = (0..RECEIVERS).map(receiver).collect();
+        answers(module, (tile, &map), (1, 0.02), &receivers)
     }
 }
 
@@ -245,18 +176,17 @@ fn a_plane_is_lit_and_hides_what_is_behind_it() {
     for module in ["shaders/visibility-atlas.wgsl", MODULE] {
         for (tile, degrees) in [(8, 0.0), (8, 30.0), (8, 55.0), (64, 0.0), (64, 30.0), (64, 55.0)] {
             let (sin, cos) = f64::to_radians(degrees).sin_cos();
-            let plane = Plane { normal: [0.6 * sin, -0.8 * sin, -cos], height: 1.7 };
+            let plane = Plane { normal: dvec3(0.6 * sin, -0.8 * sin, -cos), height: 1.7 };
             let Some(on) = plane.answers(module, tile, 0.0) else { return };
             let Some(behind) = plane.answers(module, tile, 0.1) else { return };
             let (mut lit, mut leaks, mut all) = (0, 0.0, 0);
-            for ((on, behind), receiver) in on.iter().zip(&behind).zip(receivers()) {
-                let direction = [receiver[0], receiver[1], receiver[2]].map(|x| f64::from(x) * 0.5);
+            for ((on, behind), i) in on.iter().zip(&behind).zip(0..) {
                 // Slopes up to 60°, away from the rim, where texels are not met by the plane.
-                let met = plane.along(direction).is_some_and(|distance| plane.height / distance > 0.5);
-                if met && receiver[2] > 0.6 {
+                let met = plane.along(direction(i)).is_some_and(|distance| plane.height / distance > 0.5);
+                if met && direction(i).z > 0.3 {
                     all += 1;
-                    lit += usize::from(on[0] > 0.999);
-                    leaks += behind[0];
+                    lit += usize::from(*on > 0.999);
+                    leaks += behind;
                 }
             }
             assert!(all > 60, "{all} receivers");

@@ -2,52 +2,15 @@
 
 use frame_graph::port::{HandedOn, InputDesc};
 use interfaces::virtual_lights::{VirtualLight, to_bytes};
-use pass::{
-    Compute, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, Use, UseContext, Value,
-};
-use pass_test::Harness;
+use pass::{Module, OutputContext, OutputDesc, PassTypeError, Settings, Use, UseContext, Value};
+use pass_test::visibility::{Receiver, atlas, lookups};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 const MODULE: &str = "shaders/visibility-atlas.wgsl";
-const SHADER: &str = "passes/share-visibility/tests/probe.wgsl";
 const TILE: u32 = 8;
 const LIGHTS: u32 = 400;
 const CLUSTERS: u32 = 5;
-
-/// Writes what the module of its input answers.
-struct Probe;
-
-impl Pass for Probe {
-    fn info(&self) -> Info {
-        Info { kind: "probe", about: "", paper: "", shaders: &[SHADER] }
-    }
-
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(Vec::new())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: vec![
-                pass::input("visibility", "Visibility", ""),
-                pass::input("lights", "VirtualLights", ""),
-                pass::input("receivers", "Buffer", ""),
-            ],
-            outputs: vec![pass::output("answers", "Buffer", "")],
-            scene_bindings: SceneBindings::NONE,
-        })
-    }
-
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        Ok(vec![OutputDesc::one("answers", ResourceDesc::buffer(4 * u64::from(LIGHTS)))])
-    }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        Ok(Recording::one(Compute::new(cx.shader(SHADER, &[]), "probe", Threads::Grid([LIGHTS, 1, 1]))))
-    }
-}
 
 /// The cluster of a light.
 fn owner(light: u32) -> u32 {
@@ -74,21 +37,19 @@ fn maps() -> Vec<f32> {
 }
 
 /// A receiver of each light over the light that `of` names.
-fn receivers(of: impl Fn(u32) -> u32) -> Vec<u8> {
+fn receivers(of: impl Fn(u32) -> u32) -> Vec<Receiver> {
     let receiver = |i: u32| {
-        let [u, v] = [0.618_03, 0.414_21].map(|step: f32| 2.0 * (i as f32 * step).fract() - 1.0);
-        [u, v, 0.7, f32::from_bits(of(i)), 0.0, 0.0, -1.0, 0.0]
+        let [u, v] = [0.618_03, 0.414_21].map(|step: f64| 2.0 * (f64::from(i) * step).fract() - 1.0);
+        Receiver { position: [u, v, 0.7], normal: [0.0, 0.0, -1.0], light: of(i) }
     };
-    let all: Vec<[f32; 8]> = (0..LIGHTS).map(receiver).collect();
-    bytemuck::cast_slice(&all).to_vec()
+    (0..LIGHTS).map(receiver).collect()
 }
 
 #[test]
 fn a_light_is_looked_up_in_the_map_of_its_owner() {
     let clusters = looking_along_z(CLUSTERS, 0.5);
     let with = |shared: bool| {
-        let atlas = ResourceDesc::texture_2d_array(pass::Format::R32Float, (TILE, TILE), CLUSTERS);
-        let mut members = vec![("atlas", atlas, bytemuck::cast_slice(&maps()).to_vec())];
+        let mut members = vec![atlas(TILE, &maps())];
         if shared {
             let owners: Vec<u32> = (0..LIGHTS).map(owner).collect();
             let owners = bytemuck::cast_slice(&owners).to_vec();
@@ -97,20 +58,14 @@ fn a_light_is_looked_up_in_the_map_of_its_owner() {
             members.push(("sources", pass_test::buffer(sources.len() as u64), sources));
         }
         let receivers = receivers(|i| if shared { i } else { owner(i) });
-        let outputs = Harness::new(&Probe)
+        // The lights of their own are elsewhere, where each sees something else.
+        let lights = if shared { looking_along_z(LIGHTS, 3.0) } else { clusters.clone() };
+        let outputs = lookups(&lights, &receivers)
             .input("visibility", "Visibility", &[("tile", TILE), ("columns", 1), ("rows", 1)], members)
             .fact("depth_bias", 0.02)
             .fact("slope_bias", 0.0)
             .module(MODULE)
             .module_option("SHARED", shared)
-            // The lights of their own are elsewhere, where each sees something else.
-            .lights(&if shared { looking_along_z(LIGHTS, 3.0) } else { clusters.clone() })
-            .input(
-                "receivers",
-                "Buffer",
-                &[],
-                vec![("", pass_test::buffer(receivers.len() as u64), receivers)],
-            )
             .run()?;
         Some(outputs.read::<f32>("answers"))
     };

@@ -1,20 +1,49 @@
 //! Soft lookups: the CPU reference against closed forms and rays, and the GPU against the CPU reference.
 
-mod probe;
-
 use frame_graph::port::InputDesc;
 use glam::{DVec2, DVec3, UVec2, dvec2, dvec3};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{OutputContext, OutputDesc, PassTypeError, ResourceDesc, Settings, Use, UseContext, Value};
+use pass_test::visibility::{Receiver, atlas, lookups};
 use percentage_closer_soft_shadows::cpu_reference::paraboloid::{direction_from_paraboloid, texel_centre};
 use percentage_closer_soft_shadows::cpu_reference::{Map, poisson_disc};
-use probe::{DEPTH_BIAS, Lookups, Receiver, answers};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 const MODULE: &str = "passes/percentage-closer-soft-shadows/percentage-closer-soft-shadows.wgsl";
 const NOTHING: f64 = 3.0e38;
+/// The depth bias of all lookups.
+const DEPTH_BIAS: f64 = 0.02;
+
+/// The settings of the lookups.
+#[derive(Clone, Copy, Debug)]
+struct Lookups {
+    module: &'static str,
+    search: u32,
+    taps: u32,
+    nearest: f32,
+}
+
+/// Returns how visible its light is from each receiver; `maps` are the layers of the atlas, one map each. `None` where
+/// there is no adapter.
+fn answers(
+    by: Lookups,
+    tile: u32,
+    maps: &[f32],
+    lights: &[VirtualLight],
+    receivers: &[Receiver],
+) -> Option<Vec<f32>> {
+    let facts = [("tile", tile), ("columns", 1), ("rows", 1), ("search", by.search), ("taps", by.taps)];
+    let outputs = lookups(lights, receivers)
+        .input("visibility", "Visibility", &facts, vec![atlas(tile, maps)])
+        .fact("depth_bias", DEPTH_BIAS as f32)
+        .fact("slope_bias", 0.0)
+        .fact("nearest", by.nearest)
+        .module(by.module)
+        .run()?;
+    Some(outputs.read("answers"))
+}
 
 /// The distances that a map has of what `along` meets in a direction.
 fn map_of(tile: u32, along: impl Fn(DVec3) -> Option<f64>) -> Vec<f64> {
