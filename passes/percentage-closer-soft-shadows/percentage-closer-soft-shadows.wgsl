@@ -1,11 +1,7 @@
 // Visibility of discs by an atlas of paraboloid distance maps: blockers are looked for, and the lookups of a kernel as wide
 // as the penumbra that they cast are averaged after the depth test. [Fernando 2005, ACRSM §5.3.3]
-//
-// All lengths are in the light's frame, whose plane z = 0 the disc lies in. Where what blocks is at the height b, the part of
-// the disc at p is hidden from the receiver r where the map has a blocker in the direction of r + p (r.z - b) / b, by
-// similar triangles: so the kernel is the disc itself, scaled and moved to the receiver.
 
-#import "color.wgsl"
+#import "disc-shadow.wgsl"
 #import "paraboloid.wgsl"
 #import "paraboloid-lookup.wgsl"
 #import "poisson-disc.wgsl"
@@ -51,7 +47,7 @@ fn look_up_beside(origin: vec3<u32>, receiver: vec3<f32>, plane_normal: vec3<f32
     let meets = along * plane_height > 0.0;
     let at = beside * select(1.0, min(plane_height / along, 1.0), meets);
     let lookup = paraboloid_lookup_in_frame(at, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
-    let texel = vec2<u32>(clamp(lookup.position, vec2(0.0), vec2(f32(facts.tile - 1u))));
+    let texel = texel_of(lookup.position, facts.tile);
     let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
     return Tap(is_seen(lookup, texel, facts.tile, stored), stored * (at.z / lookup.distance));
 }
@@ -65,20 +61,20 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
     }
     let plane_normal = normal * frame;
     let origin = tile_origin(index, facts.columns, facts.rows, facts.tile);
-    let radius = sqrt(max(light.area, 0.0) / PI);
+    let radius = disc_radius(light.area);
     if radius == 0.0 {
         let lookup = paraboloid_lookup_in_frame(receiver, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
-        let texel = vec2<u32>(clamp(lookup.position, vec2(0.0), vec2(f32(facts.tile - 1u))));
+        let texel = texel_of(lookup.position, facts.tile);
         let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
         return select(0.0, 1.0, is_seen(lookup, texel, facts.tile, stored));
     }
 
     // DEVIATION(nearest): the search is as wide as the penumbra of the nearest blockers that it is to find.
-    let search_radius = radius * (1.0 - facts.nearest) / facts.nearest;
+    let reach = search_radius(radius, facts.nearest);
     var sum = 0.0;
     var blockers = 0.0;
     for (var i = 0u; i < facts.search; i++) {
-        let tap = look_up_beside(origin, receiver, plane_normal, receiver + vec3(search_radius * POISSON_DISC[i], 0.0));
+        let tap = look_up_beside(origin, receiver, plane_normal, receiver + vec3(reach * POISSON_DISC[i], 0.0));
         if !tap.seen {
             sum += tap.height;
             blockers += 1.0;
@@ -91,7 +87,7 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
     // Half the width of the penumbra. [Fernando 2005; ACRSM Eq. 3.2]
     // DEVIATION(disc): of the scaled disc, where ACRSM scales a circle in the map.
     let blocker = max(sum / blockers, facts.nearest * receiver.z);
-    let penumbra = radius * max(receiver.z - blocker, 0.0) / blocker;
+    let penumbra = penumbra_radius(radius, receiver.z, blocker);
     var seen = 0.0;
     for (var i = 0u; i < facts.taps; i++) {
         let tap = look_up_beside(origin, receiver, plane_normal, receiver + vec3(penumbra * POISSON_DISC[i], 0.0));

@@ -2,7 +2,9 @@
 //! precision or integers.
 
 pub mod clustering;
+pub mod disc_shadow;
 pub mod paraboloid;
+pub mod paraboloid_lookup;
 pub mod triangle_samples;
 
 /// Returns the sum.

@@ -2,9 +2,9 @@
 
 pub use gpu_algorithms::reference::paraboloid;
 
-use glam::{DVec2, DVec3, UVec2};
-use paraboloid::{texel_centre, tile_position};
-use std::f64::consts::PI;
+use glam::{DVec2, DVec3};
+use gpu_algorithms::reference::disc_shadow::{disc_radius, penumbra_radius, search_radius, texel_of};
+use gpu_algorithms::reference::paraboloid_lookup::{is_seen, paraboloid_lookup};
 
 /// One map of a light, and how it is looked up.
 #[derive(Clone, Copy, Debug)]
@@ -35,17 +35,10 @@ pub fn poisson_disc() -> Vec<DVec2> {
 impl Map<'_> {
     /// Returns whether a point of the light's frame is seen through its texel, and what is stored there \[m\].
     fn look_up(&self, at: DVec3, plane_normal: DVec3) -> (bool, f64) {
-        let distance = at.length();
-        let place = tile_position(at.truncate() / (distance + at.z), self.tile);
-        let texel: UVec2 = place.clamp(DVec2::ZERO, DVec2::splat(f64::from(self.tile - 1))).as_uvec2();
+        let lookup = paraboloid_lookup(at, plane_normal, self.tile, self.depth_bias);
+        let texel = texel_of(lookup.position, self.tile);
         let stored = self.distances[(texel.y * self.tile + texel.x) as usize];
-        let bias = (distance + at.z) * 2.0 / f64::from(self.tile) * self.depth_bias;
-        let centre = texel_centre(texel, self.tile);
-        let r2 = centre.length_squared();
-        let height = plane_normal.dot(at);
-        let along = 2.0 * plane_normal.truncate().dot(centre) + plane_normal.z * (1.0 - r2);
-        let own = if along * height > 0.0 { height * (1.0 + r2) / along } else { distance };
-        (own.clamp(0.5 * distance, distance) - bias <= stored, stored)
+        (is_seen(&lookup, texel, self.tile, stored), stored)
     }
 
     fn look_up_beside(&self, receiver: DVec3, plane_normal: DVec3, beside: DVec3) -> (bool, f64) {
@@ -62,7 +55,7 @@ impl Map<'_> {
         if receiver.z <= 0.0 {
             return 0.0;
         }
-        let radius = (area / PI).sqrt();
+        let radius = disc_radius(area);
         if radius == 0.0 {
             return f64::from(u8::from(self.look_up(receiver, plane_normal).0));
         }
@@ -70,16 +63,16 @@ impl Map<'_> {
         let tap = |radius: f64, i: usize| {
             self.look_up_beside(receiver, plane_normal, receiver + (radius * kernel[i]).extend(0.0))
         };
-        let search_radius = radius * (1.0 - self.nearest) / self.nearest;
+        let reach = search_radius(radius, self.nearest);
         let blockers: Vec<f64> = (0..self.search)
-            .map(|i| tap(search_radius, i))
+            .map(|i| tap(reach, i))
             .filter_map(|(seen, height)| (!seen).then_some(height))
             .collect();
         if blockers.is_empty() {
             return 1.0;
         }
         let blocker = (blockers.iter().sum::<f64>() / blockers.len() as f64).max(self.nearest * receiver.z);
-        let penumbra = radius * (receiver.z - blocker).max(0.0) / blocker;
+        let penumbra = penumbra_radius(radius, receiver.z, blocker);
         let seen = (0..self.taps).filter(|i| tap(penumbra, *i).0).count();
         seen as f64 / self.taps as f64
     }
