@@ -26,13 +26,25 @@ pub const SLOPE_BIAS: Fact<f32> = Fact::optional(
 /// The taps of a filtered lookup.
 pub const TAPS: Fact<u32> =
     Fact::optional("taps", "taps of a lookup: along each side of a square window, or in a disc");
-/// The taps of a search for blockers.
-pub const SEARCH: Fact<u32> = Fact::optional("search", "taps of a lookup that look for blockers");
+/// How blockers are searched for.
+pub const SEARCH: Fact<u32> =
+    Fact::optional("search", "taps of a lookup that look for blockers, or its searches in basis images");
 /// How near to the light blockers are looked for.
 pub const NEAREST: Fact<f32> = Fact::optional(
     "nearest",
     "least height of blockers above the light's plane, as a share of the receiver's",
 );
+/// The orders of basis images.
+pub const ORDER: Fact<u32> = Fact::optional("order", "orders of the expansion that basis images have");
+/// The levels of basis images.
+pub const LEVELS: Fact<u32> = Fact::optional("levels", "levels of basis images above the maps");
+/// How the orders of basis images are weighted.
+pub const ATTENUATION: Fact<f32> = Fact::optional("attenuation", "how much high orders are attenuated");
+/// How basis images are compared.
+pub const OFFSET: Fact<f32> =
+    Fact::optional("offset", "how much nearer than a receiver it is compared, in depths of 1 / order");
+/// The part of the basis images that a map takes.
+pub const STRIDE: Fact<u32> = Fact::optional("stride", "words of a map in its buffer of basis images");
 
 /// The option of modules whose lookups can be those of another light's map: shaders/visibility-shared.wgsl declares it.
 pub const SHARED: &str = "SHARED";
@@ -59,6 +71,11 @@ pub const INTERFACE: Interface = Interface::new(
             "array: paraboloid maps of the distance [m], one tile a virtual light, row by row and layer by layer; a \
              large number where nothing is",
         ),
+        Member::optional(
+            "basis",
+            Content::Buffer,
+            "u32: images of the atlas in several levels, prefiltered for a series of the depth test",
+        ),
         Member::optional("owners", Content::Buffer, "where lights share maps, u32 a light: whose map is its own"),
         Member::optional(
             "sources",
@@ -77,5 +94,10 @@ pub const INTERFACE: Interface = Interface::new(
     TAPS.decl(),
     SEARCH.decl(),
     NEAREST.decl(),
+    ORDER.decl(),
+    LEVELS.decl(),
+    ATTENUATION.decl(),
+    OFFSET.decl(),
+    STRIDE.decl(),
 ])
 .with_stand_in("shaders/visibility-none.wgsl");

@@ -1,13 +1,11 @@
 //! Filtered lookups against the CPU reference, and against a bilinear lookup of four texels.
 
 use frame_graph::port::InputDesc;
-use glam::{DVec3, UVec2, dvec2, dvec3};
-use gpu_algorithms::reference::paraboloid::{
-    direction_from_paraboloid, paraboloid_from_direction, texel_centre, tile_position,
-};
+use glam::{DVec3, dvec3};
+use gpu_algorithms::reference::paraboloid::{paraboloid_from_direction, tile_position};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{OutputContext, ResourceDesc, Settings, Use, UseContext, Value};
-use pass_test::visibility::{Receiver, atlas, lookups};
+use pass_test::visibility::{Receiver, atlas, direction, lookups, map_of, receivers_around};
 use percentage_closer_filtering::cpu_reference::filtered;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -22,22 +20,6 @@ fn maps() -> Vec<f32> {
     (0..2 * TILE * TILE)
         .map(|i: u32| if i.wrapping_mul(0x9e37_79b9) >> 31 == 0 { 3.0e38 } else { 0.01 })
         .collect()
-}
-
-/// The direction of a receiver from its light.
-fn direction(i: u32) -> DVec3 {
-    let [u, v] = [0.754_877, 0.569_840].map(|step: f64| (f64::from(i) * step).fract());
-    let (z, angle) = (0.02 + 0.97 * u, std::f64::consts::TAU * v);
-    (dvec2(angle.cos(), angle.sin()) * (1.0 - z * z).sqrt()).extend(z)
-}
-
-/// Receivers on spheres of the radius 2 around two lights that look along z.
-fn receivers() -> Vec<Receiver> {
-    let receiver = |i| {
-        let (position, normal) = ((2.0 * direction(i)).to_array(), (-direction(i)).to_array());
-        Receiver { position, normal, light: i % 2 }
-    };
-    (0..RECEIVERS).map(receiver).collect()
 }
 
 /// For each receiver what a module answers, in an atlas with one map a layer.
@@ -64,7 +46,10 @@ fn lookups_agree_with_the_cpu_reference() {
     let wide: Vec<f64> = maps.iter().map(|distance| f64::from(*distance)).collect();
     let size = (TILE * TILE) as usize;
     for taps in [1, 2, 3, 7] {
-        let Some(answers) = answers(MODULE, (TILE, &maps), (taps, 0.5), &receivers()) else { return };
+        let Some(answers) = answers(MODULE, (TILE, &maps), (taps, 0.5), &receivers_around(RECEIVERS, 2))
+        else {
+            return;
+        };
         let mut between = 0;
         for (i, got) in (0..).zip(answers) {
             let map = &wide[i as usize % 2 * size..][..size];
@@ -80,7 +65,7 @@ fn lookups_agree_with_the_cpu_reference() {
 
 #[test]
 fn one_tap_is_bilinear_to_the_bit() {
-    let by = |module| answers(module, (TILE, &maps()), (1, 0.5), &receivers());
+    let by = |module| answers(module, (TILE, &maps()), (1, 0.5), &receivers_around(RECEIVERS, 2));
     let (Some(filtered), Some(bilinear)) = (by(MODULE), by(BILINEAR)) else { return };
     assert!(filtered.iter().zip(&bilinear).all(|(filtered, other)| filtered.to_bits() == other.to_bits()));
 }
@@ -152,11 +137,10 @@ impl Plane {
     }
 
     fn answers(&self, module: &str, tile: u32, behind: f64) -> Option<Vec<f32>> {
-        let stored = |i: u32| {
-            let direction = direction_from_paraboloid(texel_centre(UVec2::new(i % tile, i / tile), tile));
-            self.along(direction).map_or(3.0e38, |distance| distance as f32)
-        };
-        let map: Vec<f32> = (0..tile * tile).map(stored).collect();
+        let map: Vec<f32> = map_of(tile, |direction| self.along(direction))
+            .into_iter()
+            .map(|distance| distance as f32)
+            .collect();
         let receiver = |i| {
             // What the plane does not meet lies behind the light, where nothing is tested.
             let distance = self.along(direction(i)).unwrap_or(-1.0) * (1.0 + behind);

@@ -1,11 +1,10 @@
 //! Soft lookups: the CPU reference against closed forms and rays, and the GPU against the CPU reference.
 
 use frame_graph::port::InputDesc;
-use glam::{DVec2, DVec3, UVec2, dvec2, dvec3};
+use glam::{DVec2, DVec3, dvec2, dvec3};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{OutputContext, OutputDesc, PassTypeError, ResourceDesc, Settings, Use, UseContext, Value};
-use pass_test::visibility::{Receiver, atlas, lookups};
-use percentage_closer_soft_shadows::cpu_reference::paraboloid::{direction_from_paraboloid, texel_centre};
+use pass_test::visibility::{Edge, Receiver, atlas, lookups, map_of, receivers_around, segment};
 use percentage_closer_soft_shadows::cpu_reference::{Map, poisson_disc};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -45,54 +44,11 @@ fn answers(
     Some(outputs.read("answers"))
 }
 
-/// The distances that a map has of what `along` meets in a direction.
-fn map_of(tile: u32, along: impl Fn(DVec3) -> Option<f64>) -> Vec<f64> {
-    let stored = |i: u32| {
-        let direction = direction_from_paraboloid(texel_centre(UVec2::new(i % tile, i / tile), tile));
-        along(direction).unwrap_or(NOTHING)
-    };
-    (0..tile * tile).map(stored).collect()
-}
-
 fn map(distances: &[f64], tile: u32) -> Map<'_> {
     Map { distances, tile, depth_bias: DEPTH_BIAS, search: 16, taps: 16, nearest: 0.25 }
 }
 
-/// Half of a plane that is parallel to the light's, at a height, over the floor at the height 2: everything on one side
-/// of an edge through the point `at`, to which `across` is perpendicular.
-#[derive(Clone, Copy)]
-struct Edge {
-    height: f64,
-    at: DVec2,
-    across: DVec2,
-}
-
-const FLOOR: f64 = 2.0;
-
-impl Edge {
-    fn covers(&self, at: DVec2) -> bool {
-        (at - self.at).dot(self.across) < 0.0
-    }
-
-    fn map(&self, tile: u32) -> Vec<f64> {
-        map_of(tile, |direction| {
-            let z = (direction.z > 0.0).then_some(direction.z)?;
-            let met = self.covers(direction.truncate() * (self.height / z));
-            Some(if met { self.height / z } else { FLOOR / z })
-        })
-    }
-
-    /// The part of a disc of that radius about the origin that rays from a point on the floor reach.
-    fn by_rays(&self, radius: f64, receiver: DVec3) -> f64 {
-        const RAYS: u32 = 4096;
-        let reaches = |i: u32| {
-            let (r, angle) = (((f64::from(i) + 0.5) / f64::from(RAYS)).sqrt(), f64::from(i) * 2.399_963);
-            let on_light = radius * r * dvec2(angle.cos(), angle.sin());
-            !self.covers(on_light.lerp(receiver.truncate(), self.height / FLOOR))
-        };
-        f64::from((0..RAYS).filter(|i| reaches(*i)).count() as u32) / f64::from(RAYS)
-    }
-}
+const FLOOR: f64 = Edge::FLOOR;
 
 #[test]
 fn the_kernel_is_a_poisson_disc() {
@@ -106,12 +62,6 @@ fn the_kernel_is_a_poisson_disc() {
         let nearest = pairs.fold(f64::INFINITY, f64::min);
         assert!(nearest >= least, "{nearest} between the nearest of {count}");
     }
-}
-
-/// The part of a unit disc on one side of a line at a distance from its centre.
-fn segment(distance: f64) -> f64 {
-    let d = distance.clamp(-1.0, 1.0);
-    0.5 + (d * (1.0 - d * d).sqrt() + d.asin()) / PI
 }
 
 #[test]
@@ -229,17 +179,6 @@ fn planes_do_not_shadow_themselves() {
     }
 }
 
-/// Receivers on spheres around two lights that look along z, of the radius 2.
-fn receivers(count: u32) -> Vec<Receiver> {
-    let receiver = |i: u32| {
-        let [u, v] = [0.754_877, 0.569_840].map(|step: f64| (f64::from(i) * step).fract());
-        let (z, angle) = (0.02 + 0.97 * u, TAU * v);
-        let direction = (dvec2(angle.cos(), angle.sin()) * (1.0 - z * z).sqrt()).extend(z);
-        Receiver { position: (2.0 * direction).to_array(), normal: (-direction).to_array(), light: i % 2 }
-    };
-    (0..count).map(receiver).collect()
-}
-
 /// Two maps in which every texel is a blocker at 0.9 m or is open, by a hash of its place.
 fn rough_maps(tile: u32) -> Vec<f32> {
     let stored = |i: u32| if i.wrapping_mul(0x9e37_79b9) >> 31 == 0 { NOTHING as f32 } else { 0.9 };
@@ -255,7 +194,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
     const TILE: u32 = 16;
     let maps = rough_maps(TILE);
     let wide: Vec<f64> = maps.iter().map(|distance| f64::from(*distance)).collect();
-    let receivers = receivers(600);
+    let receivers = receivers_around(600, 2);
     for (area, search, taps, nearest) in [(0.05, 16, 16, 0.25), (0.8, 16, 16, 0.25), (2.0, 7, 32, 0.5)] {
         let lookups = Lookups { module: MODULE, search, taps, nearest };
         let Some(got) = answers(lookups, TILE, &maps, &[light(area); 2], &receivers) else { return };
@@ -280,7 +219,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
 
 #[test]
 fn a_point_light_is_looked_up_once_to_the_bit() {
-    let (maps, receivers) = (rough_maps(16), receivers(600));
+    let (maps, receivers) = (rough_maps(16), receivers_around(600, 2));
     let with = |module| {
         let lookups = Lookups { module, search: 16, taps: 16, nearest: 0.25 };
         answers(lookups, 16, &maps, &[light(0.0); 2], &receivers)
@@ -295,7 +234,7 @@ fn a_point_light_is_looked_up_once_to_the_bit() {
 fn no_tap_leaves_its_own_map() {
     // Of three maps, the middle one is open, and those beside it are closed; and the other way round.
     let receivers: Vec<Receiver> =
-        receivers(600).into_iter().map(|receiver| Receiver { light: 1, ..receiver }).collect();
+        receivers_around(600, 1).into_iter().map(|receiver| Receiver { light: 1, ..receiver }).collect();
     for open in [true, false] {
         let stored = |layer| if (layer == 1) == open { NOTHING as f32 } else { 0.01 };
         let maps: Vec<f32> = (0..3 * 64).map(|i| stored(i / 64)).collect();

@@ -1,0 +1,77 @@
+//! What the pass says of its inputs.
+
+use convolution_soft_shadows::ConvolutionSoftShadows;
+use frame_graph::port::InputDesc;
+use pass::{
+    Format, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, ResourceDesc, Settings, Use,
+    UseContext, Value,
+};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What the pass makes of so many maps with sides of `tile`, with these members.
+fn outputs((maps, tile, order): (u32, u32, u32), members: &[&str]) -> Result<Vec<OutputDesc>, PassTypeError> {
+    let (library, overrides, inputs) = (pass_test::shaders(), BTreeMap::new(), ["maps".to_owned()]);
+    let kind = ConvolutionSoftShadows { window: LARGEST_WINDOW };
+    let use_ = Use { kind: kind.info().kind, shader: None, inputs: &inputs, outputs: &overrides };
+    let atlas = ResourceDesc::texture_2d_array(Format::R32Float, (tile, tile), maps);
+    let facts = [("tile", tile), ("columns", 1), ("rows", 1)].map(|(name, value)| (name, Value::U32(value)));
+    let biases = ["depth_bias", "slope_bias"].map(|name| (name, Value::F32(0.5)));
+    let maps = InputDesc {
+        name: "maps".into(),
+        interface: "Visibility".into(),
+        members: members.iter().map(|name| ((*name).to_owned(), atlas.clone())).collect(),
+        facts: Arc::new(facts.into_iter().chain(biases).collect()),
+    };
+    let settings = Settings(BTreeMap::from([("order".to_owned(), Value::U32(order))]));
+    let traits = pass::Traits::default();
+    let context =
+        OutputContext { use_, settings: &settings, inputs: &[maps], frame: (8, 8), traits: &traits };
+    kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
+}
+
+#[test]
+fn the_atlas_is_handed_on_with_its_images() {
+    let made = &outputs((64, 256, 4), &["atlas"]).expect("an atlas with its facts")[0];
+    assert!(made.members.len() == 1 && made.handed.len() == 1, "the atlas is handed on");
+    // A header of a word; nine of them for each texel of levels 1 to 8.
+    let texels = (0..8).map(|level| 4_u64.pow(level)).sum::<u64>();
+    assert_eq!(made.members[0].1, ResourceDesc::buffer(64 * 4 * (1 + 9 * texels)));
+    assert_eq!(made.facts.get("levels"), Some(&Value::U32(8)));
+    assert_eq!(made.facts.get("loop_iterations"), Some(&Value::U32(2 * 4 * 3)));
+    let options = |made: &OutputDesc| made.facts.module().expect("it has a module").options.clone();
+    assert!(options(made).is_empty());
+    let shared = &outputs((64, 256, 4), &["atlas", "owners", "sources"]).expect("maps that lights share")[0];
+    assert_eq!(options(shared).get("SHARED"), Some(&Value::Bool(true)));
+}
+
+#[test]
+fn images_that_no_buffer_holds_are_refused() {
+    let refused = |maps, tile, order| outputs((maps, tile, order), &["atlas"]).expect_err("too large");
+    let error = refused(128, 256, 16);
+    assert_eq!(error.input.as_deref(), Some("maps"));
+    assert_eq!(
+        error.message,
+        "the basis images of 128 maps of 256² by 16 orders take 352 MiB, of which every adapter binds 128"
+    );
+    assert_eq!(error.help.as_deref(), Some("take at most 46 maps, maps of 128², or `order: 5`"));
+    // What it advises is taken.
+    for (maps, tile, order) in [(46, 256, 16), (128, 128, 16), (128, 256, 5)] {
+        outputs((maps, tile, order), &["atlas"]).expect("as advised");
+    }
+    assert!(outputs((47, 256, 16), &["atlas"]).is_err(), "no more");
+    // A dispatch has no more workgroups along a dimension.
+    let error = refused(70_000, 2, 4);
+    assert_eq!(error.help.as_deref(), Some("take at most 65535 maps"));
+}
+
+#[test]
+fn what_has_no_maps_or_has_images_is_refused() {
+    for (members, why) in
+        [(&[][..], "`atlas` is missing"), (&["atlas", "basis"], "have basis images already")]
+    {
+        let refused = outputs((4, 64, 4), members).expect_err(why);
+        assert_eq!(refused.input.as_deref(), Some("maps"));
+        assert!(refused.message.contains(why), "{}", refused.message);
+    }
+}
