@@ -177,12 +177,12 @@ fn a_filter_of_lookups_changes_only_the_module_of_the_reader() {
     assert!((soft / plain - 1.0).abs() < 0.15, "{soft} against {plain}: as much light as before, or nearly");
 }
 
-/// Where lookups are soft.
-#[derive(Clone, Copy, PartialEq)]
+/// Where lookups are soft, and by which pass.
+#[derive(Clone, Copy)]
 enum Soft {
     Nowhere,
-    BeforeSharing,
-    AfterSharing,
+    BeforeSharing(&'static str),
+    AfterSharing(&'static str),
 }
 
 /// The indirect light in the Cornell box by maps of its virtual lights, or of so many clusters of them.
@@ -207,16 +207,15 @@ fn by_maps_of(name: &str, clusters: Option<u32>, soft: Soft) -> Option<metrics::
         patches.push(format!(r#"Insert(name: "{name}", pass: Pass({pass}), between: {between})"#));
         last = name;
     };
-    let filter = r#"kind: "percentage-closer-soft-shadows""#;
-    if soft == Soft::BeforeSharing {
-        insert("soft", filter);
+    if let Soft::BeforeSharing(filter) = soft {
+        insert("soft", &format!(r#"kind: "{filter}""#));
     }
     if clusters.is_some() {
         let links = r#"{ "lights": "clusters.clusters", "owners": "clusters.owners" }"#;
         insert("shared", &format!(r#"kind: "share-visibility", in: {links}"#));
     }
-    if soft == Soft::AfterSharing {
-        insert("soft", filter);
+    if let Soft::AfterSharing(filter) = soft {
+        insert("soft", &format!(r#"kind: "{filter}""#));
     }
     let text = format!(r#"Pipeline(extends: "ism-uniform.ron", {passes} patch: [{}])"#, patches.join(", "));
     std::fs::write(folder.path().join(format!("pipelines/{name}.ron")), text).unwrap();
@@ -234,15 +233,17 @@ fn clusters_of_one_light_are_as_visible_as_the_light() {
     let whole = |name, clusters, soft| by_maps_of(name, clusters, soft).unwrap();
     let shared = whole("shared", Some(64), Soft::Nowhere);
     assert!(bits(&hard) == bits(&shared), "64 clusters of 64 lights");
-    let wanted = whole("soft", None, Soft::BeforeSharing);
-    assert!(bits(&hard) != bits(&wanted), "shadows are softer");
-    for (name, soft) in [("before", Soft::BeforeSharing), ("after", Soft::AfterSharing)] {
-        assert!(bits(&wanted) == bits(&whole(name, Some(64), soft)), "{name}");
+    for filter in ["percentage-closer-soft-shadows", "convolution-soft-shadows"] {
+        let wanted = whole("soft", None, Soft::BeforeSharing(filter));
+        assert!(bits(&hard) != bits(&wanted), "shadows are softer by {filter}");
+        for (name, soft) in [("before", Soft::BeforeSharing(filter)), ("after", Soft::AfterSharing(filter))] {
+            assert!(bits(&wanted) == bits(&whole(name, Some(64), soft)), "{filter} {name}");
+        }
+        let few = whole("few", Some(24), Soft::BeforeSharing(filter));
+        assert!(bits(&few) != bits(&wanted), "maps are shared");
+        let [few, wanted] = [few, wanted].map(|image| mean(&image).iter().sum::<f64>());
+        assert!((few / wanted - 1.0).abs() < 0.2, "{filter}: {few} by 24 clusters, {wanted} by 64 lights");
     }
-    let few = whole("few", Some(24), Soft::BeforeSharing);
-    assert!(bits(&few) != bits(&wanted), "maps are shared");
-    let [few, wanted] = [few, wanted].map(|image| mean(&image).iter().sum::<f64>());
-    assert!((few / wanted - 1.0).abs() < 0.2, "{few} by 24 clusters, {wanted} by 64 lights");
 }
 
 /// What maps get wrong where rays do not, with the same lights: relMSE and energy of what is gathered, by the pass that
