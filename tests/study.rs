@@ -277,17 +277,18 @@ fn the_trees_studies_run_in_miniature() {
         for set in ["rsm.size=32", "map=32", "lights=16"] {
             arguments.extend(["--set", set]);
         }
-        // Rays need no points.
-        if name != "near-field" {
+        // Rays and what casts no shadow need no points.
+        if !["near-field", "acrsm-fig-3-10", "acrsm-fig-6-1"].contains(&&*name) {
             arguments.extend(["--set", "shadows.points_per_map=256"]);
         }
         // Others make points on the fly.
-        if name.starts_with("ism") || name == "tcas-tab-3" {
+        if name.starts_with("ism") || ["imperfect-maps", "tcas-tab-3"].contains(&&*name) {
             arguments.extend(["--set", "shadows.points=4096"]);
         }
         let reference: &[&str] = match name.as_str() {
             "ism-fig-4" => &["map=32", "rsm.size=32"],
-            "filters" | "tcas-fig-6" | "tcas-weights" => &["lights=64", "rsm.size=32"],
+            "filters" | "tcas-fig-6" | "tcas-weights" | "imperfect-maps" | "acrsm-fig-3-10"
+            | "acrsm-fig-6-1" => &["lights=64", "rsm.size=32"],
             _ => &["samples=4", "bounces=1"],
         };
         for set in reference {

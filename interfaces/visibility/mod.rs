@@ -4,7 +4,9 @@ mod atlas;
 
 use crate::virtual_lights;
 pub use atlas::{AtlasLayout, DepthBias, DepthBiasSettings};
-use pass::{Content, Fact, Format, Interface, Member, Module, OutputContext, Value};
+use pass::{
+    Content, Fact, Format, Interface, Member, Module, OutputContext, OutputDesc, PassTypeError, Value,
+};
 
 /// The loop iterations of a lookup.
 pub const LOOP_ITERATIONS: Fact<u32> =
@@ -57,6 +59,31 @@ pub fn module_of_maps(cx: &OutputContext<'_>, input: &str, path: &str) -> Module
         Some(_) => module.option(SHARED, Value::Bool(true)),
         None => module,
     }
+}
+
+/// Hands the maps of an input on as the output `visibility`, to be looked up by the module in that file; `reach` is how many times
+/// the bias of the maps its lookups need.
+///
+/// # Errors
+/// Where the input has no atlas of maps.
+pub fn with_other_lookups(
+    cx: &OutputContext<'_>,
+    input: &str,
+    path: &str,
+    reach: f32,
+) -> Result<OutputDesc, PassTypeError> {
+    if cx.input(input).is_some_and(|maps| maps.member("atlas").is_none()) {
+        let message = "there are no maps to look up: the member `atlas` is missing";
+        let error = PassTypeError::input(input, message);
+        return Err(error.help("link what makes depth maps, or take this pass out"));
+    }
+    Ok(OutputDesc::hand_on("visibility", input)
+        .module(module_of_maps(cx, input, path))
+        .fact(TILE, cx.fact(input, TILE)?)
+        .fact(COLUMNS, cx.fact(input, COLUMNS)?)
+        .fact(ROWS, cx.fact(input, ROWS)?)
+        .fact(DEPTH_BIAS, cx.fact(input, DEPTH_BIAS)? * reach)
+        .fact(SLOPE_BIAS, cx.fact(input, SLOPE_BIAS)? * reach))
 }
 
 /// The interface `Visibility`.

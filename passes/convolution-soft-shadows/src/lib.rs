@@ -3,8 +3,7 @@
 pub mod cpu_reference;
 
 use interfaces::visibility::{
-    self, ATTENUATION, COLUMNS, DEPTH_BIAS, LEVELS, LOOP_ITERATIONS, NEAREST, OFFSET, ORDER, ROWS, SEARCH,
-    SLOPE_BIAS, STRIDE, TILE,
+    self, ATTENUATION, COLUMNS, LEVELS, LOOP_ITERATIONS, NEAREST, OFFSET, ORDER, ROWS, SEARCH, STRIDE, TILE,
 };
 use pass::{
     Compute, Info, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
@@ -138,23 +137,23 @@ impl Pass for ConvolutionSoftShadows {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let layers = layers(cx)?;
+        let mut visibility = visibility::with_other_lookups(cx, "maps", MODULE, 1.0)?;
+        let maps = cx.input("maps");
+        if maps.is_some_and(|maps| maps.member("basis").is_some()) {
+            return Err(PassTypeError::input("maps", "these maps have basis images already")
+                .help("let one `convolution-soft-shadows` stand between the maps and what gathers light"));
+        }
+        let atlas = maps.and_then(|maps| maps.member("atlas")?.texture());
+        let layers = atlas.map_or(1, |atlas| atlas.layers);
         let tile = cx.fact("maps", TILE)?;
         let (columns, rows) = (cx.fact("maps", COLUMNS)?, cx.fact("maps", ROWS)?);
         let settings = ConvolutionSoftShadowsSettings::read(cx.settings);
         let basis = Basis::new(columns * rows * layers, tile, &settings);
         basis.check(self.window)?;
         let images = ("basis".to_owned(), ResourceDesc::buffer(basis.bytes()), Usage::Overwrites);
-        let mut visibility = OutputDesc::hand_on("visibility", "maps");
         visibility.members.push(images);
         Ok(vec![
             visibility
-                .module(visibility::module_of_maps(cx, "maps", MODULE))
-                .fact(TILE, tile)
-                .fact(COLUMNS, columns)
-                .fact(ROWS, rows)
-                .fact(DEPTH_BIAS, cx.fact("maps", DEPTH_BIAS)?)
-                .fact(SLOPE_BIAS, cx.fact("maps", SLOPE_BIAS)?)
                 .fact(ORDER, settings.order)
                 .fact(LEVELS, basis.levels)
                 .fact(ATTENUATION, settings.attenuation)
@@ -184,18 +183,4 @@ impl Pass for ConvolutionSoftShadows {
         // The 64 threads of a workgroup share a map.
         Ok(Recording::one(step("measure", 0, [64, 1, maps])).then_all(levels))
     }
-}
-
-/// The layers of the atlas.
-fn layers(cx: &OutputContext<'_>) -> Result<u32, PassTypeError> {
-    let maps = cx.input("maps");
-    if maps.is_some_and(|maps| maps.member("basis").is_some()) {
-        return Err(PassTypeError::input("maps", "these maps have basis images already")
-            .help("let one `convolution-soft-shadows` stand between the maps and what gathers light"));
-    }
-    let atlas = maps.and_then(|maps| maps.member("atlas")?.texture());
-    atlas.map(|atlas| atlas.layers).ok_or_else(|| {
-        PassTypeError::input("maps", "there are no maps to filter: the member `atlas` is missing")
-            .help("link what makes depth maps, or take this pass out")
-    })
 }

@@ -2,7 +2,7 @@
 
 pub mod cpu_reference;
 
-use interfaces::visibility::{self, COLUMNS, DEPTH_BIAS, LOOP_ITERATIONS, ROWS, SLOPE_BIAS, TAPS, TILE};
+use interfaces::visibility::{self, LOOP_ITERATIONS, TAPS};
 use pass::{
     Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, SceneBindings,
     Setting, Settings, UseContext,
@@ -49,28 +49,12 @@ impl Pass for PercentageCloserFiltering {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        if cx.input("maps").is_some_and(|maps| maps.member("atlas").is_none()) {
-            return Err(PassTypeError::input(
-                "maps",
-                "there are no maps to filter: the member `atlas` is missing",
-            )
-            .help("link what makes depth maps, or take this pass out"));
-        }
         let taps = PercentageCloserFilteringSettings::read(cx.settings).taps;
         // The farthest texel is farther from the receiver than with one tap, in proportion to the width of
         // the window.
         let reach = (taps + 1) as f32 / 2.0;
-        Ok(vec![
-            OutputDesc::hand_on("visibility", "maps")
-                .module(visibility::module_of_maps(cx, "maps", MODULE))
-                .fact(TILE, cx.fact("maps", TILE)?)
-                .fact(COLUMNS, cx.fact("maps", COLUMNS)?)
-                .fact(ROWS, cx.fact("maps", ROWS)?)
-                .fact(DEPTH_BIAS, cx.fact("maps", DEPTH_BIAS)? * reach)
-                .fact(SLOPE_BIAS, cx.fact("maps", SLOPE_BIAS)? * reach)
-                .fact(TAPS, taps)
-                .fact(LOOP_ITERATIONS, (taps + 1) * (taps + 1)),
-        ])
+        let maps = visibility::with_other_lookups(cx, "maps", MODULE, reach)?;
+        Ok(vec![maps.fact(TAPS, taps).fact(LOOP_ITERATIONS, (taps + 1) * (taps + 1))])
     }
 
     fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {

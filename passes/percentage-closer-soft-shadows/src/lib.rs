@@ -2,9 +2,7 @@
 
 pub mod cpu_reference;
 
-use interfaces::visibility::{
-    self, COLUMNS, DEPTH_BIAS, LOOP_ITERATIONS, NEAREST, ROWS, SEARCH, SLOPE_BIAS, TAPS, TILE,
-};
+use interfaces::visibility::{self, LOOP_ITERATIONS, NEAREST, SEARCH, TAPS};
 use pass::{
     Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, SceneBindings,
     Setting, Settings, UseContext,
@@ -56,22 +54,9 @@ impl Pass for PercentageCloserSoftShadows {
     }
 
     fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        if cx.input("maps").is_some_and(|maps| maps.member("atlas").is_none()) {
-            return Err(PassTypeError::input(
-                "maps",
-                "there are no maps to look blockers up in: the member `atlas` is missing",
-            )
-            .help("link what makes depth maps, or take this pass out"));
-        }
         let settings = PercentageCloserSoftShadowsSettings::read(cx.settings);
         Ok(vec![
-            OutputDesc::hand_on("visibility", "maps")
-                .module(visibility::module_of_maps(cx, "maps", MODULE))
-                .fact(TILE, cx.fact("maps", TILE)?)
-                .fact(COLUMNS, cx.fact("maps", COLUMNS)?)
-                .fact(ROWS, cx.fact("maps", ROWS)?)
-                .fact(DEPTH_BIAS, cx.fact("maps", DEPTH_BIAS)?)
-                .fact(SLOPE_BIAS, cx.fact("maps", SLOPE_BIAS)?)
+            visibility::with_other_lookups(cx, "maps", MODULE, 1.0)?
                 .fact(SEARCH, settings.search)
                 .fact(TAPS, settings.taps)
                 .fact(NEAREST, settings.nearest)
