@@ -46,7 +46,7 @@ pass::settings! {
         /// Least height of a blocker above the light's plane that is looked for, as a share of the receiver's. It bounds the
         /// region of the search and the penumbra, to (1 - n) / n of the light's radius. Smaller: wider penumbrae of
         /// blockers near the light; but more blockers are found that hide nothing.
-        nearest: f32 = 0.25, min: 0.01, max: 1.0;
+        nearest: f32 = 0.5, min: 0.01, max: 1.0;
     }
 }
 

@@ -17,7 +17,7 @@ const NOTHING: f64 = 3.0e38;
 /// The depth bias of all lookups.
 const DEPTH_BIAS: f64 = 0.02;
 
-/// The pass's defaults, for maps with sides of `tile`.
+/// The pass's defaults for maps with sides of `tile`, but wider penumbrae.
 fn expansion(tile: u32, order: u32) -> Expansion {
     Expansion {
         order,
