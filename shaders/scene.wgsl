@@ -57,6 +57,9 @@ var<storage, read> scene_indices: array<u32>;
 var<storage, read> scene_materials: array<Material>;
 /// Cumulative triangle areas: triangle i is sampled by the 32-bit numbers in [table[i], table[i + 1]).
 var<storage, read> scene_area_table: array<u32>;
+/// [2^b + 1] Between which triangles the one of a number u lies: those of entries u >> (32 - b) and the next; b is the binary
+/// logarithm of the number of triangles, from 1 to 20.
+var<storage, read> scene_area_guide: array<u32>;
 /// Decoded from sRGB on load.
 var scene_textures: texture_2d_array<f32>;
 /// The same texels as they stand, for data that is not colour.

@@ -66,7 +66,7 @@ fn all_that_can_be_measured_is() {
     let median = |row: &serde_json::Value| row["median"].as_f64().unwrap();
     let sum: f64 = frame[2..].iter().map(|row| median(row)).sum();
     let points = frame.iter().find(|row| row["name"] == "ism: shadows/points").expect("points are stored");
-    for (found, sum) in [(median(&frame[0]), sum - median(points)), (median(&frame[1]), sum)] {
+    for (found, sum) in [(median(frame[0]), sum - median(points)), (median(frame[1]), sum)] {
         assert!((sum / found - 1.0).abs() < 1e-6, "{frame:?}");
     }
 }

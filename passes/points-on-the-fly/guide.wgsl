@@ -1,7 +1,9 @@
-// Where searches for the triangle of a point begin and end.
+// The guide table: where searches for the triangle of a point begin and end (Chen & Asau 1974).
 
-#import "algorithms/guide.wgsl"
 #import "amplification.wgsl"
+#import "dispatch.wgsl"
+#import "scene.wgsl"
+#import "triangle-samples.wgsl"
 
 struct Settings {
     /// Binary logarithm of the number of entries.
@@ -15,14 +17,21 @@ fn interval_start(triangle: u32) -> u32 {
     return points.starts[triangle];
 }
 
-fn guide_bits() -> u32 {
-    return settings.guide_bits;
-}
-
-fn number_bits() -> u32 {
-    return 31u;
-}
-
-fn guide_store(i: u32, triangle: u32) {
-    points.starts[scene_info.triangles + 1u + i] = triangle;
+@compute @workgroup_size(256)
+fn guide(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 256u);
+    let entries = 1u << settings.guide_bits;
+    if index > entries || scene_info.triangles == 0u {
+        return;
+    }
+    let last = scene_info.triangles - 1u;
+    var triangle = last;
+    if index < entries {
+        triangle = triangle_at(index << (31u - settings.guide_bits), 0u, last);
+    }
+    points.starts[scene_info.triangles + 1u + index] = triangle;
 }

@@ -2,38 +2,24 @@
 //
 // DEVIATION(sequence): the paper picks triangles and positions at random.
 
-#import "algorithms/guide.wgsl"
+#import "dispatch.wgsl"
 #import "points.wgsl"
 #import "random.wgsl"
+#import "scene.wgsl"
 #import "sobol.wgsl"
+#import "triangle-samples.wgsl"
 #import "triangle.wgsl"
 
 struct Settings {
     count: u32,
     seed: u32,
-    /// Binary logarithm of the number of entries of the guide table.
-    guide_bits: u32,
 }
 
 var<uniform> settings: Settings;
 var<storage, read_write> points: array<Point>;
-/// [2^guide_bits + 1]
-var<storage, read_write> guide_table: array<u32>;
 
 fn interval_start(triangle: u32) -> u32 {
     return scene_area_table[triangle];
-}
-
-fn guide_bits() -> u32 {
-    return settings.guide_bits;
-}
-
-fn number_bits() -> u32 {
-    return 32u;
-}
-
-fn guide_store(i: u32, triangle: u32) {
-    guide_table[i] = triangle;
 }
 
 @compute @workgroup_size(64)
@@ -55,8 +41,9 @@ fn place(
     let first = min(scramble(sobol.x, hash2(settings.seed, 0u)), 0xfffffffeu);
     let second = scramble(sobol.y, hash2(settings.seed, 1u));
 
-    let entry = first >> (32u - settings.guide_bits);
-    let triangle = triangle_at(first, guide_table[entry], guide_table[entry + 1u]);
+    let bits = clamp(firstLeadingBit(scene_info.triangles), 1u, 20u);
+    let entry = first >> (32u - bits);
+    let triangle = triangle_at(first, scene_area_guide[entry], scene_area_guide[entry + 1u]);
     let start = scene_area_table[triangle];
     // At least 1, also for the table of a scene without area, where an interval may be empty.
     let width = max(scene_area_table[triangle + 1u] - start, 1u);

@@ -14,7 +14,6 @@
 //! | the element of a rank | `algorithms/select.wgsl` | [`select::scratch`] | [`select::steps`] |
 //! | sort keys and values | (none) | [`RadixSort::scratch`] | [`RadixSort::steps`] |
 //! | sort elements into cells | `algorithms/grid.wgsl` | [`Grid::scratch`] | [`Grid::steps`] |
-//! | begin searches near their end | `algorithms/guide.wgsl` | | [`guide::step`] |
 //! | split a dispatch that would take too long | | | [`parts`] |
 //!
 //! All of them compute the same bits in every run: sums of floating-point numbers have one order, and atomic operations
@@ -31,7 +30,6 @@
 //! ```
 
 mod grid;
-pub mod guide;
 mod parts;
 mod radix_sort;
 pub mod reduce;

@@ -73,7 +73,9 @@ impl SceneOnGpu {
         let array = textures::upload(device, &gpu.queue, &scene.textures);
         let info = stored("scene info", bytemuck::bytes_of(&info), BufferUsages::UNIFORM);
         let materials = stored("scene materials", cast_slice(&materials), storage);
-        let areas = stored("scene area table", cast_slice(&scene.area_table()), storage);
+        let table = scene.area_table();
+        let guide = stored("scene area guide", cast_slice(&Scene::area_guide(&table)), storage);
+        let areas = stored("scene area table", cast_slice(&table), storage);
         let sampler = |label, filter, address, anisotropy_clamp| {
             SceneBinding::Sampler(device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
@@ -106,6 +108,7 @@ impl SceneOnGpu {
             ("scene_indices", SceneBinding::Buffer(indices)),
             ("scene_materials", SceneBinding::Buffer(materials)),
             ("scene_area_table", SceneBinding::Buffer(areas)),
+            ("scene_area_guide", SceneBinding::Buffer(guide)),
             ("scene_textures", SceneBinding::Texture(array.color)),
             ("scene_textures_linear", SceneBinding::Texture(array.linear)),
             // An adapter that has no anisotropic filtering, or less of it, takes what it has.

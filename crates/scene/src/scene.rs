@@ -277,6 +277,23 @@ impl Scene {
             .collect()
     }
 
+    /// Returns where searches in an [area table](Scene::area_table) begin and end: a guide table (Chen & Asau 1974) of
+    /// 2^b + 1 entries, where b is the binary logarithm of the number of triangles, from 1 to 20. Entry i is the triangle
+    /// that the number i · 2^(32 - b) samples, and the last is the last triangle; without triangles, all are 0.
+    pub fn area_guide(table: &[u32]) -> Vec<u32> {
+        let last = table.len().saturating_sub(2);
+        let bits = (last + 1).max(2).ilog2().min(20);
+        let mut triangle = 0;
+        let of_number = |number: u32| {
+            while triangle < last && table[triangle + 1] <= number {
+                triangle += 1;
+            }
+            triangle as u32
+        };
+        let entries: Vec<u32> = (0..1 << bits).map(|i: u32| i << (32 - bits)).map(of_number).collect();
+        [entries, vec![last as u32]].concat()
+    }
+
     /// Returns the traits of the scene, for the switches of a pipeline. Booleans are `textured`, `glossy`,
     /// `emissive`,
     /// `masked` (of the materials that triangles have), `environment`, `moving_camera`, `moving_lights`,

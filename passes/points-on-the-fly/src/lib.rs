@@ -2,11 +2,12 @@
 
 pub mod cpu_reference;
 
-use gpu_algorithms::{guide, reduce, scan};
+use gpu_algorithms::{reduce, scan};
 use interfaces::points;
 use pass::{
     Compute, Define, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
-    Recording, ResourceDesc, SceneBindings, Setting, Settings, Struct, UseContext, Value, output, setting,
+    Recording, ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext, Value, output,
+    setting,
 };
 
 /// The pass, for the catalog.
@@ -85,8 +86,8 @@ impl Pass for PointsOnTheFly {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
-        let words = u64::from(triangles) + 1 + u64::from(guide::entries(triangles));
-        let points = use_cx.buffer(AMPLIFICATION, words)?;
+        let guide = (1 << guide_bits(triangles)) + 1;
+        let points = use_cx.buffer(AMPLIFICATION, u64::from(triangles) + 1 + guide)?;
         let mut outputs = vec![
             OutputDesc::one("points", points)
                 .module(Module::new(MODULE))
@@ -119,8 +120,9 @@ impl Pass for PointsOnTheFly {
             .flatten();
         let sum = reduce::steps(&use_cx, &cx.shader(SUM, &defines), triangles, "weight_blocks")?;
         let shares = scan::steps(&use_cx, &cx.shader(SHARE, &defines), triangles, "share_sums")?;
-        let guide = guide::step(cx.shader(GUIDE, &[]), triangles);
-        let with_guide = |step: Compute| step.value("guide_bits", Value::U32(guide::bits(triangles)));
+        let entries = (1 << guide_bits(triangles)) + 1;
+        let guide = Compute::new(cx.shader(GUIDE, &[]), "guide", Threads::Row(entries));
+        let with_guide = |step: Compute| step.value("guide_bits", Value::U32(guide_bits(triangles)));
         Ok(Recording::of(bounds.chain(sum))
             .then_all(shares.into_iter().map(with_guide))
             .then(with_guide(guide)))
@@ -129,4 +131,9 @@ impl Pass for PointsOnTheFly {
 
 fn tessellates(settings: &Settings) -> bool {
     PointsOnTheFlySettings::read(settings).rule == Rule::Tessellation
+}
+
+/// Binary logarithm of the number of entries of the guide table, which is about the number of triangles.
+fn guide_bits(triangles: u32) -> u32 {
+    triangles.max(1).ilog2().min(20)
 }

@@ -2,11 +2,10 @@
 
 pub mod cpu_reference;
 
-use gpu_algorithms::guide;
 use interfaces::points;
 use pass::{
     Compute, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext, Value, output,
+    SceneBindings, Setting, Settings, Struct, Threads, UseContext, output,
 };
 
 /// The pass, for the catalog.
@@ -59,24 +58,17 @@ impl Pass for ScenePoints {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = ScenePointsSettings::read(cx.settings).count;
-        let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
         let desc = use_cx.buffer(POINT, u64::from(count))?;
         Ok(vec![
             OutputDesc::one("points", desc)
                 .module(Module::new("shaders/points-stored.wgsl"))
                 .fact(points::COUNT, count),
-            OutputDesc::scratch(
-                "guide_table",
-                ResourceDesc::buffer(4 * u64::from(guide::entries(triangles))),
-            ),
         ])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let shader = || cx.shader("passes/scene-points/scene-points.wgsl", &[]);
-        let (triangles, count) = (cx.trait_u32("triangles"), ScenePointsSettings::read(cx.settings).count);
-        let steps = [guide::step(shader(), triangles), Compute::new(shader(), "place", Threads::Row(count))];
-        let guided = |step: Compute| step.value("guide_bits", Value::U32(guide::bits(triangles)));
-        Ok(Recording::of(steps.map(guided)))
+        let shader = cx.shader("passes/scene-points/scene-points.wgsl", &[]);
+        let count = ScenePointsSettings::read(cx.settings).count;
+        Ok(Recording::one(Compute::new(shader, "place", Threads::Row(count))))
     }
 }

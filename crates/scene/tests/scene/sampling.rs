@@ -18,6 +18,30 @@ fn the_table_rises_to_the_end_in_proportion_to_area() {
     assert!((f64::from(table[1]) / 4_294_967_296.0 - share).abs() < 1e-9, "share {share}");
 }
 
+/// Between two entries of the guide table lies what a search through the whole table finds.
+#[test]
+fn the_guide_says_where_to_search() {
+    let found = |table: &[u32], number: u32| {
+        let last = table.len() - 2;
+        (0..=last).rev().find(|i| table[*i] <= number).expect("the first begins at 0") as u32
+    };
+    let empty_at_both_ends = vec![0, 0, 0, 7, 1 << 31, 1 << 31, u32::MAX, u32::MAX];
+    for table in [shipped("cornell-box").area_table(), vec![0, u32::MAX], empty_at_both_ends] {
+        let guide = scene::Scene::area_guide(&table);
+        let bits = (guide.len() - 1).ilog2();
+        assert_eq!(guide.len(), (1 << bits) + 1);
+        assert_eq!(bits, (table.len() - 1).max(2).ilog2());
+        for i in 0..1u32 << bits {
+            let (low, high) = (i << (32 - bits), ((i + 1) << (32 - bits)).wrapping_sub(1));
+            for number in [low, low + 1, high - 1, high.min(u32::MAX - 1)] {
+                let between = guide[i as usize]..=guide[i as usize + 1];
+                assert!(between.contains(&found(&table, number)), "{number} in {table:?}: {guide:?}");
+            }
+        }
+    }
+    assert_eq!(scene::Scene::area_guide(&[0]), [0, 0, 0], "no triangles");
+}
+
 #[test]
 fn triangles_without_area_are_never_drawn() {
     let mut glb = Glb::square();

@@ -18,13 +18,11 @@ struct Known {
 
 const KNOWN: [Known; 8] = [
     // Two entries of the guide table, a step of the search between them, the interval's two ends, three indices and three
-    // corners. For each entry of the guide table a search in the table of areas by halves.
+    // corners.
     Known {
         kind: "scene-points",
         sparse: &[],
         count: |pass, work| {
-            let search = u64::from(pass.triangles.max(1).ilog2());
-            work.add(Quantity::Loads, pass.threads("guide") * search);
             work.add(Quantity::Loads, pass.threads("place") * (2 + 1 + 2 + 3 + 3));
         },
     },
@@ -135,7 +133,7 @@ pub(super) fn work(plan: &Plan, planned: &PlannedPass, steps: &LinkedSteps, tria
     let known = KNOWN.iter().find(|known| *known.kind == *planned.kind);
     let mut work = Work::of(plan, planned, steps, triangles, known.map_or(&[], |known| known.sparse));
     if let Some(known) = known {
-        (known.count)(&Pass { plan, planned, steps, triangles }, &mut work);
+        (known.count)(&Pass { plan, planned, steps }, &mut work);
     }
     work
 }
@@ -145,7 +143,6 @@ struct Pass<'a> {
     plan: &'a Plan,
     planned: &'a PlannedPass,
     steps: &'a LinkedSteps,
-    triangles: u64,
 }
 
 impl Pass<'_> {
