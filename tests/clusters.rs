@@ -1,6 +1,7 @@
 //! Clusters of a reflective shadow map, as pipelines use them over frames.
 
 use crate::adapter::{gpu, mean, renderer};
+use interfaces::virtual_lights::VirtualLight;
 use renderer::{PortFigures, Renderer};
 
 const CLUSTERED: [&str; 3] = ["acrsm", "rsm-clustering", "clustered-visibility"];
@@ -77,11 +78,21 @@ fn clusters_stay_alive_while_the_light_glides() {
 
 /// The flux of the texels that are in a cluster, and of all: see `struct Clusters`.
 fn flux(renderer: &Renderer) -> (f32, f32) {
-    let plan = renderer.plan().unwrap();
-    let id = plan.resource("lights/average.averaged").expect("the clusters");
-    let bytes = renderer.resource_bytes(id).unwrap();
+    let bytes = resource(renderer, "lights/average.averaged");
     let (header, _) = interfaces::clusters::from_bytes(&bytes).expect("a buffer of clusters");
     (header.mapped_flux.iter().sum(), header.map_flux.iter().sum())
+}
+
+/// The virtual lights of the clusters.
+fn lights(renderer: &Renderer) -> Vec<VirtualLight> {
+    let bytes = resource(renderer, "lights/lights.lights");
+    interfaces::virtual_lights::from_bytes(&bytes).expect("a buffer of lights")
+}
+
+/// What a resource holds after the last frame.
+fn resource(renderer: &Renderer, name: &str) -> Vec<u8> {
+    let id = renderer.plan().unwrap().resource(name).expect("a resource of the plan");
+    renderer.resource_bytes(id).unwrap()
 }
 
 /// What is merged is split elsewhere or seeded again: figures add up, and a restart forgets the past.
@@ -133,10 +144,7 @@ fn at_the_edges_of_what_can_be_asked() {
             continue;
         }
         assert!(alive > 0.0 && mapped > 0.0, "{case}: {told:?}");
-        let lights = renderer.plan().unwrap().resource("lights/lights.lights").expect("the lights");
-        let bytes = renderer.resource_bytes(lights).unwrap();
-        let lights = interfaces::virtual_lights::from_bytes(&bytes).expect("a buffer of lights");
-        let shining: f32 = lights.iter().flat_map(|light| light.flux).sum();
+        let shining: f32 = lights(&renderer).iter().flat_map(|light| light.flux).sum();
         assert!((shining / all - 1.0).abs() < 1e-3, "{case}: lights have {shining} W of {all} W");
     }
 }
@@ -147,9 +155,6 @@ fn lights_at_texels_are_on_surfaces() {
     let outside = |place: &str| {
         let place = format!("lights/lights.place={place}");
         let renderer = after("acrsm", "cornell-box-point", 4, &["lights=16", "window=0", &place])?;
-        let id = renderer.plan().unwrap().resource("lights/lights.lights").expect("the lights");
-        let bytes = renderer.resource_bytes(id).unwrap();
-        let lights = interfaces::virtual_lights::from_bytes(&bytes).expect("a buffer of lights");
         // The walls, floor and ceiling are planes of constant coordinates; boxes within are turned.
         let beside = |at: [f32; 3]| {
             let [x, y, z] = at;
@@ -157,7 +162,12 @@ fn lights_at_texels_are_on_surfaces() {
                 .iter()
                 .fold(f32::MAX, |least, at| least.min(at.abs()))
         };
-        Some(lights.iter().filter(|light| light.flux[1] > 0.0 && beside(light.position) > 0.015).count())
+        Some(
+            lights(&renderer)
+                .iter()
+                .filter(|light| light.flux[1] > 0.0 && beside(light.position) > 0.015)
+                .count(),
+        )
     };
     let (Some(mean), Some(texel)) = (outside("mean"), outside("texel")) else { return };
     assert!(texel < mean, "{texel} of 16 lights are off the walls, and {mean} at the means");

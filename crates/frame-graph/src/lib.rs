@@ -68,7 +68,8 @@
 //!   that takes it, or to the only input of the sub-graph that `in:` leaves unlinked. `"out.NAME"` means an
 //!   output of the pipeline.
 //! * `Remove` replaces a pass by its `off:`. Without `off:`, what reads a pass that was inserted reads again what
-//!   is fed to it, and optional inputs that read another are left unlinked. What `Set` gave to a pass before it was replaced or removed is gone with it.
+//!   is fed to it, and optional inputs that read another are left unlinked. What `Set` gave to a pass before it
+//!   was replaced or removed is gone with it.
 //! * `Set` takes a path: `parameter`, `pass.setting`, `sub-graph.parameter`, `sub-graph/pass.setting`.
 //!   Command-line overrides ([`Overrides`]) take the same paths and are applied last.
 //!
