@@ -22,8 +22,3 @@ fn search_radius(radius: f32, nearest: f32) -> f32 {
 fn penumbra_radius(radius: f32, receiver: f32, blocker: f32) -> f32 {
     return radius * max(receiver - blocker, 0.0) / blocker;
 }
-
-/// The texel of a map in which a receiver falls.
-fn texel_of(position: vec2<f32>, tile: u32) -> vec2<u32> {
-    return vec2<u32>(clamp(position, vec2(0.0), vec2(f32(tile - 1u))));
-}

@@ -58,6 +58,11 @@ fn paraboloid_lookup_in_frame(
     return ParaboloidLookup(false, position, distance, vec4(plane_normal, height), width * bias);
 }
 
+/// The texel of a map at a position in it [px]. Beyond the map's edge lies another map: the nearest texel at the edge is taken.
+fn texel_in_map(position: vec2<f32>, tile: u32) -> vec2<u32> {
+    return vec2<u32>(clamp(position, vec2(0.0), vec2(f32(tile - 1u))));
+}
+
 /// Whether the receiver is seen past what a texel of the map stores: a distance [m] along the ray through its centre.
 ///
 /// The receiver's own surface is met by that ray at another distance than the receiver's, which is known from its plane

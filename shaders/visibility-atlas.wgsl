@@ -29,7 +29,7 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
         return 0.0;
     }
     let origin = tile_origin(index, facts.columns, facts.rows, tile);
-    let texel = vec2<u32>(clamp(lookup.position, vec2(0.0), vec2(f32(tile - 1u))));
+    let texel = texel_in_map(lookup.position, tile);
     let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
     return select(0.0, 1.0, is_seen(lookup, texel, tile, stored));
 }

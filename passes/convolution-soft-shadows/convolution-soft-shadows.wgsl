@@ -184,7 +184,7 @@ fn seen_nearby(lookup: ParaboloidLookup, origin: vec3<u32>) -> f32 {
     var sum = 0.0;
     for (var i = 0u; i < 4u; i++) {
         let beside = vec2(f32(i % 2u), f32(i / 2u));
-        let texel = texel_of(corner + beside, tile);
+        let texel = texel_in_map(corner + beside, tile);
         let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
         let shares = mix(1.0 - weight, weight, beside);
         sum += select(0.0, shares.x * shares.y, is_seen(lookup, texel, tile, stored));
@@ -204,7 +204,7 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
     let lookup = paraboloid_lookup_in_frame(receiver, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
     let radius = disc_radius(light.area);
     if radius == 0.0 {
-        let texel = texel_of(lookup.position, facts.tile);
+        let texel = texel_in_map(lookup.position, facts.tile);
         let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
         return select(0.0, 1.0, is_seen(lookup, texel, facts.tile, stored));
     }

@@ -39,15 +39,13 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
     let start = lookup.position - 0.5 * f32(taps);
     let corner = floor(start);
     let weight = start - corner;
-    let last = vec2(f32(tile - 1u));
     var sum = 0.0;
     var above = 0.0;
     for (var y = 0u; y <= taps; y++) {
         var row = 0.0;
         var left = 0.0;
         for (var x = 0u; x <= taps; x++) {
-            // Texels beyond the map's edge are clamped to the edge: another map lies beyond.
-            let texel = vec2<u32>(clamp(corner + vec2(f32(x), f32(y)), vec2(0.0), last));
+            let texel = texel_in_map(corner + vec2(f32(x), f32(y)), tile);
             let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
             let seen = select(0.0, 1.0, is_seen(lookup, texel, tile, stored));
             if x > 0u {

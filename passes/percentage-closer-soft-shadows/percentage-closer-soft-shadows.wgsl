@@ -47,7 +47,7 @@ fn look_up_beside(origin: vec3<u32>, receiver: vec3<f32>, plane_normal: vec3<f32
     let meets = along * plane_height > 0.0;
     let at = beside * select(1.0, min(plane_height / along, 1.0), meets);
     let lookup = paraboloid_lookup_in_frame(at, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
-    let texel = texel_of(lookup.position, facts.tile);
+    let texel = texel_in_map(lookup.position, facts.tile);
     let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
     return Tap(is_seen(lookup, texel, facts.tile, stored), stored * (at.z / lookup.distance));
 }
@@ -64,7 +64,7 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
     let radius = disc_radius(light.area);
     if radius == 0.0 {
         let lookup = paraboloid_lookup_in_frame(receiver, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
-        let texel = texel_of(lookup.position, facts.tile);
+        let texel = texel_in_map(lookup.position, facts.tile);
         let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
         return select(0.0, 1.0, is_seen(lookup, texel, facts.tile, stored));
     }

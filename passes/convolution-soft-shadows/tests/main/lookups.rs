@@ -37,6 +37,34 @@ fn the_gpu_agrees_with_the_cpu_reference() {
     }
 }
 
+/// Where the four sides of a map end, images are read as the CPU reads them: at the edge, not beyond.
+#[test]
+fn lookups_at_the_edges_of_a_map_agree_with_the_cpu_reference() {
+    for tile in [8, 13] {
+        let by = Expansion { nearest: 0.1, ..expansion(tile, 4) };
+        let atlas = Atlas::rough(tile, 3);
+        let mut random = Random(3);
+        let receivers: Vec<Receiver> = (0..400)
+            .map(|i| {
+                let angle = f64::from(i % 4) * 0.25 * TAU + 0.1 * (random.unit() - 0.5);
+                let z = 0.01 + 0.1 * random.unit();
+                let direction = (dvec2(angle.cos(), angle.sin()) * (1.0 - z * z).sqrt()).extend(z);
+                let [position, normal] = [2.0 * direction, -direction].map(|v| v.to_array());
+                Receiver { position, normal, light: 1 }
+            })
+            .collect();
+        let Some(got) = atlas.answers(by, 0.02, &receivers) else { return };
+        let map = &atlas.reference(by)[1];
+        let wanted = |receiver: &Receiver| {
+            map.visibility(0.02_f32.into(), receiver.position.into(), receiver.normal.into())
+        };
+        let differ =
+            receivers.iter().zip(&got).filter(|(at, got)| (f64::from(**got) - wanted(at)).abs() > 5e-3);
+        assert!(differ.count() <= 4, "{tile}²");
+        assert!(got.iter().filter(|seen| **seen > 0.0 && **seen < 1.0).count() > 50, "{tile}²");
+    }
+}
+
 /// Where visibility rises from a tenth to nine tenths, in the penumbra of an edge.
 #[test]
 fn penumbrae_are_as_wide_as_similar_triangles_say() {
