@@ -67,6 +67,14 @@ pub struct PipelineFacts {
     pub settings: Vec<Settable>,
 }
 
+impl PipelineFacts {
+    /// Returns whether a study can measure a picture of that name: an output, a pass, or `pass.port`.
+    pub fn has_output(&self, name: &str) -> bool {
+        let pass = name.split_once('.').map_or(name, |(pass, _)| pass);
+        self.outputs.iter().any(|output| output == name) || self.passes.iter().any(|known| known == pass)
+    }
+}
+
 /// Returns whether something lies between two points \[m\].
 pub type Occluded = Box<dyn Fn([f32; 3], [f32; 3]) -> bool + Sync>;
 

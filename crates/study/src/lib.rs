@@ -18,7 +18,7 @@
 //!     about: "text"?,  paper: "ISM Fig. 4"?,
 //!     scenes: ["name or file" *],
 //!     pipelines: ["name or file" or VARIANT *] or All or All(except: ["name" *]),
-//!     output: "indirect"?,                  // the output that is measured; each pipeline has it
+//!     output: "indirect"?,                  // the output that is measured, or a pass or `pass.port`; each pipeline has it
 //!     size: (512, 512)?,                    // of frames [px]
 //!     set: { "path": VALUE * }?,            // values for all pipelines
 //!     vary: GROUP or [GROUP *]?,            // the cells are the product of the groups

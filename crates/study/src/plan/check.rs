@@ -73,9 +73,7 @@ impl<'a> Checker<'a> {
                     names.into_iter().filter(|name| !except.iter().any(|other| other.value == *name));
                 // A pipeline that is broken, or has no such output, cannot be compared and is left out.
                 let usable = wanted.filter(|name| {
-                    self.registry
-                        .pipeline(name)
-                        .is_ok_and(|facts| facts.outputs.contains(&self.study.output.value))
+                    self.registry.pipeline(name).is_ok_and(|facts| facts.has_output(&self.study.output.value))
                 });
                 let at = |value: String| At { value, span: span.clone() };
                 usable
@@ -114,7 +112,7 @@ impl<'a> Checker<'a> {
 
     fn output(&mut self, pipeline: &At<String>, facts: &PipelineFacts) {
         let output = &self.study.output.value;
-        if !facts.outputs.contains(output) {
+        if !facts.has_output(output) {
             let error =
                 Diagnostic::new(&codes::OUTPUT, format!("`{}` has no output `{output}`", pipeline.value))
                     .label(pipeline.span.clone(), "")

@@ -178,6 +178,7 @@ fn keep_extras(renderer: &mut Renderer, request: &RunRequest) -> Result<Extras, 
     if !keep.is_empty() || !outputs.is_empty() {
         renderer.set_compile_options(CompileOptions { outputs, ..options(keep) }).map_err(text)?;
     }
+    renderer.keep(&request.output).map_err(text)?;
     Ok(extras)
 }
 
@@ -280,7 +281,7 @@ fn observed(
     Ok(Observed {
         frame,
         figures: figures(renderer, &request.figures)?,
-        image: renderer.output(&request.output).map_err(text)?,
+        image: renderer.picture(&request.output, 0).map_err(text)?,
         passes: plan.passes.iter().map(|pass| pass.name.to_string()).zip(times.iter().copied()).collect(),
         depth: picture(&extras.depth)?,
         normal: picture(&extras.normal)?,

@@ -1,0 +1,108 @@
+//! The picture of lights: dots against their discs on a floor, colours against their scale.
+
+use glam::{DVec3, Vec3, dvec3, vec3};
+use half::f16;
+use interfaces::virtual_lights::VirtualLight;
+use pass::{Format, ResourceDesc};
+use pass_test::Harness;
+use scene::Scene;
+use show_lights::PASS;
+
+const WIDTH: u32 = 80;
+const HEIGHT: u32 = 60;
+const DOT: f64 = 3.0;
+const GREY: [u8; 4] = [51, 51, 51, 255];
+const WHITE: [u8; 4] = [255, 255, 255, 255];
+const BLACK: [u8; 4] = [0, 0, 0, 255];
+
+#[test]
+fn every_variant_is_valid() {
+    pass_test::assert_shaders_are_valid(PASS);
+}
+
+/// Depth and place at which a pixel of the scene `plane` (y = 0, side 2) sees the floor.
+fn floor(scene: &Scene, pixel: u32) -> Option<(f32, DVec3)> {
+    let view = scene.camera.view().inverse().as_dmat4();
+    let tangent = f64::from(scene.camera.vertical_fov * 0.5).tan();
+    let ndc_x = (f64::from(pixel % WIDTH) + 0.5) / f64::from(WIDTH) * 2.0 - 1.0;
+    let ndc_y = 1.0 - (f64::from(pixel / WIDTH) + 0.5) / f64::from(HEIGHT) * 2.0;
+    let aspect = f64::from(WIDTH) / f64::from(HEIGHT);
+    let ray = view.transform_vector3(dvec3(ndc_x * tangent * aspect, ndc_y * tangent, -1.0));
+    let eye = scene.camera.position.as_dvec3();
+    let depth = -eye.y / ray.y;
+    let at = eye + ray * depth;
+    (depth > 0.0 && at.x.abs() < 1.0 && at.z.abs() < 1.0).then_some((depth as f32, at))
+}
+
+fn light(position: Vec3, flux: f32) -> VirtualLight {
+    VirtualLight { position: position.to_array(), flux: [flux; 3], ..VirtualLight::default() }
+}
+
+/// Shows lights over the floor; `irradiance` is that of each pixel.
+fn show(lights: &[VirtualLight], irradiance: Option<&[f32]>) -> Option<Vec<[u8; 4]>> {
+    let scene = pass_test::scene("plane");
+    let depth: Vec<f32> =
+        (0..WIDTH * HEIGHT).map(|i| floor(&scene, i).map_or(0.0, |(depth, _)| depth)).collect();
+    let picture = |format| ResourceDesc::texture_2d(format, (WIDTH, HEIGHT));
+    let view = vec![("depth", picture(Format::R32Float), bytemuck::cast_slice(&depth).to_vec())];
+    let mut harness = Harness::new(PASS)
+        .set("dot", DOT as f32)
+        .set("middle", 2.0)
+        .with_scene(scene)
+        .frame(WIDTH, HEIGHT)
+        .lights(lights)
+        .input("view", "GBuffer", &[], view);
+    if let Some(irradiance) = irradiance {
+        let halves: Vec<u16> =
+            irradiance.iter().flat_map(|&e| [e, e, e, 1.0].map(|x| f16::from_f32(x).to_bits())).collect();
+        let members = vec![("", picture(Format::Rgba16Float), bytemuck::cast_slice(&halves).to_vec())];
+        harness = harness.input("irradiance", "Irradiance", &[], members);
+    }
+    Some(harness.run()?.read("display"))
+}
+
+#[test]
+fn dots_are_discs_around_what_is_seen_of_lights() {
+    let shown = [light(vec3(0.3, 0.0, 0.2), 1.0), light(vec3(-0.4, 0.0, -0.3), 0.0)];
+    let scene = pass_test::scene("plane");
+    let behind = scene.camera.position * 2.0;
+    // Below the floor, behind the camera, beside the image, nowhere: no dots.
+    let hidden = [vec3(0.0, -0.5, 0.0), behind, vec3(1e4, 0.0, 0.0), Vec3::NAN, Vec3::splat(f32::INFINITY)];
+    let lights: Vec<_> = hidden.into_iter().map(|position| light(position, 1.0)).chain(shown).collect();
+    let Some(found) = show(&lights, None) else { return };
+    let pixel = 2.0 * f64::from(scene.camera.vertical_fov * 0.5).tan() / f64::from(HEIGHT);
+    let mut dots = [0; 2];
+    for (i, found) in (0..).zip(found) {
+        let Some((depth, at)) = floor(&scene, i) else {
+            assert_eq!(found, BLACK, "pixel {i} sees nothing");
+            continue;
+        };
+        let mut expected = GREY;
+        let mut is_at_an_edge = false;
+        for (k, (light, colour)) in shown.iter().zip([WHITE, BLACK]).enumerate() {
+            let away = Vec3::from(light.position).as_dvec3().distance(at) / (pixel * f64::from(depth));
+            is_at_an_edge |= (away - DOT).abs() < 0.01;
+            if away < DOT {
+                expected = colour;
+                dots[k] += 1;
+            }
+        }
+        assert!(is_at_an_edge || found == expected, "pixel {i} at {at}: {found:?}, not {expected:?}");
+    }
+    assert!(dots.iter().all(|&pixels| pixels > 10), "{dots:?} pixels are in a dot");
+}
+
+#[test]
+fn colours_go_from_blue_over_green_to_red() {
+    let scene = pass_test::scene("plane");
+    let seen: Vec<_> = (0..WIDTH * HEIGHT).filter(|&i| floor(&scene, i).is_some()).collect();
+    for (irradiance, expected) in [(0.0, [0, 0, 1]), (2.0, [0, 1, 0]), (6e4, [1, 0, 0])] {
+        let Some(found) = show(&[], Some(&vec![irradiance; (WIDTH * HEIGHT) as usize])) else { return };
+        for &i in &seen {
+            let [r, g, b, _] = found[i as usize];
+            let most = r.max(g).max(b);
+            let is_most = [r, g, b].map(|x| i32::from(x == most));
+            assert_eq!(is_most, expected, "{irradiance} W/m² is shown as {:?}", found[i as usize]);
+        }
+    }
+}
