@@ -10,6 +10,7 @@
 pub mod cluster_map;
 pub mod clusters;
 pub mod counters;
+pub mod density;
 #[path = "depth-atlas/mod.rs"]
 pub mod depth_atlas;
 pub mod display;
@@ -25,8 +26,11 @@ pub mod progress;
 pub mod radiance;
 #[path = "radiance-sum/mod.rs"]
 pub mod radiance_sum;
+pub mod radiosity;
 #[path = "reflective-shadow-map/mod.rs"]
 pub mod reflective_shadow_map;
+#[path = "surface-points/mod.rs"]
+pub mod surface_points;
 #[path = "virtual-lights/mod.rs"]
 pub mod virtual_lights;
 pub mod visibility;
@@ -42,6 +46,9 @@ pub static INTERFACES: &[Interface] = &[
     owners::INTERFACE,
     clusters::INTERFACE,
     cluster_map::INTERFACE,
+    surface_points::INTERFACE,
+    density::INTERFACE,
+    radiosity::INTERFACE,
     points::INTERFACE,
     depth_atlas::INTERFACE,
     visibility::INTERFACE,

@@ -3,6 +3,7 @@
 use interfaces::INTERFACES;
 use interfaces::clusters::{self, Cluster, ClustersHeader, NO_TEXEL};
 use interfaces::progress::{PROGRESS, Progress};
+use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader, packed_albedo};
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Content, Request};
 use shader_library::struct_layout;
@@ -29,6 +30,15 @@ fn rust_has_the_layouts_of_the_wgsl() {
             mean_delta: "f32",
         }),
         struct_layout!(Progress { step: "u32", steps: "u32", error: "f32", done: "u32" }),
+        struct_layout!(SurfacePoint {
+            position: "vec3f",
+            triangle: "u32",
+            normal: "vec3f",
+            seed: "u32",
+            barycentrics: "vec2f",
+            albedo: "u32",
+            mark: "u32",
+        }),
         struct_layout!(VirtualLight {
             position: "vec3f",
             area: "f32",
@@ -107,6 +117,38 @@ fn clusters_come_out_of_their_buffer() {
     let wanted = (ClustersHeader { count: 2, ..header }, vec![cluster, Cluster::default()]);
     assert_eq!(clusters::from_bytes(&bytes), Some(wanted));
     assert_eq!(clusters::from_bytes(&bytes[..bytes.len() - 1]), None);
+}
+
+#[test]
+fn surface_points_come_out_of_their_buffer() {
+    let cx = pass_test::use_context();
+    let bytes = |count| surface_points::output(&cx, "points", count).unwrap().members[0].1.clone();
+    assert_eq!(bytes(0), pass::ResourceDesc::buffer(16));
+    assert_eq!(bytes(3), pass::ResourceDesc::buffer(16 + 3 * 48));
+    let point = SurfacePoint {
+        position: [1.0, 2.0, 3.0],
+        triangle: 5,
+        barycentrics: [0.5, 0.25],
+        ..Default::default()
+    };
+    let bytes = surface_points::to_bytes(7, &[point, SurfacePoint::NONE]);
+    let header = SurfacePointsHeader { count: 2, iteration: 7, pad: [0; 2] };
+    assert_eq!(surface_points::from_bytes(&bytes), Some((header, vec![point, SurfacePoint::NONE])));
+    assert_eq!(surface_points::from_bytes(&bytes[..bytes.len() - 1]), None);
+    assert_eq!((point.is_none(), SurfacePoint::NONE.is_none()), (false, true));
+}
+
+#[test]
+fn packed_reflectances_are_close() {
+    for albedo in [[0.0, 1.0, 0.5], [0.25, 0.01, 0.8], [1e-4, 2.0, -1.0]] {
+        let packed = SurfacePoint { albedo: packed_albedo(albedo), ..Default::default() };
+        for (found, expected) in std::iter::zip(packed.albedo(), albedo) {
+            let expected = f64::clamp(expected, 0.0, 1.0);
+            assert!((found - expected).abs() <= 0.001 * expected.sqrt() + 1e-6, "{found} for {expected}");
+        }
+    }
+    let white = SurfacePoint { albedo: packed_albedo([1.0; 3]), ..Default::default() };
+    assert_eq!(white.albedo(), [1.0; 3]);
 }
 
 #[test]

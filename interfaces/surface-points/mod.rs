@@ -1,0 +1,104 @@
+//! Points on the surfaces of the scene, which may go from frame to frame.
+
+use bytemuck::{Pod, Zeroable};
+use pass::{Content, Fact, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
+
+/// The number of points.
+pub const COUNT: Fact<u32> = Fact::required("count", "the number of points, those included that are empty");
+
+const POINTS: Struct = Struct::new("interfaces/surface-points/surface-points.wgsl", "SurfacePoints");
+
+/// The interface `SurfacePoints`.
+pub const INTERFACE: Interface = Interface::new(
+    "SurfacePoints",
+    "Points on the surfaces of the scene, such as those that the camera sees, or those that become virtual lights.",
+    &[Member::required("", Content::Struct(POINTS), "what is true of all points, and the points")],
+)
+.with_facts(&[COUNT.decl()])
+.with_folder("interfaces/surface-points");
+
+/// The triangle of a point that is empty: `NO_TRIANGLE` of surface-points.wgsl.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// `struct SurfacePoint` of surface-points.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SurfacePoint {
+    /// Position in world space \[m\].
+    pub position: [f32; 3],
+    /// Index of the triangle; [`NO_TRIANGLE`] where there is no point.
+    pub triangle: u32,
+    /// Geometric normal, unit, on the side from which the point was reached.
+    pub normal: [f32; 3],
+    /// The point's own, as long as it lives.
+    pub seed: u32,
+    /// Weights of the second and third vertex of the triangle.
+    pub barycentrics: [f32; 2],
+    /// Diffuse reflectance of the material: see [`SurfacePoint::albedo`].
+    pub albedo: u32,
+    /// For what passes have to note.
+    pub mark: u32,
+}
+
+impl SurfacePoint {
+    /// An empty point.
+    pub const NONE: SurfacePoint = SurfacePoint {
+        position: [0.0; 3],
+        triangle: NO_TRIANGLE,
+        normal: [0.0; 3],
+        seed: 0,
+        barycentrics: [0.0; 2],
+        albedo: 0,
+        mark: 0,
+    };
+
+    /// Returns whether there is no point.
+    pub fn is_none(&self) -> bool {
+        self.triangle == NO_TRIANGLE
+    }
+
+    /// Returns the diffuse reflectance.
+    pub fn albedo(&self) -> [f64; 3] {
+        [0, 10, 20].map(|bit| (f64::from((self.albedo >> bit) & 0x3ff) / 1023.0).powi(2))
+    }
+}
+
+/// Returns a reflectance in 30 bits, as `packed_albedo` of surface-points.wgsl does.
+pub fn packed_albedo(albedo: [f64; 3]) -> u32 {
+    let [r, g, b] = albedo.map(|channel| (channel.clamp(0.0, 1.0).sqrt() * 1023.0).round() as u32);
+    r | (g << 10) | (b << 20)
+}
+
+/// What precedes the points in `struct SurfacePoints` of surface-points.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct SurfacePointsHeader {
+    /// Number of points, those included that are empty.
+    pub count: u32,
+    /// Frames of the algorithm that made them.
+    pub iteration: u32,
+    /// Unused; zero.
+    pub pad: [u32; 2],
+}
+
+/// Describes an output of `count` points.
+///
+/// # Errors
+/// Where surface-points.wgsl is refused.
+pub fn output(cx: &UseContext<'_>, port: &str, count: u32) -> Result<OutputDesc, PassTypeError> {
+    Ok(OutputDesc::one(port, cx.buffer(POINTS, u64::from(count))?).fact(COUNT, count))
+}
+
+/// Returns the bytes of a buffer with these points.
+pub fn to_bytes(iteration: u32, points: &[SurfacePoint]) -> Vec<u8> {
+    let header = SurfacePointsHeader { count: points.len() as u32, iteration, pad: [0; 2] };
+    [bytemuck::bytes_of(&header), bytemuck::cast_slice(points)].concat()
+}
+
+/// Returns the header and the points in the bytes of a buffer; `None` where there are too few bytes for its count.
+pub fn from_bytes(bytes: &[u8]) -> Option<(SurfacePointsHeader, Vec<SurfacePoint>)> {
+    let (header, rest) = bytes.split_at_checked(size_of::<SurfacePointsHeader>())?;
+    let header: SurfacePointsHeader = bytemuck::pod_read_unaligned(header);
+    let points = rest.get(..(header.count as usize).checked_mul(size_of::<SurfacePoint>())?)?;
+    Some((header, bytemuck::pod_collect_to_vec(points)))
+}

@@ -1,0 +1,56 @@
+// The interface SurfacePoints: points on the surfaces of the scene, such as those that become virtual lights. They may go
+// from frame to frame. [SMC-IR §3.2]
+
+/// No triangle: see `SurfacePoint.triangle`.
+const NO_TRIANGLE: u32 = 0xffffffffu;
+
+struct SurfacePoint {
+    /// World space [m].
+    position: vec3<f32>,
+    /// Index of the triangle that it lies on. NO_TRIANGLE: there is no point, such as where a ray met nothing.
+    triangle: u32,
+    /// Geometric normal, unit, on the side from which the point was reached.
+    normal: vec3<f32>,
+    /// The point's own: given where it is first made, and kept as long as it lives.
+    seed: u32,
+    /// Weights of the second and third vertex of the triangle, by which the point follows it.
+    barycentrics: vec2<f32>,
+    /// Diffuse reflectance of the material, without the detail of textures: see `albedo_of`.
+    albedo: u32,
+    /// For what passes have to note; 0 where a point is made.
+    mark: u32,
+}
+
+/// What is true of all points together.
+struct SurfacePointsHeader {
+    /// How many there are, those included that are empty.
+    count: u32,
+    /// Counts the frames of the algorithm that made them.
+    iteration: u32,
+    pad0: u32,
+    pad1: u32,
+}
+
+struct SurfacePoints {
+    header: SurfacePointsHeader,
+    points: array<SurfacePoint>,
+}
+
+/// An empty point.
+fn no_point() -> SurfacePoint {
+    var point: SurfacePoint;
+    point.triangle = NO_TRIANGLE;
+    return point;
+}
+
+/// A reflectance in 30 bits: ten for the square root of each channel, so that dark ones are rounded less.
+fn packed_albedo(albedo: vec3<f32>) -> u32 {
+    let rounded = vec3<u32>(sqrt(clamp(albedo, vec3(0.0), vec3(1.0))) * 1023.0 + 0.5);
+    return rounded.r | (rounded.g << 10u) | (rounded.b << 20u);
+}
+
+/// The diffuse reflectance of a point.
+fn albedo_of(point: SurfacePoint) -> vec3<f32> {
+    let root = vec3<f32>((vec3(point.albedo) >> vec3(0u, 10u, 20u)) & vec3(0x3ffu)) / 1023.0;
+    return root * root;
+}
