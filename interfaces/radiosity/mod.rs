@@ -1,9 +1,12 @@
 //! Radiosity of points on surfaces.
 
-use pass::{Content, Fact, Interface, Member, OutputDesc, ResourceDesc};
+use bytemuck::{Pod, Zeroable};
+use pass::{Content, Fact, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
 
 /// The number of points that have a radiosity.
 pub const COUNT: Fact<u32> = Fact::required("count", "the number of points that have a radiosity");
+
+const RADIOSITIES: Struct = Struct::new("interfaces/radiosity/point-radiosity.wgsl", "PointRadiosities");
 
 /// The interface `Radiosity`.
 pub const INTERFACE: Interface = Interface::new(
@@ -11,14 +14,29 @@ pub const INTERFACE: Interface = Interface::new(
     "The light that leaves the surface at each of a number of points.",
     &[Member::required(
         "",
-        Content::Buffer,
-        "vec4f a point: radiosity [W/m²], and its luminance; 0 where there is no point",
+        Content::Struct(RADIOSITIES),
+        "radiosity of each point, and what it follows from",
     )],
 )
-.with_facts(&[COUNT.decl()]);
+.with_facts(&[COUNT.decl()])
+.with_folder("interfaces/radiosity");
+
+/// `struct PointRadiosity` of point-radiosity.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PointRadiosity {
+    /// All that leaves the surface but what it emits itself \[W/m²\]; 0 where there is no point.
+    pub radiosity: [f32; 3],
+    /// What it follows from: radiosities with the same key are the same while neither lights nor surfaces move. 0: from
+    /// nothing.
+    pub key: u32,
+}
 
 /// Describes an output of the radiosities of `count` points.
-pub fn output(port: &str, count: u32) -> OutputDesc {
+///
+/// # Errors
+/// Where point-radiosity.wgsl is refused.
+pub fn output(cx: &UseContext<'_>, port: &str, count: u32) -> Result<OutputDesc, PassTypeError> {
     // A buffer has at least one element.
-    OutputDesc::one(port, ResourceDesc::buffer(16 * u64::from(count.max(1)))).fact(COUNT, count)
+    Ok(OutputDesc::one(port, cx.buffer(RADIOSITIES, u64::from(count.max(1)))?).fact(COUNT, count))
 }

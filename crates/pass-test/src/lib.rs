@@ -32,6 +32,7 @@ mod clusters;
 mod given;
 mod harness;
 pub mod random;
+pub mod rooms;
 mod shader_use;
 pub mod statistics;
 pub mod view;

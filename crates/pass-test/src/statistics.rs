@@ -37,3 +37,12 @@ pub fn assert_follows(observed: &[u32], expected: &[f64]) {
         "chi squared is {statistic}, of {freedom} degrees of freedom: more than {limit}"
     );
 }
+
+/// Returns the mean, and the standard deviation of the mean.
+pub fn spread(values: impl Iterator<Item = f32>) -> (f64, f64) {
+    let values: Vec<f64> = values.map(f64::from).collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}

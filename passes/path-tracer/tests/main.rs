@@ -1,9 +1,9 @@
 //! Paths against closed forms, and against quadrature where there is none.
 
-mod boxes;
 mod glossy;
 
-use boxes::{floor_and_wall, furnace, spread};
+use pass_test::rooms::{self, floor_and_wall, furnace};
+use pass_test::statistics::spread;
 use pass_test::{Harness, Outputs, scene};
 use std::f64::consts::PI;
 
@@ -49,7 +49,7 @@ fn a_furnace_is_even() {
 /// Under the spot the irradiance is 1 W/m², and the albedo is ½ (scenes/plane.ron).
 #[test]
 fn a_patch_under_a_spot() {
-    let camera = boxes::camera_at([0.0, 0.5, 0.0], [0.0; 3], 1e-3);
+    let camera = rooms::camera_at([0.0, 0.5, 0.0], [0.0; 3], 1e-3);
     let harness = Harness::new(path_tracer::PASS).with_scene(scene("plane")).camera(camera).frame(4, 4);
     let Some(outputs) = harness.set("samples_per_frame", 1u32).run() else { return };
     for pixel in pixels(&outputs, "direct") {
@@ -63,12 +63,12 @@ fn a_patch_under_a_spot() {
 #[test]
 fn a_screen_shades() {
     let run = |height: f32| {
-        let floor = boxes::quad([-1.0, 0.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0);
-        let screen = boxes::quad([-0.5, height, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0);
-        let mut scene = boxes::room(&[floor, screen], vec![boxes::matte([0.5; 3], [0.0; 3])]);
+        let floor = rooms::quad([-1.0, 0.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0);
+        let screen = rooms::quad([-0.5, height, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0);
+        let mut scene = rooms::room(&[floor, screen], vec![rooms::matte([0.5; 3], [0.0; 3])]);
         scene.lights[0].intensity = glam::Vec3::ONE;
         // Below the screen in either case.
-        let camera = boxes::camera_at([0.3, 0.2, 0.0], [0.0; 3], 1e-3);
+        let camera = rooms::camera_at([0.3, 0.2, 0.0], [0.0; 3], 1e-3);
         let harness = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
         let outputs = harness.set("samples_per_frame", 1u32).run()?;
         Some(spread(pixels(&outputs, "direct").iter().map(|pixel| pixel[0])).0)
@@ -104,7 +104,7 @@ fn clamped_form_factor(away: f64, height: f64, width: f64, closest: f64) -> f64 
 
 /// A wall under a sun that grazes the floor, which sees the wall alone.
 fn irradiance_of_floor(away: f32, clamp: f32) -> Option<[(f64, f64); 2]> {
-    let camera = boxes::camera_at([away, 0.5, 0.0], [away, 0.0, 0.0], 1e-3);
+    let camera = rooms::camera_at([away, 0.5, 0.0], [away, 0.0, 0.0], 1e-3);
     let harness = Harness::new(path_tracer::PASS).with_scene(floor_and_wall()).camera(camera).frame(64, 64);
     let outputs = harness
         .set("bounces", 1u32)
@@ -189,7 +189,7 @@ fn masked_surfaces_let_light_through() {
             scene.materials[1].alpha_cutoff = Some(0.5);
             scene.materials[1].base_color.w = 0.25;
         }
-        let camera = boxes::camera_at([0.4, 0.5, 0.0], [0.4, 0.0, 0.0], 1e-3);
+        let camera = rooms::camera_at([0.4, 0.5, 0.0], [0.4, 0.0, 0.0], 1e-3);
         let harness = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(4, 4);
         let outputs = harness.set("samples_per_frame", 8u32).run()?;
         Some(spread(pixels(&outputs, "indirect").iter().map(|p| p[0])).0)

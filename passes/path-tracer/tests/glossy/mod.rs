@@ -1,7 +1,8 @@
 //! Microfacet reflection: the sampled directional albedo against quadrature.
 
-use crate::boxes::{camera_at, matte, quad, room, spread};
 use pass_test::Harness;
+use pass_test::rooms::{camera_at, matte, quad, room};
+use pass_test::statistics::spread;
 use std::f64::consts::PI;
 
 /// GGX with the height-correlated Smith term, F₀ = 1: reflectance · cosine, in the surface's frame (shaders/ggx.wgsl).

@@ -1,20 +1,23 @@
-//! Rooms made of quads.
+//! Rooms made of quads, where light has closed forms.
 
 use glam::{Vec3, Vec4};
 use scene::{Camera, Instance, LightKind, Material, Scene, Vertex};
 
 /// A parallelogram of one material.
-pub(crate) struct Quad {
-    pub(crate) corners: [[f32; 3]; 4],
+pub struct Quad {
+    /// In order around it.
+    pub corners: [[f32; 3]; 4],
     material: u32,
 }
 
-pub(crate) fn quad(corner: [f32; 3], a: [f32; 3], b: [f32; 3], material: u32) -> Quad {
+/// Returns the parallelogram at a corner, along two edges.
+pub fn quad(corner: [f32; 3], a: [f32; 3], b: [f32; 3], material: u32) -> Quad {
     let [corner, a, b] = [corner, a, b].map(Vec3::from);
     Quad { corners: [corner, corner + a, corner + a + b, corner + b].map(|at| at.to_array()), material }
 }
 
-pub(crate) fn matte(albedo: [f64; 3], emission: [f64; 3]) -> Material {
+/// Returns a diffuse material with this reflectance, which emits this radiance \[W/(m² sr)\].
+pub fn matte(albedo: [f64; 3], emission: [f64; 3]) -> Material {
     let [r, g, b] = albedo.map(|x| x as f32);
     Material {
         base_color: Vec4::new(r, g, b, 1.0),
@@ -23,9 +26,9 @@ pub(crate) fn matte(albedo: [f64; 3], emission: [f64; 3]) -> Material {
     }
 }
 
-/// The scene `plane`, with this in place of its square, and its light off.
-pub(crate) fn room(quads: &[Quad], materials: Vec<Material>) -> Scene {
-    let mut scene = pass_test::scene("plane");
+/// Returns the scene `plane`, with this in place of its square, and its light off.
+pub fn room(quads: &[Quad], materials: Vec<Material>) -> Scene {
+    let mut scene = crate::scene("plane");
     scene.materials = materials;
     (scene.vertices, scene.indices) = (Vec::new(), Vec::new());
     for quad in quads {
@@ -54,8 +57,8 @@ pub(crate) fn room(quads: &[Quad], materials: Vec<Material>) -> Scene {
     scene
 }
 
-/// A closed cube of 2 m, seen from near its middle.
-pub(crate) fn furnace(emitted: [f64; 3], albedo: [f64; 3]) -> Scene {
+/// Returns a closed cube of 2 m about the origin, seen from near its middle.
+pub fn furnace(emitted: [f64; 3], albedo: [f64; 3]) -> Scene {
     let (x, y, z) = ([2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]);
     let low = [-1.0; 3];
     let faces = [(low, x, y), (low, y, z), (low, z, x)];
@@ -76,8 +79,8 @@ pub(crate) fn furnace(emitted: [f64; 3], albedo: [f64; 3]) -> Scene {
     scene
 }
 
-/// A floor of 1 m², and on its side x = 0 a wall as large, on which a sun shines along the floor.
-pub(crate) fn floor_and_wall() -> Scene {
+/// Returns a floor of 1 m², and on its side x = 0 a wall as large, on which a sun shines along the floor.
+pub fn floor_and_wall() -> Scene {
     let quads = [
         quad([0.0, 0.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0),
         quad([0.0, 0.0, -0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 1),
@@ -89,16 +92,8 @@ pub(crate) fn floor_and_wall() -> Scene {
     scene
 }
 
-pub(crate) fn camera_at(position: [f32; 3], target: [f32; 3], vertical_fov: f32) -> Camera {
+/// Returns a camera with z upwards.
+pub fn camera_at(position: [f32; 3], target: [f32; 3], vertical_fov: f32) -> Camera {
     let [position, target] = [position, target].map(Vec3::from);
     Camera { position, target, up: Vec3::Z, vertical_fov, near: 1e-3 }
-}
-
-/// Mean, and the standard deviation of the mean.
-pub(crate) fn spread(values: impl Iterator<Item = f32>) -> (f64, f64) {
-    let values: Vec<f64> = values.map(f64::from).collect();
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, (variance / n).sqrt())
 }

@@ -1,0 +1,150 @@
+// Radiosity of points on surfaces: the direct light of the scene's lights, and the mean over paths of what else arrives.
+// [SMC-IR §3.2.3]
+//
+// Paths have next-event estimation at each of their surfaces. All surfaces are diffuse (SMC-IR §3.1). The random numbers of a
+// point come from its own seed alone: neither its index nor the frame changes what it is.
+
+#option PAST false // whether there are radiosities of earlier frames
+#option ALBEDO mean one_of [mean, textured] // Reflectance of surfaces that paths meet. mean: textures are replaced by their means, as SMC-IR §5 does. textured: as they are.
+#option MASKED false // whether triangles do not count where alpha is below their material's cutoff
+#option TEXTURED false // whether any material of the scene has a texture
+
+#import "dispatch.wgsl"
+#import "point-radiosity.wgsl"
+#import "reflected-light.wgsl"
+#import "sobol.wgsl"
+#import "surface-point.wgsl"
+#import "tangent-frame.wgsl"
+
+struct Settings {
+    /// Paths N of a point. Noise falls as N^-½; time grows with N.
+    paths: u32,
+    bounces: u32,
+    /// Segments of a path: one more than bounces but the first where surfaces emit.
+    segments: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> points: SurfacePoints;
+#if PAST
+var<storage, read> past: PointRadiosities;
+#endif
+/// Radiance that arrives along each path, times π [W/m²]: the paths of a point are neighbours.
+var<storage, read_write> arriving: array<vec4<f32>>;
+var<storage, read_write> radiosity: PointRadiosities;
+
+/// What the radiosity of a point follows from, while neither lights nor geometry move. No point has the key 0.
+fn key_of(point: SurfacePoint) -> u32 {
+    return max(hash2(hash2(point.seed, settings.paths), settings.bounces), 1u);
+}
+
+/// Whether the radiosity of a point is known from an earlier frame.
+fn is_kept(index: u32, point: SurfacePoint) -> bool {
+#if PAST
+    return index < arrayLength(&past.radiosities) && past.radiosities[index].key == key_of(point);
+#else
+    return false;
+#endif
+}
+
+/// The surface where a path is, as it scatters light.
+fn diffuse_vertex(hit: Hit, direction: vec3<f32>) -> PathVertex {
+    var vertex = path_vertex(hit, direction);
+#if ALBEDO == mean
+    vertex.surface.albedo = mean_albedo(scene_vertices[scene_indices[3u * hit.triangle]].material);
+#endif
+    return vertex;
+}
+
+/// Light that arrives along one path at a point, but for that of the scene's lights: π times the radiance [W/m²].
+fn arriving_along(point: SurfacePoint, path: u32) -> vec3<f32> {
+    var sum = vec3(0.0);
+    var throughput = vec3(1.0);
+    var at = point.position;
+    var normal = point.normal;
+    var geometric = point.normal;
+    for (var segment = 1u; segment <= settings.segments; segment++) {
+        let square = sobol2_of(path, hash2(point.seed, segment));
+        let radius = sqrt(square.x);
+        let angle = 2.0 * PI * square.y;
+        let local = vec3(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - square.x, 0.0)));
+        let direction = frame_from_normal(normal) * local;
+        let hit = trace(offset_origin(at, facing(geometric, direction)), direction, 0.0, FAR);
+        if hit.triangle == NO_HIT {
+            break;
+        }
+        let vertex = diffuse_vertex(hit, direction);
+        // With directions by the cosine, the mean of π times the radiance that arrives is the irradiance.
+        sum += throughput * PI * vertex.surface.emission;
+        if segment < settings.bounces {
+            sum += throughput * PI * reflected_light(vertex, -direction);
+        }
+        throughput *= vertex.surface.albedo;
+        if !any(throughput > vec3(0.0)) {
+            break;
+        }
+        at = vertex.position;
+        normal = vertex.normal;
+        geometric = vertex.geometric;
+    }
+    return sum;
+}
+
+@compute @workgroup_size(64)
+fn trace_paths(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    let owner = index / settings.paths;
+    if owner >= min(points.header.count, arrayLength(&points.points)) {
+        return;
+    }
+    let point = points.points[owner];
+    if point.triangle == NO_TRIANGLE || is_kept(owner, point) {
+        return;
+    }
+    arriving[index] = vec4(arriving_along(point, index % settings.paths), 0.0);
+}
+
+@compute @workgroup_size(64)
+fn collect(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index >= arrayLength(&radiosity.radiosities) {
+        return;
+    }
+    var known = PointRadiosity();
+    if index < min(points.header.count, arrayLength(&points.points)) {
+        let point = points.points[index];
+#if PAST
+        if is_kept(index, point) {
+            radiosity.radiosities[index] = past.radiosities[index];
+            return;
+        }
+#endif
+        if point.triangle != NO_TRIANGLE {
+            known = PointRadiosity(radiosity_of(index, point), key_of(point));
+        }
+    }
+    radiosity.radiosities[index] = known;
+}
+
+/// Radiosity of a point [W/m²] by the lights of the scene and its paths.
+fn radiosity_of(index: u32, point: SurfacePoint) -> vec3<f32> {
+    var sum = vec3(0.0);
+    if settings.segments > 0u {
+        for (var path = 0u; path < settings.paths; path++) {
+            sum += arriving[index * settings.paths + path].rgb;
+        }
+    }
+    let albedo = albedo_of(point);
+    // DEVIATION(direct): the paper's paths have each an estimate of their own.
+    let matte = Surface(albedo, 1.0, vec3(0.0), 1.0, vec3(0.0));
+    let vertex = PathVertex(point.position, point.normal, point.normal, matte);
+    return albedo * sum / f32(settings.paths) + PI * reflected_light(vertex, point.normal);
+}

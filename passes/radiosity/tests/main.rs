@@ -1,0 +1,192 @@
+//! Radiosity against closed forms, and what is kept of it.
+
+use glam::{Vec2, Vec3, vec3};
+use interfaces::radiosity::PointRadiosity;
+use interfaces::surface_points::{self, SurfacePoint, packed_albedo};
+use pass_test::rooms::{self, floor_and_wall, furnace};
+use pass_test::{Harness, scene};
+use radiosity::PASS;
+use scene::Scene;
+use std::f64::consts::PI;
+
+#[test]
+fn every_variant_is_valid() {
+    pass_test::assert_shaders_are_valid(PASS);
+}
+
+/// The point on a triangle whose normal faces `towards`, with the reflectance of its material.
+fn point(scene: &Scene, triangle: u32, barycentrics: Vec2, towards: Vec3, seed: u32) -> SurfacePoint {
+    let corners = [0, 1, 2].map(|i| scene.vertices[scene.indices[(3 * triangle + i) as usize] as usize]);
+    let [a, b, c] = corners.map(|vertex| Vec3::from(vertex.position));
+    let position = a + (b - a) * barycentrics.x + (c - a) * barycentrics.y;
+    let normal = (b - a).cross(c - a).normalize();
+    let normal = if normal.dot(towards - position) < 0.0 { -normal } else { normal };
+    let albedo = scene.materials[corners[0].material as usize].base_color.truncate().to_array();
+    SurfacePoint {
+        position: position.to_array(),
+        triangle,
+        normal: normal.to_array(),
+        seed,
+        barycentrics: barycentrics.to_array(),
+        albedo: packed_albedo(albedo.map(f64::from)),
+        mark: 0,
+    }
+}
+
+/// The pass over these points.
+fn harness<'a>(scene: &Scene, points: &[SurfacePoint]) -> Harness<'a> {
+    let bytes = surface_points::to_bytes(0, points);
+    let members = vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
+    let count = points.len() as u32;
+    Harness::new(PASS).with_scene(scene.clone()).input(
+        "points",
+        "SurfacePoints",
+        &[("count", count)],
+        members,
+    )
+}
+
+fn run(harness: Harness<'_>) -> Option<Vec<PointRadiosity>> {
+    Some(harness.run()?.read("radiosity"))
+}
+
+/// Points all over a scene, which face `towards`.
+fn points_of(scene: &Scene, towards: Vec3, count: u32) -> Vec<SurfacePoint> {
+    let place = |i: u32| {
+        let fraction = |step: f32| (i as f32 * step).fract();
+        Vec2::new(0.1 + 0.3 * fraction(0.618), 0.1 + 0.3 * fraction(0.414))
+    };
+    (0..count).map(|i| point(scene, i % scene.triangles() as u32, place(i), towards, 1 + 77 * i)).collect()
+}
+
+fn assert_near(found: f32, expected: f64, tolerance: f64, what: &str) {
+    assert!((f64::from(found) / expected - 1.0).abs() < tolerance, "{what}: {found}, not {expected}");
+}
+
+/// Where all surfaces emit E and reflect ρ, every path brings the same: B = ρ π E Σ ρᵏ over the bounces before.
+#[test]
+fn in_a_furnace_every_path_brings_the_same() {
+    let (emitted, albedo) = ([0.5, 0.25, 1.0], [0.2, 0.5, 0.8]);
+    let scene = furnace(emitted, albedo);
+    let points = points_of(&scene, Vec3::ZERO, 24);
+    for (bounces, paths, reflectance) in [(1, 1, "mean"), (3, 16, "mean"), (3, 5, "textured")] {
+        let harness = harness(&scene, &points).set("bounces", bounces).set("paths", paths);
+        let Some(found) = run(harness.set("albedo", reflectance)) else { return };
+        for (point, found) in points.iter().zip(found) {
+            for c in 0..3 {
+                let series: f64 = (0..bounces).map(|k| albedo[c].powi(k as i32)).sum();
+                let expected = point.albedo()[c] * PI * emitted[c] * series;
+                assert_near(found.radiosity[c], expected, 2e-5, &format!("{bounces} bounces, {paths} paths"));
+            }
+        }
+    }
+}
+
+/// Under the spot the irradiance is 1 W/m² (scenes/plane.ron).
+#[test]
+fn direct_light_reaches_the_side_it_falls_on() {
+    let scene = scene("plane");
+    // Triangles share the middle of the square, which is below the spot.
+    let middle = (0..scene.triangles() as u32)
+        .flat_map(|triangle| [[0.0, 0.5], [0.5, 0.0], [0.5, 0.5]].map(|place| (triangle, place)))
+        .find(|(triangle, place)| {
+            Vec3::from(point(&scene, *triangle, Vec2::from(*place), Vec3::Y, 1).position).length() < 1e-6
+        });
+    let (triangle, place) = middle.expect("the diagonal goes through the middle");
+    let points = [Vec3::Y, Vec3::NEG_Y].map(|side| point(&scene, triangle, place.into(), side, 9));
+    let Some(found) = run(harness(&scene, &points)) else { return };
+    for c in 0..3 {
+        assert_near(found[0].radiosity[c], points[0].albedo()[c], 1e-4, "above");
+    }
+    assert_eq!(found[1].radiosity, [0.0; 3], "below");
+}
+
+#[test]
+fn what_is_in_the_way_shades() {
+    let radiosity_below = |height: f32| {
+        let floor = rooms::quad([-1.0, 0.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0);
+        let screen = rooms::quad([-0.5, height, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0);
+        let mut scene = rooms::room(&[floor, screen], vec![rooms::matte([0.5; 3], [0.0; 3])]);
+        scene.lights[0].intensity = Vec3::ONE;
+        let middle = point(&scene, 0, Vec2::new(0.0, 0.5), Vec3::Y, 3);
+        assert_eq!(middle.position, [0.0; 3]);
+        Some(run(harness(&scene, &[middle]).set("bounces", 1))?[0].radiosity[0])
+    };
+    // The spot hangs 1 m above the floor: above a screen at half a metre, and below one at 2 m.
+    let (Some(shaded), Some(lit)) = (radiosity_below(0.5), radiosity_below(2.0)) else { return };
+    assert_eq!(shaded, 0.0);
+    assert!(lit > 0.1, "{lit}");
+}
+
+/// A sun lights a wall, which lights the floor before it. The share of the wall in what the floor sees is known: that of a
+/// rectangle on edge, from a patch in front of its middle.
+#[test]
+fn the_second_bounce_is_that_of_the_view_factor() {
+    let scene = floor_and_wall();
+    // From a patch at distance a from the wall of width 2 b and height c, F = 1/π (atan(b / a) - a / √(a² + c²) atan(b / √(a² + c²))).
+    let factor = |a: f64| {
+        let (b, slant) = (0.5_f64, a.hypot(1.0));
+        ((b / a).atan() - a / slant * (b / slant).atan()) / PI
+    };
+    let points: Vec<_> = (1..200).map(|seed| point(&scene, 0, Vec2::new(0.0, 0.5), Vec3::Y, seed)).collect();
+    let [x, _, z] = points[0].position;
+    assert_eq!([x, z], [0.5, 0.0]);
+    let Some(found) = run(harness(&scene, &points).set("bounces", 2).set("paths", 64)) else { return };
+    let expected = points[0].albedo()[0] * 0.6 * 2.0 * factor(0.5);
+    let (mean, error) = pass_test::statistics::spread(found.iter().map(|found| found.radiosity[0]));
+    assert!((mean - expected).abs() < 4.0 * error + 1e-4 * expected, "{mean} ± {error}, not {expected}");
+    assert!(error < 0.01 * expected, "{error}");
+    // With one bounce there is none of it: the sun shines along the floor.
+    let Some(first) = run(harness(&scene, &points).set("bounces", 1)) else { return };
+    assert!(first.iter().all(|found| found.radiosity == [0.0; 3]));
+}
+
+/// Neither the place of a point among the others nor the frame changes what it is.
+#[test]
+fn a_point_has_one_radiosity_wherever_it_stands() {
+    let scene = scene("cornell-box");
+    let points = points_of(&scene, vec3(0.27, 0.27, 0.27), 100);
+    let Some(found) = run(harness(&scene, &points)) else { return };
+    let turned: Vec<_> = points.iter().cycle().skip(33).take(100).copied().collect();
+    let again = run(harness(&scene, &turned).frame_index(7).seed(5)).expect("the adapter is still there");
+    for (i, again) in again.iter().enumerate() {
+        assert_eq!(*again, found[(i + 33) % 100], "point {i}");
+    }
+    assert!(found.iter().filter(|found| found.radiosity[0] > 0.0).count() > 50);
+    // Another seed takes other paths.
+    let others: Vec<_> =
+        points.iter().map(|point| SurfacePoint { seed: point.seed ^ 0x5555, ..*point }).collect();
+    let others = run(harness(&scene, &others)).expect("the adapter is still there");
+    assert!(others.iter().zip(&found).filter(|(a, b)| a.radiosity != b.radiosity).count() > 50);
+}
+
+#[test]
+fn what_is_known_is_kept_and_nothing_else() {
+    let scene = scene("cornell-box");
+    let mut points = points_of(&scene, vec3(0.27, 0.27, 0.27), 64);
+    points[5] = SurfacePoint::NONE;
+    let Some(found) = run(harness(&scene, &points)) else { return };
+    assert_eq!(found[5], PointRadiosity::default());
+    assert!(found.iter().enumerate().all(|(i, found)| i == 5 || found.key != 0));
+    // What is handed in is told apart by its value, not by its key, but for three: one that another point has left, one
+    // that was never known, one of other settings.
+    let mut past: Vec<_> =
+        found.iter().map(|found| PointRadiosity { radiosity: [-1.0; 3], ..*found }).collect();
+    past[7].key ^= 1;
+    past[8].key = 0;
+    let with = |past: &[PointRadiosity], age: u32, paths: u32| {
+        let bytes: Vec<u8> = bytemuck::cast_slice(past).to_vec();
+        let members = vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
+        run(harness(&scene, &points)
+            .set("paths", paths)
+            .past("past", "Radiosity", age, members)
+            .fact("count", past.len() as u32))
+        .expect("the adapter is still there")
+    };
+    for (i, again) in with(&past, 1, 16).iter().enumerate() {
+        let expected = if [5, 7, 8].contains(&i) { found[i] } else { past[i] };
+        assert_eq!(*again, expected, "point {i}");
+    }
+    assert!(with(&past, 1, 8).iter().all(|again| again.radiosity != [-1.0; 3]), "other settings");
+    assert_eq!(with(&past, 0, 16), found, "without history");
+}
