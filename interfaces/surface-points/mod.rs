@@ -1,7 +1,7 @@
 //! Points on the surfaces of the scene, which may go from frame to frame.
 
 use bytemuck::{Pod, Zeroable};
-use pass::{Content, Fact, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
+use pass::{Content, Fact, Figure, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
 
 /// The number of points.
 pub const COUNT: Fact<u32> = Fact::required("count", "the number of points, those included that are empty");
@@ -15,7 +15,8 @@ pub const INTERFACE: Interface = Interface::new(
     &[Member::required("", Content::Struct(POINTS), "what is true of all points, and the points")],
 )
 .with_facts(&[COUNT.decl()])
-.with_folder("interfaces/surface-points");
+.with_folder("interfaces/surface-points")
+.with_figures(&[Figure::new("marked", "points that have a mark: see the pass", "")]);
 
 /// The triangle of a point that is empty: `NO_TRIANGLE` of surface-points.wgsl.
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -36,7 +37,7 @@ pub struct SurfacePoint {
     pub barycentrics: [f32; 2],
     /// Diffuse reflectance of the material: see [`SurfacePoint::albedo`].
     pub albedo: u32,
-    /// For what passes have to note.
+    /// For what a pass has to tell of a point.
     pub mark: u32,
 }
 
@@ -77,8 +78,10 @@ pub struct SurfacePointsHeader {
     pub count: u32,
     /// Frames of the algorithm that made them.
     pub iteration: u32,
+    /// How many have a mark, where a pass says what it marks.
+    pub marked: u32,
     /// Unused; zero.
-    pub pad: [u32; 2],
+    pub pad: u32,
 }
 
 /// Describes an output of `count` points.
@@ -91,7 +94,8 @@ pub fn output(cx: &UseContext<'_>, port: &str, count: u32) -> Result<OutputDesc,
 
 /// Returns the bytes of a buffer with these points.
 pub fn to_bytes(iteration: u32, points: &[SurfacePoint]) -> Vec<u8> {
-    let header = SurfacePointsHeader { count: points.len() as u32, iteration, pad: [0; 2] };
+    let header =
+        SurfacePointsHeader { count: points.len() as u32, iteration, ..SurfacePointsHeader::default() };
     [bytemuck::bytes_of(&header), bytemuck::cast_slice(points)].concat()
 }
 

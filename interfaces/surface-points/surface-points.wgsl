@@ -17,7 +17,7 @@ struct SurfacePoint {
     barycentrics: vec2<f32>,
     /// Diffuse reflectance of the material, without the detail of textures: see `albedo_of`.
     albedo: u32,
-    /// For what passes have to note; 0 where a point is made.
+    /// For what a pass has to tell of a point; 0 where one is made.
     mark: u32,
 }
 
@@ -27,8 +27,9 @@ struct SurfacePointsHeader {
     count: u32,
     /// Counts the frames of the algorithm that made them.
     iteration: u32,
-    pad0: u32,
-    pad1: u32,
+    /// How many have a mark, where a pass says what it marks.
+    marked: u32,
+    pad: u32,
 }
 
 struct SurfacePoints {

@@ -134,7 +134,7 @@ fn surface_points_come_out_of_their_buffer() {
         ..Default::default()
     };
     let bytes = surface_points::to_bytes(7, &[point, SurfacePoint::NONE]);
-    let header = SurfacePointsHeader { count: 2, iteration: 7, pad: [0; 2] };
+    let header = SurfacePointsHeader { count: 2, iteration: 7, ..SurfacePointsHeader::default() };
     assert_eq!(surface_points::from_bytes(&bytes), Some((header, vec![point, SurfacePoint::NONE])));
     assert_eq!(surface_points::from_bytes(&bytes[..bytes.len() - 1]), None);
     assert_eq!((point.is_none(), SurfacePoint::NONE.is_none()), (false, true));
