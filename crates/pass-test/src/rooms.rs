@@ -1,6 +1,7 @@
 //! Rooms made of quads, where light has closed forms.
 
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
+use interfaces::surface_points::{SurfacePoint, packed_albedo};
 use scene::{Camera, Instance, LightKind, Material, Scene, Vertex};
 
 /// A parallelogram of one material.
@@ -96,4 +97,26 @@ pub fn floor_and_wall() -> Scene {
 pub fn camera_at(position: [f32; 3], target: [f32; 3], vertical_fov: f32) -> Camera {
     let [position, target] = [position, target].map(Vec3::from);
     Camera { position, target, up: Vec3::Z, vertical_fov, near: 1e-3 }
+}
+
+/// Returns the point on a triangle whose normal faces `towards`, with the reflectance of its material.
+///
+/// # Panics
+/// Where there is no such triangle.
+pub fn point_on(scene: &Scene, triangle: u32, barycentrics: Vec2, towards: Vec3, seed: u32) -> SurfacePoint {
+    let corners = [0, 1, 2].map(|i| scene.vertices[scene.indices[(3 * triangle + i) as usize] as usize]);
+    let [a, b, c] = corners.map(|vertex| Vec3::from(vertex.position));
+    let position = a + (b - a) * barycentrics.x + (c - a) * barycentrics.y;
+    let normal = (b - a).cross(c - a).normalize();
+    let normal = if normal.dot(towards - position) < 0.0 { -normal } else { normal };
+    let albedo = scene.materials[corners[0].material as usize].base_color.truncate().to_array();
+    SurfacePoint {
+        position: position.to_array(),
+        triangle,
+        normal: normal.to_array(),
+        seed,
+        barycentrics: barycentrics.to_array(),
+        albedo: packed_albedo(albedo.map(f64::from)),
+        mark: 0,
+    }
 }

@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3, vec3};
 use interfaces::radiosity::PointRadiosity;
-use interfaces::surface_points::{self, SurfacePoint, packed_albedo};
-use pass_test::rooms::{self, floor_and_wall, furnace};
+use interfaces::surface_points::{self, SurfacePoint};
+use pass_test::rooms::{self, floor_and_wall, furnace, point_on};
 use pass_test::{Harness, scene};
 use radiosity::PASS;
 use scene::Scene;
@@ -12,25 +12,6 @@ use std::f64::consts::PI;
 #[test]
 fn every_variant_is_valid() {
     pass_test::assert_shaders_are_valid(PASS);
-}
-
-/// The point on a triangle whose normal faces `towards`, with the reflectance of its material.
-fn point(scene: &Scene, triangle: u32, barycentrics: Vec2, towards: Vec3, seed: u32) -> SurfacePoint {
-    let corners = [0, 1, 2].map(|i| scene.vertices[scene.indices[(3 * triangle + i) as usize] as usize]);
-    let [a, b, c] = corners.map(|vertex| Vec3::from(vertex.position));
-    let position = a + (b - a) * barycentrics.x + (c - a) * barycentrics.y;
-    let normal = (b - a).cross(c - a).normalize();
-    let normal = if normal.dot(towards - position) < 0.0 { -normal } else { normal };
-    let albedo = scene.materials[corners[0].material as usize].base_color.truncate().to_array();
-    SurfacePoint {
-        position: position.to_array(),
-        triangle,
-        normal: normal.to_array(),
-        seed,
-        barycentrics: barycentrics.to_array(),
-        albedo: packed_albedo(albedo.map(f64::from)),
-        mark: 0,
-    }
 }
 
 /// The pass over these points.
@@ -56,7 +37,7 @@ fn points_of(scene: &Scene, towards: Vec3, count: u32) -> Vec<SurfacePoint> {
         let fraction = |step: f32| (i as f32 * step).fract();
         Vec2::new(0.1 + 0.3 * fraction(0.618), 0.1 + 0.3 * fraction(0.414))
     };
-    (0..count).map(|i| point(scene, i % scene.triangles() as u32, place(i), towards, 1 + 77 * i)).collect()
+    (0..count).map(|i| point_on(scene, i % scene.triangles() as u32, place(i), towards, 1 + 77 * i)).collect()
 }
 
 fn assert_near(found: f32, expected: f64, tolerance: f64, what: &str) {
@@ -90,10 +71,10 @@ fn direct_light_reaches_the_side_it_falls_on() {
     let middle = (0..scene.triangles() as u32)
         .flat_map(|triangle| [[0.0, 0.5], [0.5, 0.0], [0.5, 0.5]].map(|place| (triangle, place)))
         .find(|(triangle, place)| {
-            Vec3::from(point(&scene, *triangle, Vec2::from(*place), Vec3::Y, 1).position).length() < 1e-6
+            Vec3::from(point_on(&scene, *triangle, Vec2::from(*place), Vec3::Y, 1).position).length() < 1e-6
         });
     let (triangle, place) = middle.expect("the diagonal goes through the middle");
-    let points = [Vec3::Y, Vec3::NEG_Y].map(|side| point(&scene, triangle, place.into(), side, 9));
+    let points = [Vec3::Y, Vec3::NEG_Y].map(|side| point_on(&scene, triangle, place.into(), side, 9));
     let Some(found) = run(harness(&scene, &points)) else { return };
     for c in 0..3 {
         assert_near(found[0].radiosity[c], points[0].albedo()[c], 1e-4, "above");
@@ -108,7 +89,7 @@ fn what_is_in_the_way_shades() {
         let screen = rooms::quad([-0.5, height, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0);
         let mut scene = rooms::room(&[floor, screen], vec![rooms::matte([0.5; 3], [0.0; 3])]);
         scene.lights[0].intensity = Vec3::ONE;
-        let middle = point(&scene, 0, Vec2::new(0.0, 0.5), Vec3::Y, 3);
+        let middle = point_on(&scene, 0, Vec2::new(0.0, 0.5), Vec3::Y, 3);
         assert_eq!(middle.position, [0.0; 3]);
         Some(run(harness(&scene, &[middle]).set("bounces", 1))?[0].radiosity[0])
     };
@@ -128,7 +109,8 @@ fn the_second_bounce_is_that_of_the_view_factor() {
         let (b, slant) = (0.5_f64, a.hypot(1.0));
         ((b / a).atan() - a / slant * (b / slant).atan()) / PI
     };
-    let points: Vec<_> = (1..200).map(|seed| point(&scene, 0, Vec2::new(0.0, 0.5), Vec3::Y, seed)).collect();
+    let points: Vec<_> =
+        (1..200).map(|seed| point_on(&scene, 0, Vec2::new(0.0, 0.5), Vec3::Y, seed)).collect();
     let [x, _, z] = points[0].position;
     assert_eq!([x, z], [0.5, 0.0]);
     let Some(found) = run(harness(&scene, &points).set("bounces", 2).set("paths", 64)) else { return };
