@@ -29,6 +29,7 @@ pub mod radiance_sum;
 pub mod radiosity;
 #[path = "reflective-shadow-map/mod.rs"]
 pub mod reflective_shadow_map;
+pub mod stands;
 #[path = "surface-points/mod.rs"]
 pub mod surface_points;
 #[path = "virtual-lights/mod.rs"]
@@ -52,6 +53,7 @@ pub static INTERFACES: &[Interface] = &[
     points::INTERFACE,
     depth_atlas::INTERFACE,
     visibility::INTERFACE,
+    stands::INTERFACE,
     irradiance::INTERFACE,
     counters::INTERFACE,
     progress::INTERFACE,

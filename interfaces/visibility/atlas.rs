@@ -99,12 +99,27 @@ impl AtlasLayout {
 
     /// Returns how many layers there are.
     pub fn layers(&self) -> u32 {
-        self.count.div_ceil(self.columns * self.rows)
+        self.count.div_ceil(self.maps_of_layer())
+    }
+
+    /// Returns the maps along a row of a layer.
+    pub fn columns(&self) -> u32 {
+        self.columns
+    }
+
+    /// Returns the rows of maps in a layer.
+    pub fn rows(&self) -> u32 {
+        self.rows
+    }
+
+    /// Returns how many maps a layer has room for.
+    pub fn maps_of_layer(&self) -> u32 {
+        self.columns * self.rows
     }
 
     /// Returns the maps of a layer.
     pub fn maps(&self, layer: u32) -> Range<u32> {
-        let all = self.columns * self.rows;
+        let all = self.maps_of_layer();
         layer * all..((layer + 1) * all).min(self.count)
     }
 

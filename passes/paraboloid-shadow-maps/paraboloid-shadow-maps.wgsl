@@ -7,6 +7,8 @@
 // Here the vertex stage covers a triangle's image with a right-angled triangle twice the size of its bounding box,
 // and the fragment stage meets each texel's ray with the triangle itself.
 
+#option KEPT false // whether maps are kept, and only those that are listed are rendered
+
 #import "paraboloid.wgsl"
 #import "scene.wgsl"
 #import "virtual-lights.wgsl"
@@ -16,12 +18,21 @@ struct Settings {
     visibility_tile: u32,
     visibility_columns: u32,
     visibility_rows: u32,
+#if KEPT
+    layer: u32,
+#else
     /// The first map of the layer.
     first_map: u32,
+#endif
 }
 
 var<uniform> settings: Settings;
 var<storage, read> lights: VirtualLights;
+#if KEPT
+/// The maps to render, by index, and where those of each layer begin.
+var<storage, read> moved: array<u32>;
+var<storage, read> begins: array<u32>;
+#endif
 
 struct Cover {
     @builtin(position) position: vec4<f32>,
@@ -100,7 +111,11 @@ fn image_bounds(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> Box {
 fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) -> Cover {
     // All positions zero: no fragment.
     var out: Cover;
+#if KEPT
+    let light = moved[begins[settings.layer] + map];
+#else
     let light = settings.first_map + map;
+#endif
     if light >= lights.count {
         return out;
     }

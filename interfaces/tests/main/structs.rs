@@ -4,6 +4,7 @@ use interfaces::INTERFACES;
 use interfaces::clusters::{self, Cluster, ClustersHeader, NO_TEXEL};
 use interfaces::progress::{PROGRESS, Progress};
 use interfaces::radiosity::PointRadiosity;
+use interfaces::stands::Stand;
 use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader, packed_albedo};
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Content, Request};
@@ -30,6 +31,7 @@ fn rust_has_the_layouts_of_the_wgsl() {
             delta: "f32",
             mean_delta: "f32",
         }),
+        struct_layout!(Stand { position: "vec3f", is_rendered: "u32", normal: "vec3f", pad: "u32" }),
         struct_layout!(PointRadiosity { radiosity: "vec3f", key: "u32" }),
         struct_layout!(Progress { step: "u32", steps: "u32", error: "f32", done: "u32" }),
         struct_layout!(SurfacePoint {

@@ -2,12 +2,12 @@
 
 pub mod cpu_reference;
 
-use interfaces::virtual_lights;
 use interfaces::visibility::{AtlasLayout, DepthBias, DepthBiasSettings};
+use interfaces::{stands, virtual_lights};
 use pass::{
-    DepthTarget, Draw, Format, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Raster,
-    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, UseContext,
-    Value,
+    Clear, Compute, Define, DepthTarget, Draw, Format, Info, Load, OutputContext, OutputDesc, Pass,
+    PassTypeError, Ports, Raster, RecordContext, Recording, Request, ResourceDesc, SceneBindings, Setting,
+    Settings, Step, Struct, Target, Threads, Usage, UseContext, Value,
 };
 
 /// The pass type `paraboloid-shadow-maps`.
@@ -20,6 +20,12 @@ pub struct ParaboloidShadowMaps {
 }
 
 const SHADER: &str = "passes/paraboloid-shadow-maps/paraboloid-shadow-maps.wgsl";
+const LIST: &str = "passes/paraboloid-shadow-maps/list-moved.wgsl";
+const CLEAR: &str = "passes/paraboloid-shadow-maps/clear.wgsl";
+const LAYER_DRAWS: Struct = Struct::new("passes/paraboloid-shadow-maps/kept.wgsl", "LayerDraws");
+
+/// Bytes of the arguments of a draw.
+const DRAW_BYTES: u64 = 16;
 
 /// The depth bias that these maps need. Distances are those of the centres of texels, so a plane needs none; the rest is for
 /// surfaces that bend within a texel, and for shading normals, which are not those of the triangles.
@@ -39,7 +45,7 @@ impl Pass for ParaboloidShadowMaps {
             kind: "paraboloid-shadow-maps",
             about: "Renders every triangle into one paraboloid depth map per virtual light: the exact baseline.",
             paper: "ISM §5",
-            shaders: &[SHADER],
+            shaders: &[SHADER, LIST, CLEAR],
         }
     }
 
@@ -51,17 +57,41 @@ impl Pass for ParaboloidShadowMaps {
 
     fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
         Ok(Ports {
-            inputs: vec![pass::input(
-                "lights",
-                "VirtualLights",
-                "The lights: one map each, over the hemisphere around its normal.",
-            )],
-            outputs: vec![pass::output("visibility", "Visibility", "The maps.")],
+            inputs: vec![
+                pass::input(
+                    "lights",
+                    "VirtualLights",
+                    "The lights: one map each, over the hemisphere around its normal.",
+                ),
+                pass::optional(
+                    "past",
+                    "Visibility",
+                    "The maps of the frame before, which are kept where a light stays: `Prev` of the output `visibility`, \
+                     reset by `Scene`, `Reload` and `Moved`.",
+                ),
+                pass::optional(
+                    "rendered",
+                    "Stands",
+                    "`Prev` of the output `stands`, reset by the same; needed with `past`.",
+                ),
+            ],
+            outputs: vec![
+                pass::output("visibility", "Visibility", "The maps."),
+                pass::output(
+                    "stands",
+                    "Stands",
+                    "Where the lights stand whose maps these are; zero where maps are not kept.",
+                ),
+            ],
             scene_bindings: SceneBindings::SCENE,
         })
     }
 
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let tile = ParaboloidShadowMapsSettings::read(cx.settings).map;
         let count = cx.fact("lights", virtual_lights::COUNT)?;
         let Some(layout) = AtlasLayout::new(count, tile, self.side) else {
@@ -79,7 +109,30 @@ impl Pass for ParaboloidShadowMaps {
         // One layer after the other.
         let nearness = ResourceDesc::texture_2d(Format::Depth32Float, layout.layer_size());
         let nearness = OutputDesc::scratch("nearness", nearness);
-        Ok(vec![layout.visibility(bias), nearness])
+        let mut maps = layout.visibility(bias);
+        let mut stands = stands::output(use_cx, "stands", count)?;
+        let mut outputs = vec![nearness];
+        let list =
+            |name: &str, length: u32| OutputDesc::scratch(name, ResourceDesc::buffer(4 * u64::from(length)));
+        match [cx.input("past"), cx.input("rendered")].map(|input| input.is_some()) {
+            [true, true] => {
+                let past = Usage::Continue { input: "past".into(), member: "atlas".into() };
+                maps.members[0].2 = past;
+                outputs.push(list("moved", count));
+                outputs.push(list("begins", layout.layers()));
+                outputs.push(OutputDesc::scratch(
+                    "draws",
+                    use_cx.buffer(LAYER_DRAWS, u64::from(layout.layers()))?,
+                ));
+            }
+            [false, false] => stands.members[0].2 = Usage::ClearFirst(Clear::Zero),
+            _ => {
+                let said = "maps are kept by two links, `past` and `rendered`: one of them is missing";
+                return Err(PassTypeError::new(said));
+            }
+        }
+        outputs.extend([maps, stands]);
+        Ok(outputs)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
@@ -89,23 +142,62 @@ impl Pass for ParaboloidShadowMaps {
         let count = cx.fact("lights", virtual_lights::COUNT)?;
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, count));
         let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
-        let layer = |layer: u32| {
-            Step::Raster(Raster {
-                shader: cx.shader(SHADER, &[]),
-                vertex: "cover".into(),
-                fragment: Some("hit".into()),
-                targets: vec![Target {
-                    resource: "visibility.atlas".into(),
-                    layer,
-                    load: Load::Clear([AtlasLayout::NOTHING; 4]),
-                }],
-                depth: Some(DepthTarget { resource: "nearness".into(), layer: 0, clear: 0.0 }),
-                draw: Draw::Vertices { vertices, instances: layout.maps(layer).len() as u32 },
-                values: vec![("first_map".into(), Value::U32(layout.maps(layer).start))],
-                bind: Vec::new(),
-                windows: Vec::new(),
-            })
-        };
-        Ok(Recording { steps: (0..layout.layers()).map(layer).collect() })
+        if cx.connected("past") {
+            return Ok(kept(cx, layout, vertices));
+        }
+        let steps = (0..layout.layers()).map(|layer| {
+            let draw = Draw::Vertices { vertices, instances: layout.maps(layer).len() as u32 };
+            let load = Load::Clear([AtlasLayout::NOTHING; 4]);
+            let first_map = ("first_map", layout.maps(layer).start);
+            Step::Raster(scene_into(
+                cx.shader(SHADER, &[("KEPT", Define::Bool(false))]),
+                layer,
+                load,
+                draw,
+                first_map,
+            ))
+        });
+        Ok(Recording { steps: steps.collect() })
     }
+}
+
+/// The draw of the scene into the maps of a layer.
+fn scene_into(shader: Request, layer: u32, load: Load, draw: Draw, value: (&str, u32)) -> Raster {
+    Raster {
+        shader,
+        vertex: "cover".into(),
+        fragment: Some("hit".into()),
+        targets: vec![Target { resource: "visibility.atlas".into(), layer, load }],
+        depth: Some(DepthTarget { resource: "nearness".into(), layer: 0, clear: 0.0 }),
+        draw,
+        values: vec![(value.0.into(), Value::U32(value.1))],
+        bind: Vec::new(),
+        windows: Vec::new(),
+    }
+}
+
+/// The steps where maps are kept: those of lights that moved are listed, cleared and rendered.
+fn kept(cx: &RecordContext<'_>, layout: AtlasLayout, vertices: u32) -> Recording {
+    let list = Compute::new(cx.shader(LIST, &[]), "list", Threads::Row(1))
+        .value("maps_of_layer", Value::U32(layout.maps_of_layer()))
+        .value("vertices", Value::U32(vertices));
+    let mut recording = Recording::one(list);
+    for layer in 0..layout.layers() {
+        let draw = |which: u64| Draw::Indirect {
+            buffer: "draws".into(),
+            offset: DRAW_BYTES * (2 * u64::from(layer) + which),
+        };
+        let scene = cx.shader(SHADER, &[("KEPT", Define::Bool(true))]);
+        let scene = scene_into(scene, layer, Load::Keep, draw(1), ("layer", layer));
+        let clear = Raster {
+            shader: cx.shader(CLEAR, &[]),
+            vertex: "square".into(),
+            fragment: Some("nothing".into()),
+            depth: None,
+            draw: draw(0),
+            ..scene.clone()
+        };
+        recording.steps.extend([Step::Raster(clear), Step::Raster(scene)]);
+    }
+    recording
 }

@@ -2,12 +2,15 @@
 
 use frame_graph::Source;
 use glam::{DVec2, DVec3, dvec3, uvec2};
+use interfaces::stands::Stand;
 use interfaces::virtual_lights::VirtualLight;
+use interfaces::visibility::AtlasLayout;
 use paraboloid_shadow_maps::ParaboloidShadowMaps;
 use paraboloid_shadow_maps::cpu_reference::paraboloid::{
     direction_from_paraboloid, frame_from_normal, texel_centre,
 };
 use paraboloid_shadow_maps::cpu_reference::{hit, image_bounds, map};
+use pass::{Format, ResourceDesc};
 use pass_test::Harness;
 use scene::{Scene, Vertex};
 use std::sync::Arc;
@@ -42,7 +45,7 @@ fn scene_of(triangles: &[[DVec3; 3]]) -> Scene {
 
 /// The maps of these lights, row by row.
 fn render(scene: Scene, lights: &[(DVec3, DVec3)], tile: u32) -> Option<Vec<Vec<f64>>> {
-    Some(render_in_layers(scene, lights, tile, interfaces::visibility::AtlasLayout::SIDE)?.0)
+    Some(render_in_layers(scene, lights, tile, AtlasLayout::SIDE)?.0)
 }
 
 /// The maps in an atlas whose layers have sides of at most `side`, and how many layers there are.
@@ -52,13 +55,7 @@ fn render_in_layers(
     tile: u32,
     side: u32,
 ) -> Option<(Vec<Vec<f64>>, u32)> {
-    let given = |(position, normal): &(DVec3, DVec3)| VirtualLight {
-        position: position.as_vec3().to_array(),
-        normal: normal.as_vec3().to_array(),
-        flux: [1.0; 3],
-        ..VirtualLight::default()
-    };
-    let given: Vec<VirtualLight> = lights.iter().map(given).collect();
+    let given: Vec<VirtualLight> = lights.iter().copied().map(virtual_light).collect();
     let pass = ParaboloidShadowMaps { side };
     let outputs = Harness::new(&pass).with_scene(scene).set("map", tile).lights(&given).run()?;
     let atlas: Vec<f32> = outputs.read("visibility.atlas");
@@ -221,4 +218,102 @@ fn maps_are_the_same_in_one_layer_and_in_several() {
         assert_eq!(layers, wanted, "layers of {side}²");
         assert!(cut == maps, "layers of {side}² hold other maps than one layer");
     }
+}
+
+fn virtual_light((position, normal): (DVec3, DVec3)) -> VirtualLight {
+    VirtualLight {
+        position: position.as_vec3().to_array(),
+        normal: normal.as_vec3().to_array(),
+        flux: [1.0; 3],
+        ..VirtualLight::default()
+    }
+}
+
+/// What the pass leaves: the atlas and where its lights stand.
+type Left = (Vec<f32>, Vec<Stand>);
+
+/// The maps where those of another frame are there: none with an age of 0.
+fn render_after(
+    scene: &Scene,
+    lights: &[VirtualLight],
+    (tile, side): (u32, u32),
+    past: &Left,
+    age: u32,
+) -> Option<Left> {
+    let layout = AtlasLayout::new(lights.len() as u32, tile, side).expect("there is room");
+    let atlas = ResourceDesc::texture_2d_array(
+        Format::R32Float,
+        (layout.columns() * tile, layout.rows() * tile),
+        layout.layers(),
+    );
+    let stands: Vec<u8> = bytemuck::cast_slice(&past.1).to_vec();
+    let pass = ParaboloidShadowMaps { side };
+    let outputs = Harness::new(&pass)
+        .with_scene(scene.clone())
+        .set("map", tile)
+        .lights(lights)
+        .past("past", "Visibility", age, vec![("atlas", atlas, bytemuck::cast_slice(&past.0).to_vec())])
+        .past("rendered", "Stands", age, vec![("", pass_test::buffer(stands.len() as u64), stands)])
+        .fact("count", lights.len() as u32)
+        .run()?;
+    Some((outputs.read("visibility.atlas"), outputs.read("stands")))
+}
+
+/// Of two frames, the second renders the maps of lights that moved, to the bit as if there had been no other, and leaves
+/// every other texel as it is.
+#[test]
+fn maps_of_lights_that_stay_are_kept() {
+    let seed = &mut 23;
+    let scene = scene_of(&triangles(40, seed));
+    for (tile, side, count) in [(16, 8192, 7), (16, 47, 7), (8, 16, 300)] {
+        let before: Vec<_> =
+            (0..count).map(|_| virtual_light((vector(seed), vector(seed).normalize()))).collect();
+        let mut after = before.clone();
+        for index in [1, 4, 5] {
+            after[index].position[index % 3] += 0.25;
+        }
+        after[6].normal = after[6].normal.map(|x| -x);
+        let layout = AtlasLayout::new(count, tile, side).expect("there is room");
+        let texels = (layout.columns() * layout.rows() * layout.layers() * tile * tile) as usize;
+        let nothing = (vec![0.0; texels], vec![Stand::default(); count as usize]);
+        let with =
+            |lights: &[VirtualLight], past: &Left, age| render_after(&scene, lights, (tile, side), past, age);
+        let Some(first) = with(&before, &nothing, 1) else { return };
+        let fresh = with(&after, &nothing, 0).expect("the adapter is still there");
+        assert!(first.1.iter().zip(&before).all(|(stand, light)| stand.position == light.position));
+        // What is kept can be told from what is rendered.
+        let marked = (first.0.iter().map(|distance| -distance).collect(), first.1.clone());
+        let second = with(&after, &marked, 1).expect("the adapter is still there");
+        assert_eq!(second.1, fresh.1);
+        let width = layout.columns() * tile;
+        for index in 0..count {
+            let [x, y, layer] = layout.origin(index);
+            let moved = [1, 4, 5, 6].contains(&index);
+            for i in 0..tile * tile {
+                let row = layer * layout.rows() * tile + y + i / tile;
+                let at = (row * width + x + i % tile) as usize;
+                let expected = if moved { fresh.0[at] } else { marked.0[at] };
+                assert_eq!(second.0[at], expected, "texel {i} of map {index} of {tile}², layers of {side}²");
+            }
+        }
+        // Without history everything is rendered, and where nothing moved nothing is.
+        assert_eq!(with(&before, &marked, 0), Some(first));
+        assert_eq!(with(&before, &marked, 1), Some(marked));
+    }
+}
+
+#[test]
+fn one_link_of_two_is_refused() {
+    let lights = [virtual_light((DVec3::ZERO, DVec3::Y))];
+    let stands = vec![("", pass_test::buffer(32), vec![0; 32])];
+    let pass = ParaboloidShadowMaps { side: 8192 };
+    let harness = Harness::new(&pass).scene("plane").set("map", 8u32).lights(&lights);
+    let harness = harness.past("rendered", "Stands", 1, stands).fact("count", 1u32);
+    let refused = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| harness.run().is_none()));
+    let Err(said) = refused else {
+        assert!(pass_test::gpu().is_none(), "it ran");
+        return;
+    };
+    let said = said.downcast_ref::<String>().expect("a message");
+    assert!(said.contains("`past` and `rendered`: one of them is missing"), "{said}");
 }

@@ -1,0 +1,15 @@
+// The interface Stands: where virtual lights stood when their shadow maps were rendered. [SMC-IR §4, Laine et al. 2007]
+
+struct Stand {
+    /// World space [m].
+    position: vec3<f32>,
+    /// 1 where there is a map; 0 before.
+    is_rendered: u32,
+    /// Unit.
+    normal: vec3<f32>,
+    pad: u32,
+}
+
+struct Stands {
+    stands: array<Stand>,
+}
