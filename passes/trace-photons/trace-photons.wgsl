@@ -1,0 +1,165 @@
+// Virtual lights where photons from the scene's lights meet surfaces, bounce after bounce. [Keller 1997; SMC-IR §5.1]
+//
+// A path owns as many neighbouring places as there are bounces; where it leaves the scene, the rest of them are dark. So lights
+// keep their places from frame to frame, and move only as what they were traced from moves.
+
+#option ALBEDO mean one_of [mean, textured] // Reflectance of what photons meet. mean: textures are replaced by their means, as SMC-IR §5 does. textured: as they are.
+#option MASKED false // whether triangles do not count where alpha is below their material's cutoff
+#option TEXTURED false // whether any material of the scene has a texture
+
+#import "algorithms/scaled.wgsl"
+#import "color.wgsl"
+#import "dispatch.wgsl"
+#import "lights.wgsl"
+#import "path-vertex.wgsl"
+#import "sobol.wgsl"
+#import "surface-point.wgsl"
+#import "tangent-frame.wgsl"
+#import "virtual-lights.wgsl"
+
+struct Settings {
+    count: u32,
+    bounces: u32,
+    seed: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read_write> lights: VirtualLights;
+
+/// Where a photon begins.
+struct Emission {
+    position: vec3<f32>,
+    /// Unit.
+    direction: vec3<f32>,
+    /// Intensity of the light towards there, over the probability density of the direction [W]; of a directional light,
+    /// irradiance times the area that photons begin on.
+    flux: vec3<f32>,
+}
+
+/// Solid angle [sr] into which a light is sampled; of a directional light, the area [m²] across it.
+fn measure_of(light: Light) -> f32 {
+    if light.kind == LIGHT_DIRECTIONAL {
+        let half_extent = scene_light_layers[light.first_layer].half_extent;
+        return 4.0 * half_extent.x * half_extent.y;
+    }
+    return 2.0 * PI * (1.0 - light.cos_outer);
+}
+
+/// Luminance of what a light emits, but for the falloff of a spot.
+fn power_of(light: Light) -> f32 {
+    return weight_of(luminance(light.intensity) * measure_of(light));
+}
+
+// DEVIATION(sequence): Owen-scrambled Sobol' points; Keller has Halton's.
+/// A photon of a light, by a place in the unit square.
+fn emitted(light: Light, square: vec2<f32>) -> Emission {
+    if light.kind == LIGHT_DIRECTIONAL {
+        let layer = scene_light_layers[light.first_layer];
+        let plane = (2.0 * square - 1.0) * layer.half_extent;
+        let at = (layer.world_from_layer * vec4(plane, 0.0, 1.0)).xyz;
+        return Emission(at, light.direction, light.intensity * measure_of(light));
+    }
+    let cosine = 1.0 - square.x * (1.0 - light.cos_outer);
+    let radius = sqrt(max(1.0 - cosine * cosine, 0.0));
+    let angle = 2.0 * PI * square.y;
+    let direction = frame_from_normal(light.direction) * vec3(radius * cos(angle), radius * sin(angle), cosine);
+    return Emission(light.position, direction, light_intensity(light, direction) * measure_of(light));
+}
+
+/// The first photon of a path. Paths are shared out among the lights by their power.
+fn first_photon(path: u32, paths: u32) -> Emission {
+    var total = 0.0;
+    for (var i = 0u; i < scene_lights.count; i++) {
+        total += power_of(scene_lights.lights[i]);
+    }
+    if !(total > 0.0) {
+        return Emission(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0));
+    }
+    let wanted = (f32(path) + 0.5) / f32(paths) * total;
+    var sum = 0.0;
+    var chosen = 0u;
+    var share = 1.0;
+    for (var i = 0u; i < scene_lights.count; i++) {
+        let power = power_of(scene_lights.lights[i]);
+        // Rounding may leave the last paths beyond the sum: they are of the last light that shines.
+        if power > 0.0 && sum <= wanted {
+            chosen = i;
+            share = power / total;
+        }
+        sum += power;
+    }
+    var photon = emitted(scene_lights.lights[chosen], sobol2_of(path, settings.seed));
+    photon.flux /= share * f32(paths);
+    return photon;
+}
+
+fn finite(flux: vec3<f32>) -> vec3<f32> {
+    return vec3(weight_of(flux.r), weight_of(flux.g), weight_of(flux.b));
+}
+
+fn light_at(point: SurfacePoint, flux: vec3<f32>) -> VirtualLight {
+    var light: VirtualLight;
+    light.position = point.position;
+    light.normal = point.normal;
+    light.texel = point.triangle;
+    light.flux = finite(flux);
+    return light;
+}
+
+/// Writes the lights of a path.
+fn deposit(path: u32, paths: u32) {
+    let photon = first_photon(path, paths);
+    var origin = photon.position;
+    var direction = photon.direction;
+    var flux = photon.flux;
+    // A light that lies on a surface shines from it.
+    var nearest = 1e-6 * scene_info.extent;
+    for (var bounce = 0u; bounce < settings.bounces; bounce++) {
+        let place = path * settings.bounces + bounce;
+        var hit = Hit(0.0, NO_HIT, vec2(0.0));
+        if any(flux > vec3(0.0)) {
+            hit = trace(origin, direction, nearest, FAR);
+        }
+        if hit.triangle == NO_HIT {
+            flux = vec3(0.0);
+            lights.lights[place] = light_at(SurfacePoint(vec3(0.0), NO_TRIANGLE, vec3(0.0, 0.0, 1.0), 0u, vec2(0.0), 0u, 0u), flux);
+            continue;
+        }
+        let point = surface_point(hit.triangle, hit.barycentrics, direction, 0u);
+#if ALBEDO == mean
+        flux *= mean_albedo(scene_vertices[scene_indices[3u * hit.triangle]].material);
+#else
+        flux *= path_vertex(hit, direction).surface.albedo;
+#endif
+        lights.lights[place] = light_at(point, flux);
+        let square = sobol2_of(path, hash2(settings.seed, bounce + 1u));
+        let radius = sqrt(square.x);
+        let angle = 2.0 * PI * square.y;
+        let local = vec3(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - square.x, 0.0)));
+        direction = frame_from_normal(point.normal) * local;
+        origin = offset_origin(point.position, point.normal);
+        nearest = 0.0;
+    }
+}
+
+@compute @workgroup_size(64)
+fn trace_photons(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let path = row_index(group, groups, local, 64u);
+    let paths = settings.count / settings.bounces;
+    // DEVIATION(emitters): of the scene's lights alone.
+    if path < paths {
+        deposit(path, paths);
+    }
+    if path == 0u {
+        lights.count = settings.count;
+        for (var rest = paths * settings.bounces; rest < settings.count; rest++) {
+            var dark: VirtualLight;
+            dark.normal = vec3(0.0, 0.0, 1.0);
+            lights.lights[rest] = dark;
+        }
+    }
+}
