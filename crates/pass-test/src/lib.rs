@@ -35,6 +35,7 @@ pub mod random;
 pub mod rooms;
 mod shader_use;
 pub mod statistics;
+mod surface_points;
 pub mod view;
 pub mod visibility;
 

@@ -1,0 +1,24 @@
+//! Inputs and outputs of passes over points on surfaces.
+
+use crate::{Harness, Outputs, buffer};
+use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader};
+
+impl Harness<'_> {
+    /// Gives an input port these points.
+    pub fn surface_points(self, port: &str, iteration: u32, points: &[SurfacePoint]) -> Self {
+        let bytes = surface_points::to_bytes(iteration, points);
+        let members = vec![("", buffer(bytes.len() as u64), bytes)];
+        self.input(port, "SurfacePoints", &[("count", points.len() as u32)], members)
+    }
+}
+
+impl Outputs {
+    /// Returns the header and the points of a port.
+    ///
+    /// # Panics
+    /// Where there is none of that name, or it says more points than it holds.
+    pub fn surface_points(&self, name: &str) -> (SurfacePointsHeader, Vec<SurfacePoint>) {
+        let points = surface_points::from_bytes(&self.read::<u8>(name));
+        points.unwrap_or_else(|| panic!("`{name}` holds fewer points than it says"))
+    }
+}

@@ -1,0 +1,80 @@
+// Systematic sampling without replacement: the probability π of a point is its weight over the threshold, at most 1, and
+// points are taken where the sums of π, shifted by one random number, pass a whole number. [Madow 1949]
+//
+// Sums are whole numbers in units of 2^-32, modulo 1: exact in any order, and nothing but their fraction matters.
+
+#import "algorithms/scan.wgsl"
+#import "random.wgsl"
+#import "surface-points.wgsl"
+#import "weights.wgsl"
+
+struct Settings {
+    points_count: u32,
+    seed: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> points: SurfacePoints;
+var<storage, read> weights: array<Scaled>;
+var<storage, read> threshold: Scaled;
+/// [points] Sum of the probabilities of all points before.
+var<storage, read_write> sums: array<u32>;
+/// Sum of all.
+var<storage, read_write> total: u32;
+var<storage, read_write> taken: array<u32>;
+
+/// The probability of a point [2^-32]; 0 where that is 1.
+fn fraction(weight: Scaled) -> u32 {
+    if weight.value == 0.0 || is_certain(weight, threshold) {
+        return 0u;
+    }
+    let unit = magnitude(threshold);
+    return u32(min(in_units(weight, unit) / in_units(threshold, unit), 0.99999994) * 0x1p32f);
+}
+
+fn scan_length() -> u32 {
+    return settings.points_count;
+}
+
+fn scan_element(i: u32) -> u32 {
+    return fraction(weights[i]);
+}
+
+fn scan_store(i: u32, before: u32, sum: u32) {
+    sums[i] = before;
+}
+
+fn scan_total(sum: u32) {
+    total = sum;
+}
+
+/// The product of two numbers in units of 2^-32, but for the last two bits.
+fn product(a: u32, b: u32) -> u32 {
+    let high = (a >> 16u) * (b >> 16u);
+    return high + (((a >> 16u) * (b & 0xffffu)) >> 16u) + (((a & 0xffffu) * (b >> 16u)) >> 16u);
+}
+
+/// The random number by which sums are shifted [2^-32]. Rounding leaves the sum of all a little above or below a whole number:
+/// of the shifts, those are left out that would take a point more or fewer for it.
+fn shift() -> u32 {
+    let beyond = bitcast<i32>(total);
+    let random = hash2(settings.seed, points.header.iteration);
+    return bitcast<u32>(max(-beyond, 0)) + product(random, 0xffffffffu - u32(abs(beyond)));
+}
+
+/// Takes a point or not.
+@compute @workgroup_size(GROUP_SIZE)
+fn take(
+    @builtin(workgroup_id) id: vec3<u32>,
+    @builtin(num_workgroups) ids: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let i = row_index(id, ids, thread, GROUP_SIZE);
+    if i >= settings.points_count {
+        return;
+    }
+    let weight = weights[i];
+    let before = sums[i] + shift();
+    let passes = before + fraction(weight) < before;
+    taken[i] = select(0u, 1u, weight.value > 0.0 && (passes || is_certain(weight, threshold)));
+}

@@ -1,0 +1,49 @@
+// The weight of each surface point: its radiosity over its density, as far as these are given. [SMC-IR §3.2.1]
+
+#option DENSITY false // whether points have a density
+#option RADIOSITY false // whether points have a radiosity
+
+#import "color.wgsl"
+#import "dispatch.wgsl"
+#import "surface-points.wgsl"
+#import "weights.wgsl"
+
+struct Settings {
+    points_count: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> points: SurfacePoints;
+#if DENSITY
+var<storage, read> density: array<f32>;
+#endif
+#if RADIOSITY
+var<storage, read> radiosity: array<vec4<f32>>;
+#endif
+var<storage, read_write> weights: array<Scaled>;
+
+fn weight(index: u32) -> Scaled {
+    if index >= points.header.count || points.points[index].triangle == NO_TRIANGLE {
+        return Scaled(0.0, 0);
+    }
+    var weight = Scaled(1.0, 0);
+#if RADIOSITY
+    weight = scaled_weight(luminance(radiosity[index].rgb));
+#endif
+#if DENSITY
+    weight = quotient(weight, scaled_weight(density[index]));
+#endif
+    return weight;
+}
+
+@compute @workgroup_size(64)
+fn weigh(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index < settings.points_count {
+        weights[index] = weight(index);
+    }
+}

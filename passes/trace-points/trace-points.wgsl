@@ -1,0 +1,65 @@
+// What surface points see: where a ray from each meets the scene. [SMC-IR Alg. 1, line 5; §3.2.1]
+
+#option DIRECTIONS cosine one_of [cosine, uniform] // How the directions of rays are distributed over the hemisphere about the normal. cosine: in proportion to the cosine with it, as light counts. uniform: every solid angle alike, which finds more of what is seen at grazing angles.
+
+#import "color.wgsl"
+#import "dispatch.wgsl"
+#import "ray-tracing.wgsl"
+#import "sobol.wgsl"
+#import "surface-point.wgsl"
+#import "tangent-frame.wgsl"
+
+struct Settings {
+    points_count: u32,
+    seed: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> points: SurfacePoints;
+var<storage, read_write> traced: SurfacePoints;
+
+/// A direction about the z axis, unit, from the unit square.
+fn direction_of(square: vec2<f32>) -> vec3<f32> {
+#if DIRECTIONS == cosine
+    let height = sqrt(1.0 - square.x);
+#else
+    let height = 1.0 - square.x;
+#endif
+    let radius = sqrt(max(1.0 - height * height, 0.0));
+    let angle = 2.0 * PI * square.y;
+    return vec3(radius * cos(angle), radius * sin(angle), height);
+}
+
+/// The point that a ray from a point meets.
+fn seen_from(point: SurfacePoint, square: vec2<f32>, seed: u32) -> SurfacePoint {
+    if point.triangle == NO_TRIANGLE {
+        return no_point();
+    }
+    let direction = frame_from_normal(point.normal) * direction_of(square);
+    let hit = trace(offset_origin(point.position, point.normal), direction, 0.0, FAR);
+    if hit.triangle == NO_HIT {
+        return no_point();
+    }
+    return surface_point(hit.triangle, hit.barycentrics, direction, seed);
+}
+
+@compute @workgroup_size(64)
+fn see(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index >= settings.points_count {
+        return;
+    }
+    var seen = no_point();
+    if index < points.header.count {
+        let seed = hash2(settings.seed, points.header.iteration);
+        seen = seen_from(points.points[index], sobol2_of(index, seed), hash2(seed, index));
+    }
+    traced.points[index] = seen;
+    if index == 0u {
+        traced.header = points.header;
+    }
+}

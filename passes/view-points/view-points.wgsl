@@ -1,0 +1,64 @@
+// Points that the camera sees: where rays through places of the image meet the scene. [SMC-IR Alg. 1, line 3; §3.2]
+
+#option PAST false // whether there are points of the frame before
+
+#import "camera.wgsl"
+#import "dispatch.wgsl"
+#import "ray-tracing.wgsl"
+#import "sobol.wgsl"
+#import "surface-point.wgsl"
+#if !PAST
+#import "frame.wgsl"
+#endif
+
+struct Settings {
+    points_count: u32,
+    vary: u32,
+    seed: u32,
+}
+
+var<uniform> settings: Settings;
+#if PAST
+var<storage, read> past: SurfacePoints;
+#endif
+var<storage, read_write> points: SurfacePoints;
+
+/// How many iterations there were before this one.
+fn iteration() -> u32 {
+#if PAST
+    // A history buffer that holds nothing yet has no points.
+    return select(past.header.iteration + 1u, 0u, past.header.count == 0u);
+#else
+    return frame.index;
+#endif
+}
+
+/// The point that is seen at a place of the image [px].
+fn point_at(place: vec2<f32>, seed: u32) -> SurfacePoint {
+    // The ray has length 1 along the viewing axis, where the near plane is measured.
+    let direction = view_ray(place);
+    let hit = trace(camera.position, direction, camera.near, FAR);
+    if hit.triangle == NO_HIT {
+        return no_point();
+    }
+    return surface_point(hit.triangle, hit.barycentrics, direction, seed);
+}
+
+@compute @workgroup_size(64)
+fn see(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index >= settings.points_count {
+        return;
+    }
+    let iteration = iteration();
+    let seed = hash2(settings.seed, select(0u, iteration, settings.vary != 0u));
+    let place = sobol2_of(index, seed) * camera.size;
+    points.points[index] = point_at(place, hash2(seed, index));
+    if index == 0u {
+        points.header = SurfacePointsHeader(settings.points_count, iteration, 0u, 0u);
+    }
+}
