@@ -1,4 +1,6 @@
 // Sorts points into cells, and puts the positions of those of a cell next to each other.
+//
+// DEVIATION(cells): the paper searches a bounding volume hierarchy.
 
 #import "algorithms/grid.wgsl"
 #import "neighbourhood.wgsl"

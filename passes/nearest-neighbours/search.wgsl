@@ -14,11 +14,10 @@
 struct Settings {
     points_count: u32,
     among_count: u32,
-    /// Neighbours are searched among those with places from `begin` to below `end` in this dispatch.
-    begin: u32,
-    end: u32,
-    /// 1 if no more dispatches follow.
-    last: u32,
+    /// Which of several dispatches this is. Each takes its share of neighbours from everywhere, so that none searches far and
+    /// wide for want of any.
+    part: u32,
+    parts: u32,
     /// The most cells in a direction.
     resolution: u32,
     /// Which neighbour's distance is measured; 0 is Eq. 8.
@@ -69,7 +68,7 @@ fn neighbours() -> u32 {
 fn begin_search(index: u32) {
     let unused = 4u * VECTORS - neighbours();
     for (var v = 0u; v < VECTORS; v++) {
-        if settings.begin > 0u {
+        if settings.part > 0u {
             nearest[v] = distances[index * VECTORS + v];
         } else {
             nearest[v] = select(vec4(-1.0), vec4(NOT_FOUND), vec4(0u, 1u, 2u, 3u) + 4u * v >= vec4(unused));
@@ -135,12 +134,13 @@ fn end_search(query: Query) {
     if query.index >= settings.points_count {
         return;
     }
-    for (var v = 0u; v < VECTORS && settings.last == 0u; v++) {
-        distances[query.index * VECTORS + v] = nearest[v];
-    }
-    if settings.last != 0u {
+    if settings.part + 1u == settings.parts {
         let there = query.index < points.header.count && points.points[query.index].triangle != NO_TRIANGLE;
         density[query.index] = select(0.0, density_of_found(), there);
+        return;
+    }
+    for (var v = 0u; v < VECTORS; v++) {
+        distances[query.index * VECTORS + v] = nearest[v];
     }
 }
 
@@ -153,8 +153,10 @@ fn query_of(index: u32) -> Query {
 #if GRID
 /// Takes the points of neighbouring cells of a row into account.
 fn search_row(query: Query, first: u32, last: u32) {
-    let end = min(starts[last + 1u], settings.end);
-    for (var place = max(starts[first], settings.begin); place < end; place++) {
+    let end = starts[last + 1u];
+    // The first place of this part.
+    let begin = starts[first] + (settings.part + settings.parts - starts[first] % settings.parts) % settings.parts;
+    for (var place = begin; place < end; place += settings.parts) {
         let other = arranged[place];
         consider(query, bitcast<vec3<f32>>(other.xyz), other.w);
     }
@@ -244,8 +246,8 @@ fn search(
     let index = row_index(group, groups, thread, GROUP);
     let query = query_of(index);
     begin_search(min(index, settings.points_count - 1u));
-    let end = min(min(settings.end, settings.among_count), among.header.count);
-    for (var first = settings.begin; first < end; first += GROUP) {
+    let end = min(settings.among_count, among.header.count);
+    for (var first = settings.part * GROUP; first < end; first += settings.parts * GROUP) {
         staged[thread] = staged_point(first + thread, end);
         workgroupBarrier();
         for (var c = 0u; c < min(GROUP, end - first); c++) {

@@ -1,6 +1,8 @@
 // Systematic sampling without replacement: the probability π of a point is its weight over the threshold, at most 1, and
 // points are taken where the sums of π, shifted by one random number, pass a whole number. [Madow 1949]
 //
+// DEVIATION(systematic): the paper draws points in parallel, and again where a draw finds one that is taken (claim.wgsl).
+//
 // Sums are whole numbers in units of 2^-32, modulo 1: exact in any order, and nothing but their fraction matters.
 
 #import "algorithms/scan.wgsl"

@@ -2,11 +2,12 @@
 
 pub mod cpu_reference;
 
-use gpu_algorithms::{Grid, LOOP_ITERATIONS, parts, reduce};
+use gpu_algorithms::{Grid, LOOP_ITERATIONS, reduce};
 use interfaces::{density, surface_points};
 use pass::{
     Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext, Value, input, optional, output,
+    ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext, Value, input, optional,
+    output,
 };
 
 /// The pass, for the catalog.
@@ -22,8 +23,8 @@ const SEARCH: &str = "passes/nearest-neighbours/search.wgsl";
 
 const SUMMARY: Struct = Struct::new("passes/nearest-neighbours/neighbourhood.wgsl", "Summary");
 
-/// Pairs of points above which cells are faster than comparing all.
-const MOST_PAIRS: u64 = 1 << 26;
+/// Pairs of points above which they are sorted into cells. With fewer, a GPU takes longer for the steps of the sort.
+const MOST_PAIRS: u64 = 2048 * 2048;
 
 /// The most cells in a direction: a search of all of their rows, in steps that at least double, stays far below the loop
 /// iterations that lavapipe allows.
@@ -81,9 +82,11 @@ impl Search {
         k.div_ceil(4).next_power_of_two()
     }
 
-    /// Returns how many neighbours a dispatch takes into account: an insertion has an iteration for each vector.
-    fn part(&self) -> u32 {
-        LOOP_ITERATIONS / (1 + self.vectors())
+    /// Returns how many dispatches search. Comparing all may insert all, with an iteration for each vector; cells hold few
+    /// points, unless all are in one place.
+    fn parts(&self) -> u32 {
+        let most = if self.is_grid() { LOOP_ITERATIONS } else { LOOP_ITERATIONS / (1 + self.vectors()) };
+        self.among.div_ceil(most).max(1)
     }
 
     /// Returns the most cells in a direction. Points lie on surfaces, so there are few of them in a cell.
@@ -142,8 +145,9 @@ impl Pass for NearestNeighbours {
             None => points,
         };
         let search = Search { points, among, settings: NearestNeighboursSettings::read(cx.settings) };
-        let several = among > search.part();
-        let distances = if several { u64::from(points) } else { 1 } * u64::from(search.vectors());
+        // One dispatch alone leaves nothing to another.
+        let points_between = if search.parts() > 1 { u64::from(points) } else { 1 };
+        let distances = points_between * u64::from(search.vectors());
         let mut outputs = vec![
             density::output("density", points),
             OutputDesc::scratch("summary", use_cx.buffer(SUMMARY, 1)?),
@@ -182,11 +186,10 @@ impl Pass for NearestNeighbours {
             ("VECTORS", Define::from(search.vectors())),
         ];
         let shader = cx.shader(SEARCH, &defines);
-        steps.extend(parts(among, search.part()).map(|part| {
+        steps.extend((0..search.parts()).map(|part| {
             Compute::new(shader.clone(), "search", Threads::Row(points))
-                .value("begin", Value::U32(part.begin))
-                .value("end", Value::U32(part.end))
-                .value("last", Value::U32(u32::from(part.last)))
+                .value("part", Value::U32(part))
+                .value("parts", Value::U32(search.parts()))
         }));
         let of_neighbours = |step: Compute| {
             let step = step

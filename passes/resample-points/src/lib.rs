@@ -1,5 +1,7 @@
 //! Some of many surface points, chosen by weight without replacement.
 
+pub mod cpu_reference;
+
 use gpu_algorithms::{reduce, scan, segmented_scan, select};
 use interfaces::{counters, density, radiosity, surface_points};
 use pass::{
@@ -75,7 +77,11 @@ impl Pass for ResamplePoints {
                 input("points", "SurfacePoints", "The points to choose from. Empty ones are not chosen."),
                 input("origins", "SurfacePoints", "Where each of them was traced from."),
                 optional("density", "Density", "Density of each: its weight is divided by that."),
-                optional("radiosity", "Radiosity", "Radiosity of each: its weight is multiplied by the luminance."),
+                optional(
+                    "radiosity",
+                    "Radiosity",
+                    "Radiosity of each: its weight is multiplied by the luminance.",
+                ),
             ],
             outputs: vec![
                 output("resampled", "SurfacePoints", "Those chosen, in their order; the rest is empty."),
@@ -92,11 +98,9 @@ impl Pass for ResamplePoints {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let points = cx.fact("points", surface_points::COUNT)?;
-        for (input, fact) in [
-            ("origins", surface_points::COUNT),
-            ("density", density::COUNT),
-            ("radiosity", radiosity::COUNT),
-        ] {
+        for (input, fact) in
+            [("origins", surface_points::COUNT), ("density", density::COUNT), ("radiosity", radiosity::COUNT)]
+        {
             if cx.input(input).is_some() && cx.fact(input, fact)? != points {
                 let found = cx.fact(input, fact)?;
                 let message = format!("expected as many as `points`, which are {points}; found {found}");
@@ -150,10 +154,12 @@ impl Pass for ResamplePoints {
         let moves = cx.shader(MOVE, &[("TIES", Define::Bool(settings.method == Method::Race))]);
         let clear = Compute::new(moves.clone(), "clear_points", Threads::Row(settings.count));
         let length = candidates(points, settings.method);
-        Ok(Recording::one(weigh)
-            .then_all(take(cx, &settings, points)?)
-            .then(clear)
-            .then_all(scan::steps(&cx.use_context(), &moves, length, "places")?))
+        Ok(Recording::one(weigh).then_all(take(cx, &settings, points)?).then(clear).then_all(scan::steps(
+            &cx.use_context(),
+            &moves,
+            length,
+            "places",
+        )?))
     }
 }
 
@@ -188,11 +194,10 @@ fn take(
         }
         Method::Retries => {
             steps.push(segmented_scan(&cx.shader(CUMULATE, &[]), 1, 1));
-            steps.push(row(CLAIM, "clear_claims", points));
-            steps.extend((0..=settings.retries).map(|round| {
-                row(CLAIM, "claim", settings.count).value("round", Value::U32(round))
-            }));
-            steps.push(row(CLAIM, "take", points));
+            let claim = |entry, count, round| row(CLAIM, entry, count).value("round", Value::U32(round));
+            steps.push(claim("clear_claims", points, 0));
+            steps.extend((0..=settings.retries).map(|round| claim("claim", settings.count, round)));
+            steps.push(claim("take", points, settings.retries));
         }
     }
     Ok(steps)
