@@ -16,6 +16,8 @@ struct Settings {
 var<uniform> settings: Settings;
 var<storage, read> points: SurfacePoints;
 var<storage, read> weights: array<Scaled>;
+/// [points]
+var<storage, read_write> keys: array<u32>;
 /// The key of the last arrival that is taken.
 var<storage, read_write> last_key: u32;
 var<storage, read_write> taken: array<u32>;
@@ -34,6 +36,19 @@ fn arrival_key(i: u32) -> u32 {
     return (u32(clamp(arrival.exponent + 512, 0, 1022)) << 22u) | ((bitcast<u32>(arrival.value) & 0x7fffffu) >> 1u);
 }
 
+/// Gives each point its key.
+@compute @workgroup_size(GROUP_SIZE)
+fn arrive(
+    @builtin(workgroup_id) id: vec3<u32>,
+    @builtin(num_workgroups) ids: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    let i = row_index(id, ids, thread, GROUP_SIZE);
+    if i < settings.points_count {
+        keys[i] = arrival_key(i);
+    }
+}
+
 fn select_length() -> u32 {
     return settings.points_count;
 }
@@ -43,7 +58,7 @@ fn select_rank() -> u32 {
 }
 
 fn select_key(i: u32) -> u32 {
-    return arrival_key(i);
+    return keys[i];
 }
 
 fn select_store(key: u32) {
@@ -61,7 +76,7 @@ fn take(
     if i >= settings.points_count {
         return;
     }
-    let key = arrival_key(i);
+    let key = keys[i];
     let together = key == last_key && weights[i].value > 0.0;
     taken[i] = select(select(0u, 2u, together), 1u, key < last_key);
 }

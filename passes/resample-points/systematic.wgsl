@@ -19,8 +19,8 @@ var<uniform> settings: Settings;
 var<storage, read> points: SurfacePoints;
 var<storage, read> weights: array<Scaled>;
 var<storage, read> threshold: Scaled;
-/// [points] Sum of the probabilities of all points before.
-var<storage, read_write> sums: array<u32>;
+/// [points] Sum of the probabilities of all points before one, and with it.
+var<storage, read_write> sums: array<vec2<u32>>;
 /// Sum of all.
 var<storage, read_write> total: u32;
 var<storage, read_write> taken: array<u32>;
@@ -43,7 +43,7 @@ fn scan_element(i: u32) -> u32 {
 }
 
 fn scan_store(i: u32, before: u32, sum: u32) {
-    sums[i] = before;
+    sums[i] = vec2(before, sum);
 }
 
 fn scan_total(sum: u32) {
@@ -76,7 +76,7 @@ fn take(
         return;
     }
     let weight = weights[i];
-    let before = sums[i] + shift();
-    let passes = before + fraction(weight) < before;
+    let sum = sums[i] + shift();
+    let passes = sum.y < sum.x;
     taken[i] = select(0u, 1u, weight.value > 0.0 && (passes || is_certain(weight, threshold)));
 }

@@ -127,11 +127,12 @@ impl Pass for ResamplePoints {
                 outputs.push(scaled("threshold", 1)?);
                 let bytes = use_cx.size_of(REDUCED)?;
                 outputs.push(reduce::scratch(use_cx, "threshold_blocks", points, bytes)?);
-                outputs.extend([words("sums", points), words("total", 1)]);
+                outputs.extend([words("sums", 2 * points), words("total", 1)]);
                 outputs.extend(scan::scratch(use_cx, "sums_of_blocks", points)?);
             }
             Method::Race => {
-                outputs.extend([select::scratch(use_cx, "selection")?, words("last_key", 1)]);
+                outputs.extend([words("keys", points), words("last_key", 1)]);
+                outputs.push(select::scratch(use_cx, "selection")?);
             }
             Method::Retries => outputs.extend([
                 words("cumulated", points),
@@ -189,6 +190,7 @@ fn take(
             steps.push(row(SYSTEMATIC, "take", points));
         }
         Method::Race => {
+            steps.push(row(RACE, "arrive", points));
             steps.extend(select::steps(&use_cx, &cx.shader(RACE, &[]), points, "selection")?);
             steps.push(row(RACE, "take", points));
         }

@@ -1,8 +1,9 @@
 //! What the camera sees at each point's place of the image, by the scene itself.
 
+use frame_graph::port::OutputOverride;
 use glam::{Vec2, Vec3};
 use interfaces::surface_points::{SurfacePoint, SurfacePointsHeader, packed_albedo};
-use pass_test::{Harness, scene};
+use pass_test::{Harness, buffer, scene};
 use ray_tracing::Bvh;
 use scene::{Camera, Scene};
 use std::collections::HashSet;
@@ -195,4 +196,58 @@ fn iterations_follow_the_past() {
     let past = SurfacePoint::default();
     let of_another = run(harness().surface_points("past", 1, &[past])).unwrap();
     assert_eq!(of_another, third, "the past may be of another number of points");
+}
+
+/// What `followed` of shaders/surface-point.wgsl makes of points at a time \[s\].
+fn follow(name: &str, time: f32, points: &[SurfacePoint]) -> Option<Vec<SurfacePoint>> {
+    let bytes: Vec<u8> = bytemuck::cast_slice(points).to_vec();
+    let out = OutputOverride { count: Some(points.len() as u32), ..OutputOverride::default() };
+    let harness =
+        Harness::new(compute::PASS).shader("passes/view-points/tests/followed.wgsl").out("after", out);
+    let given = vec![("", buffer(bytes.len() as u64), bytes)];
+    Some(harness.input("before", "Buffer", &[], given).scene(name).time(time).run()?.read("after"))
+}
+
+#[test]
+fn points_follow_their_triangles() {
+    let name = "cornell-box-cloth";
+    let at = |time: f32| {
+        let mut scene = scene(name);
+        for moved in scene.at(time).moved {
+            let first = moved.first_vertex as usize;
+            scene.vertices[first..first + moved.vertices.len()].copy_from_slice(&moved.vertices);
+        }
+        scene
+    };
+    let (begin, end) = (0.3, 1.1);
+    let Some((_, mut points)) = run(Harness::new(PASS).scene(name).time(begin).set("count", 200)) else {
+        return;
+    };
+    assert_seen(&at(begin), &scene(name).camera, &points);
+    // Some are reached from the other side.
+    for point in points.iter_mut().step_by(2) {
+        point.normal = point.normal.map(|x| -x);
+    }
+    assert_eq!(follow(name, begin, &points).unwrap(), points, "where nothing moves, no bit changes");
+    let after = follow(name, end, &points).unwrap();
+    let scene = at(end);
+    let mut moved = 0;
+    for (before, after) in std::iter::zip(&points, &after) {
+        if before.is_none() {
+            assert_eq!(before, after);
+            continue;
+        }
+        moved += usize::from(before.position != after.position);
+        let same = SurfacePoint { position: before.position, normal: before.normal, ..*after };
+        assert_eq!(same, *before, "all else stays");
+        let [a, b, c] = corners(&scene, after.triangle);
+        let [u, v] = after.barycentrics;
+        let off = Vec3::from(after.position).distance(a + (b - a) * u + (c - a) * v);
+        assert!(off < 2e-6 * scene.extent(), "{before:?} {after:?}");
+        let (normal, old) = (Vec3::from(after.normal), Vec3::from(before.normal));
+        let of_triangle = (b - a).cross(c - a).normalize();
+        let side = if old.dot(of_triangle) < 0.0 { -of_triangle } else { of_triangle };
+        assert!(normal.distance(side) < 1e-4, "{before:?} {after:?}");
+    }
+    assert!(moved > 100, "{moved} points are on the cloth");
 }
