@@ -37,7 +37,8 @@ struct Cells {
 fn cells_around(summary: Summary, resolution: u32) -> Cells {
     let size = summary.high - summary.low;
     let longest = max(size.x, max(size.y, size.z));
-    if summary.count == 0u || longest <= 0.0 {
+    // Points that are all in one place need no more than one.
+    if summary.count == 0u || longest < 1e-10 {
         return Cells(summary.low, 1.0, vec3(0u), 1.0);
     }
     let per_unit = f32(resolution) / longest;

@@ -1,9 +1,10 @@
 //! What the camera sees at each point's place of the image, by the scene itself.
 
-use frame_graph::port::OutputOverride;
+mod followed;
+
 use glam::{Vec2, Vec3};
 use interfaces::surface_points::{SurfacePoint, SurfacePointsHeader, packed_albedo};
-use pass_test::{Harness, buffer, scene};
+use pass_test::{Harness, scene};
 use ray_tracing::Bvh;
 use scene::{Camera, Scene};
 use std::collections::HashSet;
@@ -198,16 +199,6 @@ fn iterations_follow_the_past() {
     assert_eq!(of_another, third, "the past may be of another number of points");
 }
 
-/// What `followed` of shaders/surface-point.wgsl makes of points at a time \[s\].
-fn follow(name: &str, time: f32, points: &[SurfacePoint]) -> Option<Vec<SurfacePoint>> {
-    let bytes: Vec<u8> = bytemuck::cast_slice(points).to_vec();
-    let out = OutputOverride { count: Some(points.len() as u32), ..OutputOverride::default() };
-    let harness =
-        Harness::new(compute::PASS).shader("passes/view-points/tests/followed.wgsl").out("after", out);
-    let given = vec![("", buffer(bytes.len() as u64), bytes)];
-    Some(harness.input("before", "Buffer", &[], given).scene(name).time(time).run()?.read("after"))
-}
-
 #[test]
 fn points_follow_their_triangles() {
     let name = "cornell-box-cloth";
@@ -228,8 +219,12 @@ fn points_follow_their_triangles() {
     for point in points.iter_mut().step_by(2) {
         point.normal = point.normal.map(|x| -x);
     }
-    assert_eq!(follow(name, begin, &points).unwrap(), points, "where nothing moves, no bit changes");
-    let after = follow(name, end, &points).unwrap();
+    let follow = |time: f32| {
+        let harness = Harness::new(&followed::Followed).scene(name).time(time);
+        harness.surface_points("points", 0, &points).run().unwrap().surface_points("followed").1
+    };
+    assert_eq!(follow(begin), points, "where nothing moves, no bit changes");
+    let after = follow(end);
     let scene = at(end);
     let mut moved = 0;
     for (before, after) in std::iter::zip(&points, &after) {
