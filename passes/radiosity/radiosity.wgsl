@@ -138,8 +138,11 @@ fn collect(
 fn radiosity_of(index: u32, point: SurfacePoint) -> vec3<f32> {
     var sum = vec3(0.0);
     if settings.segments > 0u {
-        for (var path = 0u; path < settings.paths; path++) {
-            sum += arriving[index * settings.paths + path].rgb;
+        // A bound that is no uniform: lavapipe compiles a dispatch anew to unroll loops that a uniform ends.
+        let first = index * settings.paths;
+        let end = min(first + settings.paths, arrayLength(&arriving));
+        for (var path = first; path < end; path++) {
+            sum += arriving[path].rgb;
         }
     }
     let albedo = albedo_of(point);

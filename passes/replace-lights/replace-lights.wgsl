@@ -50,7 +50,7 @@ fn replace(
         let iteration = candidates.header.iteration;
         replaced.header = SurfacePointsHeader(settings.candidates_count, iteration, decision.chosen, 0u);
         witnesses.header = SurfacePointsHeader(settings.candidates_count, iteration, 0u, 0u);
-        let step = min(iteration, settings.warm_up);
+        let step = min(iteration + 1u, settings.warm_up);
         progress = Progress(step, settings.warm_up, 0.0, select(0u, 1u, step >= settings.warm_up));
     }
 }

@@ -5,6 +5,7 @@
 
 #import "color.wgsl"
 #import "dispatch.wgsl"
+#import "point-radiosity.wgsl"
 #import "surface-points.wgsl"
 #import "weights.wgsl"
 
@@ -18,7 +19,7 @@ var<storage, read> points: SurfacePoints;
 var<storage, read> density: array<f32>;
 #endif
 #if RADIOSITY
-var<storage, read> radiosity: array<vec4<f32>>;
+var<storage, read> radiosity: PointRadiosities;
 #endif
 var<storage, read_write> weights: array<Scaled>;
 
@@ -28,7 +29,7 @@ fn weight(index: u32) -> Scaled {
     }
     var weight = Scaled(1.0, 0);
 #if RADIOSITY
-    weight = scaled_weight(luminance(radiosity[index].rgb));
+    weight = scaled_weight(luminance(radiosity.radiosities[index].radiosity));
 #endif
 #if DENSITY
     weight = quotient(weight, scaled_weight(density[index]));

@@ -95,7 +95,7 @@ impl Case {
         assert_eq!(header.iteration, 41);
         assert_eq!(header.marked as usize, wanted.iter().flatten().count());
         let progress: Vec<u32> = outputs.read("progress");
-        assert_eq!(progress, [41, 100, 0, 0]);
+        assert_eq!(progress, [42, 100, 0, 0]);
         Some(wanted.iter().zip(&self.lights).filter(|(new, old)| new.is_some() && old.is_some()).count())
     }
 }

@@ -23,7 +23,7 @@ pass::settings! {
         count: u32 = 2048, min: 1, max: 2_097_152;
         /// Points for each virtual light. More: candidates for lights are more uniform, and small parts of the image have
         /// points in each frame, but the time for rays and densities grows.
-        rate: u32 = 16, min: 1, max: 64;
+        rate: u32 = 16, min: 1, max: 4096;
         /// Whether each iteration has other points.
         vary: bool = true;
     }
