@@ -18,4 +18,5 @@ mod points;
 mod reference;
 mod reload;
 mod study;
+mod surface_lights;
 mod truth;

@@ -1,5 +1,6 @@
 // Moves the points that are taken, each with its origin, to where they follow each other; what is left stays empty.
 
+#option TELL false // whether it is noted which points were taken
 #option TIES false // whether points with the number 2 come behind all with the number 1
 
 #import "algorithms/compact.wgsl"
@@ -20,6 +21,9 @@ var<storage, read> taken: array<u32>;
 var<storage, read_write> resampled: SurfacePoints;
 var<storage, read_write> resampled_origins: SurfacePoints;
 var<storage, read_write> counters: Counters;
+#if TELL
+var<storage, read_write> indices: array<u32>;
+#endif
 
 /// Makes all points empty.
 @compute @workgroup_size(GROUP_SIZE)
@@ -56,6 +60,9 @@ fn compact_move(i: u32, place: u32) {
     if place < settings.count {
         resampled.points[place] = points.points[i % settings.points_count];
         resampled_origins.points[place] = origins.points[i % settings.points_count];
+#if TELL
+        indices[place] = i;
+#endif
     }
 }
 

@@ -2,6 +2,8 @@
 
 #option DENSITY false // whether points have a density
 #option RADIOSITY false // whether points have a radiosity
+#option BY_AREA true // whether weights are divided by the density
+#option TELL false // whether points are counted
 
 #import "color.wgsl"
 #import "dispatch.wgsl"
@@ -15,13 +17,17 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read> points: SurfacePoints;
-#if DENSITY
+#if DENSITY && BY_AREA
 var<storage, read> density: array<f32>;
 #endif
 #if RADIOSITY
 var<storage, read> radiosity: PointRadiosities;
 #endif
 var<storage, read_write> weights: array<Scaled>;
+#if TELL
+/// How many points there are.
+var<storage, read_write> present: atomic<u32>;
+#endif
 
 fn weight(index: u32) -> Scaled {
     if index >= points.header.count || points.points[index].triangle == NO_TRIANGLE {
@@ -31,7 +37,7 @@ fn weight(index: u32) -> Scaled {
 #if RADIOSITY
     weight = scaled_weight(luminance(radiosity.radiosities[index].radiosity));
 #endif
-#if DENSITY
+#if DENSITY && BY_AREA
     weight = quotient(weight, scaled_weight(density[index]));
 #endif
     return weight;
@@ -44,7 +50,13 @@ fn weigh(
     @builtin(local_invocation_index) local: u32,
 ) {
     let index = row_index(group, groups, local, 64u);
-    if index < settings.points_count {
-        weights[index] = weight(index);
+    if index >= settings.points_count {
+        return;
     }
+    weights[index] = weight(index);
+#if TELL
+    if index < points.header.count && points.points[index].triangle != NO_TRIANGLE {
+        atomicAdd(&present, 1u);
+    }
+#endif
 }

@@ -9,6 +9,9 @@
 #import "surface-point.wgsl"
 #import "tangent-frame.wgsl"
 
+/// Tells these random numbers from those of the origins' places: where a run has the seed 0, so have all passes.
+const DIRECTIONS: u32 = 0x7472u;
+
 struct Settings {
     points_count: u32,
     seed: u32,
@@ -55,7 +58,7 @@ fn see(
     }
     var seen = no_point();
     if index < points.header.count {
-        let seed = hash2(settings.seed, points.header.iteration);
+        let seed = hash2(hash2(settings.seed, DIRECTIONS), points.header.iteration);
         seen = seen_from(points.points[index], sobol2_of(index, seed), hash2(seed, index));
     }
     traced.points[index] = seen;

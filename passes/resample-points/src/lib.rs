@@ -5,8 +5,9 @@ pub mod cpu_reference;
 use gpu_algorithms::{reduce, scan, segmented_scan, select};
 use interfaces::{counters, density, radiosity, surface_points};
 use pass::{
-    Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Struct, Threads, UseContext, Value, input, optional, output,
+    Clear, Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
+    Recording, ResourceDesc, Setting, Settings, Struct, Threads, Usage, UseContext, Value, input, optional,
+    output,
 };
 
 /// The pass, for the catalog.
@@ -22,6 +23,7 @@ const SYSTEMATIC: &str = "passes/resample-points/systematic.wgsl";
 const RACE: &str = "passes/resample-points/race.wgsl";
 const CUMULATE: &str = "passes/resample-points/cumulate.wgsl";
 const CLAIM: &str = "passes/resample-points/claim.wgsl";
+const TELL: &str = "passes/resample-points/tell-density.wgsl";
 const MOVE: &str = "passes/resample-points/move.wgsl";
 
 const SCALED: Struct = Struct::new("shaders/algorithms/scaled.wgsl", "Scaled");
@@ -52,6 +54,9 @@ pass::settings! {
         /// number that falls on each run of points varies least. race: as by one draw after the other. retries: as the paper
         /// does; some of the points may stay empty.
         method: Method = Method::Systematic;
+        /// Whether weights are divided by the density of the points, where that is linked. true: what is chosen is uniform by
+        /// area, or in proportion to radiosity. false: it keeps the density of the points, times radiosity.
+        by_area: bool = true;
         /// How often draws that find a point which is taken try again (method `retries`). More: fewer points stay empty.
         retries: u32 = 8, min: 0, max: 64;
     }
@@ -63,7 +68,7 @@ impl Pass for ResamplePoints {
             kind: "resample-points",
             about: "Chooses some of many surface points by weight, none of them twice.",
             paper: "SMC-IR §3.2.1",
-            shaders: &[WEIGH, THRESHOLD, SYSTEMATIC, RACE, CUMULATE, CLAIM, MOVE],
+            shaders: &[WEIGH, THRESHOLD, SYSTEMATIC, RACE, CUMULATE, CLAIM, MOVE, TELL],
         }
     }
 
@@ -86,6 +91,11 @@ impl Pass for ResamplePoints {
             outputs: vec![
                 output("resampled", "SurfacePoints", "Those chosen, in their order; the rest is empty."),
                 output("resampled_origins", "SurfacePoints", "Where each of those was traced from."),
+                output(
+                    "resampled_density",
+                    "Density",
+                    "Density of those chosen, for the method `systematic`; it wants `density`.",
+                ),
                 output("counters", "Counters", "How many were wanted, and how many were chosen."),
             ],
             ..Ports::default()
@@ -117,10 +127,18 @@ impl Pass for ResamplePoints {
         let mut outputs = vec![
             surface_points::output(use_cx, "resampled", settings.count)?,
             surface_points::output(use_cx, "resampled_origins", settings.count)?,
+            density::output("resampled_density", settings.count),
             counters::output(use_cx, "counters")?,
             scaled("weights", points)?,
             words("taken", points),
         ];
+        if tells(cx.input("density").is_some(), settings.method) {
+            let mut present = words("present", 1);
+            present.members[0].2 = Usage::ClearFirst(Clear::Zero);
+            outputs.extend([present, words("indices", settings.count)]);
+        } else {
+            outputs[2].members[0].2 = Usage::ClearFirst(Clear::Zero);
+        }
         outputs.extend(scan::scratch(use_cx, "places", candidates(points, settings.method))?);
         match settings.method {
             Method::Systematic => {
@@ -147,21 +165,33 @@ impl Pass for ResamplePoints {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = ResamplePointsSettings::read(cx.settings);
         let points = cx.fact("points", surface_points::COUNT)?;
+        let tells = tells(cx.connected("density"), settings.method);
         let defines = [
             ("DENSITY", Define::Bool(cx.connected("density"))),
             ("RADIOSITY", Define::Bool(cx.connected("radiosity"))),
+            ("BY_AREA", Define::Bool(settings.by_area)),
+            ("TELL", Define::Bool(tells)),
         ];
         let weigh = Compute::new(cx.shader(WEIGH, &defines), "weigh", Threads::Row(points));
-        let moves = cx.shader(MOVE, &[("TIES", Define::Bool(settings.method == Method::Race))]);
+        let moves = cx.shader(
+            MOVE,
+            &[("TIES", Define::Bool(settings.method == Method::Race)), ("TELL", Define::Bool(tells))],
+        );
         let clear = Compute::new(moves.clone(), "clear_points", Threads::Row(settings.count));
         let length = candidates(points, settings.method);
-        Ok(Recording::one(weigh).then_all(take(cx, &settings, points)?).then(clear).then_all(scan::steps(
-            &cx.use_context(),
-            &moves,
-            length,
-            "places",
-        )?))
+        let place = scan::steps(&cx.use_context(), &moves, length, "places")?;
+        let tell = Compute::new(cx.shader(TELL, &[]), "tell", Threads::Row(settings.count));
+        Ok(Recording::one(weigh)
+            .then_all(take(cx, &settings, points)?)
+            .then(clear)
+            .then_all(place)
+            .then_all(tells.then_some(tell)))
     }
+}
+
+/// Returns whether the density of what is chosen can be told: the race and its retries have no probabilities to tell it by.
+fn tells(has_density: bool, method: Method) -> bool {
+    has_density && method == Method::Systematic
 }
 
 /// Returns how many candidates there are for the places of the output: of a race, points that arrive together come behind those

@@ -349,3 +349,47 @@ fn inputs_have_one_length() {
         }
     }
 }
+
+/// What is chosen has the density of the points times how much more likely it is chosen: sums over what is chosen, each over its
+/// density, are those over all points.
+#[test]
+fn the_density_of_what_is_chosen_gives_unbiased_sums() {
+    let all = points(4000);
+    let density: Vec<f32> = (0..4000).map(|i| (0.2 + random(i, 1)) as f32).collect();
+    let radiosity: Vec<f32> = (0..4000).map(|i| (random(i, 2).powi(6) * 3.0) as f32).collect();
+    // Of a function of the index that has nothing to do with either.
+    let function = |i: u32| f64::from(i % 7);
+    let whole: f64 =
+        (0..4000_u32).map(|i| function(i) / f64::from(density[i as usize])).sum::<f64>() / 4000.0;
+    for by_area in [false, true] {
+        let mut estimates = Vec::new();
+        for iteration in 0..24 {
+            let harness = harness("systematic", iteration, &all).density(&density);
+            let harness = if by_area { harness } else { harness.radiosity(&radiosity) };
+            let Some(outputs) = harness.set("count", 500u32).set("by_area", by_area).run() else { return };
+            let (_, chosen) = outputs.surface_points("resampled");
+            let told: Vec<f32> = outputs.read("resampled_density");
+            let sum: f64 =
+                chosen.iter().zip(&told).map(|(point, told)| function(point.mark) / f64::from(*told)).sum();
+            estimates.push((sum / chosen.len() as f64) as f32);
+            if by_area {
+                let even = told[..500].iter().all(|other| (other / told[0] - 1.0).abs() < 1e-3);
+                assert!(even, "what is uniform by area has one density");
+            }
+        }
+        let (mean, error) = pass_test::statistics::spread(estimates.into_iter());
+        assert!((mean - whole).abs() < 4.0 * error, "by area {by_area}: {mean} ± {error}, not {whole}");
+        assert!(error < 0.2 * whole, "± {error} of {whole}");
+    }
+}
+
+#[test]
+fn other_methods_tell_no_density() {
+    let all = points(100);
+    for method in ["race", "retries"] {
+        let Some(outputs) = harness(method, 1, &all).density(&[1.0; 100]).set("count", 10u32).run() else {
+            return;
+        };
+        assert!(outputs.read::<f32>("resampled_density").iter().all(|told| *told == 0.0));
+    }
+}
