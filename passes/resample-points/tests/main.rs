@@ -356,7 +356,7 @@ fn inputs_have_one_length() {
 fn the_density_of_what_is_chosen_gives_unbiased_sums() {
     let all = points(4000);
     let density: Vec<f32> = (0..4000).map(|i| (0.2 + random(i, 1)) as f32).collect();
-    let radiosity: Vec<f32> = (0..4000).map(|i| (random(i, 2).powi(6) * 3.0) as f32).collect();
+    let radiosity: Vec<f32> = (0..4000).map(|i| (0.1 + random(i, 2).powi(2)) as f32).collect();
     // Of a function of the index that has nothing to do with either.
     let function = |i: u32| f64::from(i % 7);
     let whole: f64 =
