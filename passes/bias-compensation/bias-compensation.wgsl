@@ -12,6 +12,7 @@
 #option TEXTURED false // whether any material of the scene has a texture
 
 #import "camera.wgsl"
+#import "hemisphere.wgsl"
 #import "reflected-light.wgsl"
 #import "sobol.wgsl"
 #import "tangent-frame.wgsl"
@@ -62,9 +63,7 @@ fn near_field(pixel: vec2<u32>, at: vec3<f32>, normal: vec3<f32>, bound: f32) ->
     var sum = vec3(0.0);
     for (var ray = 0u; ray < settings.rays_per_pixel; ray++) {
         let square = sobol2_of(place * settings.rays_per_pixel + ray, window_seed);
-        let radius = sqrt(square.x);
-        let angle = 2.0 * PI * square.y;
-        let direction = tangents * vec3(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - square.x, 0.0)));
+        let direction = tangents * by_cosine(square);
         let hit = trace(origin, direction, 0.0, bound);
         if hit.triangle == NO_HIT {
             continue;

@@ -15,6 +15,7 @@
 
 #import "camera.wgsl"
 #import "color.wgsl"
+#import "hemisphere.wgsl"
 #import "progress.wgsl"
 #import "reflected-light.wgsl"
 #import "sobol.wgsl"
@@ -184,9 +185,7 @@ struct Scattered {
 fn scatter(vertex: PathVertex, leaving: vec3<f32>, index: u32, direction_seed: u32, lobe_seed: u32) -> Scattered {
     let square = sobol2_of(index, direction_seed);
     let tangents = frame_from_normal(vertex.normal);
-    let radius = sqrt(square.x);
-    let angle = 2.0 * PI * square.y;
-    var local = vec3(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - square.x, 0.0)));
+    var local = by_cosine(square);
 #if GLOSSY
     let diffuse = luminance(vertex.surface.albedo);
     let specular = luminance(vertex.surface.specular);

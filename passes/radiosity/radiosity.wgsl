@@ -10,6 +10,7 @@
 #option TEXTURED false // whether any material of the scene has a texture
 
 #import "dispatch.wgsl"
+#import "hemisphere.wgsl"
 #import "point-radiosity.wgsl"
 #import "reflected-light.wgsl"
 #import "sobol.wgsl"
@@ -65,10 +66,7 @@ fn arriving_along(point: SurfacePoint, path: u32) -> vec3<f32> {
     var geometric = point.normal;
     for (var segment = 1u; segment <= settings.segments; segment++) {
         let square = sobol2_of(path, hash2(point.seed, segment));
-        let radius = sqrt(square.x);
-        let angle = 2.0 * PI * square.y;
-        let local = vec3(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - square.x, 0.0)));
-        let direction = frame_from_normal(normal) * local;
+        let direction = frame_from_normal(normal) * by_cosine(square);
         let hit = trace(offset_origin(at, facing(geometric, direction)), direction, 0.0, FAR);
         if hit.triangle == NO_HIT {
             break;

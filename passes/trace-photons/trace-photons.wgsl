@@ -10,6 +10,7 @@
 #import "algorithms/scaled.wgsl"
 #import "color.wgsl"
 #import "dispatch.wgsl"
+#import "hemisphere.wgsl"
 #import "lights.wgsl"
 #import "path-vertex.wgsl"
 #import "sobol.wgsl"
@@ -60,9 +61,7 @@ fn emitted(light: Light, square: vec2<f32>) -> Emission {
         return Emission(at, light.direction, light.intensity * measure_of(light));
     }
     let cosine = 1.0 - square.x * (1.0 - light.cos_outer);
-    let radius = sqrt(max(1.0 - cosine * cosine, 0.0));
-    let angle = 2.0 * PI * square.y;
-    let direction = frame_from_normal(light.direction) * vec3(radius * cos(angle), radius * sin(angle), cosine);
+    let direction = frame_from_normal(light.direction) * direction_about_z(cosine, square.y);
     return Emission(light.position, direction, light_intensity(light, direction) * measure_of(light));
 }
 
@@ -133,10 +132,7 @@ fn deposit(path: u32, paths: u32) {
 #endif
         lights.lights[place] = light_at(point, flux);
         let square = sobol2_of(path, hash2(settings.seed, bounce + 1u));
-        let radius = sqrt(square.x);
-        let angle = 2.0 * PI * square.y;
-        let local = vec3(radius * cos(angle), radius * sin(angle), sqrt(max(1.0 - square.x, 0.0)));
-        direction = frame_from_normal(point.normal) * local;
+        direction = frame_from_normal(point.normal) * by_cosine(square);
         origin = offset_origin(point.position, point.normal);
         nearest = 0.0;
     }

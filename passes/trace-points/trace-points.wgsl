@@ -4,6 +4,7 @@
 
 #import "color.wgsl"
 #import "dispatch.wgsl"
+#import "hemisphere.wgsl"
 #import "ray-tracing.wgsl"
 #import "sobol.wgsl"
 #import "surface-point.wgsl"
@@ -24,13 +25,10 @@ var<storage, read_write> traced: SurfacePoints;
 /// A direction about the z axis, unit, from the unit square.
 fn direction_of(square: vec2<f32>) -> vec3<f32> {
 #if DIRECTIONS == cosine
-    let height = sqrt(1.0 - square.x);
+    return by_cosine(square);
 #else
-    let height = 1.0 - square.x;
+    return direction_about_z(1.0 - square.x, square.y);
 #endif
-    let radius = sqrt(max(1.0 - height * height, 0.0));
-    let angle = 2.0 * PI * square.y;
-    return vec3(radius * cos(angle), radius * sin(angle), height);
 }
 
 /// The point that a ray from a point meets.

@@ -1,9 +1,10 @@
 //! Inputs that functions of the pixel describe: what a camera sees, and light that was gathered there.
 
 use crate::Harness;
+use glam::{DVec3, dvec3};
 use half::f16;
 use pass::{Format, ResourceDesc};
-use scene::Camera;
+use scene::{Camera, Scene};
 
 /// The camera of [`Harness::view`]: at the origin, looking along −z, with a vertical field of view of 0.8 rad.
 pub const CAMERA: Camera = Camera {
@@ -43,6 +44,21 @@ impl Harness<'_> {
         let (width, height) = self.size;
         (0..width * height).map(move |i| (i % width, i / width))
     }
+}
+
+/// Returns the depth and the place at which a pixel of a frame of `width` × `height` sees the square of the scene `plane`
+/// (y = 0, side 2 m); `None` where it sees nothing.
+pub fn floor_seen(scene: &Scene, (width, height): (u32, u32), pixel: u32) -> Option<(f32, DVec3)> {
+    let view = scene.camera.view().inverse().as_dmat4();
+    let tangent = f64::from(scene.camera.vertical_fov * 0.5).tan();
+    let ndc_x = (f64::from(pixel % width) + 0.5) / f64::from(width) * 2.0 - 1.0;
+    let ndc_y = 1.0 - (f64::from(pixel / width) + 0.5) / f64::from(height) * 2.0;
+    let aspect = f64::from(width) / f64::from(height);
+    let ray = view.transform_vector3(dvec3(ndc_x * tangent * aspect, ndc_y * tangent, -1.0));
+    let eye = scene.camera.position.as_dvec3();
+    let depth = -eye.y / ray.y;
+    let at = eye + ray * depth;
+    (depth > 0.0 && at.x.abs() < 1.0 && at.z.abs() < 1.0).then_some((depth as f32, at))
 }
 
 /// Depth \[m\] and normal of a pixel.

@@ -1,11 +1,11 @@
 //! The picture of lights: dots against their discs on a floor, colours against their scale.
 
-use glam::{DVec3, Vec3, dvec3, vec3};
+use glam::{Vec3, vec3};
 use half::f16;
 use interfaces::virtual_lights::VirtualLight;
 use pass::{Format, ResourceDesc};
 use pass_test::Harness;
-use scene::Scene;
+use pass_test::view::floor_seen;
 use show_lights::PASS;
 
 const WIDTH: u32 = 80;
@@ -20,20 +20,6 @@ fn every_variant_is_valid() {
     pass_test::assert_shaders_are_valid(PASS);
 }
 
-/// Depth and place at which a pixel of the scene `plane` (y = 0, side 2) sees the floor.
-fn floor(scene: &Scene, pixel: u32) -> Option<(f32, DVec3)> {
-    let view = scene.camera.view().inverse().as_dmat4();
-    let tangent = f64::from(scene.camera.vertical_fov * 0.5).tan();
-    let ndc_x = (f64::from(pixel % WIDTH) + 0.5) / f64::from(WIDTH) * 2.0 - 1.0;
-    let ndc_y = 1.0 - (f64::from(pixel / WIDTH) + 0.5) / f64::from(HEIGHT) * 2.0;
-    let aspect = f64::from(WIDTH) / f64::from(HEIGHT);
-    let ray = view.transform_vector3(dvec3(ndc_x * tangent * aspect, ndc_y * tangent, -1.0));
-    let eye = scene.camera.position.as_dvec3();
-    let depth = -eye.y / ray.y;
-    let at = eye + ray * depth;
-    (depth > 0.0 && at.x.abs() < 1.0 && at.z.abs() < 1.0).then_some((depth as f32, at))
-}
-
 fn light(position: Vec3, flux: f32) -> VirtualLight {
     VirtualLight { position: position.to_array(), flux: [flux; 3], ..VirtualLight::default() }
 }
@@ -41,8 +27,9 @@ fn light(position: Vec3, flux: f32) -> VirtualLight {
 /// Shows lights over the floor; `irradiance` is that of each pixel.
 fn show(lights: &[VirtualLight], irradiance: Option<&[f32]>) -> Option<Vec<[u8; 4]>> {
     let scene = pass_test::scene("plane");
-    let depth: Vec<f32> =
-        (0..WIDTH * HEIGHT).map(|i| floor(&scene, i).map_or(0.0, |(depth, _)| depth)).collect();
+    let depth: Vec<f32> = (0..WIDTH * HEIGHT)
+        .map(|i| floor_seen(&scene, (WIDTH, HEIGHT), i).map_or(0.0, |(depth, _)| depth))
+        .collect();
     let picture = |format| ResourceDesc::texture_2d(format, (WIDTH, HEIGHT));
     let view = vec![("depth", picture(Format::R32Float), bytemuck::cast_slice(&depth).to_vec())];
     let mut harness = Harness::new(PASS)
@@ -73,7 +60,7 @@ fn dots_are_discs_around_what_is_seen_of_lights() {
     let pixel = 2.0 * f64::from(scene.camera.vertical_fov * 0.5).tan() / f64::from(HEIGHT);
     let mut dots = [0; 2];
     for (i, found) in (0..).zip(found) {
-        let Some((depth, at)) = floor(&scene, i) else {
+        let Some((depth, at)) = floor_seen(&scene, (WIDTH, HEIGHT), i) else {
             assert_eq!(found, BLACK, "pixel {i} sees nothing");
             continue;
         };
@@ -95,7 +82,8 @@ fn dots_are_discs_around_what_is_seen_of_lights() {
 #[test]
 fn colours_go_from_blue_over_green_to_red() {
     let scene = pass_test::scene("plane");
-    let seen: Vec<_> = (0..WIDTH * HEIGHT).filter(|&i| floor(&scene, i).is_some()).collect();
+    let seen: Vec<_> =
+        (0..WIDTH * HEIGHT).filter(|&i| floor_seen(&scene, (WIDTH, HEIGHT), i).is_some()).collect();
     for (irradiance, expected) in [(0.0, [0, 0, 1]), (2.0, [0, 1, 0]), (6e4, [1, 0, 0])] {
         let Some(found) = show(&[], Some(&vec![irradiance; (WIDTH * HEIGHT) as usize])) else { return };
         for &i in &seen {

@@ -6,6 +6,7 @@ use interfaces::cluster_map::NONE;
 use interfaces::clusters::{Cluster, ClustersHeader};
 use pass::{Format, ResourceDesc};
 use pass_test::random::hash;
+use pass_test::view::floor_seen;
 use pass_test::{Harness, RsmTexel};
 use scene::{LightKind, Scene};
 use show_clusters::PASS;
@@ -48,20 +49,6 @@ fn on_floor(texel: UVec2) -> DVec3 {
     plane.x * right + plane.y * up
 }
 
-/// Depth and place at which a pixel sees the floor.
-fn floor(scene: &Scene, pixel: u32) -> Option<(f32, DVec3)> {
-    let view = scene.camera.view().inverse().as_dmat4();
-    let tangent = f64::from(scene.camera.vertical_fov * 0.5).tan();
-    let ndc_x = (f64::from(pixel % WIDTH) + 0.5) / f64::from(WIDTH) * 2.0 - 1.0;
-    let ndc_y = 1.0 - (f64::from(pixel / WIDTH) + 0.5) / f64::from(HEIGHT) * 2.0;
-    let aspect = f64::from(WIDTH) / f64::from(HEIGHT);
-    let ray = view.transform_vector3(dvec3(ndc_x * tangent * aspect, ndc_y * tangent, -1.0));
-    let eye = scene.camera.position.as_dvec3();
-    let depth = -eye.y / ray.y;
-    let at = eye + ray * depth;
-    (depth > 0.0 && at.x.abs() < 1.0 && at.z.abs() < 1.0).then_some((depth as f32, at))
-}
-
 /// The cluster of a texel: cells of 9×9, and a column of none.
 fn cluster_of(texel: UVec2) -> u32 {
     if texel.x >= 60 { NONE } else { texel.x / 9 + 8 * (texel.y / 9) }
@@ -80,8 +67,9 @@ fn show(scene: &Scene, clusters: &[Cluster], dot: f32) -> Option<Vec<[u8; 4]>> {
             RsmTexel { position, normal: [0.0, 1.0, 0.0], flux: [1.0; 4] }
         })
         .collect();
-    let depth: Vec<f32> =
-        (0..WIDTH * HEIGHT).map(|i| floor(scene, i).map_or(0.0, |(depth, _)| depth)).collect();
+    let depth: Vec<f32> = (0..WIDTH * HEIGHT)
+        .map(|i| floor_seen(scene, (WIDTH, HEIGHT), i).map_or(0.0, |(depth, _)| depth))
+        .collect();
     let up = [0.0, 1.0, 0.0, 0.0].map(|x| f16::from_f32(x).to_bits()).repeat(depth.len());
     let picture = |format| ResourceDesc::texture_2d(format, (WIDTH, HEIGHT));
     let view = vec![
@@ -121,7 +109,7 @@ fn each_pixel_has_the_colour_of_its_cell() {
     let Some(found) = show(&scene, &clusters(), 0.0) else { return };
     let (mut lit, mut dark, mut unmapped, mut outside, mut wrong) = (0, 0, 0, 0, 0);
     for (i, found) in (0..).zip(&found) {
-        let Some((_, at)) = floor(&scene, i) else {
+        let Some((_, at)) = floor_seen(&scene, (WIDTH, HEIGHT), i) else {
             assert_eq!(*found, [0, 0, 0, 255], "nothing is seen");
             continue;
         };
@@ -157,7 +145,7 @@ fn dots_lie_at_the_centres() {
     let pixel = 2.0 * f64::from(scene.camera.vertical_fov * 0.5).tan() / f64::from(HEIGHT);
     let mut dots = 0;
     for (i, (plain, dotted)) in (0..).zip(plain.iter().zip(&dotted)) {
-        let Some((depth, at)) = floor(&scene, i) else { continue };
+        let Some((depth, at)) = floor_seen(&scene, (WIDTH, HEIGHT), i) else { continue };
         let index = projection().texel_of(in_layer(at)).map_or(NONE, cluster_of);
         let centre = clusters()
             .get(index as usize)
