@@ -333,7 +333,7 @@ fn every_measure_is_taken_of_a_walk() {
     assert!((0.5..=1.0).contains(&of(&moving, "lights-that-reach")), "{moving:?}");
     assert!((0.5..2.0).contains(&of(&moving, "energy")), "{moving:?}");
     let still = figures("still");
-    for key in ["tid", "tid-of-reference", "e-prime", "lights-moved", "static-deviation"] {
+    for key in ["tid", "tid-of-reference", "e-prime", "tone-change", "lights-moved", "static-deviation"] {
         assert_eq!(of(&still, key), 0.0, "{key}");
     }
 }

@@ -8,7 +8,7 @@ mod pinhole;
 mod static_deviation;
 
 pub use difference::{TemporalDifference, Tid, View, temporal_difference};
-pub use error_series::{ErrorSeries, TRACKED_PIXELS, tracked_pixels};
+pub use error_series::{ErrorSeries, FrameError, TRACKED_PIXELS, tracked_pixels};
 pub use lag::lag;
 pub use pinhole::Pinhole;
 pub use static_deviation::{StaticDeviation, static_deviation};

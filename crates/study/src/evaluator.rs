@@ -8,7 +8,7 @@ use crate::laboratory::{CellRun, Observed, Occluded, SceneFacts};
 use crate::measure::Measure;
 use crate::record::{FrameSeries, PassTime};
 use crate::reference::Truth;
-use metrics::temporal::{self, ErrorSeries, TRACKED_PIXELS, Tid, View};
+use metrics::temporal::{self, ErrorSeries, FrameError, TRACKED_PIXELS, Tid, View};
 use metrics::virtual_lights::{self, Receiver};
 use metrics::{DEFAULT_TRIM, Display, Epsilon, Image, PIXELS_PER_DEGREE, Pair, flip, hdr_flip, luminance};
 use series::Series;
@@ -45,8 +45,9 @@ pub(crate) struct Evaluator<'a> {
     /// The reference of the last frame, where its temporal difference is measured.
     last_truth: Option<Image>,
     tracked: Vec<(usize, usize)>,
-    found: Vec<Vec<f64>>,
-    expected: Vec<Vec<f64>>,
+    /// Errors at the tracked pixels, and at all of them.
+    tracked_errors: ErrorSeries,
+    tone_errors: ErrorSeries,
     /// Mean luminance of each frame.
     luminances: Vec<f64>,
     /// Mean over RGB of each frame.
@@ -94,8 +95,8 @@ impl<'a> Evaluator<'a> {
             tid_of_reference: Tid::default(),
             last_truth: None,
             tracked: Vec::new(),
-            found: Vec::new(),
-            expected: Vec::new(),
+            tracked_errors: ErrorSeries::default(),
+            tone_errors: ErrorSeries::default(),
             luminances: Vec::new(),
             means: Vec::new(),
             pictures: Vec::new(),
@@ -192,6 +193,9 @@ impl<'a> Evaluator<'a> {
         if self.wants(Measure::E) || self.wants(Measure::EPrime) {
             self.track(frame, index)?;
         }
+        if self.wants(Measure::ToneError) || self.wants(Measure::ToneChange) {
+            self.follow_tone(frame, index)?;
+        }
         if self.wants(Measure::Lag) {
             let sum: f64 = frame.image.pixels().iter().map(|pixel| grey(*pixel)).sum();
             self.luminances.push(sum / frame.image.pixels().len() as f64);
@@ -236,15 +240,32 @@ impl<'a> Evaluator<'a> {
         {
             self.tracked = temporal::tracked_pixels(depth, TRACKED_PIXELS);
         }
-        let at = |image: &Image, places: &[(usize, usize)]| -> Vec<f64> {
-            places.iter().map(|(x, y)| grey(image.pixels()[y * image.width() + x])).collect()
-        };
-        if let Some(truth) = &mut self.truth {
-            let expected = at(truth.frame(index)?, &self.tracked);
-            self.expected.push(expected);
-            self.found.push(at(&frame.image, &self.tracked));
-        }
+        let Some(truth) = &mut self.truth else { return Ok(()) };
+        let truth = truth.frame(index)?;
+        let at = |image: &Image, (x, y): (usize, usize)| grey(image.pixels()[y * image.width() + x]);
+        let pairs = self.tracked.iter().map(|place| (at(&frame.image, *place), at(truth, *place)));
+        let found = self.tracked_errors.add(pairs);
+        self.put_errors([Measure::E, Measure::EPrime], found);
         Ok(())
+    }
+
+    /// Adds the errors of tone-mapped luminance at all pixels.
+    fn follow_tone(&mut self, frame: &Observed, index: usize) -> Result<(), String> {
+        let Some(truth) = &mut self.truth else { return Ok(()) };
+        let pixels = frame.image.pixels().iter().zip(truth.frame(index)?.pixels());
+        let found = self.tone_errors.add(pixels.map(|(found, expected)| (grey(*found), grey(*expected))));
+        self.put_errors([Measure::ToneError, Measure::ToneChange], found);
+        Ok(())
+    }
+
+    /// Adds an error and its change to the series.
+    fn put_errors(&mut self, [error, change]: [Measure; 2], found: FrameError) {
+        if self.wants(error) {
+            self.put(error, Some(found.error));
+        }
+        if self.wants(change) {
+            self.put(change, found.change.map(|change| change / self.facts.seconds_per_frame));
+        }
     }
 
     /// Adds the errors of a picture in comparison with the reference of measured frame number `index`.
@@ -332,10 +353,10 @@ impl<'a> Evaluator<'a> {
             Measure::Memory => Some(run.memory.held as f64 / f64::from(1 << 20)),
             Measure::Tid => self.tid.value(),
             Measure::TidOfReference => self.tid_of_reference.value(),
-            Measure::E | Measure::EPrime => {
-                let series = ErrorSeries::of(&self.found, &self.expected, self.facts.seconds_per_frame)?;
-                Some(if measure == Measure::E { series.average_error } else { series.average_change })
-            }
+            Measure::E => self.tracked_errors.average_error(),
+            Measure::EPrime => self.tracked_errors.average_change(self.facts.seconds_per_frame),
+            Measure::ToneError => self.tone_errors.average_error(),
+            Measure::ToneChange => self.tone_errors.average_change(self.facts.seconds_per_frame),
             Measure::StaticDeviation => temporal::static_deviation(&self.pictures).ok()?.normalised,
             Measure::Lag => temporal::lag(&self.luminances, self.jump?, ARRIVED).map(|frames| frames as f64),
             Measure::LightsMoved => mean(&self.moved),

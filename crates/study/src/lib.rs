@@ -59,9 +59,9 @@
 //! the reference. For a scene that moves, every measured frame is compared with its own reference; RMSE is
 //! then taken over all of them, and other errors are means. [`Measure::info`] describes each measure. If more
 //! than one frame of a scene that moves is measured, each cell also stores the value of every frame (in
-//! `frames.csv`, and as a chart over the frame number) for errors of a picture, `energy`, `mean`, `tid` and
-//! `lights-moved` (each compared with the frame before; the first frame has no value), `clamped-energy`,
-//! `gpu-ms` and phases.
+//! `frames.csv`, and as a chart over the frame number) for errors of a picture, `energy`, `mean`, `e` and
+//! `tone-error`, `tid`, `e-prime`, `tone-change` and `lights-moved` (each compared with the frame before; the
+//! first frame has no value), `clamped-energy`, `gpu-ms` and phases.
 //!
 //! **Phases.** An entry is the name of a pass (`"lights"`), of a sub-graph with all its passes (`"shadows"`
 //! stands for `shadows/points`, `shadows/splat`, …), or of a pass in a sub-graph. The time of a phase in a

@@ -44,6 +44,10 @@ pub enum Measure {
     E,
     /// |E′| at tracked pixels.
     EPrime,
+    /// |E| at all pixels.
+    ToneError,
+    /// |E′| at all pixels.
+    ToneChange,
     /// Deviation of pixels over frames, if nothing moves.
     StaticDeviation,
     /// Frames until the picture has converged after a sudden change of the light.
@@ -265,6 +269,26 @@ static ROWS: &[Row] = &[
             "|E′|",
             "1/s",
             "Mean absolute change of that error with time (SMC-IR Eq. 10)",
+        )
+    },
+    Row {
+        needs: Needs { every_frame: true, ..REFERENCE },
+        ..error(
+            Measure::ToneError,
+            "tone-error",
+            "tone error",
+            "",
+            "Mean absolute error of tone-mapped luminance over all pixels, and over the frames: |E| without its choice of pixels",
+        )
+    },
+    Row {
+        needs: Needs { every_frame: true, frames: 2, ..REFERENCE },
+        ..error(
+            Measure::ToneChange,
+            "tone-change",
+            "tone change",
+            "1/s",
+            "Mean absolute change of that error with time, over all pixels: |E′| without its choice of pixels",
         )
     },
     Row {

@@ -1,61 +1,73 @@
-use serde::Serialize;
-
 use crate::Image;
 
 /// Number of pixels that SMC-IR §5.2 tracks in a sequence.
 pub const TRACKED_PIXELS: usize = 8;
 
-/// Error of the luminance at tracked pixels and its change with time (SMC-IR §5.2).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// Error of luminance and its change with time at the same pixels of each frame (SMC-IR §5.2), frame by frame.
+///
+/// E is found − reference after tone mapping (display luminance, −1..=1), by the Reinhard operator without a white
+/// point, L / (1 + L), as in the paper; multiply luminances by 2^exposure before if the picture is shown at
+/// another exposure than 0. A negative luminance counts as 0.
+#[derive(Debug, Clone, Default)]
 pub struct ErrorSeries {
-    /// Mean |E| over frames and pixels (display luminance, 0..=1), where E is found − reference after tone
-    /// mapping.
-    pub average_error: f64,
-    /// Mean |E′| (1/s), where E′ = ΔE / Δt (Eq. 10) from each frame to the next.
-    pub average_change: f64,
+    /// E of each pixel in the last frame.
+    last: Vec<f64>,
+    frames: usize,
+    /// Sums over the frames of the means over pixels, of |E| and of |ΔE|.
+    errors: f64,
+    changes: f64,
+}
+
+/// The errors of one frame of an [`ErrorSeries`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameError {
+    /// Mean |E| over pixels (display luminance, 0..=1).
+    pub error: f64,
+    /// Mean |ΔE| over pixels, from the frame before; `None` for the first.
+    pub change: Option<f64>,
 }
 
 impl ErrorSeries {
-    /// Computes the errors of `found` with respect to `reference`: the luminance of each tracked pixel in
-    /// each frame, `[frames][pixels]`, exposed radiance. `delta_t` is the time \[s\] from frame to frame.
+    /// Adds the next frame: the luminance of each pixel (exposed radiance), found and in the reference. O(pixels).
     ///
-    /// Both are mapped by the Reinhard operator without a white point, L / (1 + L), as in the paper; multiply
-    /// them by 2^exposure before the call if the picture is shown at another exposure than 0. A negative
-    /// luminance counts as 0.
-    ///
-    /// Returns `None` for fewer than two frames, no pixels, different numbers of frames or pixels, a NaN or
-    /// infinite luminance, or a `delta_t` that is not above 0.
-    pub fn of(found: &[Vec<f64>], reference: &[Vec<f64>], delta_t: f64) -> Option<Self> {
-        let pixels = found.first()?.len();
-        let pairs_up = found.len() == reference.len()
-            && found.iter().chain(reference).all(|frame| frame.len() == pixels);
-        let finite = found.iter().chain(reference).flatten().all(|luminance| luminance.is_finite());
-        if !(pairs_up && finite && pixels > 0 && found.len() > 1 && delta_t > 0.0) {
-            return None;
-        }
-        let errors: Vec<Vec<f64>> = found
-            .iter()
-            .zip(reference)
-            .map(|(found, reference)| {
-                found.iter().zip(reference).map(|(&f, &r)| reinhard(f) - reinhard(r)).collect()
-            })
-            .collect();
-        let error: f64 = errors.iter().flatten().map(|e| e.abs()).sum();
-        let change: f64 = errors
-            .windows(2)
-            .flat_map(|frames| frames[0].iter().zip(&frames[1]))
-            .map(|(before, now)| (now - before).abs() / delta_t)
-            .sum();
-        Some(Self {
-            average_error: error / (found.len() * pixels) as f64,
-            average_change: change / ((found.len() - 1) * pixels) as f64,
-        })
+    /// Errors are NaN if a luminance is NaN or infinite, there are no pixels, or not as many as in the frame
+    /// before.
+    pub fn add(&mut self, pixels: impl IntoIterator<Item = (f64, f64)>) -> FrameError {
+        let now: Vec<f64> =
+            pixels.into_iter().map(|(found, reference)| reinhard(found) - reinhard(reference)).collect();
+        let mean = |sum: f64| sum / now.len() as f64;
+        let error = mean(now.iter().map(|e| e.abs()).sum());
+        let change = (self.frames > 0).then(|| {
+            let pairs_up = self.last.len() == now.len();
+            let sum: f64 = now.iter().zip(&self.last).map(|(now, before)| (now - before).abs()).sum();
+            if pairs_up { mean(sum) } else { f64::NAN }
+        });
+        self.frames += 1;
+        self.errors += error;
+        self.changes += change.unwrap_or(0.0);
+        self.last = now;
+        FrameError { error, change }
+    }
+
+    /// Returns the mean |E| over frames and pixels (display luminance, 0..=1); `None` without a frame, or where it
+    /// is NaN.
+    pub fn average_error(&self) -> Option<f64> {
+        Some(self.errors / self.frames as f64).filter(|error| error.is_finite())
+    }
+
+    /// Returns the mean |E′| (1/s) over frames and pixels, where E′ = ΔE / Δt (Eq. 10) from each frame to the next,
+    /// `delta_t` \[s\] apart; `None` for fewer than two frames, where it is NaN, or if `delta_t` is not above 0.
+    pub fn average_change(&self, delta_t: f64) -> Option<f64> {
+        let pairs = self.frames.checked_sub(1)?;
+        let change = self.changes / pairs as f64 / delta_t;
+        Some(change).filter(|change| change.is_finite() && delta_t > 0.0)
     }
 }
 
 /// Reinhard et al. 2002, Eq. 3.
 fn reinhard(luminance: f64) -> f64 {
-    let luminance = luminance.max(0.0);
+    // NaN stays NaN, where `max` would make it 0; and infinity becomes NaN.
+    let luminance = if luminance < 0.0 { 0.0 } else { luminance };
     luminance / (1.0 + luminance)
 }
 

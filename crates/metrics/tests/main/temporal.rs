@@ -1,7 +1,8 @@
 //! What changes from frame to frame.
 
 use metrics::temporal::{
-    ErrorSeries, Pinhole, TRACKED_PIXELS, TemporalDifference, Tid, View, temporal_difference, tracked_pixels,
+    ErrorSeries, FrameError, Pinhole, TRACKED_PIXELS, TemporalDifference, Tid, View, temporal_difference,
+    tracked_pixels,
 };
 use metrics::{Image, ImageError};
 
@@ -147,20 +148,30 @@ fn a_walk_is_judged_over_all_its_pixels() {
 #[test]
 fn errors_over_time_by_hand() {
     // After L / (1 + L): 1/2 3/4 against 0 1/2, so E is 1/2, then 1/4; the other pixel is right, then 1/2 off.
-    let found = [vec![1.0, 1.0], vec![3.0, 0.0]];
-    let reference = [vec![0.0, 1.0], vec![1.0, 1.0]];
-    let series = ErrorSeries::of(&found, &reference, 0.5).unwrap();
-    close(series.average_error, (0.5 + 0.0 + 0.25 + 0.5) / 4.0);
-    close(series.average_change, (0.25 / 0.5 + 0.5 / 0.5) / 2.0);
-    // A constant error does not flicker.
-    let steady = ErrorSeries::of(&[vec![1.0], vec![1.0]], &[vec![0.0], vec![0.0]], 0.1).unwrap();
-    assert_eq!((steady.average_error, steady.average_change), (0.5, 0.0));
+    let mut series = ErrorSeries::default();
+    assert_eq!((series.average_error(), series.average_change(0.5)), (None, None), "no frame");
+    assert_eq!(series.add([(1.0, 0.0), (1.0, 1.0)]), FrameError { error: 0.25, change: None });
+    assert_eq!((series.average_error(), series.average_change(0.5)), (Some(0.25), None), "one frame");
+    assert_eq!(series.add([(3.0, 1.0), (0.0, 1.0)]), FrameError { error: 0.375, change: Some(0.375) });
+    close(series.average_error().unwrap(), (0.5 + 0.0 + 0.25 + 0.5) / 4.0);
+    close(series.average_change(0.5).unwrap(), (0.25 / 0.5 + 0.5 / 0.5) / 2.0);
+    assert_eq!(series.average_change(0.0), None, "no time passes");
+    // A constant error does not flicker, and what is negative is 0.
+    let of = |frames: &[&[(f64, f64)]]| {
+        let mut series = ErrorSeries::default();
+        for frame in frames {
+            series.add(frame.iter().copied());
+        }
+        (series.average_error(), series.average_change(0.1))
+    };
+    assert_eq!(of(&[&[(1.0, -1.0)], &[(1.0, 0.0)]]), (Some(0.5), Some(0.0)));
 
-    assert_eq!(ErrorSeries::of(&found[..1], &reference[..1], 0.5), None, "one frame");
-    assert_eq!(ErrorSeries::of(&found, &reference[..1], 0.5), None, "a frame is missing");
-    assert_eq!(ErrorSeries::of(&found, &[vec![0.0, 1.0], vec![1.0]], 0.5), None, "a pixel is missing");
-    assert_eq!(ErrorSeries::of(&found, &reference, 0.0), None, "no time passes");
-    assert_eq!(ErrorSeries::of(&[vec![f64::NAN], vec![0.0]], &[vec![0.0], vec![0.0]], 0.1), None);
+    assert_eq!(of(&[&[(1.0, 1.0), (0.0, 0.0)], &[(1.0, 1.0)]]), (Some(0.0), None), "a pixel is missing");
+    assert_eq!(of(&[&[], &[]]), (None, None), "no pixels");
+    for broken in [f64::NAN, f64::INFINITY] {
+        assert_eq!(of(&[&[(broken, 0.0)], &[(0.0, 0.0)]]), (None, None));
+        assert_eq!(of(&[&[(0.0, 0.0)], &[(0.0, broken)]]), (None, None));
+    }
 }
 
 #[test]

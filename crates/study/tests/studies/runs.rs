@@ -202,7 +202,8 @@ fn a_walk_is_judged_frame_by_frame() {
     let folder = tempfile::tempdir().unwrap();
     let mut walk = study(
         "budget: Frames(4), warm_up: 2, first_frame: 3, jump: 6, seeds: [2], reference: Pipeline(pipeline: \"truth\"),
-         measures: [\"rmse\", \"normalised-rmse\", \"e\", \"e-prime\", \"tid\", \"lag\", \"static-deviation\"]",
+         measures: [\"rmse\", \"normalised-rmse\", \"e\", \"e-prime\", \"tone-error\", \"tone-change\", \"tid\",
+                    \"lag\", \"static-deviation\"]",
     );
     walk.edit(&study::Edits { scenes: vec!["walk".to_owned()], ..Default::default() }).unwrap();
     let mut lab = Fake::default();
@@ -219,9 +220,20 @@ fn a_walk_is_judged_frame_by_frame() {
     let shown = |x: f64| x / (1.0 + x);
     let errors: Vec<f64> = (7..=10).map(|n| shown(f64::from(n) - error) - shown(f64::from(n))).collect();
     let mean_error = errors.iter().map(|e| e.abs()).sum::<f64>() / 4.0;
-    assert!((cell.measures["e"].unwrap() / mean_error - 1.0).abs() < 1e-2, "{:?}", cell.measures);
+    // All pixels are alike, and so are the tracked ones.
+    for key in ["e", "tone-error"] {
+        assert!((cell.measures[key].unwrap() / mean_error - 1.0).abs() < 1e-2, "{:?}", cell.measures);
+        let series = &cell.series.values[key];
+        assert!(
+            series.iter().zip(&errors).all(|(found, e)| (found.unwrap() / e.abs() - 1.0).abs() < 1e-2),
+            "{series:?}"
+        );
+    }
     let change = errors.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.5).sum::<f64>() / 3.0;
-    assert!((cell.measures["e-prime"].unwrap() / change - 1.0).abs() < 2e-2, "{:?}", cell.measures);
+    for key in ["e-prime", "tone-change"] {
+        assert!((cell.measures[key].unwrap() / change - 1.0).abs() < 2e-2, "{:?}", cell.measures);
+        assert_eq!(cell.series.values[key][0], None, "the first frame has none before it");
+    }
     // Every pixel grows by 1 a frame.
     close(cell.measures["tid"], 1.0);
     assert_eq!(cell.measures["static-deviation"], None, "nothing stands still");
