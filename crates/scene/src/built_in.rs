@@ -7,6 +7,7 @@ mod cloth;
 mod cornell;
 mod hall;
 mod nave;
+mod rooms;
 mod simple;
 
 use crate::model::Model;
@@ -15,7 +16,7 @@ use crate::model::Model;
 type Make = fn() -> Model;
 
 /// Every built-in geometry, by name.
-const BUILT_IN: [(&str, Make); 15] = [
+const BUILT_IN: [(&str, Make); 17] = [
     ("cornell-box", cornell::cornell_box),
     ("cornell-box-lamp", cornell::cornell_box_lamp),
     ("atrium", atrium::atrium),
@@ -26,6 +27,8 @@ const BUILT_IN: [(&str, Make); 15] = [
     ("hall-64k", || hall::hall(8)),
     ("hall-256k", || hall::hall(16)),
     ("hall-1m", || hall::hall(32)),
+    ("maze", rooms::maze),
+    ("corridor", rooms::corridor),
     ("cloth", cloth::cloth),
     ("plane", simple::plane),
     ("cube", simple::cube),

@@ -118,6 +118,44 @@ fn halls_differ_in_triangles_alone() {
     assert_eq!(shipped("hall-1m").triangles(), 1 << 20);
 }
 
+/// Returns the volume that a scene encloses with faces turned inwards, from the divergence theorem, seen from `origin`:
+/// the same from everywhere if nothing is open.
+fn enclosed(scene: &Scene, origin: Vec3) -> f64 {
+    let sixfold = scene.indices.chunks_exact(3).map(|triangle| {
+        let [a, b, c] = [0, 1, 2].map(|i| Vec3::from(scene.vertices[triangle[i] as usize].position) - origin);
+        f64::from(-a.dot(b.cross(c)))
+    });
+    sixfold.sum::<f64>() / 6.0
+}
+
+#[test]
+fn plans_are_closed_and_of_the_drawn_size() {
+    // By hand from the plans, in cells of 0.16 m²: rooms and corridors 2.6 m high, doorways 2.1 m.
+    let volume = |rooms: f64, doorways: f64| 0.16 * (rooms * 2.6 + doorways * 2.1);
+    let maze = 3.0 * 6.0 * (7.0 + 6.0 + 5.0) + 2.0 * 28.0 * 3.0 + 6.0 * 7.0 * 3.0;
+    let corridor = 5.0 * 42.0 + 39.0 * 4.0;
+    for (name, expected, count) in
+        [("maze", volume(maze, 10.0 * 3.0), 13), ("corridor", volume(corridor, 5.0 * 3.0), 5)]
+    {
+        let scene = shipped(name);
+        for origin in [Vec3::ZERO, Vec3::new(7.0, -3.0, 5.0)] {
+            let found = enclosed(&scene, origin);
+            assert!((found / expected - 1.0).abs() < 1e-4, "{name}: {found} m³, expected {expected} m³");
+        }
+        assert_eq!(scene.lights.len(), count, "{name}");
+    }
+    let (min, max) = shipped("maze").bounds();
+    assert!(
+        min.abs_diff_eq(Vec3::new(-5.6, 0.0, -5.6), 1e-5) && max.abs_diff_eq(Vec3::new(5.6, 2.6, 5.6), 1e-5)
+    );
+    // Floor and ceiling; the walls of rooms, the corridor and the doorways, less the doors.
+    let door = 1.2 * 2.1;
+    let walls = 5.0 * (10.4 * 2.6 - door) + (34.4 * 2.6 - 5.0 * door) + 5.0 * (0.8 * 2.1);
+    let expected = 2.0 * 0.16 * (corridor + 15.0) + walls;
+    let area = shipped("corridor").area();
+    assert!((area / expected - 1.0).abs() < 1e-5, "{area} m², expected {expected} m²");
+}
+
 #[test]
 fn simple_bodies_have_their_closed_forms() {
     let area =
