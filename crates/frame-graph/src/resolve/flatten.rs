@@ -186,7 +186,10 @@ impl<'a> Resolver<'a> {
             scope.push(Parameter { setting, value, place, outer: None });
         }
         let mut routed: FxHashMap<usize, Vec<Assignment>> = FxHashMap::default();
-        for assignment in assignments {
+        // Parameters first: what a patch gives a pass by `"$name"` is their last value, also where that comes from outside.
+        let (own, passed_on): (Vec<_>, Vec<_>) =
+            assignments.into_iter().partition(|assignment| !assignment.path.contains('.'));
+        for assignment in own.into_iter().chain(passed_on) {
             if assignment.depth == 1
                 && let SetValue::Parameter(outer, _) = &assignment.value
                 && let Some(parameter) = scope.iter_mut().find(|p| p.setting.name == assignment.path)

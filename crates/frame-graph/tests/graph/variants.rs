@@ -203,6 +203,25 @@ fn settings_come_from_the_nearest_hand() {
     assert_ne!(plain.id, given.id);
 }
 
+/// A patch that gives a pass a parameter gives it what the parameter is in the end, not what the file says.
+#[test]
+fn a_patch_hands_on_the_value_that_a_parameter_is_given() {
+    let variant = r#"parameters: { "count": U32(default: 512), "width": F32(default: 2.5) },
+        patch: [ Set("filter.radius", "$width"), Set("shadows.map", "$count"), Set("shadows/splat.map", "$count") ]"#;
+    let of = |overrides: &[(&str, Value)]| {
+        planned(&resolved(variant, overrides), traits(), &CompileOptions::default())
+    };
+    let plain = of(&[]);
+    assert_eq!(setting(&plain, "filter", "radius"), Value::F32(2.5));
+    assert_eq!(setting(&plain, "shadows/splat", "map"), Value::U32(512));
+    let given = of(&[("width", Value::F32(4.5)), ("count", Value::U32(16))]);
+    assert_eq!(setting(&given, "filter", "radius"), Value::F32(4.5));
+    assert_eq!(setting(&given, "shadows/splat", "map"), Value::U32(16));
+    // What is given for the setting itself is nearer still.
+    let nearer = of(&[("filter.radius", Value::F32(1.0)), ("width", Value::F32(4.5))]);
+    assert_eq!(setting(&nearer, "filter", "radius"), Value::F32(1.0));
+}
+
 #[test]
 fn off_hands_on_an_input_through_borders_of_parts() {
     let part = |more: &str| {
