@@ -72,7 +72,9 @@ fn rays_end_at_the_first_surface() {
             );
             assert!(way.dot(normal) < 1e-4 * way.length(), "from the other side: {from:?} {to:?}");
             let origin = Vec3::from(from.position) + Vec3::from(from.normal) * 1e-5;
-            assert!(!bvh.occluded(origin, at - origin, 1e-4, 0.999), "something is between {from:?} {to:?}");
+            // In a corner the way is no longer than rays are moved off their surface.
+            let is_between = way.length() > 1e-4 && bvh.occluded(origin, at - origin, 1e-4, 0.999);
+            assert!(!is_between, "something is between {from:?} {to:?}");
         }
         assert!(hits > 800, "{hits} of 1500");
         let seeds: HashSet<u32> = traced.iter().filter(|to| !to.is_none()).map(|to| to.seed).collect();
