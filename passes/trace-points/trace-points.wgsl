@@ -2,7 +2,6 @@
 
 #option DIRECTIONS cosine one_of [cosine, uniform] // How the directions of rays are distributed over the hemisphere about the normal. cosine: in proportion to the cosine with it, as light counts. uniform: every solid angle alike, which finds more of what is seen at grazing angles.
 
-#import "color.wgsl"
 #import "dispatch.wgsl"
 #import "hemisphere.wgsl"
 #import "ray-tracing.wgsl"

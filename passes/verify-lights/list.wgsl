@@ -1,6 +1,6 @@
-// Lists the lights that no point in view has reached so far, in one workgroup.
+// Lists the lights that no point in view has reached so far.
 
-#import "algorithms/workgroup.wgsl"
+#import "algorithms/compact.wgsl"
 #import "verify.wgsl"
 
 struct Settings {
@@ -14,20 +14,19 @@ var<storage, read> claims: array<u32>;
 var<storage, read_write> unseen: array<u32>;
 var<storage, read_write> round: Round;
 
-@compute @workgroup_size(GROUP_SIZE)
-fn list(@builtin(local_invocation_index) thread: u32) {
-    var before = 0u;
-    for (var block = 0u; block < settings.lights_count; block += GROUP_SIZE) {
-        let index = block + thread;
-        let is_unseen = index < settings.lights_count && claims[index] == UNSEEN;
-        let ranks = prefix_sum_u32(thread, select(0u, 1u, is_unseen));
-        if is_unseen {
-            unseen[before + ranks.x - 1u] = index;
-        }
-        before += ranks.y;
-    }
-    if thread == 0u {
-        // Nothing runs where all lights are accounted for.
-        round = Round(select(0u, settings.workgroups, before > 0u), 1u, 1u, before);
-    }
+fn scan_length() -> u32 {
+    return settings.lights_count;
+}
+
+fn compact_keeps(i: u32) -> bool {
+    return claims[i] == UNSEEN;
+}
+
+fn compact_move(i: u32, place: u32) {
+    unseen[place] = i;
+}
+
+fn compact_count(count: u32) {
+    // Nothing runs where all lights are accounted for.
+    round = Round(select(0u, settings.workgroups, count > 0u), 1u, 1u, count);
 }

@@ -337,6 +337,14 @@ impl OutputDesc {
         self
     }
 
+    /// Has every member cleared to zero before the pass runs.
+    pub fn cleared(mut self) -> OutputDesc {
+        for (_, _, usage) in &mut self.members {
+            *usage = Usage::ClearFirst(Clear::Zero);
+        }
+        self
+    }
+
     /// Adds a fact.
     pub fn fact<T: FactValue>(mut self, fact: Fact<T>, value: T) -> OutputDesc {
         self.facts.insert(fact.name, value.into());

@@ -1,7 +1,7 @@
 //! Lights against Eq. 6.
 
 use interfaces::radiosity::PointRadiosity;
-use interfaces::surface_points::{self, SurfacePoint};
+use interfaces::surface_points::SurfacePoint;
 use lights_from_points::PASS;
 use pass_test::Harness;
 
@@ -20,7 +20,7 @@ fn lights(
     let facts = &[("count", points.len() as u32)];
     let with = |bytes: Vec<u8>| vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
     let outputs = Harness::new(PASS)
-        .input("points", "SurfacePoints", facts, with(surface_points::to_bytes(3, points)))
+        .surface_points("points", 3, points)
         .input("radiosity", "Radiosity", facts, with(bytemuck::cast_slice(&radiosity).to_vec()))
         .input("density", "Density", facts, with(bytemuck::cast_slice(density).to_vec()))
         .run()?;

@@ -5,9 +5,9 @@ pub mod cpu_reference;
 use interfaces::visibility::{AtlasLayout, DepthBias, DepthBiasSettings};
 use interfaces::{stands, virtual_lights};
 use pass::{
-    Clear, Compute, Define, DepthTarget, Draw, Format, Info, Load, OutputContext, OutputDesc, Pass,
-    PassTypeError, Ports, Raster, RecordContext, Recording, Request, ResourceDesc, SceneBindings, Setting,
-    Settings, Step, Struct, Target, Threads, Usage, UseContext, Value,
+    Compute, Define, DepthTarget, Draw, Format, Info, Load, OutputContext, OutputDesc, Pass, PassTypeError,
+    Ports, Raster, RecordContext, Recording, Request, ResourceDesc, SceneBindings, Setting, Settings, Step,
+    Struct, Target, Threads, UseContext, Value,
 };
 
 /// The pass type `paraboloid-shadow-maps`.
@@ -116,8 +116,7 @@ impl Pass for ParaboloidShadowMaps {
             |name: &str, length: u32| OutputDesc::scratch(name, ResourceDesc::buffer(4 * u64::from(length)));
         match [cx.input("past"), cx.input("rendered")].map(|input| input.is_some()) {
             [true, true] => {
-                let past = Usage::Continue { input: "past".into(), member: "atlas".into() };
-                maps.members[0].2 = past;
+                maps = maps.continuing("past");
                 outputs.push(list("moved", count));
                 outputs.push(list("begins", layout.layers()));
                 outputs.push(OutputDesc::scratch(
@@ -125,7 +124,7 @@ impl Pass for ParaboloidShadowMaps {
                     use_cx.buffer(LAYER_DRAWS, u64::from(layout.layers()))?,
                 ));
             }
-            [false, false] => stands.members[0].2 = Usage::ClearFirst(Clear::Zero),
+            [false, false] => stands = stands.cleared(),
             _ => {
                 let said = "maps are kept by two links, `past` and `rendered`: one of them is missing";
                 return Err(PassTypeError::new(said));

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, vec3};
 use interfaces::radiosity::PointRadiosity;
-use interfaces::surface_points::{self, SurfacePoint};
+use interfaces::surface_points::SurfacePoint;
 use pass_test::rooms::{self, floor_and_wall, furnace, point_on};
 use pass_test::{Harness, scene};
 use radiosity::PASS;
@@ -16,15 +16,7 @@ fn every_variant_is_valid() {
 
 /// The pass over these points.
 fn harness<'a>(scene: &Scene, points: &[SurfacePoint]) -> Harness<'a> {
-    let bytes = surface_points::to_bytes(0, points);
-    let members = vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
-    let count = points.len() as u32;
-    Harness::new(PASS).with_scene(scene.clone()).input(
-        "points",
-        "SurfacePoints",
-        &[("count", count)],
-        members,
-    )
+    Harness::new(PASS).with_scene(scene.clone()).surface_points("points", 0, points)
 }
 
 fn run(harness: Harness<'_>) -> Option<Vec<PointRadiosity>> {

@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 use interfaces::radiosity::PointRadiosity;
-use interfaces::surface_points::{self, SurfacePoint};
+use interfaces::surface_points::SurfacePoint;
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass_test::random::hash;
 use pass_test::{Harness, Outputs};
@@ -40,7 +40,7 @@ impl Case {
         let points = |base: u32, is_there: &dyn Fn(usize) -> bool, mark: &dyn Fn(usize) -> bool| {
             let one =
                 |i| if is_there(i) { point(base + i as u32, u32::from(mark(i))) } else { SurfacePoint::NONE };
-            surface_points::to_bytes(41, &(0..count).map(one).collect::<Vec<_>>())
+            (0..count).map(one).collect::<Vec<_>>()
         };
         let light = |i: usize| self.lights[i].is_some();
         let marked = |i: usize| self.lights[i].is_some_and(|light| !light.is_valid);
@@ -65,11 +65,11 @@ impl Case {
         let never = |_: usize| false;
         Harness::new(PASS)
             .set("moved", self.moved)
-            .input("lights", "SurfacePoints", facts, with(points(SEEDS[0], &light, &marked)))
-            .input("mailboxes", "SurfacePoints", facts, with(points(SEEDS[1], &light, &never)))
+            .surface_points("lights", 41, &points(SEEDS[0], &light, &marked))
+            .surface_points("mailboxes", 41, &points(SEEDS[1], &light, &never))
             .input("intensities", "VirtualLights", facts, with(virtual_lights::to_bytes(&intensities)))
-            .input("candidates", "SurfacePoints", facts, with(points(SEEDS[2], &candidate, &never)))
-            .input("origins", "SurfacePoints", facts, with(points(SEEDS[3], &candidate, &never)))
+            .surface_points("candidates", 41, &points(SEEDS[2], &candidate, &never))
+            .surface_points("origins", 41, &points(SEEDS[3], &candidate, &never))
             .input("radiosity", "Radiosity", facts, with(bytes(&radiosity)))
             .input("density", "Density", facts, with(bytes(&density)))
             .run()
@@ -79,9 +79,8 @@ impl Case {
     /// adapter.
     fn check(&self) -> Option<usize> {
         let outputs = self.run()?;
-        let read =
-            |name: &str| surface_points::from_bytes(&outputs.read::<u8>(name)).expect("they are whole");
-        let ((header, replaced), (_, witnesses)) = (read("replaced"), read("witnesses"));
+        let (header, replaced) = outputs.surface_points("replaced");
+        let (_, witnesses) = outputs.surface_points("witnesses");
         let wanted = newcomers(&self.lights, &self.candidates, self.moved as usize, 0.95);
         for (slot, newcomer) in wanted.iter().enumerate() {
             let expected = |here: usize, there: usize| match (newcomer, self.lights[slot]) {
@@ -169,8 +168,7 @@ fn intensities_that_are_no_numbers_count_as_none() {
     case.candidates[5] = Some(f32::NAN);
     case.candidates[6] = Some(f32::INFINITY);
     let Some(outputs) = case.run() else { return };
-    let (header, replaced) =
-        surface_points::from_bytes(&outputs.read::<u8>("replaced")).expect("they are whole");
+    let (header, replaced) = outputs.surface_points("replaced");
     assert_eq!(header.marked, 1);
     assert!(replaced.iter().any(|point| point.seed == SEEDS[2] + 6));
     assert!(replaced.iter().all(|point| point.seed != SEEDS[2] + 5));

@@ -5,9 +5,8 @@ pub mod cpu_reference;
 use gpu_algorithms::{reduce, scan, segmented_scan, select};
 use interfaces::{counters, density, radiosity, surface_points};
 use pass::{
-    Clear, Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
-    Recording, ResourceDesc, Setting, Settings, Struct, Threads, Usage, UseContext, Value, input, optional,
-    output,
+    Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, Setting, Settings, Struct, Threads, UseContext, Value, input, optional, output,
 };
 
 /// The pass, for the catalog.
@@ -124,20 +123,18 @@ impl Pass for ResamplePoints {
         let scaled = |name: &str, count: u32| -> Result<OutputDesc, PassTypeError> {
             Ok(OutputDesc::scratch(name, use_cx.buffer(SCALED, u64::from(count.max(1)))?))
         };
+        let tells = tells(cx.input("density").is_some(), settings.method);
+        let density = density::output("resampled_density", settings.count);
         let mut outputs = vec![
             surface_points::output(use_cx, "resampled", settings.count)?,
             surface_points::output(use_cx, "resampled_origins", settings.count)?,
-            density::output("resampled_density", settings.count),
+            if tells { density } else { density.cleared() },
             counters::output(use_cx, "counters")?,
             scaled("weights", points)?,
             words("taken", points),
         ];
-        if tells(cx.input("density").is_some(), settings.method) {
-            let mut present = words("present", 1);
-            present.members[0].2 = Usage::ClearFirst(Clear::Zero);
-            outputs.extend([present, words("indices", settings.count)]);
-        } else {
-            outputs[2].members[0].2 = Usage::ClearFirst(Clear::Zero);
+        if tells {
+            outputs.extend([words("present", 1).cleared(), words("indices", settings.count)]);
         }
         outputs.extend(scan::scratch(use_cx, "places", candidates(points, settings.method))?);
         match settings.method {

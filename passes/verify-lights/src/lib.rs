@@ -1,5 +1,6 @@
 //! Which lights reach what the camera sees.
 
+use gpu_algorithms::scan;
 use interfaces::surface_points;
 use pass::{
     Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
@@ -82,35 +83,38 @@ impl Pass for VerifyLights {
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let count = cx.fact("lights", surface_points::COUNT)?;
         let list = |name: &str| OutputDesc::scratch(name, ResourceDesc::buffer(4 * u64::from(count.max(1))));
-        Ok(vec![
+        let mut outputs = vec![
             surface_points::output(use_cx, "verified", count)?,
             surface_points::output(use_cx, "witnesses", count)?,
             list("claims"),
             list("unseen"),
             OutputDesc::scratch("round", use_cx.buffer(ROUND, 1)?),
-        ])
+        ];
+        outputs.extend(scan::scratch(use_cx, "places", count)?);
+        Ok(outputs)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = VerifyLightsSettings::read(cx.settings);
         let lights = cx.fact("lights", surface_points::COUNT)?.max(1);
         let casters = settings.casters.min(cx.fact("points", surface_points::COUNT)?);
-        let scene = ["textured", "masked"].map(|name| Define::Bool(cx.trait_bool(name)));
-        let [textured, masked] = scene;
-        let rays = [("TEXTURED", textured), ("MASKED", masked), cx.option("RAYS")];
-        let mut following = rays.to_vec();
-        following.push(("MOVES", Define::Bool(cx.trait_bool("moving_geometry"))));
+        let of_scene = |define: &'static str, name: &str| (define, Define::Bool(cx.trait_bool(name)));
+        let rays = [of_scene("TEXTURED", "textured"), of_scene("MASKED", "masked"), cx.option("RAYS")];
+        let following = [&rays[..], &[of_scene("MOVES", "moving_geometry")]].concat();
 
         let follow = Compute::new(cx.shader(FOLLOW, &following), "follow", Threads::Row(lights));
-        let list = Compute::new(cx.shader(LIST, &[]), "list", Threads::Row(1))
-            .value("workgroups", Value::U32(casters.div_ceil(GROUP)));
+        let workgroups = Value::U32(casters.div_ceil(GROUP));
+        let list: Vec<Compute> = scan::steps(&cx.use_context(), &cx.shader(LIST, &[]), lights, "places")?
+            .into_iter()
+            .map(|step| step.value("workgroups", workgroups.clone()))
+            .collect();
         let settle = |entry| Compute::new(cx.shader(SETTLE, &[]), entry, Threads::Row(lights));
-        let mut recording = Recording::one(follow).then(list.clone());
+        let mut recording = Recording::one(follow).then_all(list.clone());
         for round in 0..settings.rounds {
             let threads = Threads::Indirect { buffer: "round".into(), offset: 0 };
             let cast = Compute::new(cx.shader(CAST, &rays), "cast_rays", threads)
                 .value("round_number", Value::U32(round));
-            recording = recording.then(cast).then(settle("settle")).then(list.clone());
+            recording = recording.then(cast).then(settle("settle")).then_all(list.clone());
         }
         Ok(recording.then(settle("finish")))
     }

@@ -1,7 +1,7 @@
 //! Mailboxes and marks against rays of the CPU.
 
 use glam::{Vec2, Vec3};
-use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader};
+use interfaces::surface_points::{SurfacePoint, SurfacePointsHeader};
 use pass_test::Harness;
 use pass_test::random::{hash, unit_float};
 use pass_test::rooms::point_on;
@@ -71,16 +71,10 @@ impl Room {
         for (port, points) in
             [("points", case.points), ("lights", case.lights), ("mailboxes", case.mailboxes)]
         {
-            let bytes = surface_points::to_bytes(17, points);
-            let members = vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
-            harness = harness.input(port, "SurfacePoints", &[("count", points.len() as u32)], members);
+            harness = harness.surface_points(port, 17, points);
         }
         let outputs = harness.run()?;
-        Some(
-            ["verified", "witnesses"].map(|name| {
-                surface_points::from_bytes(&outputs.read::<u8>(name)).expect("the points are whole")
-            }),
-        )
+        Some(["verified", "witnesses"].map(|name| outputs.surface_points(name)))
     }
 }
 

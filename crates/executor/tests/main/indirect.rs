@@ -1,9 +1,7 @@
 //! Dispatches and draws whose size is on the GPU.
 
 use crate::harness::{Kind, Running, Workshop, shader, texture, words};
-use pass::{
-    Clear, Compute, Draw, Format, OutputDesc, Raster, ResourceDesc, Step, Target, Threads, Usage, Value,
-};
+use pass::{Compute, Draw, Format, OutputDesc, Raster, ResourceDesc, Step, Target, Threads, Value};
 
 /// Writes the arguments of a step; or, where it reads its own past, the same and one more each frame in the first of
 /// them.
@@ -91,9 +89,7 @@ fn columns(buffer: &str, offset: u64) -> Step {
 }
 
 fn marks() -> OutputDesc {
-    let mut marks = OutputDesc::one("marks", words(16));
-    marks.members[0].2 = Usage::ClearFirst(Clear::Zero);
-    marks
+    OutputDesc::one("marks", words(16)).cleared()
 }
 
 /// A pass that takes the sizes of a dispatch and a draw from its input, and one that writes them for itself.

@@ -3,7 +3,7 @@
 use frame_graph::port::{OutputContext, OutputDesc, PassTypes, Use};
 use frame_graph::resolve::Files;
 use frame_graph::{
-    Clear, Content, Extent, Fact, Format, InputPort, Interface, Member, OutputPort, PassTypeError, Ports,
+    Content, Extent, Fact, Format, InputPort, Interface, Member, OutputPort, PassTypeError, Ports,
     ResourceDesc, SceneBindings, Setting, Settings, Source, Traits, Usage, Value,
 };
 use std::collections::BTreeMap;
@@ -145,12 +145,8 @@ impl TestPassTypes {
                             PassTypeError::setting("map", format!("{count} maps of {map} do not fit"));
                         return Err(error.help("use fewer lights or smaller maps"));
                     }
-                    let mut atlas = OutputDesc::one(
-                        "atlas",
-                        ResourceDesc::texture_2d(Format::R32Uint, Extent::Fixed(map, map)),
-                    );
-                    atlas.members[0].2 = Usage::ClearFirst(Clear::Zero);
-                    Ok(vec![atlas])
+                    let atlas = ResourceDesc::texture_2d(Format::R32Uint, Extent::Fixed(map, map));
+                    Ok(vec![OutputDesc::one("atlas", atlas).cleared()])
                 },
             ),
             kind(

@@ -1,6 +1,5 @@
 //! The harness with small passes of its own: what it refuses, several frames, the past, and the order of threads.
 
-use frame_graph::{Clear, Usage};
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
     ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext,
@@ -61,9 +60,7 @@ impl Pass for Small {
     }
 
     fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let mut output = OutputDesc::one(self.output, ResourceDesc::buffer(self.bytes));
-        output.members[0].2 = Usage::ClearFirst(Clear::Zero);
-        Ok(vec![output])
+        Ok(vec![OutputDesc::one(self.output, ResourceDesc::buffer(self.bytes)).cleared()])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
