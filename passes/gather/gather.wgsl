@@ -72,15 +72,18 @@ fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> 
     let distance2 = max(dot(offset, offset), rounding * rounding);
     let cosines = max(-dot(normal, offset), 0.0) * max(dot(light.normal, offset), 0.0) / distance2;
     let closest = settings.clamp * scene_info.extent;
-#if GEOMETRY == disc
-    let kept = cosines / (PI * max(distance2, closest * closest) + light.area);
-    let whole = cosines / (PI * distance2 + light.area);
-#else
-    let own = settings.area_bound * settings.area_bound * light.area;
-    let kept = cosines / max(PI * max(distance2, closest * closest), own);
-    let whole = cosines / (PI * distance2);
+    var whole = PI * distance2;
+    var least = PI * closest * closest;
+#if GEOMETRY == bounded
+    least = max(least, settings.area_bound * settings.area_bound * light.area);
 #endif
-    return vec2(kept, whole - kept);
+    // Exactly zero where nothing is bounded, whatever a compiler fuses: a difference of two quotients is not.
+    let bounded = max(least - whole, 0.0);
+#if GEOMETRY == disc
+    whole += light.area;
+#endif
+    let kept = cosines / (whole + bounded);
+    return vec2(kept, kept * bounded / whole);
 }
 
 /// A pixel for which a thread gathers, and its sum so far.

@@ -74,9 +74,9 @@ fn assert_agrees(scene: &Scene, time: f32, mesh: &Mesh, rays: &[Ray]) {
                 assert_eq!(found.triangle, u32::MAX, "{what}: {found:?} of {ray:?}");
                 continue;
             };
-            // How an adapter rounds is its own: within a millionth of the scene.
-            let rounding = 1e-6 * scene.extent() / ray.direction.length();
-            let spacing = if way == "query" { rounding } else { 0.0 };
+            // How an adapter rounds places is its own: by the spacing of floats in the scene, or by a millionth of it.
+            let rounding = if way == "query" { 1e-6 } else { f32::EPSILON };
+            let spacing = rounding * scene.extent() / ray.direction.length();
             let error = (found.distance - hit.distance).abs();
             assert!(error < 1e-5 * hit.distance + spacing, "{what}: {found:?} is not {hit:?} of {ray:?}");
             let other = found.triangle != hit.triangle;

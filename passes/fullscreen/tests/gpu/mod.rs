@@ -31,7 +31,7 @@ fn the_vignette_darkens_the_corners() {
         let expected = 1.0 - 0.8 * 2.0 * (x * x + y * y);
         assert!((found[0].to_f32() - expected).abs() < 1e-3, "({x}, {y}): {} for {expected}", found[0]);
         let byte = f32::from(displayed[i][0]);
-        // Half a step for rounding to bytes.
-        assert!((byte - expected * 255.0).abs() < 0.51, "({x}, {y}): {byte} for {expected}");
+        // What Vulkan allows for rounding to bytes: 0.6 of a step, where 0.5 would be exact.
+        assert!((byte - expected * 255.0).abs() < 0.61, "({x}, {y}): {byte} for {expected}");
     }
 }

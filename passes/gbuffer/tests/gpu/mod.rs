@@ -67,7 +67,8 @@ fn it_sees_what_rays_see() {
                 wrong += u32::from(seen.depth[i] != 0.0);
                 continue;
             };
-            let near = (f64::from(seen.depth[i]) / depth - 1.0).abs() < 1e-4;
+            // Points are to lie on the surface, where rays begin: interpolated depths are off by 10⁻⁴ on some adapters.
+            let near = (f64::from(seen.depth[i]) / depth - 1.0).abs() < 3e-6;
             let [x, y, z, _] = seen.normal[i].map(f64::from);
             let facing = dvec3(x, y, z).dot(normal) > 0.999;
             let base = scene.materials[material].base_color.to_array();

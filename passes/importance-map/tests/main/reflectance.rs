@@ -127,7 +127,12 @@ fn reflectance_is_that_of_the_cpu_reference() {
                 assert!((f64::from(*found) - wanted).abs() < 1e-4, "{case}: {found} for {wanted}");
             }
             let greatest = found.iter().copied().fold(0.0, f32::max);
-            assert_eq!(greatest, 1.0, "glossy {glossy}, {diffuse_weight} and {view_weight}");
+            // Vulkan lets a number divided by itself be 2.5 spacings off 1.
+            let off = (greatest - 1.0).abs();
+            assert!(
+                off <= 3.0 * f32::EPSILON,
+                "glossy {glossy}, {diffuse_weight} and {view_weight}: {greatest}"
+            );
         }
     }
 }
