@@ -7,8 +7,8 @@
 
 struct Settings {
     view_size: vec2<u32>,
-    /// Pixels to each side of the centre. Larger: less noise, but less detail and more time. [default: 4, min: 1,
-    /// max: 32, unit: "px"]
+    /// Pixels to each side of the centre. Larger: less noise, but less detail and more time; 0 averages nothing. [default:
+    /// 4, min: 0, max: 32, unit: "px"]
     radius: u32,
     /// Distance of a pixel from the plane of the centre at which its weight falls to 1/e, as a fraction of the depth.
     /// Larger: blur across steps. Smaller: noise on curved surfaces. [default: 0.01, min: 0.0]

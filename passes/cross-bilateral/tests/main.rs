@@ -44,6 +44,13 @@ fn a_window_is_gaussian() {
 }
 
 #[test]
+fn without_a_window_nothing_is_averaged() {
+    let subset = |x: u32, y: u32| [(y % 4 * 4 + x % 4) as f32; 4];
+    let Some(pixels) = filtered(&wall, &subset, 0) else { return };
+    assert!((0..SIDE * SIDE).all(|i| pixels[i as usize] == subset(i % SIDE, i / SIDE)));
+}
+
+#[test]
 fn edges_of_the_geometry_stay() {
     for radius in [4, 9] {
         assert_edges_stay(|see, light| filtered(see, light, radius));
