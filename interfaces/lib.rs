@@ -6,6 +6,7 @@
 //! layout of the WGSL ones. A crate outside this tree adds an interface with
 //! [`Pass::interfaces`].
 
+pub mod areas;
 #[path = "cluster-map/mod.rs"]
 pub mod cluster_map;
 pub mod clusters;
@@ -49,6 +50,7 @@ pub static INTERFACES: &[Interface] = &[
     cluster_map::INTERFACE,
     surface_points::INTERFACE,
     density::INTERFACE,
+    areas::INTERFACE,
     radiosity::INTERFACE,
     points::INTERFACE,
     depth_atlas::INTERFACE,

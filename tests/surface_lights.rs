@@ -124,6 +124,22 @@ fn a_frame_replaces_no_more_lights_than_it_may() {
     }
 }
 
+/// Samples of the surfaces share their area out among the lights; by the distance to their nearest neighbours, lights that
+/// keep away from each other stand for more than there is.
+#[test]
+fn areas_of_lights_add_up() {
+    let values = ["lights=256", "map=4", "lights/replace.warm_up=30"];
+    let share = |pipeline: &str| {
+        let mut renderer = renderer(pipeline, "cornell-box", (32, 32), &values)?;
+        let sum: f64 = lights(&mut renderer).iter().map(|light| f64::from(light.area)).sum();
+        Some(sum / renderer.scene().area())
+    };
+    let (Some(distances), Some(cells)) = (share("smc-ir"), share("smc-ir-voronoi")) else { return };
+    // The backs of the two boxes stand against each other, and rays of the view meet little of them.
+    assert!((0.9..1.02).contains(&cells), "{cells} by cells");
+    assert!(distances > cells + 0.1, "{distances} by distances, {cells} by cells");
+}
+
 /// Where the light went out or nothing is seen, everything stays finite, and the first lit frame has lights again.
 #[test]
 fn without_light_or_view_everything_is_finite() {

@@ -5,6 +5,7 @@
 #option GRID false // whether points are sorted into cells, of which the nearest are searched; else all are compared
 #option SELF false // whether neighbours are among the points themselves
 #option SIDES false // whether only neighbours that face the same side count
+#option OWNERS false // whether the nearest neighbour itself is told: its owner
 #option VECTORS 1 one_of [1, 2, 4, 8] // four distances each: k and more
 
 #import "color.wgsl"
@@ -31,6 +32,9 @@ var<storage, read> summary: Summary;
 /// [points][VECTORS] The least squared distances of dispatches before.
 var<storage, read_write> distances: array<vec4<f32>>;
 var<storage, read_write> density: array<f32>;
+#if OWNERS
+var<storage, read_write> owners: array<u32>;
+#endif
 #if GRID
 /// Where in `arranged` the points of each cell begin.
 var<storage, read> starts: array<u32>;
@@ -53,6 +57,14 @@ struct Query {
 /// The k least squared distances so far [units²], in rising order, behind numbers below 0 that fill the rest.
 var<private> nearest: array<vec4<f32>, VECTORS>;
 
+#if OWNERS
+const NO_OWNER: u32 = 0xffffffffu;
+/// The nearest neighbour so far, of equals the first; also one in the same place.
+var<private> owner: u32;
+/// Its squared distance [units²].
+var<private> owner_squared: f32;
+#endif
+
 /// Which neighbour is the farthest that counts. Of whole numbers alone, so that no adapter rounds the root.
 fn neighbours() -> u32 {
     if settings.k != 0u {
@@ -65,7 +77,7 @@ fn neighbours() -> u32 {
     return k;
 }
 
-fn begin_search(index: u32) {
+fn begin_search(query: Query, index: u32) {
     let unused = 4u * VECTORS - neighbours();
     for (var v = 0u; v < VECTORS; v++) {
         if settings.part > 0u {
@@ -74,6 +86,13 @@ fn begin_search(index: u32) {
             nearest[v] = select(vec4(-1.0), vec4(NOT_FOUND), vec4(0u, 1u, 2u, 3u) + 4u * v >= vec4(unused));
         }
     }
+#if OWNERS
+    owner = select(NO_OWNER, owners[index], settings.part > 0u);
+    owner_squared = NOT_FOUND;
+    if owner != NO_OWNER {
+        owner_squared = squared_distance(query, among.points[owner].position * units_per_metre());
+    }
+#endif
 }
 
 /// The greatest squared distance that a neighbour may have [units²].
@@ -91,24 +110,38 @@ fn insert(squared: f32) {
     }
 }
 
-/// Takes a point into account that is not empty.
-fn consider(query: Query, position: vec3<f32>, index: u32) {
+fn squared_distance(query: Query, position: vec3<f32>) -> f32 {
     let offset = position - query.position;
-    let squared = dot(offset, offset);
-    if squared >= reach() || squared < SAME_PLACE {
-        return;
-    }
+    return dot(offset, offset);
+}
+
+/// Whether a point may be a neighbour, but for its distance.
+fn is_neighbour(query: Query, index: u32) -> bool {
 #if SELF
     if index == query.index {
-        return;
+        return false;
     }
 #endif
 #if SIDES
     if dot(among.points[index].normal, query.normal) <= 0.0 {
-        return;
+        return false;
     }
 #endif
-    insert(squared);
+    return true;
+}
+
+/// Takes a point into account that is not empty.
+fn consider(query: Query, position: vec3<f32>, index: u32) {
+    let squared = squared_distance(query, position);
+#if OWNERS
+    if squared <= owner_squared && is_neighbour(query, index) {
+        owner = select(index, min(index, owner), squared == owner_squared);
+        owner_squared = squared;
+    }
+#endif
+    if squared < reach() && squared >= SAME_PLACE && is_neighbour(query, index) {
+        insert(squared);
+    }
 }
 
 /// p = k / (I π r²) [1/m²]. [Eq. 7]
@@ -134,6 +167,10 @@ fn end_search(query: Query) {
     if query.index >= settings.points_count {
         return;
     }
+#if OWNERS
+    let exists = query.index < points.header.count && points.points[query.index].triangle != NO_TRIANGLE;
+    owners[query.index] = select(NO_OWNER, owner, exists);
+#endif
     if settings.part + 1u == settings.parts {
         let there = query.index < points.header.count && points.points[query.index].triangle != NO_TRIANGLE;
         density[query.index] = select(0.0, density_of_found(), there);
@@ -219,7 +256,7 @@ fn search(
         return;
     }
     let query = query_of(index);
-    begin_search(index);
+    begin_search(query, index);
     if points.points[index].triangle != NO_TRIANGLE && summary.count > 0u {
         search_cells(query);
     }
@@ -245,7 +282,7 @@ fn search(
 ) {
     let index = row_index(group, groups, thread, GROUP);
     let query = query_of(index);
-    begin_search(min(index, settings.points_count - 1u));
+    begin_search(query, min(index, settings.points_count - 1u));
     let end = min(settings.among_count, among.header.count);
     for (var first = settings.part * GROUP; first < end; first += settings.parts * GROUP) {
         staged[thread] = staged_point(first + thread, end);

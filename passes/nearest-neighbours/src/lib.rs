@@ -3,7 +3,7 @@
 pub mod cpu_reference;
 
 use gpu_algorithms::{Grid, LOOP_ITERATIONS, reduce};
-use interfaces::{density, surface_points};
+use interfaces::{density, owners, surface_points};
 use pass::{
     Compute, Define, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
     ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext, Value, input, optional,
@@ -54,6 +54,8 @@ pass::settings! {
         /// Whether only neighbours whose normals are within 90° of the point's own count. Otherwise the two sides of a thin
         /// wall are neighbours, and lights on either side are as weak as if they were on one.
         sides: bool = false;
+        /// Whether the nearest neighbour of each point is told too: its owner.
+        owners: bool = false;
     }
 }
 
@@ -119,7 +121,12 @@ impl Pass for NearestNeighbours {
         Ok(NearestNeighboursSettings::schema())
     }
 
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
+    fn ports(&self, _: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
+        let mut outputs =
+            vec![output("density", "Density", "Estimate at each point; 0 where that is empty.")];
+        if NearestNeighboursSettings::read(settings).owners {
+            outputs.push(output("owners", "Owners", "The neighbour that is nearest to each point."));
+        }
         Ok(Ports {
             inputs: vec![
                 input("points", "SurfacePoints", "The points that have a density."),
@@ -129,7 +136,7 @@ impl Pass for NearestNeighbours {
                     "The points whose density it is, and which are neighbours. Without it, the points themselves.",
                 ),
             ],
-            outputs: vec![output("density", "Density", "Estimate at each point; 0 where that is empty.")],
+            outputs,
             scene_bindings: SceneBindings::SCENE,
         })
     }
@@ -148,12 +155,15 @@ impl Pass for NearestNeighbours {
         // One dispatch alone leaves nothing to another.
         let points_between = if search.parts() > 1 { u64::from(points) } else { 1 };
         let distances = points_between * u64::from(search.vectors());
-        let mut outputs = vec![
-            density::output("density", points),
+        let mut outputs = vec![density::output("density", points)];
+        if search.settings.owners {
+            outputs.push(owners::output("owners", points));
+        }
+        outputs.extend([
             OutputDesc::scratch("summary", use_cx.buffer(SUMMARY, 1)?),
             reduce::scratch(use_cx, "summaries", among, use_cx.size_of(SUMMARY)?)?,
             OutputDesc::scratch("distances", ResourceDesc::buffer(16 * distances)),
-        ];
+        ]);
         if search.is_grid() {
             let grid = search.grid();
             outputs.extend(grid.scratch(use_cx)?);
@@ -183,6 +193,7 @@ impl Pass for NearestNeighbours {
             ("GRID", Define::Bool(search.is_grid())),
             ("SELF", Define::Bool(own)),
             ("SIDES", Define::Bool(search.settings.sides)),
+            ("OWNERS", Define::Bool(search.settings.owners)),
             ("VECTORS", Define::from(search.vectors())),
         ];
         let shader = cx.shader(SEARCH, &defines);

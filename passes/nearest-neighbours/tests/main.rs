@@ -181,6 +181,42 @@ fn sides_of_a_wall_count_apart() {
     }
 }
 
+/// The owner of each point by definition: what is nearest, of equals the first, whether or not it is in the same place.
+fn owners_by_definition(points: &[SurfacePoint], among: &[SurfacePoint]) -> Vec<u32> {
+    let of = |point: &SurfacePoint| {
+        let squared = |other: &SurfacePoint| -> f32 {
+            (0..3).map(|axis| (other.position[axis] - point.position[axis]).powi(2)).sum()
+        };
+        let others = among.iter().enumerate().filter(|(_, other)| !other.is_none());
+        let nearest = others.min_by(|(_, a), (_, b)| squared(a).total_cmp(&squared(b)));
+        nearest.filter(|_| !point.is_none()).map_or(u32::MAX, |(index, _)| index as u32)
+    };
+    points.iter().map(of).collect()
+}
+
+/// Also where many are equally near, and where neighbours take several dispatches.
+#[test]
+fn owners_are_the_nearest() {
+    let coarse = |count, seed| -> Vec<SurfacePoint> {
+        let mut points = scattered(count, seed);
+        points.iter_mut().for_each(|point| point.position = point.position.map(|x| (x * 8.0).round() / 8.0));
+        points
+    };
+    for (queries, count) in [(300, 1), (700, 900), (300, 40_000)] {
+        let (points, among) = (coarse(queries, 1), coarse(count, 2));
+        for (structure, k) in [("pairs", 1), ("grid", 1), ("grid", 6)] {
+            let harness = harness(&points, Some(&among)).set("structure", structure).set("k", k);
+            let Some(outputs) = harness.set("owners", true).run() else { return };
+            let found: Vec<u32> = outputs.read("owners");
+            assert_eq!(
+                found[..points.len()],
+                owners_by_definition(&points, &among),
+                "{queries} of {count}, {structure}"
+            );
+        }
+    }
+}
+
 /// For points that are independent and uniform in a square of 1 m², π r² of the k-th of I - 1 others has the mean k / I (the
 /// mean of Beta(k, I - k)), so 1/p has the mean 1 m²: away from the sides.
 #[test]

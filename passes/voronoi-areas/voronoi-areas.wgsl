@@ -1,0 +1,141 @@
+// The area of the Voronoi cell of each point, by samples of the surfaces: a sample brings the area that its own density leaves it
+// to the point that is nearest.
+//
+// Areas are summed as whole numbers of 64 bits, so that the order of threads changes nothing.
+
+#option PAST false // whether there are areas of the frame before
+
+#import "areas.wgsl"
+#import "algorithms/scaled.wgsl"
+#import "dispatch.wgsl"
+#import "scene.wgsl"
+#import "surface-points.wgsl"
+
+struct Settings {
+    points_count: u32,
+    samples_count: u32,
+    /// The most frames that an area is the mean of.
+    frames: u32,
+}
+
+/// How many points and samples there are, without those that are empty.
+struct Present {
+    points: u32,
+    samples: u32,
+}
+
+var<uniform> settings: Settings;
+var<storage, read> points: SurfacePoints;
+var<storage, read> samples: SurfacePoints;
+/// [1/m²]
+var<storage, read> sample_density: array<f32>;
+/// The point nearest to each sample.
+var<storage, read> owners: array<u32>;
+#if PAST
+var<storage, read> past: PointAreas;
+#endif
+var<storage, read_write> present: Present;
+/// [points] Area in 2⁻¹⁶ of the scene's: whole, and the fraction in 2⁻³².
+var<storage, read_write> sums: array<array<atomic<u32>, 2>>;
+var<storage, read_write> areas: PointAreas;
+var<storage, read_write> density: array<f32>;
+
+/// Units of `sums` in the area of the scene.
+const UNITS: f32 = 65536.0;
+
+fn is_sample(index: u32) -> bool {
+    return index < samples.header.count && samples.points[index].triangle != NO_TRIANGLE && sample_density[index] > 0.0;
+}
+
+fn is_point(index: u32) -> bool {
+    return index < points.header.count && points.points[index].triangle != NO_TRIANGLE;
+}
+
+/// Counts points and samples, in one workgroup.
+@compute @workgroup_size(GROUP_SIZE)
+fn count(@builtin(local_invocation_index) thread: u32) {
+    var here = vec2(0u);
+    for (var i = thread; i < settings.points_count; i += GROUP_SIZE) {
+        here.x += select(0u, 1u, is_point(i));
+    }
+    for (var i = thread; i < settings.samples_count; i += GROUP_SIZE) {
+        here.y += select(0u, 1u, is_sample(i));
+    }
+    let all = vec2(prefix_sum_u32(thread, here.x).y, prefix_sum_u32(thread, here.y).y);
+    if thread == 0u {
+        present = Present(all.x, all.y);
+    }
+}
+
+@compute @workgroup_size(64)
+fn clear(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index < settings.points_count {
+        atomicStore(&sums[index][0], 0u);
+        atomicStore(&sums[index][1], 0u);
+    }
+}
+
+/// Gives the area of each sample to its point.
+@compute @workgroup_size(64)
+fn share(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index >= settings.samples_count || !is_sample(index) {
+        return;
+    }
+    let owner = owners[index];
+    if owner >= settings.points_count {
+        return;
+    }
+    // A share of the scene's area; no sample stands for more than all of it.
+    let share = 1.0 / max(f32(present.samples) * sample_density[index] * scene_info.area, 1.0);
+    let whole = floor(share * UNITS);
+    let fraction = u32((share * UNITS - whole) * 4294967296.0);
+    let before = atomicAdd(&sums[owner][1], fraction);
+    // What the fraction carries over.
+    atomicAdd(&sums[owner][0], u32(whole) + select(0u, 1u, before + fraction < before));
+}
+
+/// The area of a point [m²] by the samples of this frame.
+fn area_of(index: u32) -> f32 {
+    let whole = f32(atomicLoad(&sums[index][0]));
+    let fraction = f32(atomicLoad(&sums[index][1])) * 0x1p-32f;
+    return weight_of((whole + fraction) / UNITS * scene_info.area);
+}
+
+/// Averages areas over the frames that their points have been there.
+@compute @workgroup_size(64)
+fn settle(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index >= settings.points_count {
+        return;
+    }
+    var own = PointArea(0u, 0u, 0.0, 0u);
+    var dense = 0.0;
+    if is_point(index) {
+        own = PointArea(points.points[index].seed, 1u, area_of(index), 0u);
+#if PAST
+        if index < arrayLength(&past.areas) && past.areas[index].frames > 0u && past.areas[index].seed == own.seed {
+            let before = past.areas[index];
+            own.frames = min(before.frames + 1u, settings.frames);
+            own.area = mix(before.area, own.area, 1.0 / f32(own.frames));
+        }
+#endif
+        // A point without samples stands for nothing: its density is as great as can be.
+        dense = 1.0 / max(f32(present.points) * own.area, 1e-37);
+    }
+    areas.areas[index] = own;
+    density[index] = dense;
+}
