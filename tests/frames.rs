@@ -41,6 +41,7 @@ fn pictures_are_identical_with_threads_in_another_order() {
     for (pipeline, scene, values) in [
         ("ism-invtm", "cornell-box-lights", SMALL),
         ("tcas", "cornell-box", SMALL),
+        ("incremental-instant-radiosity", "cornell-box-lights", SMALL),
         ("reference", "cornell-box", &["samples=4"]),
     ] {
         let picture = |catalog: Catalog| {

@@ -11,6 +11,7 @@ mod clusters;
 mod direct;
 mod flux;
 mod frames;
+mod incremental;
 mod linking;
 mod pairs;
 mod pictures;

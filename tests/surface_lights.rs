@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 /// Runs a frame until it is done. Returns the lights.
-fn lights(renderer: &mut Renderer) -> Vec<VirtualLight> {
+pub(crate) fn lights(renderer: &mut Renderer) -> Vec<VirtualLight> {
     renderer.keep("lights").unwrap();
     renderer.frame_until_done(|_, _| ControlFlow::Continue(())).unwrap();
     let id = renderer.plan().unwrap().output("lights").unwrap().members[0].1;
@@ -15,7 +15,7 @@ fn lights(renderer: &mut Renderer) -> Vec<VirtualLight> {
 }
 
 /// Green flux of the lights on surfaces of each direction, up to its sign \[W\].
-fn fluxes(lights: &[VirtualLight]) -> BTreeMap<String, f64> {
+pub(crate) fn fluxes(lights: &[VirtualLight]) -> BTreeMap<String, f64> {
     let mut sums = BTreeMap::new();
     for light in lights {
         let [x, y, z] = light.normal.map(f32::abs);

@@ -11,6 +11,7 @@
 #import "color.wgsl"
 #import "dispatch.wgsl"
 #import "hemisphere.wgsl"
+#import "light-power.wgsl"
 #import "lights.wgsl"
 #import "path-vertex.wgsl"
 #import "sobol.wgsl"
@@ -35,20 +36,6 @@ struct Emission {
     /// Intensity of the light towards there, over the probability density of the direction [W]; of a directional light,
     /// irradiance times the area that photons begin on.
     flux: vec3<f32>,
-}
-
-/// Solid angle [sr] into which a light is sampled; of a directional light, the area [m²] across it.
-fn measure_of(light: Light) -> f32 {
-    if light.kind == LIGHT_DIRECTIONAL {
-        let half_extent = scene_light_layers[light.first_layer].half_extent;
-        return 4.0 * half_extent.x * half_extent.y;
-    }
-    return 2.0 * PI * (1.0 - light.cos_outer);
-}
-
-/// Luminance of what a light emits, but for the falloff of a spot.
-fn power_of(light: Light) -> f32 {
-    return weight_of(luminance(light.intensity) * measure_of(light));
 }
 
 // DEVIATION(sequence): Owen-scrambled Sobol' points; Keller has Halton's.

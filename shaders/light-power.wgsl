@@ -1,0 +1,19 @@
+// How much the lights of the scene send out.
+
+#import "algorithms/scaled.wgsl"
+#import "color.wgsl"
+#import "lights.wgsl"
+
+/// Solid angle [sr] into which a light is sampled; of a directional light, the area [m²] across it.
+fn measure_of(light: Light) -> f32 {
+    if light.kind == LIGHT_DIRECTIONAL {
+        let half_extent = scene_light_layers[light.first_layer].half_extent;
+        return 4.0 * half_extent.x * half_extent.y;
+    }
+    return 2.0 * PI * (1.0 - light.cos_outer);
+}
+
+/// Luminance of what a light emits, but for the falloff of a spot.
+fn power_of(light: Light) -> f32 {
+    return weight_of(luminance(light.intensity) * measure_of(light));
+}
