@@ -23,30 +23,53 @@ var<storage, read_write> probes: array<Probe>;
 var<storage, read_write> owners: array<u32>;
 var<storage, read_write> neighbours: array<Nearest>;
 
-/// Finds the nearest site of each probe.
+/// Probes of a thread, which loads each site once for all of them.
+const TOGETHER: u32 = 4u;
+
+/// Finds the nearest site of each probe; of equals, the first.
 @compute @workgroup_size(64)
 fn assign(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let index = row_index(group, groups, local, 64u);
-    if index >= settings.count * settings.probes {
+    let begin = TOGETHER * row_index(group, groups, local, 64u);
+    let all = settings.count * settings.probes;
+    if begin >= all {
         return;
     }
-    let share = shares[index / settings.probes];
-    var probe = Probe(NOWHERE, NOTHING_NEAR);
-    var owner = NO_SLOT;
-    if share.source != NO_SOURCE {
-        let seed = hash2(hash2(settings.seed, PROBES), share.source);
-        let square = sobol2_of(index - share.first * settings.probes, seed);
-        probe.place = place_of(scene_lights.lights[share.source], square);
-        let nearest = nearest_site(probe.place, share, NO_SLOT);
-        probe.distance = nearest.distance;
-        owner = nearest.slot;
+    var places = mat4x3(NOWHERE, NOWHERE, NOWHERE, NOWHERE);
+    var firsts = vec4(0u);
+    var ends = vec4(0u);
+    for (var k = 0u; k < TOGETHER; k++) {
+        let index = min(begin + k, all - 1u);
+        let share = shares[index / settings.probes];
+        firsts[k] = share.first;
+        ends[k] = share.end;
+        if share.source != NO_SOURCE {
+            let seed = hash2(hash2(settings.seed, PROBES), share.source);
+            let square = sobol2_of(index - share.first * settings.probes, seed);
+            places[k] = place_of(scene_lights.lights[share.source], square);
+        }
     }
-    probes[index] = probe;
-    owners[index] = owner;
+    let axes = transpose(places);
+    var distances = vec4(NOTHING_NEAR);
+    var nearest = vec4(NO_SLOT);
+    // The slots of neighbouring sources follow each other.
+    for (var i = firsts.x; i < min(ends.w, arrayLength(&sites)); i++) {
+        let site = sites[i].place;
+        let x = axes[0] - site.x;
+        let y = axes[1] - site.y;
+        let z = axes[2] - site.z;
+        let distance = x * x + y * y + z * z;
+        let is_nearer = (distance < distances) & (vec4(i) >= firsts) & (vec4(i) < ends);
+        distances = select(distances, distance, is_nearer);
+        nearest = select(nearest, vec4(i), is_nearer);
+    }
+    for (var k = 0u; k < min(TOGETHER, all - begin); k++) {
+        probes[begin + k] = Probe(places[k], distances[k]);
+        owners[begin + k] = nearest[k];
+    }
 }
 
 /// Finds the nearest neighbour of each light.

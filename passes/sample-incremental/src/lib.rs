@@ -115,9 +115,10 @@ impl Pass for SampleIncremental {
         let step = |file, defines: &[_], entry, threads| {
             Compute::new(cx.shader(file, defines), entry, Threads::Row(threads))
         };
+        let together = cx.use_context().constant(CELLS, "TOGETHER")?;
         let relax = reduce::steps(&cx.use_context(), &cx.shader(RELAX, &[]), probes, "holes")?;
         let mut recording = Recording::one(step(VERIFY, &verifying, "verify", slots))
-            .then(step(CELLS, &[], "assign", probes))
+            .then(step(CELLS, &[], "assign", probes.div_ceil(together)))
             .then(step(CELLS, &[], "separate", slots))
             .then(step(CHOOSE, &[], "begin", 1));
         for _ in 0..settings.moved.min(slots) {
