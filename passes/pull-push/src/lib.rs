@@ -5,9 +5,9 @@ pub mod cpu_reference;
 use interfaces::depth_atlas;
 use interfaces::visibility::{AtlasLayout, DepthBias};
 use pass::{
-    Compute, Define, Draw, Info, LARGEST_WINDOW, Load, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    Raster, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Target, Threads,
-    UseContext, Value, setting,
+    Compute, Define, Info, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
+    setting,
 };
 use std::ops::Range;
 
@@ -145,33 +145,19 @@ impl Pass for PullPush {
         }
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, pyramid.count));
         let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
-        for layer in 0..layout.layers() {
-            let of_layer = layout.maps(layer);
-            for window in &windows {
-                let maps = window.maps.start.max(of_layer.start)..window.maps.end.min(of_layer.end);
-                if maps.is_empty() {
-                    continue;
-                }
-                let load = match maps.start == of_layer.start {
-                    true => Load::Clear([AtlasLayout::NOTHING; 4]),
-                    false => Load::Keep,
-                };
-                recording.steps.push(Step::Raster(Raster {
-                    shader: cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]),
-                    vertex: "cover".into(),
-                    fragment: Some("fill".into()),
-                    targets: vec![Target { resource: "visibility.atlas".into(), layer, load }],
-                    depth: None,
-                    draw: Draw::Vertices { vertices: 6, instances: maps.len() as u32 },
-                    values: vec![
-                        ("coarse_side".into(), Value::U32(pyramid.side(1))),
-                        ("first_map".into(), Value::U32(maps.start)),
-                        ("first_bound".into(), Value::U32(window.maps.start)),
-                    ],
-                    bind: vec![("level_1".into(), "pyramid".into())],
-                    windows: vec![("depth".into(), window.bytes.clone())],
-                }));
-            }
+        // What is left of the atlas after the last map holds nothing.
+        let rest = count..layout.layers() * layout.maps_of_layer();
+        let of_windows = windows.iter().map(|window| (window.maps.clone(), window));
+        let of_rest = windows.last().map(|window| (rest, window));
+        for (maps, window) in of_windows.chain(of_rest).filter(|(maps, _)| !maps.is_empty()) {
+            let shader = cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]);
+            let fill = Compute::new(shader, "fill", Threads::Grid([tile, tile, maps.len() as u32]))
+                .value("first_map", Value::U32(maps.start))
+                .value("maps", Value::U32(count))
+                .value("coarse_side", Value::U32(pyramid.side(1)))
+                .bind("level_1", "pyramid")
+                .window("depth", window.bytes.clone());
+            recording = recording.then(fill);
         }
         Ok(recording)
     }
