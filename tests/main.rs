@@ -18,6 +18,7 @@ mod pictures;
 mod points;
 mod reference;
 mod reload;
+mod sequential;
 mod study;
 mod surface_lights;
 mod truth;
