@@ -18,7 +18,7 @@ fn reduce_length() -> u32 {
 }
 
 fn reduce_element(i: u32) -> Scaled {
-    return Scaled(proposal(i + 1u, settings.seed).importance, 0);
+    return Scaled(proposed_importance(i + 1u, settings.seed), 0);
 }
 
 fn reduce_store(result: Scaled) {

@@ -5,19 +5,17 @@
 #import "rsm-light.wgsl"
 #import interface "importance"
 
-struct Proposal {
-    /// Layer, column, row.
-    texel: vec3<u32>,
-    /// f of the texel, unnormalised.
-    importance: f32,
-}
-
-/// The texel of an element ≥ 1 of Halton's sequence: bases 2, 3, 5 for layer, column, row.
-fn proposal(element: u32, seed: u32) -> Proposal {
+/// Layer, column and row of the texel of an element ≥ 1 of Halton's sequence in bases 2, 3, 5.
+fn proposed_texel(element: u32, seed: u32) -> vec3<u32> {
     let size = vec3(textureNumLayers(rsm_flux), textureDimensions(rsm_flux));
     // The product with a number below 1 can round up to the size itself.
-    let texel = min(vec3<u32>(halton3(element, seed) * vec3<f32>(size)), size - 1u);
-    return Proposal(texel, weight_of(importance(texel.x, texel.yz)));
+    return min(vec3<u32>(halton3(element, seed) * vec3<f32>(size)), size - 1u);
+}
+
+/// f of the texel of an element, unnormalised.
+fn proposed_importance(element: u32, seed: u32) -> f32 {
+    let texel = proposed_texel(element, seed);
+    return weight_of(importance(texel.x, texel.yz));
 }
 
 /// In [2^-24, 1]: the ratio of importances from which on an element is accepted; base 7, the next of the sequence.

@@ -1,5 +1,7 @@
-// Virtual lights by independent Metropolis-Hastings chains, one light per chain and one thread each: TCAS §4.3,
-// Algorithm 1.
+// Virtual lights by independent Metropolis-Hastings chains, one light per chain: TCAS §4.3, Algorithm 1.
+//
+// What is proposed does not depend on where a chain is, so the importance of all proposals is computed first, with a thread for
+// each: there are too few chains to keep a GPU busy. Then each chain is followed by a thread.
 
 #option WEIGHTS local-mean one_of [local-mean, single, none, reservoir] // what normalises f; with reservoir, also how one of the proposals is chosen
 
@@ -12,6 +14,9 @@ struct Settings {
     count: u32,
     steps: u32,
     seed: u32,
+    /// The chains of this part: from `first`, `chains` of them.
+    first: u32,
+    chains: u32,
 }
 
 var<uniform> settings: Settings;
@@ -19,6 +24,8 @@ var<uniform> settings: Settings;
 /// The sum of f over the proposals of all chains.
 var<storage, read> sum: Scaled;
 #endif
+/// [chains][steps] f of the proposals of this part.
+var<storage, read_write> proposed: array<f32>;
 var<storage, read_write> lights: VirtualLights;
 
 /// The greatest w / f: with 24-bit numbers, no chain accepts a step that lowers f by a larger factor.
@@ -54,26 +61,42 @@ fn ratio(whole: Scaled, parts: f32, importance: f32) -> f32 {
 }
 
 @compute @workgroup_size(64)
+fn propose(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let index = row_index(group, groups, local, 64u);
+    if index < settings.chains * settings.steps {
+        let element = element(settings.first + index / settings.steps, index % settings.steps);
+        proposed[index] = proposed_importance(element, settings.seed);
+    }
+}
+
+@compute @workgroup_size(64)
 fn sample(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let chain = row_index(group, groups, local, 64u);
-    if chain >= settings.count {
+    let place = row_index(group, groups, local, 64u);
+    if place >= settings.chains {
         return;
     }
+    let chain = settings.first + place;
+    let proposals = place * settings.steps;
     if chain == 0u {
         lights.count = settings.count;
     }
-    var current = proposal(element(chain, 0u), settings.seed);
-    var whole = Scaled(current.importance, 0);
+    var current = element(chain, 0u);
+    var current_importance = proposed[proposals];
+    var whole = Scaled(current_importance, 0);
     // DEVIATION(chain-length): M counts the first sample too, as in the paper's text and Fig. 3.
     for (var step = 1u; step < settings.steps; step++) {
         let element = element(chain, step);
-        let next = proposal(element, settings.seed);
+        let next = proposed[proposals + step];
 #if WEIGHTS == local-mean || WEIGHTS == reservoir
-        whole = add_scaled(whole, Scaled(next.importance, 0));
+        whole = add_scaled(whole, Scaled(next, 0));
 #endif
 #if WEIGHTS == reservoir
         // DEVIATION(reservoir): f(new) / Σf ≥ threshold: in the end, each proposal is the light with probability f / Σf.
@@ -81,22 +104,23 @@ fn sample(
         let least = times_power_of_two(threshold(element, settings.seed) * in_units(whole, unit), unit);
 #else
         // f(new) / f(current) ≥ threshold without the quotient: from f = 0, any positive f is accepted.
-        let least = threshold(element, settings.seed) * current.importance;
+        let least = threshold(element, settings.seed) * current_importance;
 #endif
-        if next.importance > 0.0 && next.importance >= least {
-            current = next;
+        if next > 0.0 && next >= least {
+            current = element;
+            current_importance = next;
         }
     }
 #if WEIGHTS == local-mean || WEIGHTS == reservoir
-    let scale = ratio(whole, f32(settings.steps), current.importance);
+    let scale = ratio(whole, f32(settings.steps), current_importance);
 #elif WEIGHTS == single
-    let scale = ratio(whole, 1.0, current.importance);
+    let scale = ratio(whole, 1.0, current_importance);
 #else
-    let scale = ratio(sum, f32(settings.count) * f32(settings.steps), current.importance);
+    let scale = ratio(sum, f32(settings.count) * f32(settings.steps), current_importance);
 #endif
     let size = textureDimensions(rsm_flux);
     let texels = f32(textureNumLayers(rsm_flux)) * f32(size.x) * f32(size.y);
     // Φ = flux · texels / N · w / f: the proposals are uniform over texels.
-    let texel = current.texel;
+    let texel = proposed_texel(current, settings.seed);
     lights.lights[chain] = virtual_light_from_texel(texel.x, texel.y, texel.z, texels / f32(settings.count) * scale);
 }

@@ -2,11 +2,11 @@
 
 pub mod cpu_reference;
 
-use gpu_algorithms::reduce;
+use gpu_algorithms::{parts, reduce};
 use interfaces::{importance, virtual_lights};
 use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting,
-    Settings, Struct, Threads, UseContext, input, output,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, Setting, Settings, Struct, Threads, UseContext, Value, input, output,
 };
 
 /// The pass, for the catalog.
@@ -92,7 +92,11 @@ impl Pass for SampleMetropolis {
         importance::shape(cx)?;
         let settings = SampleMetropolisSettings::read(cx.settings);
         let count = settings.count;
-        let mut outputs = vec![virtual_lights::output(use_cx, "lights", count)?];
+        let proposed = u64::from(chains_of_part(&settings)) * u64::from(settings.steps);
+        let mut outputs = vec![
+            virtual_lights::output(use_cx, "lights", count)?,
+            OutputDesc::scratch("proposed", ResourceDesc::buffer(4 * proposed)),
+        ];
         if settings.weights == Weights::None {
             outputs.push(reduce::scratch(use_cx, "sums", proposals(&settings), use_cx.size_of(SCALED)?)?);
             outputs.push(OutputDesc::scratch("sum", use_cx.buffer(SCALED, 1)?));
@@ -103,13 +107,31 @@ impl Pass for SampleMetropolis {
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = SampleMetropolisSettings::read(cx.settings);
         let shader = cx.shader(SAMPLE, &[("WEIGHTS", settings.weights.into())]);
-        let sample = Compute::new(shader, "sample", Threads::Row(settings.count));
-        if settings.weights != Weights::None {
-            return Ok(Recording::one(sample));
+        let mut steps = Vec::new();
+        if settings.weights == Weights::None {
+            let mean = cx.shader(MEAN, &[]);
+            steps.extend(reduce::steps(&cx.use_context(), &mean, proposals(&settings), "sums")?);
         }
-        let sum = reduce::steps(&cx.use_context(), &cx.shader(MEAN, &[]), proposals(&settings), "sums")?;
-        Ok(Recording::of(sum).then(sample))
+        for part in parts(settings.count, chains_of_part(&settings)) {
+            let chains = part.end.min(settings.count) - part.begin;
+            steps.extend([("propose", chains * settings.steps), ("sample", chains)].map(
+                |(entry, threads)| {
+                    Compute::new(shader.clone(), entry, Threads::Row(threads))
+                        .value("first", Value::U32(part.begin))
+                        .value("chains", Value::U32(chains))
+                },
+            ));
+        }
+        Ok(Recording::of(steps))
     }
+}
+
+/// The most proposals whose importance is stored at once.
+const STORED: u32 = 1 << 22;
+
+/// Number of chains that are followed at once.
+fn chains_of_part(settings: &SampleMetropolisSettings) -> u32 {
+    (STORED / settings.steps).min(settings.count)
 }
 
 /// Number of proposals of all chains.

@@ -107,6 +107,19 @@ fn lights_are_those_of_the_cpu_reference() {
     }
 }
 
+/// 4096 chains of 1024 steps are followed at once; the others after them.
+#[test]
+fn more_proposals_than_are_stored_take_parts() {
+    let map = importance(1);
+    let settings = Run { count: 4200, steps: 1024, weights: "local-mean", seed: 7 };
+    let Some(lights) = draw(&map, SIZE, settings) else { return };
+    let chains = chains(&map, SIZE, settings);
+    let same = |(light, chain): &(&VirtualLight, &Chain)| light.texel == chain.texel;
+    let alike = lights.iter().zip(&chains).skip(4096).filter(same).count();
+    // A tenth of such long chains meets a number within rounding of a texel's edge.
+    assert!(alike > 80, "{alike} of the last 104");
+}
+
 #[test]
 fn chains_of_one_step_are_uniform_sampling() {
     let map: Vec<f32> = importance(6).iter().map(|f| f + 0.1).collect();
