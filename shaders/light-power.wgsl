@@ -13,7 +13,10 @@ fn measure_of(light: Light) -> f32 {
     return 2.0 * PI * (1.0 - light.cos_outer);
 }
 
+/// Of the power of lights, more counts as this much, so that their sum is finite: it does nothing but share out paths.
+const MOST_POWER: f32 = 1e30;
+
 /// Luminance of what a light emits, but for the falloff of a spot.
 fn power_of(light: Light) -> f32 {
-    return weight_of(luminance(light.intensity) * measure_of(light));
+    return min(weight_of(luminance(light.intensity) * measure_of(light)), MOST_POWER);
 }

@@ -1,13 +1,10 @@
 // What a surface reflects of the lights of the scene, with a ray to each light.
+//
+// A file that imports this one imports also how surfaces reflect: reflectance.wgsl, or diffuse-reflectance.wgsl where they are
+// all diffuse.
 
-#option GLOSSY false // whether anything reflects other than diffusely
-
-#import "color.wgsl"
 #import "incident-light.wgsl"
 #import "path-vertex.wgsl"
-#if GLOSSY
-#import "ggx.wgsl"
-#endif
 
 /// The normal, flipped to the side of a direction.
 fn facing(normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
@@ -38,15 +35,4 @@ fn reflected_light(vertex: PathVertex, leaving: vec3<f32>) -> vec3<f32> {
         }
     }
     return radiance;
-}
-
-/// The bidirectional reflectance [1/sr].
-fn reflectance(vertex: PathVertex, to_light: vec3<f32>, leaving: vec3<f32>) -> vec3<f32> {
-    var value = vertex.surface.albedo / PI;
-#if GLOSSY
-    if any(vertex.surface.specular > vec3(0.0)) {
-        value += ggx(vertex.normal, to_light, leaving, vertex.surface.specular, vertex.surface.roughness);
-    }
-#endif
-    return value;
 }

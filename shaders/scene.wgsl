@@ -48,6 +48,24 @@ struct Material {
     pad2: f32,
 }
 
+/// A triangle that emits. Numbers of 32 bits sample it: from those here up to those of the next emitter. Geometry may move;
+/// the numbers are of the scene at rest.
+struct Emitter {
+    triangle: u32,
+    /// The first number that samples it as the origin of a photon; by its power.
+    for_photons: u32,
+    /// The first number that samples it from the surfaces that a path meets; by its power, where it is brighter than others.
+    for_paths: u32,
+}
+
+struct SceneEmitters {
+    count: u32,
+    /// Luminance of the flux that all emit at rest, on both sides [W].
+    power: f32,
+    /// By their triangles. [count + 1] The last entry is where numbers end: 0 where none samples an emitter.
+    emitters: array<Emitter>,
+}
+
 const NO_TEXTURE: u32 = 0xffffffffu;
 
 var<uniform> scene_info: SceneInfo;
@@ -60,6 +78,7 @@ var<storage, read> scene_area_table: array<u32>;
 /// [2^b + 1] Between which triangles the one of a number u lies: those of entries u >> (32 - b) and the next; b is the binary
 /// logarithm of the number of triangles, from 1 to 20.
 var<storage, read> scene_area_guide: array<u32>;
+var<storage, read> scene_emitters: SceneEmitters;
 /// Decoded from sRGB on load.
 var scene_textures: texture_2d_array<f32>;
 /// The same texels as they stand, for data that is not colour.

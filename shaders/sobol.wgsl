@@ -29,9 +29,15 @@ fn scramble(value: u32, seed: u32) -> u32 {
     return reverseBits(bits);
 }
 
-/// Element `index` of a sequence of points in the unit square. The points of one seed are stratified, and independent
-/// of those of another seed (padding with a shuffled index, Burley 2020).
-fn sobol2_of(index: u32, seed: u32) -> vec2<f32> {
+/// Element `index` of a sequence of points in the unit square, in fixed point: 2^-32 is one. The points of one seed are
+/// stratified, and independent of those of another seed (padding with a shuffled index, Burley 2020).
+fn sobol2_bits_of(index: u32, seed: u32) -> vec2<u32> {
     let point = sobol2(scramble(index, hash2(seed, 0u)));
-    return vec2(unit_float(scramble(point.x, hash2(seed, 1u))), unit_float(scramble(point.y, hash2(seed, 2u))));
+    return vec2(scramble(point.x, hash2(seed, 1u)), scramble(point.y, hash2(seed, 2u)));
+}
+
+/// The same in floats.
+fn sobol2_of(index: u32, seed: u32) -> vec2<f32> {
+    let bits = sobol2_bits_of(index, seed);
+    return vec2(unit_float(bits.x), unit_float(bits.y));
 }

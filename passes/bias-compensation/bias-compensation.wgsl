@@ -12,6 +12,7 @@
 #option TEXTURED false // whether any material of the scene has a texture
 
 #import "camera.wgsl"
+#import "diffuse-reflectance.wgsl"
 #import "hemisphere.wgsl"
 #import "reflected-light.wgsl"
 #import "sobol.wgsl"

@@ -1,8 +1,8 @@
 // Paths from the camera with next-event estimation: the reference that other pipelines are compared with.
 //
 // A path starts at a point of a pixel, and at each surface adds what the lights of the scene contribute there. Light
-// that was reflected once is direct; after k more reflections it belongs to the k-th bounce. Emission of surfaces is
-// added where paths hit them.
+// that was reflected once is direct; after k more reflections it belongs to the k-th bounce. Surfaces that emit are lights
+// too: each surface samples a point of one, and paths may meet them.
 //
 // Sums over all samples, one texel per pixel; the number of samples is in the buffer `samples_progress`:
 //   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: squared luminance, for the estimate
@@ -10,16 +10,19 @@
 //   samples_indirect: radiance of bounces 1 to `bounces`
 //   samples_irradiance: indirect irradiance at the surface seen [W/m²]; alpha: luminance of what the clamp removed
 
+#option EMISSIVE false // whether any surface emits
 #option GLOSSY false // whether anything reflects other than diffusely
 #option PAST false // whether there are samples of earlier frames
 
 #import "camera.wgsl"
 #import "color.wgsl"
-#import "hemisphere.wgsl"
 #import "progress.wgsl"
 #import "reflected-light.wgsl"
+#import "scatter.wgsl"
 #import "sobol.wgsl"
-#import "tangent-frame.wgsl"
+#if EMISSIVE
+#import "emitted-light.wgsl"
+#endif
 
 struct Settings {
     samples_size: vec2<u32>,
@@ -32,8 +35,6 @@ struct Settings {
     over_square: u32,
     /// 1 if direct and emitted light are needed.
     direct: u32,
-    /// 1 if any surface emits.
-    emissive: u32,
 }
 
 var<uniform> settings: Settings;
@@ -61,10 +62,11 @@ struct Sample {
     seen: f32,
 }
 
-// Random sequences of two numbers each; two of them for every surface of a path.
+// Random sequences of two numbers each; two of them for every surface of a path, and one more where surfaces emit.
 const PIXEL: u32 = 0u;
 const DIRECTION: u32 = 1u;
 const LOBE: u32 = 2u;
+const EMITTER: u32 = 0x656du;
 
 @compute @workgroup_size(8, 8)
 fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -117,9 +119,11 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
     direction = normalize(direction);
     var vertex = path_vertex(hit, direction);
     sample.seen = 1.0;
+#if EMISSIVE
     if settings.direct != 0u {
         sample.emitted = vertex.surface.emission;
     }
+#endif
     // The share of light that arrives along the path and reaches the camera; the same without the first reflection, for
     // the irradiance; and the share of both that the clamp keeps.
     var throughput = vec3(1.0);
@@ -131,10 +135,19 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
         } else if settings.direct != 0u {
             sample.direct += reflected_light(vertex, -direction);
         }
-        // One more segment finds emission that the path hits.
-        if bounce == settings.bounces && settings.emissive == 0u {
+#if EMISSIVE
+        let place = sobol2_bits_of(index, hash2(pixel_seed, EMITTER + bounce));
+        if bounce > 0u {
+            collect(&sample, throughput, arriving, kept, reflected_emission(vertex, -direction, place));
+        } else if settings.direct != 0u {
+            sample.direct += reflected_emission(vertex, -direction, place);
+        }
+#else
+        // One more segment would meet nothing that emits.
+        if bounce == settings.bounces {
             break;
         }
+#endif
         let scattered = scatter(vertex, -direction, index, hash2(pixel_seed, 2u * bounce + DIRECTION),
             hash2(pixel_seed, 2u * bounce + LOBE));
         if !any(scattered.weight > vec3(0.0)) {
@@ -151,11 +164,17 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
         let from_point = vertex.position;
         direction = scattered.direction;
         vertex = path_vertex(hit, direction);
-        if bounce > 0u {
-            collect(&sample, throughput, arriving, kept, vertex.surface.emission);
-        } else if settings.direct != 0u {
-            sample.direct += throughput * vertex.surface.emission;
+#if EMISSIVE
+        if any(vertex.surface.emission > vec3(0.0)) {
+            let share = met_share(hit.triangle, vertex, from_point, direction, scattered.density);
+            let emission = share * vertex.surface.emission;
+            if bounce > 0u {
+                collect(&sample, throughput, arriving, kept, emission);
+            } else if settings.direct != 0u {
+                sample.direct += throughput * emission;
+            }
         }
+#endif
         if bounce == 0u && settings.clamp > 0.0 {
             // SMC-IR §5.4: the geometry term of the first segment is bounded like that of a virtual light; segments
             // that end on a light are not bounded.
@@ -172,60 +191,3 @@ fn collect(sample: ptr<function, Sample>, throughput: vec3<f32>, arriving: vec3<
     (*sample).irradiance += arriving * radiance * kept;
     (*sample).removed += luminance(arriving * radiance) * (1.0 - kept);
 }
-
-struct Scattered {
-    direction: vec3<f32>,
-    /// Reflectance · cosine / density.
-    weight: vec3<f32>,
-    /// Cosine / (π · density): 1 where directions are sampled by the cosine alone.
-    cosine_share: f32,
-}
-
-/// Samples a direction from which a surface may have received the light that it reflects.
-fn scatter(vertex: PathVertex, leaving: vec3<f32>, index: u32, direction_seed: u32, lobe_seed: u32) -> Scattered {
-    let square = sobol2_of(index, direction_seed);
-    let tangents = frame_from_normal(vertex.normal);
-    var local = by_cosine(square);
-#if GLOSSY
-    let diffuse = luminance(vertex.surface.albedo);
-    let specular = luminance(vertex.surface.specular);
-    let toward = leaving * tangents;
-    // Each surface samples both lobes in proportion to their reflectance at normal incidence.
-    let share = select(0.0, specular / (diffuse + specular), specular > 0.0);
-    let alpha = max(vertex.surface.roughness * vertex.surface.roughness, 1e-3);
-    if sobol2_of(index, lobe_seed).x < share {
-        local = reflect(-toward, visible_normal(toward, alpha, square));
-    }
-    if local.z <= 0.0 {
-        return Scattered(vec3(0.0), vec3(0.0), 0.0);
-    }
-    let density = (1.0 - share) * local.z / PI + share * visible_normal_density(toward, local, alpha);
-    let direction = tangents * local;
-    let weight = reflectance(vertex, direction, leaving) * local.z / density;
-    return Scattered(direction, weight, local.z / (PI * density));
-#else
-    return Scattered(tangents * local, vertex.surface.albedo, 1.0);
-#endif
-}
-
-#if GLOSSY
-/// A microfacet normal of GGX, among those that are visible from a direction (Dupuy & Benyoub 2023). Local frame, unit.
-fn visible_normal(toward: vec3<f32>, alpha: f32, square: vec2<f32>) -> vec3<f32> {
-    let stretched = normalize(vec3(toward.xy * alpha, max(toward.z, 1e-3)));
-    let angle = 2.0 * PI * square.x;
-    let z = (1.0 - square.y) * (1.0 + stretched.z) - stretched.z;
-    let radius = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
-    let half_way = vec3(radius * cos(angle), radius * sin(angle), z) + stretched;
-    return normalize(vec3(half_way.xy * alpha, half_way.z));
-}
-
-/// Density [1/sr] of the direction that such a normal reflects to: D G₁ / (4 cosθ) (Heitz 2018).
-fn visible_normal_density(toward: vec3<f32>, to_light: vec3<f32>, alpha: f32) -> f32 {
-    let half_way = normalize(toward + to_light);
-    let a2 = alpha * alpha;
-    let spread = a2 * half_way.z * half_way.z + dot(half_way.xy, half_way.xy);
-    let cosine = max(toward.z, 1e-3);
-    // G₁ / cosθ = 2 / (cosθ + √(α² + (1 − α²) cos²θ))
-    return a2 / (PI * spread * spread) * 0.5 / (cosine + sqrt(a2 + (1.0 - a2) * cosine * cosine));
-}
-#endif

@@ -1,14 +1,17 @@
 // Radiosity of points on surfaces: the direct light of the scene's lights, and the mean over paths of what else arrives.
 // [SMC-IR §3.2.3]
 //
-// Paths have next-event estimation at each of their surfaces. All surfaces are diffuse (SMC-IR §3.1). The random numbers of a
-// point come from its own seed alone: neither its index nor the frame changes what it is.
+// Paths have next-event estimation at each of their surfaces, of the lights and of the surfaces that emit; a point has that of
+// the latter for each of its paths. All surfaces are diffuse (SMC-IR §3.1). The random numbers of a point come from its own seed
+// alone: neither its index nor the frame changes what it is.
 
 #option PAST false // whether there are radiosities of earlier frames
 #option ALBEDO mean one_of [mean, textured] // Reflectance of surfaces that paths meet. mean: textures are replaced by their means, as SMC-IR §5 does. textured: as they are.
+#option EMISSIVE false // whether any surface emits
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option TEXTURED false // whether any material of the scene has a texture
 
+#import "diffuse-reflectance.wgsl"
 #import "dispatch.wgsl"
 #import "hemisphere.wgsl"
 #import "point-radiosity.wgsl"
@@ -16,12 +19,18 @@
 #import "sobol.wgsl"
 #import "surface-point.wgsl"
 #import "tangent-frame.wgsl"
+#if EMISSIVE
+#import "emitted-light.wgsl"
+
+/// Tells the random numbers by which emitters are sampled from those of directions, one sequence a segment each.
+const EMITTERS: u32 = 0x656du;
+#endif
 
 struct Settings {
     /// Paths N of a point. Noise falls as N^-½; time grows with N.
     paths: u32,
     bounces: u32,
-    /// Segments of a path: one more than bounces but the first where surfaces emit.
+    /// Segments of a path: bounces but the first, and one more where surfaces emit, which it may meet.
     segments: u32,
 }
 
@@ -57,33 +66,45 @@ fn diffuse_vertex(hit: Hit, direction: vec3<f32>) -> PathVertex {
     return vertex;
 }
 
+/// A point as the beginning of a path.
+fn diffuse_point(point: SurfacePoint, albedo: vec3<f32>) -> PathVertex {
+    return PathVertex(point.position, point.normal, point.normal, Surface(albedo, 1.0, vec3(0.0), 1.0, vec3(0.0)));
+}
+
 /// Light that arrives along one path at a point, but for that of the scene's lights: π times the radiance [W/m²].
 fn arriving_along(point: SurfacePoint, path: u32) -> vec3<f32> {
     var sum = vec3(0.0);
     var throughput = vec3(1.0);
-    var at = point.position;
-    var normal = point.normal;
-    var geometric = point.normal;
+    // Its reflectance is that of all paths together.
+    var vertex = diffuse_point(point, vec3(1.0));
     for (var segment = 1u; segment <= settings.segments; segment++) {
-        let square = sobol2_of(path, hash2(point.seed, segment));
-        let direction = frame_from_normal(normal) * by_cosine(square);
-        let hit = trace(offset_origin(at, facing(geometric, direction)), direction, 0.0, FAR);
-        if hit.triangle == NO_HIT {
-            break;
-        }
-        let vertex = diffuse_vertex(hit, direction);
-        // With directions by the cosine, the mean of π times the radiance that arrives is the irradiance.
-        sum += throughput * PI * vertex.surface.emission;
-        if segment < settings.bounces {
-            sum += throughput * PI * reflected_light(vertex, -direction);
-        }
+#if EMISSIVE
+        let place = sobol2_bits_of(path, hash2(point.seed, EMITTERS + segment));
+        sum += throughput * PI * reflected_emission(vertex, vertex.normal, place);
+#endif
         throughput *= vertex.surface.albedo;
         if !any(throughput > vec3(0.0)) {
             break;
         }
-        at = vertex.position;
-        normal = vertex.normal;
-        geometric = vertex.geometric;
+        let square = sobol2_of(path, hash2(point.seed, segment));
+        let direction = frame_from_normal(vertex.normal) * by_cosine(square);
+        let hit = trace(offset_origin(vertex.position, facing(vertex.geometric, direction)), direction, 0.0, FAR);
+        if hit.triangle == NO_HIT {
+            break;
+        }
+        let met = diffuse_vertex(hit, direction);
+        // With directions by the cosine, the mean of π times the radiance that arrives is the irradiance.
+#if EMISSIVE
+        if any(met.surface.emission > vec3(0.0)) {
+            let density = scatter_density(vertex, vertex.normal, direction);
+            let share = met_share(hit.triangle, met, vertex.position, direction, density);
+            sum += throughput * PI * (share * met.surface.emission);
+        }
+#endif
+        if segment < settings.bounces {
+            sum += throughput * PI * reflected_light(met, -direction);
+        }
+        vertex = met;
     }
     return sum;
 }
@@ -145,7 +166,5 @@ fn radiosity_of(index: u32, point: SurfacePoint) -> vec3<f32> {
     }
     let albedo = albedo_of(point);
     // DEVIATION(direct): the paper's paths have each an estimate of their own.
-    let matte = Surface(albedo, 1.0, vec3(0.0), 1.0, vec3(0.0));
-    let vertex = PathVertex(point.position, point.normal, point.normal, matte);
-    return albedo * sum / f32(settings.paths) + PI * reflected_light(vertex, point.normal);
+    return albedo * sum / f32(settings.paths) + PI * reflected_light(diffuse_point(point, albedo), point.normal);
 }

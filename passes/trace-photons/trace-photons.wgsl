@@ -1,9 +1,10 @@
-// Virtual lights where photons from the scene's lights meet surfaces, bounce after bounce. [Keller 1997; SMC-IR §5.1]
+// Virtual lights where photons from the scene's lights and emitters meet surfaces, bounce after bounce. [Keller 1997; SMC-IR §5.1]
 //
 // A path owns as many neighbouring places as there are bounces; where it leaves the scene, the rest of them are dark. So lights
 // keep their places from frame to frame, and move only as what they were traced from moves.
 
 #option ALBEDO mean one_of [mean, textured] // Reflectance of what photons meet. mean: textures are replaced by their means, as SMC-IR §5 does. textured: as they are.
+#option EMISSIVE false // whether any surface emits
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option TEXTURED false // whether any material of the scene has a texture
 
@@ -18,6 +19,12 @@
 #import "surface-point.wgsl"
 #import "tangent-frame.wgsl"
 #import "virtual-lights.wgsl"
+#if EMISSIVE
+#import "emitters.wgsl"
+
+/// Tells the random numbers by which emitters are sampled from those of directions, one sequence a bounce.
+const EMITTERS: u32 = 0x656du;
+#endif
 
 struct Settings {
     count: u32,
@@ -34,7 +41,8 @@ struct Emission {
     /// Unit.
     direction: vec3<f32>,
     /// Intensity of the light towards there, over the probability density of the direction [W]; of a directional light,
-    /// irradiance times the area that photons begin on.
+    /// irradiance times the area that photons begin on; of an emitter, radiance times cosine, over the densities of place and
+    /// direction.
     flux: vec3<f32>,
 }
 
@@ -52,12 +60,36 @@ fn emitted(light: Light, square: vec2<f32>) -> Emission {
     return Emission(light.position, direction, light_intensity(light, direction) * measure_of(light));
 }
 
-/// The first photon of a path. Paths are shared out among the lights by their power.
+#if EMISSIVE
+fn interval_start(emitter: u32) -> u32 {
+    return scene_emitters.emitters[emitter].for_photons;
+}
+
+/// A photon of an emitter, from either side, by the path's place in the sequences. It is one of `shares` that bring the flux.
+fn emitted_by_surface(path: u32, shares: f32) -> Emission {
+    let point = sample_emitter(sobol2_bits_of(path, hash2(settings.seed, EMITTERS)));
+    let square = sobol2_of(path, settings.seed);
+    let side = select(point.normal, -point.normal, square.x < 0.5);
+    let direction = frame_from_normal(side) * by_cosine(vec2(fract(2.0 * square.x), square.y));
+    var flux = vec3(0.0);
+    if point.density > 0.0 {
+        // The direction's density is cosine / 2π: a half on either side. Bounded factors first.
+        flux = point.radiance * (2.0 * PI / point.density / shares);
+    }
+    return Emission(offset_origin(point.position, side), direction, flux);
+}
+#endif
+
+/// The first photon of a path. Paths are shared out among the lights, and the emitters as one more, by their power.
 fn first_photon(path: u32, paths: u32) -> Emission {
     var total = 0.0;
     for (var i = 0u; i < scene_lights.count; i++) {
         total += power_of(scene_lights.lights[i]);
     }
+#if EMISSIVE
+    let of_emitters = min(scene_emitters.power, MOST_POWER);
+    total += of_emitters;
+#endif
     if !(total > 0.0) {
         return Emission(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0));
     }
@@ -74,6 +106,11 @@ fn first_photon(path: u32, paths: u32) -> Emission {
         }
         sum += power;
     }
+#if EMISSIVE
+    if of_emitters > 0.0 && sum <= wanted {
+        return emitted_by_surface(path, of_emitters / total * f32(paths));
+    }
+#endif
     var photon = emitted(scene_lights.lights[chosen], sobol2_of(path, settings.seed));
     photon.flux /= share * f32(paths);
     return photon;
@@ -133,7 +170,6 @@ fn trace_photons(
 ) {
     let path = row_index(group, groups, local, 64u);
     let paths = settings.count / settings.bounces;
-    // DEVIATION(emitters): of the scene's lights alone.
     if path < paths {
         deposit(path, paths);
     }

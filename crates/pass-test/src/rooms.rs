@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 use interfaces::surface_points::{SurfacePoint, packed_albedo};
 use scene::{Camera, Instance, LightKind, Material, Scene, Vertex};
+use std::f64::consts::PI;
 
 /// A parallelogram of one material.
 pub struct Quad {
@@ -91,6 +92,28 @@ pub fn floor_and_wall() -> Scene {
     scene.lights[0].direction = Vec3::NEG_X;
     scene.lights[0].intensity = Vec3::splat(2.0);
     scene
+}
+
+/// Returns a floor of 2 m × 2 m about the origin that reflects ½, and above it, at this height, a square lamp with this side
+/// that emits 1 W/(m² sr) and reflects nothing. The floor has the material 0 and the lamp 1.
+pub fn floor_and_lamp(height: f32, side: f32) -> Scene {
+    let half = side / 2.0;
+    let quads = [
+        quad([-1.0, 0.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0),
+        quad([-half, height, -half], [side, 0.0, 0.0], [0.0, 0.0, side], 1),
+    ];
+    room(&quads, vec![matte([0.5; 3], [0.0; 3]), matte([0.0; 3], [1.0; 3])])
+}
+
+/// Returns the view factor from a patch to a rectangle on a plane parallel to it, at this distance, whose sides are parallel
+/// to x and z and begin and end there (Howell's catalogue, B-3, for each of the four corners).
+pub fn view_factor(distance: f64, x: [f64; 2], z: [f64; 2]) -> f64 {
+    let corner = |x: f64, z: f64| {
+        let (x, z) = (x / distance, z / distance);
+        let (far_x, far_z) = (x.hypot(1.0), z.hypot(1.0));
+        (x / far_x * (z / far_x).atan() + z / far_z * (x / far_z).atan()) / (2.0 * PI)
+    };
+    corner(x[1], z[1]) - corner(x[0], z[1]) - corner(x[1], z[0]) + corner(x[0], z[0])
 }
 
 /// Returns a camera with z upwards.

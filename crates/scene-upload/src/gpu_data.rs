@@ -4,7 +4,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
-use scene::{Light, LightKind, Material, Scene};
+use scene::{Emitter, Light, LightKind, Material, Scene};
 use shader_library::{StructLayout, struct_layout};
 
 /// `Camera` of shaders/camera.wgsl.
@@ -165,6 +165,7 @@ pub fn layouts() -> Vec<StructLayout> {
             light: "u32",
             kind: "u32",
         }),
+        struct_layout!(Emitter { triangle: "u32", for_photons: "u32", for_paths: "u32" }),
     ];
     layouts.extend(ray_tracing::layouts());
     layouts
@@ -231,6 +232,13 @@ impl GpuMaterial {
             pad2: 0.0,
         }
     }
+}
+
+/// Returns the emitters with their header: `SceneEmitters` of shaders/scene.wgsl.
+pub(crate) fn emitters(scene: &Scene) -> Vec<u8> {
+    let emitters = scene.emitters();
+    let count = emitters.table.len() as u32 - 1;
+    [bytemuck::cast_slice(&[count, emitters.power.to_bits()]), bytemuck::cast_slice(&emitters.table)].concat()
 }
 
 /// Returns the lights with their header, and the layers of their shadow maps.

@@ -76,6 +76,7 @@ impl SceneOnGpu {
         let table = scene.area_table();
         let guide = stored("scene area guide", cast_slice(&Scene::area_guide(&table)), storage);
         let areas = stored("scene area table", cast_slice(&table), storage);
+        let emitters = stored("scene emitters", &gpu_data::emitters(scene), storage);
         let sampler = |label, filter, address, anisotropy_clamp| {
             SceneBinding::Sampler(device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
@@ -109,6 +110,7 @@ impl SceneOnGpu {
             ("scene_materials", SceneBinding::Buffer(materials)),
             ("scene_area_table", SceneBinding::Buffer(areas)),
             ("scene_area_guide", SceneBinding::Buffer(guide)),
+            ("scene_emitters", SceneBinding::Buffer(emitters)),
             ("scene_textures", SceneBinding::Texture(array.color)),
             ("scene_textures_linear", SceneBinding::Texture(array.linear)),
             // An adapter that has no anisotropic filtering, or less of it, takes what it has.

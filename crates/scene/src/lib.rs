@@ -19,6 +19,7 @@ mod assemble;
 mod built_in;
 mod camera;
 mod description;
+mod emitters;
 mod error;
 mod files;
 mod hash;
@@ -32,6 +33,7 @@ mod shape;
 
 pub use built_in::names as built_in_names;
 pub use camera::Camera;
+pub use emitters::{Emitter, Emitters};
 pub use error::SceneError;
 pub use files::SceneFiles;
 pub use light::{Light, LightKind};

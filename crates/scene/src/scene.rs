@@ -9,6 +9,7 @@ use glam::{Affine3A, Vec3};
 
 use crate::animation::Track;
 use crate::camera::Camera;
+use crate::emitters::cumulative;
 use crate::light::{Light, LightKind};
 use crate::material::{Material, Texture};
 use crate::model::{Node, Skin};
@@ -250,7 +251,7 @@ impl Scene {
     }
 
     /// Returns the area of each triangle at 0 s \[m²\].
-    fn areas(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn areas(&self) -> impl Iterator<Item = f64> {
         self.indices.chunks_exact(3).map(|triangle| {
             let [a, b, c] =
                 [0, 1, 2].map(|i| Vec3::from(self.vertices[triangle[i] as usize].position).as_dvec3());
@@ -265,16 +266,12 @@ impl Scene {
     /// For a random number u in 0..2³², triangle i is sampled if `table[i] <= u < table[i + 1]`; triangles
     /// without area are never sampled. If the whole area is 0, all triangles are equally likely.
     pub fn area_table(&self) -> Vec<u32> {
-        let total = self.area();
-        let count = self.triangles() as f64;
-        let mut sum = 0.0;
-        std::iter::once(0)
-            .chain(self.areas().map(|area| {
-                sum += if total > 0.0 { area / total } else { 1.0 / count };
-                // `as` saturates at u32::MAX, the required value of the last entry.
-                (sum * 4_294_967_296.0).round() as u32
-            }))
-            .collect()
+        let areas: Vec<f64> = self.areas().collect();
+        if areas.iter().any(|area| *area > 0.0) {
+            cumulative(&areas)
+        } else {
+            cumulative(&vec![1.0; areas.len()])
+        }
     }
 
     /// Returns where searches in an [area table](Scene::area_table) begin and end: a guide table (Chen & Asau 1974) of

@@ -116,22 +116,23 @@ impl Pass for PathTracer {
         let of_scene = |define: &'static str, name: &str| (define, Define::Bool(cx.trait_bool(name)));
         let defines = [
             past.clone(),
+            of_scene("EMISSIVE", "emissive"),
             of_scene("TEXTURED", "textured"),
             of_scene("GLOSSY", "glossy"),
             of_scene("MASKED", "masked"),
             cx.option("RAYS"),
         ];
         let paths = cx.shader(PATHS, &defines);
-        // A ray to each light and one onwards, at each surface.
+        // A ray to each light, one to an emitter and one onwards, at each surface.
         let settings = PathTracerSettings::read(cx.settings);
-        let rays = (1 + cx.trait_u32("lights")) * (1 + settings.bounces);
+        let to_lights = cx.trait_u32("lights") + u32::from(cx.trait_bool("emissive"));
+        let rays = (1 + to_lights) * (1 + settings.bounces);
         let at_once = Value::U32(settings.samples_per_frame.min((RAYS / rays).max(1)));
         let paths = Compute::per_texel(paths, "trace_paths", size)
             .value("samples_per_frame", at_once.clone())
             .value("over_square", switch(settings.filter == Filter::Box))
             // An output that nothing reads is not worth a ray.
-            .value("direct", switch(cx.connected("image") || cx.connected("direct")))
-            .value("emissive", switch(cx.trait_bool("emissive")));
+            .value("direct", switch(cx.connected("image") || cx.connected("direct")));
         let mut estimate = Vec::new();
         for sum in ["luminance", "error"] {
             let shader = cx.shader(ESTIMATE, &[past.clone(), ("SUM", Define::from(sum))]);

@@ -86,13 +86,14 @@ impl Pass for Radiosity {
         let count = cx.fact("points", surface_points::COUNT)?;
         let defines = [
             ("PAST", Define::Bool(cx.connected("past"))),
+            ("EMISSIVE", Define::Bool(cx.trait_bool("emissive"))),
             ("TEXTURED", Define::Bool(cx.trait_bool("textured"))),
             ("MASKED", Define::Bool(cx.trait_bool("masked"))),
             cx.option("ALBEDO"),
             cx.option("RAYS"),
         ];
         let shader = cx.shader(SHADER, &defines);
-        // One more segment finds emission that a path hits.
+        // One more segment may meet what emits.
         let segments = settings.bounces - u32::from(!cx.trait_bool("emissive"));
         let step = |entry, length: u32| {
             Compute::new(shader.clone(), entry, Threads::Row(length.max(1)))

@@ -115,6 +115,67 @@ fn the_second_bounce_is_that_of_the_view_factor() {
     assert!(first.iter().all(|found| found.radiosity == [0.0; 3]));
 }
 
+/// Below a lamp that emits 1, a point that reflects ρ has the radiosity ρ π F, with the view factor F; on its other side none.
+#[test]
+fn a_point_below_a_lamp_has_its_view_factor() {
+    for (height, side, most) in [(0.5_f32, 0.05_f32, 0.001), (0.5, 0.4, 0.005), (0.1, 0.4, 0.005)] {
+        let scene = rooms::floor_and_lamp(height, side);
+        let point = |towards, seed| point_on(&scene, 0, Vec2::new(0.0, 0.5), towards, seed);
+        let below = (1..200).map(|seed| point(Vec3::Y, seed));
+        let points: Vec<_> = below.chain([point(Vec3::NEG_Y, 3)]).collect();
+        assert_eq!(points[0].position, [0.0; 3]);
+        let Some(found) = run(harness(&scene, &points).set("bounces", 1).set("paths", 16)) else { return };
+        let half = f64::from(side) / 2.0;
+        let factor = rooms::view_factor(f64::from(height), [-half, half], [-half, half]);
+        let expected = points[0].albedo()[0] * PI * factor;
+        let (mean, error) =
+            pass_test::statistics::spread(found[..199].iter().map(|found| found.radiosity[0]));
+        let what = format!("height {height}, side {side}");
+        assert!(
+            (mean - expected).abs() < 4.0 * error + 1e-5 * expected,
+            "{what}: {mean} ± {error}, not {expected}"
+        );
+        assert!(error < most * expected, "{what}: ± {error} of {expected}");
+        assert_eq!(found[199].radiosity, [0.0; 3], "{what}: on the other side");
+    }
+}
+
+/// A wall sees the floor that a lamp lights: paths sample the lamp where they meet the floor.
+#[test]
+fn the_second_bounce_of_a_lamp_is_that_of_what_it_lights() {
+    let half = 0.025_f32;
+    let quads = [
+        rooms::quad([0.0, 0.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0),
+        rooms::quad([0.0, 0.0, -0.5], [0.0, 0.4, 0.0], [0.0, 0.0, 1.0], 0),
+        rooms::quad([0.5 - half, 0.4, -half], [2.0 * half, 0.0, 0.0], [0.0, 0.0, 2.0 * half], 1),
+    ];
+    let materials = vec![rooms::matte([0.6; 3], [0.0; 3]), rooms::matte([0.0; 3], [1.0; 3])];
+    let scene = rooms::room(&quads, materials);
+    // The middle of the wall's diagonal, of its first triangle.
+    let points: Vec<_> =
+        (1..200).map(|seed| point_on(&scene, 2, Vec2::new(0.0, 0.5), Vec3::X, seed)).collect();
+    let [_, at, z] = points[0].position;
+    assert_eq!((points[0].position[0], z), (0.0, 0.0));
+    let radiosities = |bounces: u32| run(harness(&scene, &points).set("bounces", bounces).set("paths", 32));
+    let (Some(one), Some(two)) = (radiosities(1), radiosities(2)) else { return };
+    let of_bounce = one.iter().zip(&two).map(|(one, two)| two.radiosity[0] - one.radiosity[0]);
+    let (mean, error) = pass_test::statistics::spread(of_bounce);
+    let (steps, at, half) = (200, f64::from(at), f64::from(half));
+    let step = 1.0 / f64::from(steps);
+    let mut irradiance = 0.0;
+    for i in 0..steps {
+        for j in 0..steps {
+            let (x, z) = ((f64::from(i) + 0.5) * step, (f64::from(j) + 0.5) * step - 0.5);
+            let factor = rooms::view_factor(0.4, [0.5 - half - x, 0.5 + half - x], [-half - z, half - z]);
+            let distance2 = x * x + at * at + z * z;
+            irradiance += 0.6 * factor * x * at / (distance2 * distance2) * step * step;
+        }
+    }
+    let expected = points[0].albedo()[0] * irradiance;
+    assert!((mean - expected).abs() < 4.0 * error + 1e-3 * expected, "{mean} ± {error}, not {expected}");
+    assert!(error < 0.01 * expected, "± {error} of {expected}");
+}
+
 /// Neither the place of a point among the others nor the frame changes what it is.
 #[test]
 fn a_point_has_one_radiosity_wherever_it_stands() {

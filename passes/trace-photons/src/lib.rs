@@ -67,6 +67,7 @@ impl Pass for TracePhotons {
         let settings = TracePhotonsSettings::read(cx.settings);
         let of_scene = |define: &'static str, name: &str| (define, Define::Bool(cx.trait_bool(name)));
         let defines = [
+            of_scene("EMISSIVE", "emissive"),
             of_scene("TEXTURED", "textured"),
             of_scene("MASKED", "masked"),
             cx.option("ALBEDO"),

@@ -63,6 +63,99 @@ fn a_closed_room_keeps_all_power_but_what_it_absorbs() {
     assert_eq!(found[3000].flux, [0.0; 3]);
 }
 
+/// A closed room about a lamp at its middle, half a metre wide. All reflect alike.
+fn room_with_lamp(albedo: [f64; 3], emission: [f64; 3]) -> Scene {
+    let mut scene = furnace([0.0; 3], albedo);
+    let first = scene.vertices.len() as u32;
+    let mut lamp = scene.materials[0].clone();
+    lamp.emission = Vec3::from(emission.map(|x| x as f32));
+    scene.materials.push(lamp);
+    for (x, z) in [(-0.25, -0.25), (0.25, -0.25), (0.25, 0.25), (-0.25, 0.25)] {
+        let (material, normal) = (1, [0.0, 1.0, 0.0]);
+        let uv = [x as f32 * 2.0 + 0.5, 0.5];
+        scene.vertices.push(scene::Vertex {
+            position: [x, 0.0, z],
+            material,
+            normal,
+            uv,
+            ..scene.vertices[0]
+        });
+    }
+    scene.indices.extend([0, 1, 2, 0, 2, 3].map(|i| first + i));
+    scene.instances[0].vertex_count += 4;
+    scene.instances[0].index_count += 6;
+    scene
+}
+
+/// A lamp gives 2 π times its radiance and its area to a closed room, as much on either side, and bounce b has ρᵇ of it.
+#[test]
+fn a_lamp_gives_its_power_on_both_sides() {
+    let (albedo, emission) = ([0.2, 0.5, 0.8], [3.0, 1.0, 2.0]);
+    let scene = room_with_lamp(albedo, emission);
+    let Some(found) = lights(&scene, 3072, 3) else { return };
+    for c in 0..3 {
+        let power = 2.0 * PI * 0.25 * emission[c];
+        for (b, sum) in fluxes(&found, 3, c).into_iter().enumerate() {
+            let expected = power * albedo[c].powi(b as i32 + 1);
+            assert!((sum / expected - 1.0).abs() < 1e-4, "bounce {b}, channel {c}: {sum}, not {expected}");
+        }
+    }
+    let first = || found.iter().step_by(3);
+    assert_eq!(first().filter(|light| light.position[1] > 0.0).count(), 512, "half of them upwards");
+    // What the cosine and the place of the lamp make of it: the share of the ceiling is its view factor from the lamp.
+    let (steps, side) = (100, 0.5);
+    let place = |i: i32| ((f64::from(i) + 0.5) / f64::from(steps) - 0.5) * side;
+    let factors = (0..steps * steps).map(|i| {
+        let (x, z) = (place(i / steps), place(i % steps));
+        pass_test::rooms::view_factor(1.0, [-1.0 - x, 1.0 - x], [-1.0 - z, 1.0 - z])
+    });
+    let factor = factors.sum::<f64>() / f64::from(steps * steps);
+    let up = first().filter(|light| light.position[1] > 1.0 - 1e-4).count() as f64 / 512.0;
+    assert!((up - factor).abs() < 0.03, "{up} of the photons above, not {factor}");
+}
+
+/// A texture changes how much each photon carries, and lights of either kind get paths by their power.
+#[test]
+fn emission_by_texture_and_other_lights_add_up() {
+    let mut scene = room_with_lamp([0.5; 3], [4.0; 3]);
+    let texel = |i: u32| if i < 128 { [0, 0, 0, 255] } else { [255; 4] };
+    scene.textures.push(scene::Texture {
+        name: String::new(),
+        width: 256,
+        height: 1,
+        pixels: (0..256).flat_map(texel).collect(),
+        encoding: scene::Encoding::Srgb,
+        wrap: [scene::Wrap::Repeat; 2],
+    });
+    scene.materials[1].emission_texture = Some(0);
+    scene.lights[0].kind = LightKind::Point;
+    scene.lights[0].position = Vec3::new(0.3, 0.4, -0.2);
+    scene.lights[0].intensity = Vec3::splat(0.5);
+    let Some(found) = lights(&scene, 4096, 1) else { return };
+    let power = 2.0 * PI * 0.25 * 2.0 + 4.0 * PI * 0.5;
+    let sum = fluxes(&found, 1, 0)[0];
+    assert!((sum / (0.5 * power) - 1.0).abs() < 0.01, "{sum}, not half of {power}");
+    // Of a third of the paths, those of the lamp, a half begin in the dark.
+    let dark = found.iter().filter(|light| light.flux[0] == 0.0).count() as f64 / 4096.0;
+    assert!((dark - 1.0 / 6.0).abs() < 0.02, "{dark}");
+}
+
+/// However bright a lamp is, and beside whatever else.
+#[test]
+fn extreme_emission_stays_finite() {
+    for emission in [1e-38, 1e37, 3e38] {
+        let mut scene = room_with_lamp([0.5; 3], [emission; 3]);
+        scene.lights[0].intensity = Vec3::splat(1e38);
+        let Some(found) = lights(&scene, 300, 3) else { return };
+        assert!(found.iter().flat_map(|light| light.flux).all(f32::is_finite), "{emission}");
+        scene.lights.clear();
+        let found = lights(&scene, 3000, 3).expect("the adapter is still there");
+        let power = 2.0 * PI * 0.25 * f64::from(emission as f32);
+        let ratio = fluxes(&found, 3, 0)[0] / (0.5 * power);
+        assert!(emission < 1e-37 || (ratio - 1.0).abs() < 1e-3, "{emission}: {ratio} of the power");
+    }
+}
+
 /// A spot above a plane: what falls on it is the intensity over the cone, with its falloff; nothing comes back.
 #[test]
 fn a_spot_gives_what_its_cone_holds() {

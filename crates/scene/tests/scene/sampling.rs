@@ -60,3 +60,104 @@ fn without_any_area_triangles_count_alike() {
     let empty = load_text(r#"Scene(geometry: BuiltIn("empty"))"#).expect("legal");
     assert_eq!(empty.area_table(), [0], "no triangles");
 }
+
+/// The share of the numbers that sample each emitter, by the columns of the table.
+fn probabilities(emitters: &scene::Emitters) -> Vec<[f64; 2]> {
+    let share = |from: u32, to: u32| f64::from(to - from) / 4_294_967_296.0;
+    let of = |pair: &[scene::Emitter]| {
+        [share(pair[0].for_photons, pair[1].for_photons), share(pair[0].for_paths, pair[1].for_paths)]
+    };
+    emitters.table.windows(2).map(of).collect()
+}
+
+fn assert_near(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found}, not {expected}");
+}
+
+#[test]
+fn the_lamp_is_two_emitters() {
+    let scene = shipped("cornell-box-lamp");
+    let emitters = scene.emitters();
+    let emits = |triangle: u32| {
+        let vertex = scene.indices[3 * triangle as usize] as usize;
+        scene.materials[scene.vertices[vertex].material as usize].is_emissive()
+    };
+    let triangles: Vec<u32> = emitters.table.iter().map(|emitter| emitter.triangle).collect();
+    let lamp: Vec<u32> = (0..scene.triangles() as u32).filter(|triangle| emits(*triangle)).collect();
+    assert_eq!(triangles, [lamp, vec![u32::MAX]].concat());
+    assert_eq!(triangles.len(), 3);
+    for shares in probabilities(&emitters) {
+        shares.iter().for_each(|share| assert_near(*share, 0.5));
+    }
+    // 130 mm × 105 mm, from both sides.
+    let luminance = 0.2126 * 17.0 + 0.7152 * 12.0 + 0.0722 * 4.0;
+    let power = 2.0 * std::f64::consts::PI * 0.13 * 0.105 * luminance;
+    assert_near(f64::from(emitters.power), power);
+}
+
+#[test]
+fn without_emitters_the_table_is_one_entry() {
+    let end = scene::Emitter { triangle: u32::MAX, for_photons: 0, for_paths: 0 };
+    let dark = shipped("cornell-box").emitters();
+    assert_eq!((dark.power, dark.table), (0.0, vec![end]));
+    let empty = load_text(r#"Scene(geometry: BuiltIn("empty"))"#).expect("legal");
+    assert_eq!(empty.emitters().table, [end]);
+}
+
+/// Of three squares, one emits nothing, one a quarter of what the third does, by the mean of its texture.
+#[test]
+fn emitters_count_by_power_and_paths_sample_the_brighter_ones() {
+    let mut scene = shipped("plane");
+    let (vertices, indices) = (scene.vertices.clone(), scene.indices.clone());
+    let dark = scene.materials[0].clone();
+    scene.materials = vec![dark; 3];
+    (1..3).for_each(|i| scene.materials[i].emission = glam::Vec3::splat(8.0));
+    // Half of the texels are black, half as bright as 188 in sRGB: 0.5029 of linear light.
+    let pixels = [[0, 0, 0, 255], [188, 188, 188, 0]].concat();
+    scene.textures.push(scene::Texture {
+        name: String::new(),
+        width: 2,
+        height: 1,
+        pixels,
+        encoding: scene::Encoding::Srgb,
+        wrap: [scene::Wrap::Repeat; 2],
+    });
+    scene.materials[1].emission_texture = Some(0);
+    for material in 1..3 {
+        let first = scene.vertices.len() as u32;
+        scene.vertices.extend(vertices.iter().map(|vertex| scene::Vertex { material, ..*vertex }));
+        scene.indices.extend(indices.iter().map(|i| first + i));
+    }
+    let emitters = scene.emitters();
+    let mean = 0.5 * ((188.0 / 255.0 + 0.055) / 1.055_f64).powf(2.4);
+    let area = scene.area() / 3.0;
+    assert!(
+        (f64::from(emitters.power) / (2.0 * std::f64::consts::PI * area * 8.0 * (1.0 + mean)) - 1.0).abs()
+            < 1e-6
+    );
+    let [textured, plain] = [mean / (1.0 + mean), 1.0 / (1.0 + mean)];
+    // The mean of all surfaces is 8 (1 + mean) / 3: the third is 2.4 times as bright.
+    let expected = [[textured / 2.0, 0.0], [textured / 2.0, 0.0], [plain / 2.0, 0.5], [plain / 2.0, 0.5]];
+    for (found, expected) in probabilities(&emitters).into_iter().zip(expected) {
+        std::iter::zip(found, expected).for_each(|(found, expected)| assert_near(found, expected));
+    }
+    // Where everything emits alike, paths sample nothing.
+    scene.materials.iter_mut().for_each(|material| material.emission = glam::Vec3::ONE);
+    scene.materials[1].emission_texture = None;
+    assert!(scene.emitters().table.iter().all(|emitter| emitter.for_paths == 0));
+    assert!(probabilities(&scene.emitters()).iter().all(|[photons, _]| (photons - 1.0 / 6.0).abs() < 1e-6));
+}
+
+/// However much they emit, and however small they are.
+#[test]
+fn tables_of_extreme_emitters_rise_to_the_end() {
+    for emission in [1e-38, 1e37, f32::MAX] {
+        let mut scene = shipped("cornell-box-lamp");
+        let lamp = scene.materials.iter_mut().find(|material| material.is_emissive()).expect("it emits");
+        lamp.emission = glam::Vec3::splat(emission);
+        let emitters = scene.emitters();
+        assert!(emitters.power.is_finite(), "{emission}");
+        let last = emitters.table[2];
+        assert_eq!((last.for_photons, last.for_paths), (u32::MAX, u32::MAX), "{emission}");
+    }
+}

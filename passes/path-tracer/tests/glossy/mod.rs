@@ -6,7 +6,7 @@ use pass_test::statistics::spread;
 use std::f64::consts::PI;
 
 /// GGX with the height-correlated Smith term, F₀ = 1: reflectance · cosine, in the surface's frame (shaders/ggx.wgsl).
-fn reflected(alpha: f64, view: [f64; 3], light: [f64; 3]) -> f64 {
+pub(crate) fn reflected(alpha: f64, view: [f64; 3], light: [f64; 3]) -> f64 {
     let sum = [0, 1, 2].map(|i| view[i] + light[i]);
     let length = sum.iter().map(|x| x * x).sum::<f64>().sqrt();
     let z = sum[2] / length;
