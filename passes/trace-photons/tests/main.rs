@@ -72,7 +72,7 @@ fn room_with_lamp(albedo: [f64; 3], emission: [f64; 3]) -> Scene {
     scene.materials.push(lamp);
     for (x, z) in [(-0.25, -0.25), (0.25, -0.25), (0.25, 0.25), (-0.25, 0.25)] {
         let (material, normal) = (1, [0.0, 1.0, 0.0]);
-        let uv = [x as f32 * 2.0 + 0.5, 0.5];
+        let uv = [x * 2.0 + 0.5, 0.5];
         scene.vertices.push(scene::Vertex {
             position: [x, 0.0, z],
             material,

@@ -75,17 +75,19 @@ fn a_lamp_is_seen_and_shaded() {
 /// A clamp bounds the segment between the two, and the light of the lamp with it, but not the segment to the lamp.
 #[test]
 fn a_wall_sees_the_floor_that_a_lamp_lights() {
-    for clamp in [0.0, 0.2] {
-        assert_that_the_wall_sees_the_floor(clamp);
+    // A small lamp, which paths sample, and one near the floor, which they meet as well.
+    for (half, height) in [(0.025, 0.4), (0.2, 0.25)] {
+        for clamp in [0.0, 0.2] {
+            assert_that_the_wall_sees_the_floor(half, height, clamp);
+        }
     }
 }
 
-fn assert_that_the_wall_sees_the_floor(clamp: f32) {
-    let half = 0.025_f32;
+fn assert_that_the_wall_sees_the_floor(half: f32, height: f32, clamp: f32) {
     let quads = [
         rooms::quad([0.0, 0.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0),
         rooms::quad([0.0, 0.0, -0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], 1),
-        rooms::quad([0.5 - half, 0.4, -half], [2.0 * half, 0.0, 0.0], [0.0, 0.0, 2.0 * half], 2),
+        rooms::quad([0.5 - half, height, -half], [2.0 * half, 0.0, 0.0], [0.0, 0.0, 2.0 * half], 2),
     ];
     let materials = vec![
         rooms::matte([0.6; 3], [0.0; 3]),
@@ -104,7 +106,8 @@ fn assert_that_the_wall_sees_the_floor(clamp: f32) {
     for i in 0..steps {
         for j in 0..steps {
             let (x, z) = ((f64::from(i) + 0.5) * step, (f64::from(j) + 0.5) * step - 0.5);
-            let factor = view_factor(0.4, [0.5 - half - x, 0.5 + half - x], [-half - z, half - z]);
+            let factor =
+                view_factor(f64::from(height), [0.5 - half - x, 0.5 + half - x], [-half - z, half - z]);
             let distance2 = x * x + at * at + z * z;
             let arriving = 0.6 * factor * x * at / (distance2 * distance2) * step * step;
             whole += arriving;

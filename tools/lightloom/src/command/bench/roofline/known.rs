@@ -52,8 +52,6 @@ const KNOWN: [Known; 8] = [
             let pushed: u64 = (1..levels).map(texels).sum();
             let each = if levels > 0 && pass.setting_f32("push_threshold") < 1.0 { 5 } else { 1 };
             work.add(Quantity::Loads, 4 * pulled + each * (pushed + texels(0)));
-            // The last layer of the atlas may be larger than its maps.
-            work.set(Quantity::Fragments, texels(0));
         },
     },
     // Each vertex loads three indices and three corners. Of the square of a map, the disc is what a hemisphere covers,
