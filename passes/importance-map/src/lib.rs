@@ -4,10 +4,11 @@ pub mod cpu_reference;
 
 use gpu_algorithms::reduce;
 use interfaces::importance::{self, VIEW_SAMPLE};
+use interfaces::surface_points;
 use pass::{
     Compute, Define, Extent, Format, Info, Module, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
     RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, Usage,
-    UseContext, Value, input, output,
+    UseContext, Value, input, optional, output,
 };
 
 /// The pass, for the catalog.
@@ -112,11 +113,16 @@ impl Pass for ImportanceMap {
         let rsm = input("rsm", "ReflectiveShadowMap", "Each texel is a potential virtual light.");
         let importance = output("importance", "Importance", "f(v) of each texel.");
         let view = input("view", "GBuffer", "What the lights are to be important for.");
+        let points = optional(
+            "points",
+            "SurfacePoints",
+            "Samples of the view, in place of `view_samples` of its pixels.",
+        );
         let of_view = SceneBindings::SCENE.and(SceneBindings::CAMERA);
         let (inputs, scene_bindings) = match ImportanceMapSettings::read(settings).measure {
-            Measure::Contribution => (vec![rsm, view], of_view),
+            Measure::Contribution => (vec![rsm, view, points], of_view),
             Measure::Flux => (vec![rsm], SceneBindings::NONE),
-            Measure::Reflectance => (vec![rsm, view], of_view.and(SceneBindings::LIGHTS)),
+            Measure::Reflectance => (vec![rsm, view, points], of_view.and(SceneBindings::LIGHTS)),
         };
         Ok(Ports { inputs, outputs: vec![importance], scene_bindings })
     }
@@ -144,7 +150,11 @@ impl Pass for ImportanceMap {
         if settings.measure == Measure::Flux {
             return Ok(vec![stored()]);
         }
-        let samples = use_cx.buffer(VIEW_SAMPLE, u64::from(settings.view_samples))?;
+        let view_samples = match cx.input("points") {
+            Some(_) => cx.fact("points", surface_points::COUNT)?,
+            None => settings.view_samples,
+        };
+        let samples = use_cx.buffer(VIEW_SAMPLE, u64::from(view_samples))?;
         let scratch = OutputDesc::scratch("samples", samples.clone());
         if settings.measure == Measure::Reflectance {
             if cx.input("rsm").is_some_and(|rsm| rsm.member("albedo").is_none()) {
@@ -186,7 +196,7 @@ impl Pass for ImportanceMap {
                 let importance =
                     handed.iter().fold(importance, |port, member| port.handed(member, "rsm", member));
                 let importance = importance
-                    .fact(importance::VIEW_SAMPLES, settings.view_samples)
+                    .fact(importance::VIEW_SAMPLES, view_samples)
                     .fact(importance::MIN_DISTANCE, settings.min_distance)
                     .fact(importance::DEFENSIVE, settings.defensive);
                 vec![importance]
@@ -196,17 +206,24 @@ impl Pass for ImportanceMap {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let settings = ImportanceMapSettings::read(cx.settings);
-        let pick = Compute::new(cx.shader(VIEW_SAMPLES, &[]), "pick", Threads::Row(settings.view_samples));
+        let given = cx.connected("points");
+        let view_samples =
+            if given { cx.fact("points", surface_points::COUNT)? } else { settings.view_samples };
+        let of_samples = |step: Compute| step.value("view_samples", Value::U32(view_samples));
+        let shader = cx.shader(VIEW_SAMPLES, &[("POINTS", Define::Bool(given))]);
+        let pick = of_samples(Compute::new(shader, "pick", Threads::Row(view_samples)));
         let stored = match (settings.measure, settings.evaluate) {
             (Measure::Flux, _) => return Ok(Recording::one(measure(cx, "flux"))),
-            (Measure::Reflectance, _) => return by_reflectance(cx, pick, block_side(&settings).unwrap_or(1)),
+            (Measure::Reflectance, _) => {
+                return by_reflectance(cx, pick, of_samples, block_side(&settings).unwrap_or(1));
+            }
             (Measure::Contribution, Evaluation::OnDemand) => {
                 return Ok(Recording::one(pick.bind("samples", "importance.samples")));
             }
             (Measure::Contribution, Evaluation::Blocks) => "response",
             (Measure::Contribution, Evaluation::Texels) => "contribution",
         };
-        Ok(Recording::one(pick).then(measure(cx, stored)))
+        Ok(Recording::one(pick).then(of_samples(measure(cx, stored))))
     }
 }
 
@@ -230,14 +247,19 @@ fn measure(cx: &RecordContext<'_>, stored: &str) -> Compute {
 }
 
 /// Importance by reflectance: the greatest value of all texels divides what they reflect, and then their importance.
-fn by_reflectance(cx: &RecordContext<'_>, pick: Compute, side: u32) -> Result<Recording, PassTypeError> {
+fn by_reflectance(
+    cx: &RecordContext<'_>,
+    pick: Compute,
+    of_samples: impl Fn(Compute) -> Compute,
+    side: u32,
+) -> Result<Recording, PassTypeError> {
     let specular = Define::Bool(cx.has_member("rsm", "specular"));
     let (width, height) = cx.size("importance");
     let layers = cx.layers("importance");
     let blocks = Threads::Grid([width.div_ceil(side), height.div_ceil(side), layers]);
     let steps = [("compare_with_view", blocks), ("reflectance", threads(cx))].map(|(entry, threads)| {
         let step = Compute::new(cx.shader(REFLECTANCE, &[("SPECULAR", specular.clone())]), entry, threads);
-        step.value("block_side", Value::U32(side))
+        of_samples(step.value("block_side", Value::U32(side)))
     });
     let mut recording = Recording::one(pick).then_all(steps);
     let texels = width * height * layers;

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 use importance_map::PASS;
 use importance_map::cpu_reference::{ViewSample, importance, luminance, pixel, response, view_response};
+use interfaces::surface_points::{SurfacePoint, packed_albedo};
 use pass::{Format, ResourceDesc, Value};
 use pass_test::random::{halton3, hash2, unit_float};
 use pass_test::{Harness, Outputs};
@@ -75,8 +76,35 @@ impl Room {
         }
     }
 
+    /// The samples of the view as points, which know albedo to ten bits.
+    fn points(self) -> Vec<SurfacePoint> {
+        let extent = self.scene().extent();
+        let point = |sample: &ViewSample| {
+            if sample.response == DVec3::ZERO {
+                return SurfacePoint::NONE;
+            }
+            let albedo = sample.response * std::f64::consts::PI / DVec3::new(0.2126, 0.7152, 0.0722);
+            SurfacePoint {
+                position: (sample.position.as_vec3() * extent).to_array(),
+                normal: sample.normal.as_vec3().to_array(),
+                albedo: packed_albedo(albedo.to_array()),
+                triangle: 0,
+                ..SurfacePoint::default()
+            }
+        };
+        self.samples().iter().map(point).collect()
+    }
+
     /// Runs the pass with the values of its settings.
     fn run(self, set: &[(&str, Value)]) -> Option<Outputs> {
+        self.run_with(set, |harness| harness)
+    }
+
+    fn run_with(
+        self,
+        set: &[(&str, Value)],
+        change: impl Fn(Harness<'static>) -> Harness<'static>,
+    ) -> Option<Outputs> {
         let bytes = |count: u32, element: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
             (0..count).flat_map(|i| bytemuck::bytes_of(&element(i)).to_vec()).collect()
         };
@@ -113,7 +141,7 @@ impl Room {
             .with_scene(self.scene())
             .camera(self.camera())
             .input("rsm", "ReflectiveShadowMap", &[], rsm);
-        if by_flux { harness.run() } else { harness.input("view", "GBuffer", &[], view).run() }
+        if by_flux { harness.run() } else { change(harness.input("view", "GBuffer", &[], view)).run() }
     }
 
     fn samples(self) -> Vec<ViewSample> {
@@ -195,6 +223,39 @@ fn importance_is_that_of_the_cpu_reference() {
             let Some(found) = stored(room, defensive) else { return };
             assert_close(&found, &room.importance(defensive));
         }
+    }
+}
+
+/// Points where the pixels' samples are give what these give, whatever `view_samples` says, but for the rounding of their
+/// albedo.
+#[test]
+fn samples_may_be_given() {
+    for (evaluate, stored) in [("texels", "map"), ("blocks", "response"), ("on-demand", "samples")] {
+        let set = [("evaluate", Value::from(evaluate)), ("defensive", Value::F32(0.0))];
+        // The fourth element of a vector of three is nothing.
+        let read = |outputs: Outputs| -> Vec<f32> {
+            let all: Vec<f32> = outputs.read(&format!("importance.{stored}"));
+            let is_number = |i: &usize| stored == "map" || i % 4 != 3;
+            (0..all.len()).filter(is_number).map(|i| all[i]).collect()
+        };
+        let given = |points: &[SurfacePoint]| {
+            let run = |harness: Harness<'static>| {
+                harness.surface_points("points", 0, points).set("view_samples", 3u32)
+            };
+            ROOM.run_with(&set, run).map(read)
+        };
+        let (Some(expected), Some(found)) = (ROOM.run(&set).map(read), given(&ROOM.points())) else { return };
+        assert_eq!(found.len(), expected.len(), "{evaluate}");
+        let mean = expected.iter().map(|x| x.abs()).sum::<f32>() / expected.len() as f32;
+        for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let error = (found - expected).abs();
+            assert!(
+                error < 1e-2 * expected.abs() + 1e-5 * mean,
+                "{evaluate}, {i}: {found}, expected {expected}"
+            );
+        }
+        let nothing = given(&[SurfacePoint::NONE; 5]).expect("the adapter is still there");
+        assert!(nothing.iter().all(|x| *x == 0.0), "{evaluate}: points that are empty");
     }
 }
 
