@@ -167,12 +167,11 @@ fn end_search(query: Query) {
     if query.index >= settings.points_count {
         return;
     }
+    let there = query.index < points.header.count && points.points[query.index].triangle != NO_TRIANGLE;
 #if OWNERS
-    let exists = query.index < points.header.count && points.points[query.index].triangle != NO_TRIANGLE;
-    owners[query.index] = select(NO_OWNER, owner, exists);
+    owners[query.index] = select(NO_OWNER, owner, there);
 #endif
     if settings.part + 1u == settings.parts {
-        let there = query.index < points.header.count && points.points[query.index].triangle != NO_TRIANGLE;
         density[query.index] = select(0.0, density_of_found(), there);
         return;
     }
