@@ -1,7 +1,7 @@
 //! The pinhole camera.
 
 use glam::camera::rh::{proj::directx, view};
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat3, Mat4, Vec2, Vec3};
 
 /// A pinhole camera: square pixels, the centre of the image on the optical axis, x to the right, row 0 at the
 /// top.
@@ -60,11 +60,25 @@ impl Camera {
     /// corner (the centre of the first pixel is (0.5, 0.5)); `None` behind the near plane.
     pub fn project(&self, point: Vec3, size_px: [u32; 2]) -> Option<Vec2> {
         let size = Vec2::new(size_px[0].max(1) as f32, size_px[1].max(1) as f32);
-        let clip = self.projection(size.x / size.y) * self.view() * point.extend(1.0);
-        (clip.w >= self.near).then(|| {
-            let ndc = clip.truncate() / clip.w;
-            (Vec2::new(ndc.x, -ndc.y) * 0.5 + 0.5) * size
-        })
+        let ndc = self.project_to_ndc(point, size.x / size.y)?;
+        Some((Vec2::new(ndc.x, -ndc.y) * 0.5 + 0.5) * size)
+    }
+
+    /// Returns the position of `point` \[m, world\] in normalised device coordinates: from −1 at the left and at
+    /// the bottom of the frame to 1 at the right and at the top (y up), beyond that outside of it. `aspect` is the
+    /// frame's width divided by its height. `None` behind the near plane.
+    pub fn project_to_ndc(&self, point: Vec3, aspect: f32) -> Option<Vec2> {
+        let clip = self.projection(aspect) * self.view() * point.extend(1.0);
+        (clip.w >= self.near).then(|| (clip.truncate() / clip.w).truncate())
+    }
+
+    /// Returns the ray on which everything lies that is seen at `ndc`, as in [`Camera::project_to_ndc`]: its origin,
+    /// the pinhole \[m\], and its direction, of length 1. What lies before the near plane is on it too, but not seen.
+    pub fn ray(&self, ndc: Vec2, aspect: f32) -> (Vec3, Vec3) {
+        let half_height = (self.vertical_fov * 0.5).tan();
+        let plane = ndc * half_height * Vec2::new(aspect, 1.0);
+        let world_from_view = Mat3::from_mat4(self.view()).transpose();
+        (self.position, (world_from_view * plane.extend(-1.0)).normalize_or(self.forward()))
     }
 
     /// Returns a camera that sees the whole box from `min` to `max` from the front, slightly from above.

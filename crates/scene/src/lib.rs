@@ -28,6 +28,7 @@ mod light;
 mod load;
 mod material;
 mod model;
+mod pick;
 mod scene;
 mod shape;
 
@@ -39,4 +40,5 @@ pub use files::SceneFiles;
 pub use light::{Light, LightKind};
 pub use load::{about, load};
 pub use material::{Encoding, Material, Texture, Wrap};
+pub use pick::Hit;
 pub use scene::{Changes, Instance, MovedVertices, Pose, Scene, Vertex};

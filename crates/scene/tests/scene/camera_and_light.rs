@@ -3,6 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
+use proptest::prelude::*;
 use scene::{Camera, Light, LightKind};
 
 fn camera() -> Camera {
@@ -27,6 +28,49 @@ fn a_known_point_falls_on_a_known_pixel() {
     let up = at(0.0, 5.0, 0.0).expect("in front");
     assert!(up.abs_diff_eq(Vec2::new(100.0, 0.0), 1e-4), "row 0 is on top: {up}");
     assert_eq!(at(0.0, 0.0, 6.0), None, "behind the camera");
+}
+
+#[test]
+fn a_ray_goes_through_what_is_seen_there() {
+    // At 90° the picture is as high as it is far; twice as wide as high here. Up in the picture is +y.
+    let (origin, right_and_up) = camera().ray(Vec2::new(0.5, 1.0), 2.0);
+    assert_eq!(origin, camera().position);
+    assert!(right_and_up.abs_diff_eq(Vec3::new(1.0, 1.0, -1.0).normalize(), 1e-6), "{right_and_up}");
+    let corner = camera().project_to_ndc(Vec3::new(-10.0, 5.0, 0.0), 2.0).expect("in front");
+    assert!(corner.abs_diff_eq(Vec2::new(-1.0, 1.0), 1e-5), "the upper left corner: {corner}");
+    assert_eq!(camera().project_to_ndc(Vec3::new(0.0, 0.0, 5.1), 2.0), None, "behind the camera");
+}
+
+fn point() -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-10.0f32..10.0).prop_map(Vec3::from)
+}
+
+proptest! {
+    #[test]
+    fn rays_are_those_of_the_shaders_and_the_inverse_of_projection(
+        (position, target, up) in (point(), point(), point()),
+        fov in 5.0f32..150.0,
+        at in prop::array::uniform2(0.0f32..1.0),
+        distance in 1.0f32..50.0,
+    ) {
+        prop_assume!((target - position).length() > 0.1 && up.length() > 0.1);
+        let vertical_fov = fov.to_radians();
+        let camera = Camera { position, target, up, vertical_fov, near: 0.01 };
+        let size = Vec2::new(320.0, 200.0);
+        let (at_px, aspect) = (Vec2::from(at) * size, 320.0 / 200.0);
+        let ndc = Vec2::new(2.0, -2.0) * at_px / size + Vec2::new(-1.0, 1.0);
+        let (origin, direction) = camera.ray(ndc, aspect);
+        // `view_ray` of shaders/camera.wgsl, with the `half_extent` that is uploaded for it.
+        let tan = (vertical_fov * 0.5).tan();
+        let plane = ndc * Vec2::new(tan * aspect, tan);
+        let shader = (camera.view().inverse() * plane.extend(-1.0).extend(0.0)).truncate();
+        prop_assert!(direction.abs_diff_eq(shader.normalize(), 1e-5), "{direction} and {shader}");
+        let point = origin + direction * distance;
+        let back = camera.project(point, [320, 200]).expect("in front");
+        prop_assert!(back.abs_diff_eq(at_px, 0.05), "{at_px} px comes back at {back} px");
+        let back = camera.project_to_ndc(point, aspect).expect("in front");
+        prop_assert!(back.abs_diff_eq(ndc, 1e-3), "{ndc} comes back as {back}");
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod deformation;
 mod description;
 mod gltf;
 mod movement;
+mod picking;
 mod references;
 mod sampling;
 mod skins;
