@@ -1,6 +1,7 @@
 //! What is written elsewhere about passes and scenes agrees with what they declare.
 
 mod brought;
+mod variants;
 
 use catalog::{Assets, Catalog, PASSES, SceneAssets};
 use frame_graph::port::PassTypes;

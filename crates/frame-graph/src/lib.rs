@@ -136,7 +136,9 @@ pub use port::{
     Facts, HandedOn, InputPort, Module, OutputContext, OutputDesc, OutputPort, PassTypeError, PassTypes,
     Ports, SceneBindings, Usage, Use,
 };
-pub use resolve::{Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description};
+pub use resolve::{
+    Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description, variant,
+};
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc, human_bytes};
 pub use succession::Succession;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

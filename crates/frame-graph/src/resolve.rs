@@ -8,9 +8,11 @@ mod flatten;
 mod localise;
 mod print;
 mod settable;
+mod variant;
 
 pub use diff::{Difference, diff};
 pub use settable::Settable;
+pub use variant::variant;
 
 use crate::codes;
 use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, parse_file};

@@ -25,11 +25,11 @@ pub(super) fn print(resolved: &Resolved, origins: bool) -> String {
 }
 
 /// RON text; Rust's escapes are RON's.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     format!("{text:?}")
 }
 
-fn value(value: &Value) -> String {
+pub(super) fn value(value: &Value) -> String {
     match value {
         Value::Text(text) => quoted(&text.replace('$', "$$")),
         other => other.to_string(),

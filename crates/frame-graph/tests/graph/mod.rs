@@ -10,5 +10,6 @@ mod random;
 mod reader;
 mod repeat;
 mod succession;
+mod variant_text;
 mod variants;
 mod whole;
