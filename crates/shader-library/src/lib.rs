@@ -12,6 +12,7 @@ mod attributes;
 mod compile;
 mod compose;
 mod composed;
+pub mod decode;
 mod directive;
 mod doc_reader;
 mod files;

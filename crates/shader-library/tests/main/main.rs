@@ -1,6 +1,7 @@
 //! The crate as its users see it: files in, shaders or errors out.
 
 mod composing;
+mod decoding;
 mod errors;
 mod layouts;
 mod random;
