@@ -24,8 +24,8 @@ pub use frame_graph::{
     Setting, Settings, Struct, Traits, Usage, Use, Value, ValueType,
 };
 pub use link::{
-    Bound, FrameValue, FrameWord, LinkedStep, LinkedSteps, PastFact, Source, UniformFill, link_steps,
-    pass_seed,
+    Bound, BoundLayout, FrameValue, FrameWord, LinkedStep, LinkedSteps, PastFact, Source, UniformFill,
+    layout_of, link_steps, pass_seed,
 };
 pub use record::{
     Compute, DepthTarget, Draw, LARGEST_WINDOW, Load, PortDesc, Raster, RecordContext, Recording, Step,

@@ -12,10 +12,12 @@ use shader_library::{Global, GlobalKind, Library, Request, Shader, Stage};
 use std::ops::Range;
 use std::sync::Arc;
 
+mod contents;
 mod fit;
 mod names;
 mod uniform;
 
+pub use contents::{BoundLayout, layout_of};
 pub use uniform::{FrameValue, FrameWord, PastFact, UniformFill};
 
 /// What a global is bound to.

@@ -1,5 +1,6 @@
 //! Settings, and linking of what passes record.
 
+mod contents;
 mod modules;
 mod pass_types;
 mod settings;
