@@ -1,11 +1,14 @@
 //! Sees to it that there is an adapter to render with: a GPU's driver, or one that renders on the CPU.
 
-use crate::packages::{Consent, has_apt, ids_of_linux, install, os_release};
+use crate::packages::{Consent, Need, has_apt, ids_of_linux, os_release};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-const QUESTION: &str = "There is no adapter to render with. Install one that renders on the CPU (mesa-vulkan-drivers, by apt-get)?";
+const DRIVER: Need = Need {
+    question: "There is no adapter to render with. Install one that renders on the CPU (mesa-vulkan-drivers, by apt-get)?",
+    packages: &["mesa-vulkan-drivers"],
+};
 
 /// Returns the adapters, a line each, after having installed a driver where there was none and that was agreed to.
 /// Empty where there is none still.
@@ -14,10 +17,9 @@ pub fn ensure(lightloom: &Path, consent: Consent) -> Result<Vec<String>> {
     if !found.is_empty() {
         return Ok(found);
     }
-    if Driver::of_this_system() != Driver::Apt || !consent.to(QUESTION)? {
+    if !DRIVER.install(consent)? {
         return Ok(found);
     }
-    install("mesa-vulkan-drivers")?;
     let found = adapters(lightloom)?;
     if found.is_empty() {
         bail!(

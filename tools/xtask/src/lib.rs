@@ -1,11 +1,11 @@
 //! Chores of the tree, each a command of `cargo xtask`.
 
 pub mod bless;
-pub mod browser;
 pub mod cargo;
 pub mod demo;
 pub mod gpu;
 pub mod new_pass;
+pub mod optional;
 pub mod packages;
 pub mod test;
 pub mod tidy;

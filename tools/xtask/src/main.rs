@@ -24,7 +24,8 @@ enum Command {
     },
     /// Build and run all tests
     Test {
-        /// Install a Vulkan driver where there is no GPU, and Chromium where there is no browser, without asking
+        /// Install a Vulkan driver where there is no GPU, Chromium where there is no browser, and Xvfb with the
+        /// libraries of a window where they are missing, without asking
         #[arg(short, long)]
         yes: bool,
     },

@@ -60,13 +60,47 @@ pub(crate) fn has_apt(os_release: &str) -> bool {
     ids_of_linux(os_release).iter().any(|id| ["debian", "ubuntu"].contains(id))
 }
 
-/// Installs a package of Debian or Ubuntu.
-pub(crate) fn install(package: &str) -> Result<()> {
-    // A source that cannot be reached need not be the one that has the package.
-    if let Err(error) = apt_get(&["update"]) {
-        eprintln!("warning: {error:#}");
+/// Packages of Debian and Ubuntu that something needs, and how it is asked whether they may be installed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Need {
+    pub(crate) question: &'static str,
+    pub(crate) packages: &'static [&'static str],
+}
+
+impl Need {
+    /// Installs the packages where they come by apt-get and that is agreed to, and returns whether it did.
+    pub(crate) fn install(&self, consent: Consent) -> Result<bool> {
+        if !has_apt(&os_release()) || !consent.to(self.question)? {
+            return Ok(false);
+        }
+        // A source that cannot be reached need not be the one that has the package.
+        if let Err(error) = apt_get(&["update"]) {
+            eprintln!("warning: {error:#}");
+        }
+        apt_get(&[&["install", "--yes", "--no-install-recommends"], self.packages].concat())?;
+        Ok(true)
     }
-    apt_get(&["install", "--yes", "--no-install-recommends", package])
+}
+
+/// Returns those of `packages` that are not installed; none where there is no dpkg to ask.
+pub(crate) fn missing<'a>(packages: &[&'a str]) -> Vec<&'a str> {
+    let mut query = Command::new("dpkg-query");
+    // It fails if one is unknown, and still lists the others.
+    match query.args(["--show", "--showformat", "${db:Status-Abbrev} ${Package}\n"]).args(packages).output() {
+        Ok(listed) => not_listed(packages, &String::from_utf8_lossy(&listed.stdout)),
+        Err(_) => Vec::new(),
+    }
+}
+
+/// Returns those of `packages` that no line of dpkg's list calls installed, with or without "wanted".
+fn not_listed<'a>(packages: &[&'a str], list: &str) -> Vec<&'a str> {
+    let installed: Vec<&str> = list
+        .lines()
+        .filter_map(|line| line.split_once(char::is_whitespace))
+        .filter(|(status, _)| status.get(1..2) == Some("i"))
+        .map(|(_, package)| package.trim())
+        .collect();
+    packages.iter().copied().filter(|package| !installed.contains(package)).collect()
 }
 
 fn apt_get(args: &[&str]) -> Result<()> {
@@ -86,5 +120,12 @@ mod tests {
         assert!(Consent::Given.to("?").unwrap());
         assert!(!Consent::Withheld.to("?").unwrap());
         assert_eq!(Consent::new(true), Consent::Given);
+    }
+
+    #[test]
+    fn a_package_that_was_removed_or_is_unknown_is_missing() {
+        let list = "ii  libxi6\nrc  xvfb\nhi  libxcursor1\nun  libx11-xcb1\n";
+        let packages = ["xvfb", "libxi6", "libxcursor1", "libx11-xcb1", "libxkbcommon-x11-0"];
+        assert_eq!(not_listed(&packages, list), ["xvfb", "libx11-xcb1", "libxkbcommon-x11-0"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::cargo::{built, cargo, run as run_command};
 use crate::packages::Consent;
-use crate::{browser, gpu};
+use crate::{gpu, optional};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -12,14 +12,14 @@ use std::time::Instant;
 /// Tests that run at once on a renderer on the CPU, where each of them takes all cores already.
 const THREADS_ON_CPU: &str = "2";
 
-/// Builds everything once, sees to an adapter and a browser, and runs all tests.
+/// Builds everything once, sees to an adapter, a browser and an X server, and runs all tests.
 pub fn run(root: &Path, consent: Consent) -> Result<()> {
     let start = Instant::now();
     println!("Building Lightloom and its tests (some minutes the first time)");
     // What `cargo test` builds, and the program: one build, for which features are resolved once.
     run_command(cargo(root, "build").args(["--locked", "--workspace", "--bins", "--tests"]))?;
     let adapters = gpu::ensure(&built("lightloom")?, consent)?;
-    browser::ensure(consent)?;
+    optional::ensure(consent);
 
     let mut command = cargo(root, "test");
     command.args(["--locked", "--workspace", "--no-fail-fast"]).stdout(Stdio::piped());
