@@ -1,6 +1,7 @@
 //! The compiled plan: a plain value that an executor runs, and that can be printed, hashed and drawn.
 
 mod dot;
+mod drawing;
 mod json;
 mod members;
 mod svg;
@@ -16,6 +17,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
+pub use drawing::{BoxKind, Drawing, DrawnBox, DrawnEdge};
 pub use members::PlannedMembers;
 
 /// A stable hash of a plan: equal for equal plans, on any machine.
@@ -308,7 +310,13 @@ impl Plan {
         json::json(self)
     }
 
-    /// Returns the plan as a drawing: passes from left to right in the order of data, coloured by whether they run.
+    /// Returns the plan as a drawing: a box for each pass and output, from left to right in the order of data. What does
+    /// not run is below.
+    pub fn drawing(&self) -> Drawing {
+        drawing::drawing(self)
+    }
+
+    /// Returns the drawing of the plan as SVG, with boxes coloured by whether they run.
     pub fn to_svg(&self) -> String {
         svg::svg(self)
     }

@@ -1,6 +1,7 @@
 mod asked;
 mod broken;
 mod continued;
+mod drawing;
 mod formulas;
 mod handed;
 mod inherit;
