@@ -10,4 +10,5 @@ mod tree;
 
 pub use fields::read_as;
 pub use fields::{Fields, Reader, parse};
+pub use lexer::skip_blanks;
 pub use tree::{Field, Form, Node, Number, Word};

@@ -1,11 +1,11 @@
-//! The errors of loading a scene.
+//! The errors of loading and saving a scene.
 
 use std::io;
 use std::path::PathBuf;
 
 use data_file::Diagnostics;
 
-/// The reason why a scene could not be loaded.
+/// The reason why a scene could not be loaded or saved.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// There is no scene or file with this name.
@@ -21,6 +21,14 @@ pub enum SceneError {
     /// The file exists, but cannot be read.
     #[error("{}: cannot be read: {error}", .path.display())]
     Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        error: io::Error,
+    },
+    /// The file cannot be written; it is as it was.
+    #[error("{}: cannot be written: {error}", .path.display())]
+    Unwritable {
         /// The file.
         path: PathBuf,
         /// The system's reason.

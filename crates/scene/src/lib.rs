@@ -4,6 +4,7 @@
 //! scenes/*.ron ─describe─▶ Description ┐
 //! *.glb, *.gltf ─import─▶ Model        ├─assemble─▶ Scene ─at(time)─▶ Pose
 //! made by code ─────────▶ Model        ┘              └─traits─▶ data_file::Traits
+//! scenes/*.ron + SceneEdit ─save─▶ scenes/*.ron, with the rest of its text as it was
 //! ```
 //!
 //! A [`Scene`] is flat: one array of vertices in world space and one of indices, ready for upload. Lengths
@@ -19,6 +20,7 @@ mod assemble;
 mod built_in;
 mod camera;
 mod description;
+mod edit;
 mod emitters;
 mod error;
 mod files;
@@ -34,6 +36,7 @@ mod shape;
 
 pub use built_in::names as built_in_names;
 pub use camera::Camera;
+pub use edit::{CameraKey, LightKey, SceneEdit, edited, save, scene_file_for};
 pub use emitters::{Emitter, Emitters};
 pub use error::SceneError;
 pub use files::SceneFiles;

@@ -57,6 +57,14 @@ pub(super) fn lex(text: &str) -> (Vec<Lexeme>, Vec<Complaint>) {
     }
 }
 
+/// Returns where the next token begins at or after byte `at`, which is between two tokens: past blanks and comments.
+/// For those who edit a text by the places of its tree.
+pub fn skip_blanks(text: &str, at: usize) -> usize {
+    let mut lexer = Lexer { text, at, complaints: Vec::new() };
+    lexer.skip_blanks();
+    lexer.at
+}
+
 fn is_blank(c: char) -> bool {
     matches!(c, ' ' | '\t'..='\r' | '\u{85}' | '\u{200E}' | '\u{200F}' | '\u{2028}' | '\u{2029}' | '\u{FEFF}')
 }

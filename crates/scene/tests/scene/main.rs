@@ -7,6 +7,7 @@ mod cloth;
 mod common;
 mod deformation;
 mod description;
+mod editing;
 mod gltf;
 mod movement;
 mod picking;

@@ -151,7 +151,8 @@ proptest! {
         let triangles = [[vector(0), vector(3), vector(6)], [vector(9), vector(12), vector(15)]];
         let scene = soup(&triangles);
         let pose = scene.at(0.0);
-        for (origin, direction) in [(vector(18), vector(21)), (Vec3::ZERO, vector(24)), (vector(27), Vec3::ZERO)] {
+        let rays = [(vector(18), vector(21)), (Vec3::ZERO, vector(24)), (vector(27), Vec3::ZERO)];
+        for (origin, direction) in rays {
             if let Some(hit) = scene.pick(&pose, origin, direction) {
                 prop_assert!(hit.distance.is_finite() && hit.distance > 0.0 && hit.position.is_finite() && hit.normal.is_finite(), "{hit:?}");
             }

@@ -1,0 +1,295 @@
+//! Where in the tree of a scene file the values of an edit are.
+
+use std::collections::BTreeMap;
+
+use data_file::Diagnostic;
+use data_file::codes::scene as codes;
+use data_file::reader::{Form, Node, Reader};
+use glam::Vec3;
+
+use super::patches::{Items, Patches};
+use super::value::{Field, Value, degrees, form, number};
+use super::{CameraKey, LightKey, SceneEdit};
+use crate::camera::Camera;
+use crate::light::{Light, LightKind};
+
+/// Adds to `patches` what makes the edit of a valid scene file.
+pub(super) fn edit(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, edit: &SceneEdit) {
+    let mut items = Items::of(tree);
+    if let Some(camera) = &edit.camera {
+        match child(tree, "camera") {
+            Some(node) => set_fields(node, patches, &camera_fields(camera, Some(node))),
+            None => items.add(items.len(), format!("camera: {}", camera_text(camera))),
+        }
+    }
+    edit_lights(reader, tree, patches, &edit.lights);
+    match child(tree, "keyframes") {
+        Some(node) => edit_keyframes(node, patches, edit),
+        None => {
+            let indent = items.indent(patches);
+            items.add_some(keyframes(patches, edit, &indent));
+        }
+    }
+    items.finish(patches);
+}
+
+impl Items {
+    /// Adds an item behind all others, if there is one.
+    fn add_some(&mut self, text: Option<String>) {
+        if let Some(text) = text {
+            self.add(self.len(), text);
+        }
+    }
+}
+
+/// Returns the value of a field of a form.
+fn child<'n>(node: &'n Node, name: &str) -> Option<&'n Node> {
+    let Form::Struct(_, fields) = &node.form else { return None };
+    fields.iter().find(|field| field.name.text == name).map(|field| &field.value)
+}
+
+/// Sets fields of a form, adds those that it lacks and removes those that are to be left out.
+fn set_fields(node: &Node, patches: &mut Patches<'_>, fields: &[Field]) {
+    let Form::Struct(_, known) = &node.form else { return };
+    let mut items = Items::of(node);
+    let mut kept = known.len();
+    for (name, value) in fields {
+        match (known.iter().position(|field| field.name.text == *name), value) {
+            (Some(index), Some(value)) => value.write(&known[index].value, patches),
+            (Some(index), None) => items.remove(index),
+            (None, _) => {}
+        }
+    }
+    let left_out = |index: &usize| {
+        fields.iter().any(|(name, value)| value.is_none() && known[*index].name.text == *name)
+    };
+    while kept > 0 && left_out(&(kept - 1)) {
+        kept -= 1;
+    }
+    for (name, value) in fields {
+        if let (None, Some(value)) = (known.iter().find(|field| field.name.text == *name), value) {
+            items.add(kept, format!("{name}: {}", value.text()));
+        }
+    }
+    items.finish(patches);
+}
+
+/// Returns the fields of a camera, given that of the file: what follows from the scene stays out.
+fn camera_fields(camera: &Camera, file: Option<&Node>) -> Vec<Field> {
+    let has = |name: &str| file.is_some_and(|node| child(node, name).is_some());
+    let most = 180f32.next_down();
+    let mut fields = vec![
+        ("position", Some(Value::Vector(camera.position))),
+        ("target", Some(Value::Vector(camera.target))),
+    ];
+    if camera.up != Vec3::Y || has("up") {
+        fields.push(("up", Some(Value::Vector(camera.up))));
+    }
+    fields.push(("vertical_fov_deg", Some(Value::Angle { radians: camera.vertical_fov, most })));
+    if camera.near > 0.0 && (file.is_none() || has("near")) {
+        fields.push(("near", Some(Value::Number(camera.near))));
+    }
+    fields
+}
+
+pub(super) fn camera_text(camera: &Camera) -> String {
+    form("Camera", &camera_fields(camera, None))
+}
+
+/// Returns the form of a light, and its fields, given that of the file.
+fn light_fields(light: &Light, file: Option<&Node>) -> (&'static str, Vec<Field>) {
+    let position = ("position", Some(Value::Vector(light.position)));
+    let direction = ("direction", Some(Value::Direction(light.direction)));
+    let intensity = ("intensity", Some(Value::Vector(light.intensity)));
+    match light.kind {
+        LightKind::Point => ("Point", vec![position, intensity]),
+        LightKind::Directional => {
+            ("Directional", vec![direction, ("irradiance", Some(Value::Vector(light.intensity)))])
+        }
+        LightKind::Spot { inner, outer } => {
+            let known = |name| file.and_then(|node| child(node, name));
+            let kept = known("outer_deg").and_then(number).filter(|kept| kept.to_radians() == outer);
+            // An inner cone that is read as wider than the outer is an error, be it by rounding.
+            let outer_deg = kept.unwrap_or_else(|| degrees(outer).min(90.0));
+            let outer_cone = ("outer_deg", Some(Value::Angle { radians: outer, most: 90.0 }));
+            let mut fields = vec![position, direction, intensity, outer_cone];
+            if inner != outer || known("inner_deg").is_some() {
+                fields.push(("inner_deg", Some(Value::Angle { radians: inner, most: outer_deg })));
+            }
+            ("Spot", fields)
+        }
+    }
+}
+
+pub(super) fn light_text(light: &Light) -> String {
+    let (name, fields) = light_fields(light, None);
+    let text = form(name, &fields);
+    text.replacen('(', &format!("(name: {:?}, ", light.name), 1)
+}
+
+fn edit_lights(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, lights: &[Light]) {
+    let list = child(tree, "lights");
+    let items = match list.map(|node| &node.form) {
+        Some(Form::List(items)) => items.as_slice(),
+        _ => &[],
+    };
+    let name = |(index, node): (usize, &Node)| match child(node, "name").map(|name| &name.form) {
+        Some(Form::Text(name, _)) if !name.is_empty() => name.clone(),
+        _ => format!("light {index}"),
+    };
+    let names: Vec<String> = items.iter().enumerate().map(name).collect();
+    // Of lights with the same name, the first edit is of the first, and so on.
+    let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
+    for light in lights {
+        let count = seen.entry(&light.name).or_default();
+        let found = names.iter().zip(items).filter(|(name, _)| **name == light.name).nth(*count);
+        *count += 1;
+        let (form, Some((_, node))) = (light_fields(light, None).0, found) else {
+            let place = list.or(child(tree, "geometry")).unwrap_or(tree);
+            let error = Diagnostic::new(
+                &codes::NAME,
+                format!("the light `{}` is not in `lights` of this file", light.name),
+            )
+            .label(reader.head_of(place), "not here")
+            .note("it belongs to the geometry, a glTF file, which is not written to")
+            .note("`lights_from_file: false` leaves out the lights of that file; those in `lights` can be edited")
+            .suggest("lights of this file", &light.name, names.iter().map(String::as_str));
+            reader.tell(error);
+            continue;
+        };
+        match &node.form {
+            Form::Struct(Some(known), _) if known.text == form => {
+                let (_, fields) = light_fields(light, Some(node));
+                set_fields(node, patches, &fields);
+            }
+            _ => {
+                let message = format!("the light `{}` cannot become a `{form}`", light.name);
+                let error = Diagnostic::new(&codes::CONFLICT, message)
+                    .label(reader.head_of(node), "another kind of light in the file");
+                reader.tell(error);
+            }
+        }
+    }
+}
+
+fn camera_key(key: &CameraKey) -> Vec<Field> {
+    vec![
+        ("time", Some(Value::Number(key.time))),
+        ("position", key.position.map(Value::Vector)),
+        ("target", key.target.map(Value::Vector)),
+    ]
+}
+
+fn light_key(key: &LightKey) -> Vec<Field> {
+    vec![
+        ("time", Some(Value::Number(key.time))),
+        ("position", key.position.map(Value::Vector)),
+        ("direction", key.direction.map(Value::Direction)),
+        ("intensity", key.intensity.map(Value::Vector)),
+    ]
+}
+
+/// The keys of one light or camera, as fields.
+type KeyFields = Vec<Vec<Field>>;
+
+fn camera_keys(edit: &SceneEdit) -> Option<KeyFields> {
+    edit.camera_keys.as_ref().map(|keys| keys.iter().map(camera_key).collect())
+}
+
+fn light_keys(edit: &SceneEdit) -> impl Iterator<Item = (&str, KeyFields)> {
+    edit.light_keys.iter().map(|(name, keys)| (name.as_str(), keys.iter().map(light_key).collect()))
+}
+
+fn edit_keyframes(node: &Node, patches: &mut Patches<'_>, edit: &SceneEdit) {
+    let mut items = Items::of(node);
+    let indent = items.indent(patches);
+    match (child(node, "camera"), camera_keys(edit)) {
+        (Some(list), Some(keys)) => edit_keys(list, patches, &keys),
+        (None, keys) => items.add_some(camera_keys_text(patches, keys, &indent)),
+        (Some(_), None) => {}
+    }
+    match child(node, "lights") {
+        Some(map) => {
+            let Form::Map(entries) = &map.form else { return };
+            let mut items = Items::of(map);
+            let inner = items.indent(patches);
+            for (name, keys) in light_keys(edit) {
+                let is = |node: &Node| matches!(&node.form, Form::Text(text, _) if text == name);
+                match entries.iter().find(|(key, _)| is(key)) {
+                    Some((_, list)) => edit_keys(list, patches, &keys),
+                    None => items.add_some(light_entry(patches, name, &keys, &inner)),
+                }
+            }
+            items.finish(patches);
+        }
+        None => items.add_some(light_keys_text(patches, edit, &indent)),
+    }
+    items.finish(patches);
+}
+
+/// Returns `keyframes` as a new field, if the edit has keys.
+pub(super) fn keyframes(patches: &Patches<'_>, edit: &SceneEdit, indent: &str) -> Option<String> {
+    let (inner, end) = (patches.within(indent), patches.line_end());
+    let camera = camera_keys_text(patches, camera_keys(edit), &inner);
+    let lights = light_keys_text(patches, edit, &inner);
+    let fields: Vec<_> = camera.into_iter().chain(lights).collect();
+    let fields: String = fields.iter().map(|field| format!("{end}{inner}{field},")).collect();
+    (!fields.is_empty()).then(|| format!("keyframes: Keyframes({fields}{end}{indent})"))
+}
+
+fn camera_keys_text(patches: &Patches<'_>, keys: Option<KeyFields>, indent: &str) -> Option<String> {
+    let keys = keys.filter(|keys| !keys.is_empty())?;
+    Some(format!("camera: {}", keys_text(patches, &keys, indent)))
+}
+
+fn light_keys_text(patches: &Patches<'_>, edit: &SceneEdit, indent: &str) -> Option<String> {
+    let (inner, end) = (patches.within(indent), patches.line_end());
+    let entries = light_keys(edit).filter_map(|(name, keys)| light_entry(patches, name, &keys, &inner));
+    let entries: String = entries.map(|entry| format!("{end}{inner}{entry},")).collect();
+    (!entries.is_empty()).then(|| format!("lights: {{{entries}{end}{indent}}}"))
+}
+
+fn light_entry(patches: &Patches<'_>, name: &str, keys: &KeyFields, indent: &str) -> Option<String> {
+    (!keys.is_empty()).then(|| format!("{name:?}: {}", keys_text(patches, keys, indent)))
+}
+
+fn keys_text(patches: &Patches<'_>, keys: &KeyFields, indent: &str) -> String {
+    let (inner, end) = (patches.within(indent), patches.line_end());
+    let keys: String = keys.iter().map(|key| format!("{end}{inner}{},", form("Key", key))).collect();
+    format!("[{keys}{end}{indent}]")
+}
+
+/// Makes the keys of a list those that are given. A key at the same time is the same key; of those between two such
+/// keys, each new one is written over an old one, as long as there are any.
+fn edit_keys(list: &Node, patches: &mut Patches<'_>, keys: &KeyFields) {
+    let Form::List(old) = &list.form else { return };
+    let old_time = |node: &Node| child(node, "time").and_then(number);
+    let new_time = |fields: &Vec<Field>| match fields[0].1 {
+        Some(Value::Number(time)) => Some(time),
+        _ => None,
+    };
+    let mut items = Items::of(list);
+    let (mut i, mut j) = (0, 0);
+    while i < old.len() || j < keys.len() {
+        // The next pair at one time: whichever of the old keys has it first.
+        let pair = (i..old.len()).find_map(|a| {
+            let b = (j..keys.len()).find(|b| new_time(&keys[*b]) == old_time(&old[a]))?;
+            Some((a, b))
+        });
+        let (to_i, to_j) = pair.unwrap_or((old.len(), keys.len()));
+        let both = (to_i - i).min(to_j - j);
+        for k in 0..both {
+            set_fields(&old[i + k], patches, &keys[j + k]);
+        }
+        (i + both..to_i).for_each(|index| items.remove(index));
+        for key in &keys[j + both..to_j] {
+            items.add(i + both, form("Key", key));
+        }
+        (i, j) = (to_i, to_j);
+        if let Some((a, b)) = pair {
+            set_fields(&old[a], patches, &keys[b]);
+            (i, j) = (a + 1, b + 1);
+        }
+    }
+    items.finish(patches);
+}
