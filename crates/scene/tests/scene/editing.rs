@@ -231,7 +231,9 @@ proptest! {
         for line in source.text.lines().filter(|line| line.starts_with("//")) {
             prop_assert!(text.contains(line), "{line} is lost");
         }
-        prop_assert!(!text.replace("\r\n", "").contains('\r'), "ends of lines");
+        let ends = text.replace("\r\n", "");
+        prop_assert!(!ends.contains('\r'), "ends of lines");
+        prop_assert!(!source.text.contains('\r') || !ends.contains('\n'), "ends of lines");
         let again = edited(&Source::new("again", &*text), &edit).unwrap_or_else(|errors| panic!("{errors}"));
         prop_assert_eq!(again, text, "the same edit again changes nothing");
     }
@@ -342,6 +344,22 @@ fn what_is_missing_is_added_in_the_style_of_its_neighbours() {
     let shorter = edit_text(&longer, &SceneEdit { camera_keys: Some(first), ..SceneEdit::default() });
     let removed = "      Key(time: 0.0, position: (1.0, 0.0, 0.0)),\n";
     assert_eq!(shorter, longer.replacen(removed, "", 1), "its line is gone, and the other key as it was");
+}
+
+#[test]
+fn lights_of_one_name_are_edited_in_their_order() {
+    let text = "Scene(geometry: BuiltIn(\"cube\"), lights: [
+        Point(name: \"a\", position: (1, 0, 0), intensity: (1, 1, 1)), Point(position: (2, 0, 0), intensity: (1, 1, 1)),
+        Point(name: \"a\", position: (3, 0, 0), intensity: (1, 1, 1)),
+    ])";
+    let mut lights = load(text).lights;
+    lights[1].position.y = 5.0;
+    lights[2].position.y = 7.0;
+    let edit = SceneEdit { lights, ..SceneEdit::default() };
+    let expected = text.replace("(2, 0, 0)", "(2, 5.0, 0)").replace("(3, 0, 0)", "(3, 7.0, 0)");
+    assert_eq!(edit_text(text, &edit), expected, "a light without a name goes by its number");
+    let one_more = SceneEdit { lights: vec![edit.lights[0].clone(); 3], ..SceneEdit::default() };
+    assert!(refused(text, &one_more).contains("the light `a` is not in `lights`"), "the third is not there");
 }
 
 fn refused(text: &str, edit: &SceneEdit) -> String {
