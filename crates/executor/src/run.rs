@@ -13,8 +13,8 @@ use crate::step::{LoadedStep, usages as usages_of};
 use crate::timing::Timers;
 use crate::uniforms::Uniforms;
 use frame_graph::frame::FrameState;
-use frame_graph::plan::{Begins, PassId, Plan, ResourceId};
-use frame_graph::{Change, ResourceDesc};
+use frame_graph::plan::{Begins, HistoryId, PassId, Plan, ResourceId};
+use frame_graph::{Change, ResetCause, ResourceDesc};
 use pass::{LinkedStep, LinkedSteps};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -56,6 +56,11 @@ pub struct FrameReport {
     pub ran: Vec<bool>,
     /// Milliseconds on the GPU for each pass; 0 for those that did not run. Empty if the frame was not timed.
     pub times: Vec<f64>,
+    /// Milliseconds in which this thread encoded each pass; 0 for those that did not run. Empty if the frame was neither
+    /// timed nor monitored.
+    pub encoding: Vec<f64>,
+    /// The history buffers that were reset, and why.
+    pub resets: Vec<(HistoryId, ResetCause)>,
 }
 
 /// Runs plans on a device.

@@ -124,5 +124,6 @@ fn reset_code(cause: ResetCause) -> u32 {
         ResetCause::Scene => 4,
         ResetCause::Reload => 5,
         ResetCause::Moved => 6,
+        ResetCause::Setting => 7,
     }
 }

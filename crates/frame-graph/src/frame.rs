@@ -17,9 +17,11 @@ pub enum ResetCause {
     Cut,
     /// Another scene, or one that changed by more than movement.
     Scene,
-    /// A shader, a setting or a link changed of the pass that writes the history buffer, or of what feeds that pass; or
-    /// the pipeline before had no such history buffer.
+    /// A file brought another shader, setting or link of the pass that writes the history buffer, or of what feeds that
+    /// pass; or the pipeline before had no such history buffer.
     Reload,
+    /// A value was set, between frames, that the pass that writes the history buffer depends on.
+    Setting,
     /// A scene binding changed that the pass that writes the history buffer reads, other than the frame's number and
     /// time: the camera moved, or a light, or geometry.
     Moved,
@@ -27,12 +29,19 @@ pub enum ResetCause {
 
 impl ResetCause {
     /// The causes that reset a history buffer whose link has no `reset:`. [`ResetCause::Moved`] is for passes that
-    /// accumulate a still picture.
+    /// accumulate a still picture, and [`ResetCause::Setting`] for those whose old content would be wrong with another
+    /// value: anything else goes on while a slider is moved.
     pub const DEFAULT: [ResetCause; 4] =
         [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
     /// The causes that a link can name.
-    pub const NAMED: [ResetCause; 5] =
-        [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload, ResetCause::Moved];
+    pub const NAMED: [ResetCause; 6] = [
+        ResetCause::Resize,
+        ResetCause::Cut,
+        ResetCause::Scene,
+        ResetCause::Reload,
+        ResetCause::Setting,
+        ResetCause::Moved,
+    ];
 }
 
 impl fmt::Display for ResetCause {
@@ -53,6 +62,8 @@ pub struct Change {
     /// Passes whose settings, shaders or links changed. They run; and for the history buffers that they, or passes that
     /// depend on them, write, this is a [`ResetCause::Reload`].
     pub passes: Vec<PassId>,
+    /// Passes that were given other values. They run, and this is a [`ResetCause::Setting`] in the same way.
+    pub values: Vec<PassId>,
     /// Passes that are to run again for another reason.
     pub again: Vec<PassId>,
     /// Events that may reset history buffers.
@@ -67,6 +78,7 @@ impl Change {
         self.scene_bindings = self.scene_bindings.and(other.scene_bindings);
         self.resampled = self.resampled.and(other.resampled);
         self.passes.extend_from_slice(&other.passes);
+        self.values.extend_from_slice(&other.values);
         self.again.extend_from_slice(&other.again);
         self.events.extend_from_slice(&other.events);
         self.all |= other.all;
@@ -77,6 +89,7 @@ impl Change {
         self.scene_bindings = SceneBindings::NONE;
         self.resampled = SceneBindings::NONE;
         self.passes.clear();
+        self.values.clear();
         self.again.clear();
         self.events.clear();
         self.all = false;
@@ -284,6 +297,7 @@ impl FrameState {
     /// Finds why each history buffer is reset in this frame.
     fn find_resets(&mut self, plan: &Plan, change: &Change, resets: &mut Vec<Option<ResetCause>>) {
         let reloaded = reached(plan, &change.passes);
+        let set = reached(plan, &change.values);
         resets.clear();
         resets.extend(plan.histories.iter().zip(&mut self.lacking).map(|(history, lacking)| {
             let lacking = lacking.take().map(|cause| match cause {
@@ -292,10 +306,12 @@ impl FrameState {
                 cause => cause,
             });
             let producer = plan.resources[history.resource.0 as usize].producer;
-            let reload = || {
-                let reached = producer.is_some_and(|pass| reloaded.get(pass.0 as usize) == Some(&true));
-                (reached && history.reset.contains(&ResetCause::Reload)).then_some(ResetCause::Reload)
+            let changed = |reached: &[bool], cause: ResetCause| {
+                let reached = producer.is_some_and(|pass| reached.get(pass.0 as usize) == Some(&true));
+                (reached && history.reset.contains(&cause)).then_some(cause)
             };
+            let reload =
+                || changed(&reloaded, ResetCause::Reload).or_else(|| changed(&set, ResetCause::Setting));
             let event = || change.events.iter().find(|e| history.reset.contains(e)).copied();
             let moved = || {
                 let reads =
@@ -344,7 +360,7 @@ impl FrameState {
         let changed = change.scene_bindings.and(change.resampled).and(SceneBindings::FRAME);
         runs.clear();
         runs.resize(plan.passes.len(), first || change.all);
-        for pass in change.passes.iter().chain(&change.again) {
+        for pass in change.passes.iter().chain(&change.values).chain(&change.again) {
             if let Some(run) = runs.get_mut(pass.0 as usize) {
                 *run = true;
             }

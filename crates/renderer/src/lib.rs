@@ -31,12 +31,13 @@ pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, Ti
 pub use figures::PortFigures;
 pub use interfaces::progress::Progress;
 pub use provenance::{Provenance, parse_value};
-pub use reload::Reload;
+pub use reload::{Reload, reload_all};
 pub use shared::SharedScene;
 
 use executor::Executor;
 use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause, SceneBindings, Value};
 use glam::Vec2;
+use pass::LinkedSteps;
 use scene::{Camera, Light, Pose, Scene};
 use scene_upload::{Frame, SceneView};
 use std::ops::ControlFlow;
@@ -72,12 +73,35 @@ pub struct Renderer {
     index: u32,
     /// The number of the next sample, where each frame is one of a picture.
     sample: u32,
-    /// Seconds between frames; the scene's own where not set.
-    step: Option<f32>,
+    /// How numbers of frames become times.
+    clock: Clock,
     /// The changes since the last frame.
     change: Change,
     /// The pose of the scene in the last frame: its memory is used again.
     pose: Pose,
+}
+
+/// How the number of a frame becomes its time.
+#[derive(Clone, Copy, Debug, Default)]
+enum Clock {
+    /// By the frames per second of the scene.
+    #[default]
+    Scene,
+    /// By other seconds between frames.
+    Step(f32),
+    /// The time is given, whatever the number.
+    At(f32),
+}
+
+impl Clock {
+    /// The time of frame `index` and the seconds since the frame before, whose time was `before`.
+    fn time(self, scene: &Scene, index: u32, before: f32) -> (f32, f32) {
+        match self {
+            Clock::Scene => (scene.frame_time(index), scene.frame_time(1)),
+            Clock::Step(step) => (step * index as f32, step),
+            Clock::At(time) => (time, (time - before).max(0.0)),
+        }
+    }
 }
 
 /// The pipeline that runs.
@@ -143,7 +167,7 @@ impl Renderer {
             seed: 0,
             index: 0,
             sample: 0,
-            step: None,
+            clock: Clock::default(),
             change: Change::default(),
             pose: scene.scene.at(0.0),
         }
@@ -156,7 +180,7 @@ impl Renderer {
     /// Everything that is wrong with the pipeline and its shaders; limits of the adapter.
     pub fn set_pipeline(&mut self, name: &str, overrides: &Overrides) -> Result<LoadReport, RenderError> {
         let compiled = Compiled::new(&self.catalog, name, overrides, &self.link_context(), &self.options)?;
-        self.load(name.to_owned(), overrides.clone(), compiled)
+        self.load(name.to_owned(), overrides.clone(), compiled, Executor::load)
     }
 
     fn load(
@@ -164,13 +188,14 @@ impl Renderer {
         name: String,
         overrides: Overrides,
         compiled: Compiled,
+        load: fn(&mut Executor, Arc<Plan>, Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError>,
     ) -> Result<LoadReport, RenderError> {
         let scene_bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
         let uploading = tracing::info_span!(target: "phase", "scene on the GPU").entered();
         self.view.provide(&mut self.executor, &self.scene.scene, scene_bindings)?;
         drop(uploading);
         let _phase = tracing::info_span!(target: "phase", "plan on the GPU").entered();
-        let report = self.executor.load(Arc::clone(&compiled.plan), compiled.steps.clone())?;
+        let report = load(&mut self.executor, Arc::clone(&compiled.plan), compiled.steps.clone())?;
         let sampled =
             compiled.plan.passes.iter().any(|pass| pass.scene_bindings.contains(SceneBindings::SAMPLE));
         if !sampled {
@@ -208,19 +233,28 @@ impl Renderer {
 
     /// Sets the value of a parameter (`lights`) or of a pass's setting (`composite.exposure`), in addition to those
     /// that were given with the pipeline. Where it changes no size, switch or output, nothing is linked but the steps of
-    /// the passes that read it.
+    /// the passes that read it. History buffers go on, but for those whose links name `Setting`.
     ///
     /// # Errors
     /// As [`Renderer::set_pipeline`]; the value before stays then.
     pub fn set_value(&mut self, path: &str, value: Value) -> Result<LoadReport, RenderError> {
-        let loaded = self.pipeline.as_ref().ok_or(RenderError::NoPipeline)?;
-        let (name, mut overrides) = (loaded.name.clone(), loaded.overrides.clone());
+        let mut overrides = self.overrides().cloned().ok_or(RenderError::NoPipeline)?;
         overrides.0.retain(|(known, _)| known != path);
         overrides.0.push((path.to_owned(), value));
-        let context = self.link_context();
+        self.set_values(overrides)
+    }
+
+    /// Sets the values of parameters and settings, in place of all that were given before: as [`Renderer::set_value`] does
+    /// for one.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_pipeline`]; the values before stay then.
+    pub fn set_values(&mut self, overrides: Overrides) -> Result<LoadReport, RenderError> {
+        let loaded = self.pipeline.as_ref().ok_or(RenderError::NoPipeline)?;
+        let (name, context) = (loaded.name.clone(), self.link_context());
         let compiled =
             loaded.compiled.with_overrides(&self.catalog, &name, &overrides, &context, &self.options)?;
-        self.load(name, overrides, compiled)
+        self.load(name, overrides, compiled, Executor::load_values)
     }
 
     /// Replaces the scene's own lights; `None` restores them. Nothing is linked again if the number of lights of each
@@ -302,7 +336,13 @@ impl Renderer {
 
     /// Sets the seconds between frames; `None` restores the scene's own.
     pub fn set_time_step(&mut self, step: Option<f32>) {
-        self.step = step;
+        self.clock = step.map_or(Clock::Scene, Clock::Step);
+    }
+
+    /// Sets the time of the next frames \[s\], whatever their numbers: an application that has a clock of its own sets it
+    /// before each frame. `None` lets the time follow the numbers again.
+    pub fn set_time(&mut self, time: Option<f32>) {
+        self.clock = time.map_or(Clock::Scene, Clock::At);
     }
 
     /// Makes every pass run in the next frame, even if nothing has changed: for measurements.
@@ -319,7 +359,7 @@ impl Renderer {
             return Err(RenderError::NoPipeline);
         }
         let scene = &self.scene.scene;
-        let time = self.step.map_or_else(|| scene.frame_time(self.index), |step| step * self.index as f32);
+        let (time, step) = self.clock.time(scene, self.index, self.pose.time);
         scene.pose(time, &mut self.pose);
         if let Some(camera) = self.camera {
             self.pose.camera = camera;
@@ -333,7 +373,6 @@ impl Renderer {
             self.change.resampled = SceneBindings::SAMPLE;
             self.sample += 1;
         }
-        let step = self.step.unwrap_or_else(|| scene.frame_time(1));
         let frame = Frame { index: self.index, time, step, pad: 0.0 };
         self.view.update(&mut self.executor, scene, &self.pose, self.size, frame, &mut self.change)?;
         let result = self.executor.frame(&self.change, self.frame_options);
@@ -371,6 +410,11 @@ impl Renderer {
         }
     }
 
+    /// Returns the report of the last frame; empty before the first.
+    pub fn report(&self) -> &FrameReport {
+        self.executor.report()
+    }
+
     /// Returns the plan that runs.
     pub fn plan(&self) -> Option<&Arc<Plan>> {
         self.executor.plan()
@@ -384,6 +428,22 @@ impl Renderer {
     /// Returns the name by which the pipeline was set; empty before.
     pub fn pipeline_name(&self) -> &str {
         self.pipeline.as_ref().map_or("", |pipeline| &pipeline.name)
+    }
+
+    /// Returns the values that were given for parameters and settings, in the order in which they were.
+    pub fn overrides(&self) -> Option<&Overrides> {
+        self.pipeline.as_ref().map(|pipeline| &pipeline.overrides)
+    }
+
+    /// Returns whether each frame is another sample of one picture, which an output sums up.
+    pub fn accumulates(&self) -> bool {
+        self.pipeline.as_ref().is_some_and(|pipeline| pipeline.sampled)
+    }
+
+    /// Returns the state of the scene in the last frame, with the camera and the lights that replace its own; before
+    /// the first frame, that at 0 s.
+    pub fn pose(&self) -> &Pose {
+        &self.pose
     }
 
     /// Returns the scene.

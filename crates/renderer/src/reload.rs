@@ -1,6 +1,6 @@
 //! Reload between frames: files that changed are read again; if they cannot be loaded, the last good plan stays.
 
-use crate::{Compiled, LoadReport, RenderError, Renderer, load_scene};
+use crate::{Compiled, LoadReport, RenderError, Renderer, SharedScene, load_scene};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -15,9 +15,26 @@ pub enum Reload {
     Failed(RenderError),
 }
 
+/// A scene that was loaded again, for all renderers of it.
+type Fresh = Option<SharedScene>;
+
+/// Loads files again that have changed, as [`Renderer::reload`] does, in several renderers: a scene that they share is
+/// loaded once, and shared again.
+pub fn reload_all<'r>(
+    renderers: impl IntoIterator<Item = &'r mut Renderer>,
+    changed: &BTreeSet<PathBuf>,
+) -> Vec<Reload> {
+    let mut fresh = None;
+    renderers.into_iter().map(|renderer| renderer.reload_with(changed, &mut fresh)).collect()
+}
+
 impl Renderer {
     /// Loads files again that have changed, as [`shader_library::Watcher`] reports them; call it between frames.
     pub fn reload(&mut self, changed: &BTreeSet<PathBuf>) -> Reload {
+        self.reload_with(changed, &mut None)
+    }
+
+    fn reload_with(&mut self, changed: &BTreeSet<PathBuf>, fresh: &mut Fresh) -> Reload {
         let paths: BTreeSet<String> = changed.iter().filter_map(|path| self.asset_path(path)).collect();
         let places: BTreeSet<PathBuf> = changed.iter().map(|path| place(path)).collect();
         let scene_touched = self.scene().files.iter().any(|file| places.contains(&place(file)));
@@ -35,17 +52,21 @@ impl Renderer {
         }
         let (name, overrides) = (loaded.name.clone(), loaded.overrides.clone());
         let reloaded =
-            if self.scene_stale { self.reload_scene() } else { self.set_pipeline(&name, &overrides) };
+            if self.scene_stale { self.reload_scene(fresh) } else { self.set_pipeline(&name, &overrides) };
         match reloaded {
             Ok(report) => Reload::Done(report),
             Err(error) => Reload::Failed(error),
         }
     }
 
-    /// Loads the scene again by what it was loaded by.
-    fn reload_scene(&mut self) -> Result<LoadReport, RenderError> {
-        let scene = load_scene(&self.catalog, &self.scene().spec)?;
-        let report = self.set_scene(scene)?;
+    /// Loads the scene again by what it was loaded by, or takes it where another renderer has.
+    fn reload_scene(&mut self, fresh: &mut Fresh) -> Result<LoadReport, RenderError> {
+        let spec = &self.scene().spec;
+        let scene = match fresh.take().filter(|scene| scene.scene().spec == *spec) {
+            Some(scene) => scene,
+            None => SharedScene::new(self.gpu(), load_scene(&self.catalog, spec)?)?,
+        };
+        let report = self.set_shared_scene(fresh.insert(scene))?;
         self.scene_stale = false;
         Ok(report)
     }

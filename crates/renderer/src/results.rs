@@ -3,8 +3,8 @@
 use crate::{Progress, RenderError, Renderer, picture};
 use executor::Object;
 use executor::wgpu;
-use frame_graph::Name;
 use frame_graph::plan::{PlannedOutput, ResourceId};
+use frame_graph::{CompileOptions, Name};
 use metrics::Image;
 
 impl Renderer {
@@ -13,12 +13,7 @@ impl Renderer {
     /// # Errors
     /// Where there is no such output, it is no picture, or the device is gone.
     pub fn output(&self, name: &str) -> Result<Image, RenderError> {
-        let output = self.planned_output(name)?;
-        let (_, resource) = output.members.first().ok_or_else(|| RenderError::NoPicture {
-            resource: output.from.to_string(),
-            what: "an interface without resources".to_owned(),
-        })?;
-        self.read_picture(*resource, 0)
+        self.resource_picture(self.find_output(name)?, 0)
     }
 
     /// Returns a picture by name: an output of the pipeline, or any resource as [`Renderer::keep`] takes it. A resource
@@ -30,7 +25,7 @@ impl Renderer {
         if layer == 0 && self.planned_output(name).is_ok() {
             return self.output(name);
         }
-        self.read_picture(self.find(name)?, layer)
+        self.resource_picture(self.find(name)?, layer)
     }
 
     /// Keeps a resource for reading back: no other resource shares its object, and the pass that writes it is not
@@ -40,28 +35,55 @@ impl Renderer {
     /// # Errors
     /// Where there is no such resource; and as [`Renderer::set_pipeline`].
     pub fn keep(&mut self, name: &str) -> Result<(), RenderError> {
-        if self.planned_output(name).is_ok() {
+        let mut kept = self.options.keep.clone();
+        kept.extend(self.to_keep(name)?);
+        self.set_kept(kept)
+    }
+
+    /// Keeps these resources for reading back, as [`Renderer::keep`] does, and no longer what was kept before.
+    ///
+    /// # Errors
+    /// As [`Renderer::keep`]; what was kept before is kept then.
+    pub fn keep_only<'n>(&mut self, names: impl IntoIterator<Item = &'n str>) -> Result<(), RenderError> {
+        let kept: Result<Vec<Option<String>>, RenderError> =
+            names.into_iter().map(|name| self.to_keep(name)).collect();
+        let mut kept: Vec<String> = kept?.into_iter().flatten().collect();
+        kept.dedup();
+        self.set_kept(kept)
+    }
+
+    fn set_kept(&mut self, kept: Vec<String>) -> Result<(), RenderError> {
+        if kept == self.options.keep {
             return Ok(());
         }
+        self.set_compile_options(CompileOptions { keep: kept, ..self.options.clone() })
+    }
+
+    /// The full name of a resource that is to be kept; `None` for an output, which is kept in any case.
+    fn to_keep(&self, name: &str) -> Result<Option<String>, RenderError> {
+        if self.planned_output(name).is_ok() {
+            return Ok(None);
+        }
         let plan = self.plan().ok_or(RenderError::NoPipeline)?;
-        let full = match self.find(name) {
-            Ok(id) => plan.resources[id.0 as usize].name.to_string(),
+        match self.find(name) {
+            Ok(id) => Ok(Some(plan.resources[id.0 as usize].name.to_string())),
             Err(missing) => {
                 // A pass that was culled has no resources in the plan; the graph knows what it would make.
                 let pass = name.split_once('.').map_or(name, |(pass, _)| pass);
                 if plan.pass(pass).is_some() || plan.fates.iter().all(|(known, _)| known != pass) {
                     return Err(missing);
                 }
-                name.to_owned()
+                Ok(Some(name.to_owned()))
             }
-        };
-        let mut options = self.options.clone();
-        options.keep.push(full);
-        self.set_compile_options(options)
+        }
     }
 
-    /// The resource of that name: of several that fit, the first that the pass offers.
-    fn find(&self, name: &str) -> Result<ResourceId, RenderError> {
+    /// Returns the resource of that name, as [`Renderer::keep`] takes it: of several that fit, the first that the pass
+    /// offers.
+    ///
+    /// # Errors
+    /// Where there is none.
+    pub fn find(&self, name: &str) -> Result<ResourceId, RenderError> {
         let plan = self.plan().ok_or(RenderError::NoPipeline)?;
         let (pass, rest) = name.split_once('.').unwrap_or((name, ""));
         let fits = |full: &str| {
@@ -78,6 +100,18 @@ impl Renderer {
         })
     }
 
+    /// Returns the resource of an output of the pipeline: the first of its interface.
+    ///
+    /// # Errors
+    /// Where there is no such output, or it has no resource.
+    pub fn find_output(&self, name: &str) -> Result<ResourceId, RenderError> {
+        let output = self.planned_output(name)?;
+        output.members.first().map(|(_, resource)| *resource).ok_or_else(|| RenderError::NoPicture {
+            resource: output.from.to_string(),
+            what: "an interface without resources".to_owned(),
+        })
+    }
+
     /// Returns the bytes of a resource of the plan: rows and layers without padding.
     ///
     /// # Errors
@@ -86,7 +120,11 @@ impl Renderer {
         Ok(self.executor.read(id)?)
     }
 
-    fn read_picture(&self, id: ResourceId, layer: u32) -> Result<Image, RenderError> {
+    /// Returns a layer of a texture of the plan as a picture.
+    ///
+    /// # Errors
+    /// Where the resource is no texture or has no such layer, or the device is gone.
+    pub fn resource_picture(&self, id: ResourceId, layer: u32) -> Result<Image, RenderError> {
         let plan = self.plan().ok_or(RenderError::NoPipeline)?;
         let resource = &plan.resources[id.0 as usize];
         if resource.desc.texture().is_none() {

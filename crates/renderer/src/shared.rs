@@ -43,8 +43,13 @@ impl SharedScene {
         }
     }
 
+    /// Returns the device that it is on.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
     /// Returns the scene.
-    pub fn scene(&self) -> &Scene {
+    pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 }

@@ -1,8 +1,11 @@
 //! Writes camera, lights and keys back to a scene file, of which everything else stays as it is written.
 
+mod keys;
 mod patches;
 mod tree;
 mod value;
+
+pub use keys::{SceneKeys, keys_of};
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -36,7 +36,7 @@ mod shape;
 
 pub use built_in::names as built_in_names;
 pub use camera::Camera;
-pub use edit::{CameraKey, LightKey, SceneEdit, edited, save, scene_file_for};
+pub use edit::{CameraKey, LightKey, SceneEdit, SceneKeys, edited, keys_of, save, scene_file_for};
 pub use emitters::{Emitter, Emitters};
 pub use error::SceneError;
 pub use files::SceneFiles;

@@ -67,7 +67,7 @@ impl Pass for ParaboloidShadowMaps {
                     "past",
                     "Visibility",
                     "The maps of the frame before, which are kept where a light stays: `Prev` of the output `visibility`, \
-                     reset by `Scene`, `Reload` and `Moved`.",
+                     reset by `Scene`, `Reload`, `Setting` and `Moved`.",
                 ),
                 pass::optional(
                     "rendered",

@@ -11,3 +11,5 @@ pub(crate) mod render;
 pub(crate) mod rerun;
 pub(crate) mod resolve;
 pub(crate) mod study;
+#[cfg(feature = "window")]
+pub(crate) mod view;

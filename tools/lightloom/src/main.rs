@@ -32,6 +32,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Open a window: fly through a scene, edit shaders and pipelines while they run, compare, look inside
+    #[cfg(feature = "window")]
+    View(command::view::Args),
     /// Render a scene by a pipeline into a picture, or a sequence of them
     Render(command::render::Args),
     /// Check pipelines, their shaders, scenes and studies, without a GPU
@@ -90,6 +93,8 @@ fn main() -> ExitCode {
     record(timed.then(|| phases.clone()));
     let context = context::Context::new(cli.root, cli.json, phases);
     let done = match &cli.command {
+        #[cfg(feature = "window")]
+        Command::View(args) => command::view::run(&context, args),
         Command::Render(args) => command::render::run(&context, args),
         Command::Check(args) => command::check::run(&context, args),
         Command::Graph(args) => command::graph::run(&context, args),

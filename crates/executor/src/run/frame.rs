@@ -8,7 +8,8 @@ use crate::gpu::Gpu;
 use crate::step::{Dispatch, LoadedStep, OpenPass, StepContext};
 use crate::timing::{Timers, TimingTarget, Timings};
 use frame_graph::Change;
-use frame_graph::plan::{Begins, Plan, PlannedPass};
+use frame_graph::plan::{Begins, HistoryId, Plan, PlannedPass};
+use std::time::Instant;
 
 impl Executor {
     /// Runs a frame: encodes what `change` and pending earlier changes require, and submits it. A frame that
@@ -41,9 +42,13 @@ impl Executor {
         report.frame = *frames;
         *frames += 1;
         report.ran.clone_from(&schedule.runs);
+        let resets = schedule.histories.iter().enumerate();
+        let resets = resets.filter_map(|(h, slot)| Some((HistoryId(h as u32), slot.reset?)));
+        report.resets.clear();
+        report.resets.extend(resets);
         report.times.clear();
-        let ends_past = schedule.histories.iter().any(|slot| slot.reset.is_some());
-        if target.is_none() && !ends_past && schedule.runs.iter().all(|runs| !runs) {
+        report.encoding.clear();
+        if target.is_none() && report.resets.is_empty() && schedule.runs.iter().all(|runs| !runs) {
             // Pending writes to buffers must reach the GPU even so: otherwise they would accumulate.
             gpu.submit(None);
             return match gpu.take_fault() {
@@ -72,13 +77,20 @@ impl Executor {
             timers.start(&mut frame.encoder);
         }
         let passes = steps.iter_mut().zip(prepares.iter()).enumerate();
+        if target.is_some() {
+            report.encoding.resize(plan.passes.len(), 0.0);
+        }
         for (index, (steps, prepares)) in passes.filter(|(index, _)| schedule.runs[*index]) {
+            let begun = target.map(|_| Instant::now());
             // A resource whose pass has no steps is written by the application before the frame.
             let poison = frame.poison.filter(|_| !steps.is_empty());
             if *prepares || poison.is_some() {
                 frame.prepare(&plan.passes[index], poison);
             }
             frame.encode(index, steps);
+            if let Some(begun) = begun {
+                report.encoding[index] = begun.elapsed().as_secs_f64() * 1e3;
+            }
         }
         // A compute pass is ended by dropping it, before its encoder is finished.
         frame.open = None;

@@ -47,6 +47,34 @@ impl Executor {
     /// before are created again; if that fails too, no plan is loaded any more
     /// ([`ExecutorError::NothingLeft`]).
     pub fn load(&mut self, plan: Arc<Plan>, steps: Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError> {
+        let (report, reloaded) = self.exchange_plan(plan, steps)?;
+        self.pending.passes.extend(reloaded);
+        Ok(report)
+    }
+
+    /// Loads a plan that differs by values that were set between frames: as [`Executor::load`], but for history buffers this
+    /// is a [`ResetCause::Setting`].
+    ///
+    /// # Errors
+    /// As [`Executor::load`].
+    ///
+    /// [`ResetCause::Setting`]: frame_graph::ResetCause::Setting
+    pub fn load_values(
+        &mut self,
+        plan: Arc<Plan>,
+        steps: Vec<LinkedSteps>,
+    ) -> Result<LoadReport, ExecutorError> {
+        let (report, reloaded) = self.exchange_plan(plan, steps)?;
+        self.pending.values.extend(reloaded);
+        Ok(report)
+    }
+
+    /// Loads a plan; also returns the passes whose settings, shaders or links changed.
+    fn exchange_plan(
+        &mut self,
+        plan: Arc<Plan>,
+        steps: Vec<LinkedSteps>,
+    ) -> Result<(LoadReport, Vec<PassId>), ExecutorError> {
         self.check_features(&plan, &steps)?;
         self.check_sizes(&plan, &steps)?;
         let usages = allocation_usages(&plan, steps.iter().flatten().map(|step| &**step));
@@ -70,13 +98,12 @@ impl Executor {
                 self.exchange(plan, steps, &usages, succession.as_ref())?;
             }
         }
-        self.pending.passes.extend(differs.reloaded);
         self.pending.again.extend(&differs.changed);
         report.changed = differs.changed;
         let loaded = self.loaded.iter().flat_map(|loaded| loaded.steps.iter().flatten());
         let used: HashSet<u128> = loaded.map(LoadedStep::shader_hash).collect();
         self.pipelines.trim(&used);
-        Ok(report)
+        Ok((report, differs.reloaded))
     }
 
     /// Checks objects, and what steps bind of buffers, against the limits of the adapter.

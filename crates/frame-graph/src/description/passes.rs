@@ -42,14 +42,16 @@ impl Grammar<'_, '_> {
             None => ResetCause::DEFAULT.to_vec(),
             Some(node) => {
                 let mut causes = Vec::new();
-                for item in self.list(node, "a list of `Resize`, `Cut`, `Scene`, `Reload` and `Moved`") {
+                for item in
+                    self.list(node, "a list of `Resize`, `Cut`, `Scene`, `Reload`, `Setting` and `Moved`")
+                {
                     let cause = ResetCause::NAMED
                         .into_iter()
                         .find(|cause| item.form == Form::Word(cause.to_string()));
                     match cause {
                         Some(cause) if !causes.contains(&cause) => causes.push(cause),
                         Some(_) => {}
-                        None => self.wrong(item, "`Resize`, `Cut`, `Scene`, `Reload` or `Moved`"),
+                        None => self.wrong(item, "`Resize`, `Cut`, `Scene`, `Reload`, `Setting` or `Moved`"),
                     }
                 }
                 causes.sort_unstable();

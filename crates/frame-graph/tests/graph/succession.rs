@@ -87,6 +87,18 @@ fn a_value_ends_only_the_pasts_that_follow_from_it() {
         state.begin(&base, &Change { again: told("lights").passes, ..Change::default() }).histories[0].reset,
         None
     );
+    // A value that is set between frames ends only what says so.
+    let set = |pass: &str| Change { values: told(pass).passes, ..Change::default() };
+    let schedule = state.begin(&base, &set("lights"));
+    assert_eq!(schedule.histories[0].reset, None);
+    assert!(schedule.runs[base.pass("lights").unwrap().0 as usize]);
+    let asks = LOOP.replace("reset: [Reload]", "reset: [Setting]");
+    let asks = plan_of(&asks, &[], (64, 64), &CompileOptions::default());
+    let mut state = FrameState::new(&asks);
+    state.begin(&asks, &Change::default());
+    assert_eq!(state.begin(&asks, &told("lights")).histories[0].reset, None);
+    assert_eq!(state.begin(&asks, &set("image")).histories[0].reset, None);
+    assert_eq!(state.begin(&asks, &set("lights")).histories[0].reset, Some(ResetCause::Setting));
 }
 
 /// A frame of another size ends what is sized by it, with the cause that is true; the rest goes on, unless it asks

@@ -457,3 +457,20 @@ fn a_bare_gltf_file_gets_a_scene_file() {
     assert!(near(read.camera.vertical_fov, camera.vertical_fov), "{text}");
     assert_eq!(Camera { vertical_fov: camera.vertical_fov, ..read.camera }, camera, "{text}");
 }
+
+#[test]
+fn keys_are_those_that_were_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ron");
+    std::fs::write(&path, "Scene(geometry: BuiltIn(\"cube\"))").unwrap();
+    assert_eq!(scene::keys_of(&path).unwrap(), scene::SceneKeys::default());
+    let key = |time: f32| CameraKey {
+        time,
+        position: Some(Vec3::new(time, 1.0, 2.0)),
+        target: (time > 0.5).then_some(Vec3::ZERO),
+    };
+    let edit = SceneEdit { camera_keys: Some(vec![key(0.0), key(1.5)]), ..SceneEdit::default() };
+    scene::save(&path, &edit).unwrap();
+    assert_eq!(scene::keys_of(&path).unwrap().camera, [key(0.0), key(1.5)]);
+    assert!(scene::keys_of(&folder.path().join("none.ron")).is_err());
+}

@@ -1,0 +1,48 @@
+//! `lightloom view`: the window.
+
+use crate::context::{Context, overrides};
+use anyhow::Result;
+use frame_graph::resolve::Files as _;
+use std::path::PathBuf;
+
+/// Open a window.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  lightloom view
+  lightloom view ism-invtm atrium
+  lightloom view my.ron model.glb --set lights=256
+
+F1 shows the keys. Files of the pipeline, its shaders and the scene are read again whenever they are saved.")]
+pub(crate) struct Args {
+    /// A pipeline by name, or a .ron file [default: that of the last time]
+    pipeline: Option<String>,
+    /// A scene by name, or a .ron, .glb or .gltf file [default: that of the last time]
+    scene: Option<String>,
+    /// A value for a parameter or a pass's setting; any number of times
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// File in which the state of the window is kept [default: in the user's data folder]
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    // A name that no file has is told here; what is wrong inside a file is told in the window, and waited for.
+    if let Some(pipeline) = &args.pipeline
+        && context.catalog.pipelines().read(pipeline).is_none()
+    {
+        frame_graph::resolve(pipeline, context.catalog.pipelines(), &overrides(&args.set)?)?;
+    }
+    viewer::run(viewer::Options {
+        catalog: context.catalog.clone(),
+        pipeline: args.pipeline.clone(),
+        scene: args.scene.clone(),
+        overrides: overrides(&args.set)?,
+        seed: args.seed,
+        state: args.state.clone(),
+    })?;
+    Ok(())
+}

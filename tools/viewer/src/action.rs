@@ -1,0 +1,218 @@
+//! What the user can do: the one table from which keys, palette and help are made.
+
+use eframe::egui::{Key, KeyboardShortcut, Modifiers};
+
+/// How two pictures are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(crate) enum View {
+    /// Side A alone.
+    #[default]
+    One,
+    /// A beside B.
+    Beside,
+    /// A on the left of a line that can be dragged, B on the right.
+    Split,
+    /// A or B, changed by a key.
+    Flicker,
+    /// The absolute difference.
+    Difference,
+    /// ꟻLIP's map of errors.
+    Flip,
+}
+
+impl View {
+    /// All of them, in the order of the interface.
+    pub(crate) const ALL: [View; 6] =
+        [View::One, View::Beside, View::Split, View::Flicker, View::Difference, View::Flip];
+
+    /// Returns the name in the interface.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            View::One => "one",
+            View::Beside => "side by side",
+            View::Split => "split",
+            View::Flicker => "flicker",
+            View::Difference => "difference",
+            View::Flip => "ꟻLIP",
+        }
+    }
+}
+
+/// The panels on the right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Tab {
+    /// Times of passes.
+    #[default]
+    Time,
+    /// The graph of passes.
+    Graph,
+    /// The content of a resource.
+    Look,
+    /// Camera, lights and keys.
+    Scene,
+    /// Comparison and reference.
+    Compare,
+    /// Files to write.
+    Write,
+    /// What happened.
+    Log,
+}
+
+impl Tab {
+    /// All of them, in the order of the interface.
+    pub(crate) const ALL: [Tab; 7] =
+        [Tab::Time, Tab::Graph, Tab::Look, Tab::Scene, Tab::Compare, Tab::Write, Tab::Log];
+
+    /// Returns the name in the interface.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Tab::Time => "Time",
+            Tab::Graph => "Graph",
+            Tab::Look => "Look",
+            Tab::Scene => "Scene",
+            Tab::Compare => "Compare",
+            Tab::Write => "Write",
+            Tab::Log => "Log",
+        }
+    }
+}
+
+/// Something that the user can do by a key or in the palette.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Action {
+    /// Shows the keys.
+    Help,
+    /// Opens the palette.
+    Palette,
+    /// Exchanges A and B.
+    Swap,
+    /// Shows the other of A and B.
+    Flick,
+    /// Shows pictures in this way.
+    Show(View),
+    /// Opens a panel.
+    Open(Tab),
+    /// Shows or hides the settings.
+    Settings,
+    /// Shows or hides all panels.
+    Bare,
+    /// Starts or stops the animation.
+    Play,
+    /// Goes to the start of the animation.
+    Rewind,
+    /// Gives the camera back to the scene.
+    SceneCamera,
+    /// Gives the lights back to the scene.
+    SceneLights,
+    /// Records a key of the camera at the time shown.
+    Key,
+    /// Writes camera, lights and keys into the scene's file.
+    SaveScene,
+    /// Writes a variant of the pipeline.
+    SaveVariant,
+    /// Writes the picture of side A.
+    Screenshot,
+    /// Shows or hides the virtual lights.
+    VirtualLights,
+    /// Shows or hides the handles of lights.
+    Handles,
+    /// Starts or ends the reference.
+    Reference,
+    /// Light or dark.
+    Theme,
+    /// Ends the program.
+    Quit,
+}
+
+/// What an action is called, in one line, and its key.
+pub(crate) struct Entry {
+    /// The action.
+    pub(crate) action: Action,
+    /// What it does.
+    pub(crate) about: &'static str,
+    /// Its key, if it has one.
+    pub(crate) key: Option<KeyboardShortcut>,
+}
+
+const fn plain(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::NONE, key))
+}
+
+const fn ctrl(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::COMMAND, key))
+}
+
+/// Returns all actions, in the order of the help.
+pub(crate) fn table() -> Vec<Entry> {
+    use Action as A;
+    let entry = |action, about, key| Entry { action, about, key };
+    vec![
+        entry(A::Help, "Show or hide the keys", plain(Key::F1)),
+        entry(A::Palette, "Palette: any command, pipeline, scene or pass", ctrl(Key::P)),
+        entry(A::Settings, "Show or hide the settings", plain(Key::F2)),
+        entry(A::Bare, "Show the picture alone", plain(Key::F11)),
+        entry(A::Swap, "Exchange pipelines A and B", plain(Key::X)),
+        entry(A::Flick, "Flicker between A and B", plain(Key::Space)),
+        entry(A::Show(View::One), "Show A alone", plain(Key::Num1)),
+        entry(A::Show(View::Beside), "Show A beside B", plain(Key::Num2)),
+        entry(A::Show(View::Split), "Split the picture between A and B", plain(Key::Num3)),
+        entry(A::Show(View::Flicker), "Show A or B in the same place", plain(Key::Num4)),
+        entry(A::Show(View::Difference), "Show the difference", plain(Key::Num5)),
+        entry(A::Show(View::Flip), "Show ꟻLIP's map of errors", plain(Key::Num6)),
+        entry(A::Reference, "Start or end the path-traced reference", plain(Key::R)),
+        entry(A::Play, "Play or stop the animation", plain(Key::P)),
+        entry(A::Rewind, "Go to the start of the animation", plain(Key::Home)),
+        entry(A::Key, "Record a key of the camera at the time shown", plain(Key::K)),
+        entry(A::SceneCamera, "Give the camera back to the scene", plain(Key::C)),
+        entry(A::SceneLights, "Give the lights back to the scene", plain(Key::B)),
+        entry(A::Handles, "Show or hide the handles of lights", plain(Key::H)),
+        entry(A::VirtualLights, "Show or hide the virtual lights", plain(Key::V)),
+        entry(A::Open(Tab::Time), "Open the times of passes", plain(Key::F3)),
+        entry(A::Open(Tab::Graph), "Open the graph", plain(Key::F4)),
+        entry(A::Open(Tab::Look), "Open what a resource holds", plain(Key::F5)),
+        entry(A::Open(Tab::Scene), "Open camera, lights and keys", plain(Key::F6)),
+        entry(A::Open(Tab::Compare), "Open the comparison", plain(Key::F7)),
+        entry(A::Open(Tab::Write), "Open what can be written", plain(Key::F8)),
+        entry(A::Open(Tab::Log), "Open the log", plain(Key::F9)),
+        entry(A::Screenshot, "Write the picture", plain(Key::F12)),
+        entry(A::SaveVariant, "Save the settings as a variant", ctrl(Key::S)),
+        entry(A::SaveScene, "Save camera, lights and keys into the scene's file", ctrl(Key::E)),
+        entry(A::Theme, "Light or dark", ctrl(Key::T)),
+        entry(A::Quit, "Quit", ctrl(Key::Q)),
+    ]
+}
+
+/// What the mouse and keys do in the picture, for the help.
+pub(crate) const IN_THE_PICTURE: [(&str, &str); 8] = [
+    ("W A S D, Q E", "Fly; with Shift faster, with Alt slower"),
+    ("Right drag", "Look around"),
+    ("Left drag", "Orbit around what lies in the middle"),
+    ("Middle drag", "Shift sideways"),
+    ("Wheel", "Go nearer or farther"),
+    ("Double click", "Go to a point of the scene"),
+    ("Drag a light", "Move it across the view; its arrow turns it"),
+    ("Drag the line", "Move the split"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_key_stands_for_two_actions() {
+        let all = table();
+        for (i, a) in all.iter().enumerate() {
+            for b in &all[i + 1..] {
+                assert!(a.key.is_none() || a.key != b.key, "{} and {}", a.about, b.about);
+                assert!(a.action != b.action, "{} is there twice", a.about);
+            }
+        }
+    }
+
+    #[test]
+    fn every_view_and_tab_has_an_action() {
+        let all = table();
+        assert!(View::ALL.iter().all(|view| all.iter().any(|entry| entry.action == Action::Show(*view))));
+        assert!(Tab::ALL.iter().all(|tab| all.iter().any(|entry| entry.action == Action::Open(*tab))));
+    }
+}

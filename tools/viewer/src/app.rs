@@ -1,0 +1,393 @@
+//! The application: what the window shows, and what becomes of input.
+
+use crate::action::{Action, Tab, View, table};
+use crate::engine::{Command, Engine, Look, Measures, Published, SideId, Start};
+use crate::palette::Palette;
+use crate::panel;
+use crate::panel::look::Inspector;
+use crate::panel::settings::Controls;
+use crate::pilot::Pilot;
+use crate::textures::Textures;
+use crate::viewport;
+use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
+use frame_graph::Overrides;
+use renderer::Catalog;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What comes back at the next start.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Remembered {
+    /// The pipeline of side A.
+    pub(crate) pipeline: String,
+    /// That of side B; empty where there was none.
+    pub(crate) other: String,
+    /// The scene.
+    pub(crate) scene: String,
+    /// How pictures are shown.
+    pub(crate) view: View,
+    /// The open panel.
+    pub(crate) tab: Tab,
+    /// Whether the settings are open.
+    pub(crate) settings: bool,
+    /// Whether the panels on the right are open.
+    pub(crate) panels: bool,
+    /// Pixels of a frame per pixel of the screen, in each direction; 0 where the adapter decides.
+    pub(crate) resolution: f32,
+    /// Where the split is, as a share of the width.
+    pub(crate) split: f32,
+    /// Factor of differences.
+    pub(crate) gain: f32,
+    /// Whether errors are computed.
+    pub(crate) errors: bool,
+    /// Whether handles of lights are drawn.
+    pub(crate) handles: bool,
+    /// Whether the theme is dark; `None` as the system has it.
+    pub(crate) dark: Option<bool>,
+    /// The camera, where the user moved it, in the scene named above: position, target, up \[m\], field of view \[rad\],
+    /// near plane \[m\].
+    pub(crate) camera: Option<RememberedCamera>,
+}
+
+/// A camera, as it is remembered.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct RememberedCamera {
+    position: [f32; 3],
+    target: [f32; 3],
+    up: [f32; 3],
+    vertical_fov: f32,
+    near: f32,
+}
+
+impl From<scene::Camera> for RememberedCamera {
+    fn from(camera: scene::Camera) -> RememberedCamera {
+        let scene::Camera { position, target, up, vertical_fov, near } = camera;
+        RememberedCamera {
+            position: position.into(),
+            target: target.into(),
+            up: up.into(),
+            vertical_fov,
+            near,
+        }
+    }
+}
+
+impl From<RememberedCamera> for scene::Camera {
+    fn from(camera: RememberedCamera) -> scene::Camera {
+        let RememberedCamera { position, target, up, vertical_fov, near } = camera;
+        scene::Camera { position: position.into(), target: target.into(), up: up.into(), vertical_fov, near }
+    }
+}
+
+impl Default for Remembered {
+    fn default() -> Remembered {
+        Remembered {
+            pipeline: "ism-invtm".to_owned(),
+            other: String::new(),
+            scene: "cornell-box".to_owned(),
+            view: View::One,
+            tab: Tab::Time,
+            settings: true,
+            panels: true,
+            resolution: 0.0,
+            split: 0.5,
+            gain: 4.0,
+            errors: true,
+            handles: true,
+            dark: None,
+            camera: None,
+        }
+    }
+}
+
+/// The key under which it is stored.
+const STORED: &str = "lightloom";
+
+impl Remembered {
+    /// Reads what was stored; the defaults where nothing was, or where it cannot be read.
+    pub(crate) fn load(storage: Option<&dyn eframe::Storage>) -> Remembered {
+        let text = storage.and_then(|storage| storage.get_string(STORED));
+        text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
+    }
+
+    fn save(&self, storage: &mut dyn eframe::Storage) {
+        // Plain data always has a form in JSON.
+        storage.set_string(STORED, serde_json::to_string(self).unwrap_or_default());
+    }
+}
+
+/// The application.
+pub(crate) struct App {
+    pub(crate) engine: Engine,
+    pub(crate) catalog: Arc<Catalog>,
+    pub(crate) remembered: Remembered,
+    /// What the engine had published when this frame of the interface began.
+    pub(crate) now: Published,
+    pub(crate) textures: Textures,
+    pub(crate) pilot: Pilot,
+    pub(crate) controls: Controls,
+    pub(crate) inspector: Inspector,
+    pub(crate) palette: Option<Palette>,
+    pub(crate) help: bool,
+    pub(crate) bare: bool,
+    pub(crate) virtual_lights: bool,
+    /// Whether passes are timed.
+    pub(crate) timing: bool,
+    /// Whether the reference is wanted.
+    pub(crate) reference: bool,
+    /// Whether B is shown where the view flickers.
+    pub(crate) flicked: bool,
+    pub(crate) graph: panel::graph::Graph,
+    pub(crate) scene_panel: panel::scene::ScenePanel,
+    pub(crate) writing: panel::write::Writing,
+    /// A file that is to be named: what is saved, and the name so far.
+    pub(crate) saving: Option<panel::save::Saving>,
+    /// Milliseconds that the interface took, averaged.
+    pub(crate) interface_ms: f32,
+    /// Pipelines and scenes there are, with a line about each.
+    pub(crate) library: panel::library::Library,
+    measures: Option<Measures>,
+    look: Option<Look>,
+    /// Frames of the interface.
+    pub(crate) drawn: u64,
+}
+
+impl App {
+    /// Starts the engine and shows what it publishes.
+    pub(crate) fn new(context: &Context, start: Start, remembered: Remembered) -> App {
+        let repaint = context.clone();
+        let catalog = Arc::clone(&start.catalog);
+        let library = panel::library::Library::load(Arc::clone(&catalog), context.clone());
+        let mut remembered = remembered;
+        // What was remembered belongs to another scene, or to a pair that is not asked for.
+        let same_scene = remembered.scene == start.scene;
+        let camera = remembered.camera.filter(|_| same_scene);
+        remembered.scene.clone_from(&start.scene);
+        remembered.pipeline.clone_from(&start.pipeline);
+        let other = remembered.other.clone();
+        let engine = Engine::start(start, move || repaint.request_repaint());
+        if !other.is_empty() {
+            engine.send(Command::Pipeline(SideId::B, other, Overrides::default()));
+        }
+        let mut pilot = Pilot::default();
+        if let Some(camera) = camera {
+            pilot.take(&engine, camera.into(), true);
+        }
+        App {
+            engine,
+            catalog,
+            now: Published::default(),
+            textures: Textures::default(),
+            pilot,
+            controls: Controls::default(),
+            inspector: Inspector::default(),
+            palette: None,
+            help: false,
+            bare: false,
+            virtual_lights: false,
+            timing: true,
+            reference: false,
+            flicked: false,
+            graph: panel::graph::Graph::default(),
+            scene_panel: panel::scene::ScenePanel::default(),
+            writing: panel::write::Writing::default(),
+            saving: None,
+            interface_ms: 0.0,
+            library,
+            measures: None,
+            look: None,
+            drawn: 0,
+            remembered,
+        }
+    }
+
+    /// Draws one frame of the interface.
+    pub(crate) fn show(&mut self, ui: &mut Ui) {
+        let begun = Instant::now();
+        self.drawn += 1;
+        self.now = self.engine.published().clone();
+        if let Some(dark) = self.remembered.dark {
+            ui.ctx().set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
+        }
+        self.take_shortcuts(ui.ctx());
+        if !self.bare {
+            Panel::top("bar").show(ui, |ui| panel::bar::show(self, ui));
+            Panel::bottom("status").show(ui, |ui| panel::status::show(self, ui));
+            if self.remembered.settings {
+                let panel = Panel::left("settings").default_size(290.0).size_range(180.0..=600.0);
+                panel.show(ui, |ui| panel::settings::show(self, ui));
+            }
+            if self.remembered.panels {
+                let panel = Panel::right("panels").default_size(400.0).size_range(220.0..=1400.0);
+                panel.show(ui, |ui| panel::show(self, ui));
+            }
+        }
+        let frame = egui::Frame::central_panel(ui.style()).inner_margin(0.0);
+        CentralPanel::default().frame(frame).show(ui, |ui| viewport::show(self, ui));
+        let context = ui.ctx().clone();
+        panel::help::show(self, &context);
+        crate::palette::show(self, &context);
+        panel::save::show(self, &context);
+        self.tell_engine();
+        let ms = begun.elapsed().as_secs_f32() * 1e3;
+        self.interface_ms += (ms - self.interface_ms) * 0.1;
+    }
+
+    /// Tells the engine what the interface wants to know, where it differs from before.
+    fn tell_engine(&mut self) {
+        let comparing = self.now.sides.len() > 1;
+        let measures = Measures {
+            errors: comparing && self.remembered.errors,
+            map: match self.remembered.view {
+                View::Difference if comparing => Some(crate::engine::Map::Difference),
+                View::Flip if comparing => Some(crate::engine::Map::Flip),
+                _ => None,
+            },
+            gain: self.remembered.gain,
+        };
+        if self.measures != Some(measures) {
+            self.measures = Some(measures);
+            self.engine.send(Command::Measure(measures));
+        }
+        let open = self.remembered.panels && !self.bare && self.remembered.tab == Tab::Look;
+        let look = self.inspector.wanted(&self.now).filter(|_| open || self.inspector.over_picture);
+        if self.look != look {
+            self.look.clone_from(&look);
+            self.engine.send(Command::Look(look));
+        }
+    }
+
+    fn take_shortcuts(&mut self, context: &Context) {
+        // A widget that has the focus is told of plain keys first.
+        let typing = context.memory(|memory| memory.focused().is_some()) || self.palette.is_some();
+        let entries = table();
+        let taken: Vec<Action> = context.input_mut(|input| {
+            let takes = |entry: &&crate::action::Entry| {
+                let Some(key) = entry.key else { return false };
+                let function = key.logical_key.name().starts_with('F') && key.logical_key.name().len() > 1;
+                let free = key.modifiers.command || function || !typing;
+                free && input.consume_shortcut(&key)
+            };
+            entries.iter().filter(takes).map(|entry| entry.action).collect()
+        });
+        for action in taken {
+            self.act(action, context);
+        }
+    }
+
+    /// Does what an action says.
+    pub(crate) fn act(&mut self, action: Action, context: &Context) {
+        match action {
+            Action::Help => self.help = !self.help,
+            Action::Palette => {
+                self.palette = match self.palette {
+                    Some(_) => None,
+                    None => Some(Palette::default()),
+                }
+            }
+            Action::Swap => self.swap(),
+            Action::Flick => {
+                self.remembered.view = View::Flicker;
+                self.flicked = !self.flicked;
+            }
+            Action::Show(view) => self.remembered.view = view,
+            Action::Open(tab) => {
+                let open = self.remembered.panels && self.remembered.tab == tab && !self.bare;
+                self.remembered.panels = !open;
+                self.remembered.tab = tab;
+                self.bare = false;
+            }
+            Action::Settings => self.remembered.settings = !self.remembered.settings,
+            Action::Bare => self.bare = !self.bare,
+            Action::Play => self.engine.send(Command::Play(!self.now.playing)),
+            Action::Rewind => self.engine.send(Command::Time(0.0)),
+            Action::SceneCamera => {
+                self.pilot.release(&self.engine);
+                self.remembered.camera = None;
+            }
+            Action::SceneLights => {
+                self.pilot.lights = None;
+                self.engine.send(Command::Lights(None));
+            }
+            Action::Key => self.scene_panel.record(&self.now),
+            Action::SaveScene => self.saving = panel::save::Saving::scene(self),
+            Action::SaveVariant => self.saving = panel::save::Saving::variant(self),
+            Action::Screenshot => self.screenshot(),
+            Action::VirtualLights => {
+                self.virtual_lights = !self.virtual_lights;
+                self.engine.send(Command::VirtualLights(self.virtual_lights));
+            }
+            Action::Handles => self.remembered.handles = !self.remembered.handles,
+            Action::Reference => {
+                self.reference = !self.reference;
+                let command = match self.reference {
+                    true => {
+                        Command::Pipeline(SideId::Reference, "reference".to_owned(), Overrides::default())
+                    }
+                    false => Command::Close(SideId::Reference),
+                };
+                self.engine.send(command);
+            }
+            Action::Theme => {
+                self.remembered.dark = Some(!context.theme().default_visuals().dark_mode);
+            }
+            Action::Quit => context.send_viewport_cmd(egui::ViewportCommand::Close),
+        }
+    }
+
+    /// Renders by another pipeline.
+    pub(crate) fn open_pipeline(&mut self, side: SideId, name: &str) {
+        match side {
+            SideId::A => name.clone_into(&mut self.remembered.pipeline),
+            SideId::B => name.clone_into(&mut self.remembered.other),
+            SideId::Reference => {}
+        }
+        self.controls.forget(side);
+        self.engine.send(Command::Pipeline(side, name.to_owned(), Overrides::default()));
+    }
+
+    /// Ends the comparison.
+    pub(crate) fn close_other(&mut self) {
+        self.remembered.other.clear();
+        self.remembered.view = View::One;
+        self.engine.send(Command::Close(SideId::B));
+    }
+
+    /// Shows another scene.
+    pub(crate) fn open_scene(&mut self, name: &str) {
+        name.clone_into(&mut self.remembered.scene);
+        self.pilot = Pilot::default();
+        self.remembered.camera = None;
+        self.scene_panel = panel::scene::ScenePanel::default();
+        self.engine.send(Command::Scene(name.to_owned()));
+    }
+
+    fn swap(&mut self) {
+        let both = (self.now.side(SideId::A).cloned(), self.now.side(SideId::B).cloned());
+        let (Some(a), Some(b)) = both else { return };
+        self.remembered.pipeline.clone_from(&b.name);
+        self.remembered.other.clone_from(&a.name);
+        self.engine.send(Command::Pipeline(SideId::A, b.name, b.overrides));
+        self.engine.send(Command::Pipeline(SideId::B, a.name, a.overrides));
+    }
+
+    fn screenshot(&mut self) {
+        let path = self.writing.next_screenshot(&self.now);
+        let job =
+            crate::engine::Job::Picture { side: SideId::A, output: "display".to_owned(), layer: 0, path };
+        self.engine.send(Command::Job(job));
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        self.show(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.remembered.camera = self.pilot.camera().map(RememberedCamera::from);
+        self.remembered.save(storage);
+    }
+}

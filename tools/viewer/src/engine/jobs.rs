@@ -1,0 +1,180 @@
+//! What is written into files or sent elsewhere, on the engine's thread.
+
+use super::model::SideId;
+use super::side::Side;
+use anyhow::{Context as _, Result, bail};
+use metrics::{Display, FileFormat, Image};
+use renderer::Provenance;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
+
+/// Something to write or to send.
+#[derive(Clone, Debug)]
+pub(crate) enum Job {
+    /// A resource or output into a picture file: .png, .exr or .pfm.
+    Picture {
+        /// Whose.
+        side: SideId,
+        /// An output of the pipeline, or any resource.
+        output: String,
+        /// Layer of an array.
+        layer: u32,
+        /// The file.
+        path: PathBuf,
+    },
+    /// Frames of the animation from its start, one file each (a name with `####`), or a video (.mp4, .webm, .mkv) by ffmpeg.
+    Sequence {
+        /// Whose.
+        side: SideId,
+        /// The pattern of names, or the video.
+        path: PathBuf,
+        /// How many.
+        frames: u32,
+    },
+}
+
+impl Job {
+    /// Returns whose pictures it takes.
+    pub(super) fn side(&self) -> SideId {
+        match self {
+            Job::Picture { side, .. } | Job::Sequence { side, .. } => *side,
+        }
+    }
+
+    /// Says what it does.
+    pub(super) fn describe(&self) -> String {
+        match self {
+            Job::Picture { path, .. } | Job::Sequence { path, .. } => format!("Writing {}", path.display()),
+        }
+    }
+}
+
+/// Does a job; returns a line for the user. `stage` is told how far it is.
+pub(super) fn run(job: &Job, side: &mut Side, mut stage: impl FnMut(String)) -> Result<String> {
+    match job {
+        Job::Picture { output, layer, path, .. } => {
+            let picture = side.renderer.picture(output, *layer)?;
+            write(side, &picture, (output, *layer), path)?;
+            Ok(format!("wrote {}", shown(path)))
+        }
+        Job::Sequence { path, frames, .. } => {
+            let told = |frame: u32| format!("Writing {}: frame {frame} of {frames}", path.display());
+            if is_video(path) {
+                video(side, path, *frames, |frame| stage(told(frame)))
+            } else {
+                sequence(side, path, *frames, |frame| stage(told(frame)))
+            }
+        }
+    }
+}
+
+fn is_video(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ["mp4", "webm", "mkv"].iter().any(|video| ending == *video))
+}
+
+fn shown(path: &Path) -> String {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned()).display().to_string()
+}
+
+fn write(side: &Side, picture: &Image, shown: (&str, u32), path: &Path) -> Result<()> {
+    if FileFormat::of(path).is_none() {
+        bail!("{}: expected a name that ends in .png, .exr or .pfm", path.display());
+    }
+    folder_of(path)?;
+    let display = if shown.0 == "display" { Display::AS_IS } else { Display::default() };
+    let record = Provenance::new(&side.renderer, &side.renderer.scene().spec, shown, 0);
+    picture.write(path, display, Some(&record.to_json()))?;
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> Result<()> {
+    match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        Some(folder) => std::fs::create_dir_all(folder)
+            .with_context(|| format!("the folder {} cannot be made", folder.display())),
+        None => Ok(()),
+    }
+}
+
+/// Runs the animation from its start and hands each frame's picture on. Histories go on, as in a window that plays.
+fn play(
+    side: &mut Side,
+    frames: u32,
+    mut told: impl FnMut(u32),
+    mut take: impl FnMut(&Side, u32, &Image) -> Result<()>,
+) -> Result<()> {
+    let rate = side.renderer.scene().frames_per_second;
+    for frame in 0..frames {
+        told(frame + 1);
+        side.renderer.set_time(Some(frame as f32 / rate));
+        loop {
+            side.frame()?;
+            if !side.converges() {
+                break;
+            }
+        }
+        let picture = side.renderer.output("display")?;
+        take(side, frame, &picture)?;
+    }
+    Ok(())
+}
+
+fn sequence(side: &mut Side, pattern: &Path, frames: u32, told: impl FnMut(u32)) -> Result<String> {
+    let text = pattern.to_string_lossy().into_owned();
+    let Some(first) = text.find('#') else {
+        bail!(
+            "{text}: expected a name with #### for the number of the frame, or one that ends in .mp4, .webm or .mkv"
+        );
+    };
+    let width = text[first..].chars().take_while(|c| *c == '#').count();
+    let path =
+        |frame: u32| PathBuf::from(format!("{}{frame:0width$}{}", &text[..first], &text[first + width..]));
+    let linear = FileFormat::of(pattern).is_some_and(|format| !format.is_display_referred());
+    play(side, frames, told, |side, frame, picture| match linear {
+        true => write(side, &side.renderer.output("image")?, ("image", 0), &path(frame)),
+        false => write(side, picture, ("display", 0), &path(frame)),
+    })?;
+    Ok(format!("wrote {frames} pictures, the last {}", shown(&path(frames.saturating_sub(1)))))
+}
+
+/// Encodes by ffmpeg, which reads raw pixels.
+fn video(side: &mut Side, path: &Path, frames: u32, told: impl FnMut(u32)) -> Result<String> {
+    folder_of(path)?;
+    let (width, height) = side.renderer.size();
+    let rate = side.renderer.scene().frames_per_second;
+    let ending = path.extension().unwrap_or_default().to_string_lossy().into_owned();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    // Finished videos only: the name is given at the end.
+    let beside = path.with_file_name(format!(".{}.{name}.{ending}", std::process::id()));
+    let record = Provenance::new(&side.renderer, &side.renderer.scene().spec, ("display", 0), 0).to_json();
+    let mut ffmpeg = Process::new("ffmpeg")
+        .args(["-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
+        .args(["-s", &format!("{width}x{height}"), "-r", &rate.to_string(), "-i", "-"])
+        // Encoders of 4:2:0 want even sides.
+        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"])
+        .args(["-metadata", &format!("comment={record}")])
+        .arg(&beside)
+        .stdin(Stdio::piped())
+        .spawn()
+        .context(
+            "videos are encoded by ffmpeg, which cannot be run; a name with #### writes pictures instead",
+        )?;
+    let mut pipe = ffmpeg.stdin.take().context("ffmpeg takes no pictures")?;
+    let played = play(side, frames, told, |_, _, picture| {
+        let byte = |linear: f32| (metrics::srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8;
+        let bytes: Vec<u8> =
+            picture.pixels().iter().flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2])]).collect();
+        pipe.write_all(&bytes).context("ffmpeg takes no more pictures")
+    });
+    drop(pipe);
+    let status = ffmpeg.wait()?;
+    if let Err(error) = played.and_then(|()| match status.success() {
+        true => Ok(std::fs::rename(&beside, path)?),
+        false => bail!("ffmpeg failed: {status}"),
+    }) {
+        // What is left of it helps nobody.
+        let _ = std::fs::remove_file(&beside);
+        return Err(error);
+    }
+    Ok(format!("wrote {}", shown(path)))
+}

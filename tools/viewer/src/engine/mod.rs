@@ -1,0 +1,108 @@
+//! The engine: renders on a thread of its own, beside the interface.
+//!
+//! The interface sends [`Command`]s and reads what is [`Published`]; neither waits for the other. The engine has a device
+//! of its own, so that a frame that takes a second does not hold up the drawing of the window: pictures cross as pixels.
+
+mod jobs;
+mod measure;
+mod model;
+mod session;
+mod side;
+mod statistics;
+mod watch;
+
+pub(crate) use jobs::Job;
+pub(crate) use measure::{Map, Measures};
+pub(crate) use model::{Command, Look, Looked, Published, SceneView, SideId, SideView};
+pub(crate) use statistics::PassTimes;
+
+use renderer::Catalog;
+use session::Session;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+/// What a session begins with.
+#[derive(Clone, Debug)]
+pub(crate) struct Start {
+    /// All files.
+    pub(crate) catalog: Arc<Catalog>,
+    /// The pipeline by name or path.
+    pub(crate) pipeline: String,
+    /// The scene by name or path.
+    pub(crate) scene: String,
+    /// Values for parameters and settings.
+    pub(crate) overrides: frame_graph::Overrides,
+    /// The size of the frame in pixels, until the window says another.
+    pub(crate) size: (u32, u32),
+    /// Seed of all random numbers.
+    pub(crate) seed: u32,
+}
+
+/// The thread that renders, and what it has published. It ends when this is dropped.
+pub(crate) struct Engine {
+    commands: Sender<Command>,
+    published: Arc<Mutex<Published>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Engine {
+    /// Starts a session. `repaint` is called whenever something new is published.
+    pub(crate) fn start(start: Start, repaint: impl Fn() + Send + 'static) -> Engine {
+        let (commands, received) = channel();
+        let published = Arc::new(Mutex::new(Published::default()));
+        let shared = Arc::clone(&published);
+        let thread = std::thread::Builder::new().name("engine".to_owned()).spawn(move || {
+            let publisher = Publisher { published: shared, repaint: Box::new(repaint) };
+            match Session::open(start, &publisher) {
+                Ok(session) => session.run(&received, &publisher),
+                Err(error) => publisher.with(|published| {
+                    eprintln!("error: {error}");
+                    published.stage = None;
+                    published.fatal = Some(error.to_string());
+                }),
+            }
+        });
+        Engine { commands, published, thread: thread.ok() }
+    }
+
+    /// Sends a command. It is carried out before the next frame.
+    pub(crate) fn send(&self, command: Command) {
+        // A session that has ended has said why.
+        let _ = self.commands.send(command);
+    }
+
+    /// Returns what is published now. The engine waits while this is held.
+    pub(crate) fn published(&self) -> MutexGuard<'_, Published> {
+        self.published.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Engine {
+    fn drop(&mut self) {
+        self.send(Command::Quit);
+        if let Some(thread) = self.thread.take() {
+            // A panic of the engine has been printed.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Where a session publishes.
+pub(crate) struct Publisher {
+    published: Arc<Mutex<Published>>,
+    repaint: Box<dyn Fn() + Send>,
+}
+
+impl Publisher {
+    /// Changes what is published, and lets the window be drawn again.
+    pub(crate) fn with(&self, change: impl FnOnce(&mut Published)) {
+        change(&mut self.published.lock().unwrap_or_else(PoisonError::into_inner));
+        (self.repaint)();
+    }
+
+    /// Says what takes long at the moment; `None` when it is done.
+    pub(crate) fn stage(&self, stage: Option<String>) {
+        self.with(|published| published.stage = stage);
+    }
+}

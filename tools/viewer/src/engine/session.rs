@@ -1,0 +1,569 @@
+//! The session: one scene on the device, and the pipelines that render it.
+
+use super::jobs;
+use super::measure::Measuring;
+use super::model::{Command, Look, Published, SceneView, SideId, Trouble};
+use super::side::Side;
+use super::watch::{Files, Saved};
+use super::{Publisher, Start};
+use frame_graph::{LinkContext, Overrides};
+use interfaces::virtual_lights::VirtualLight;
+use renderer::wgpu;
+use renderer::{
+    Catalog, Compiled, Gpu, Reload, RenderError, Renderer, SharedScene, compile_options, load_scene,
+    reload_all,
+};
+use scene::{Camera, Light};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+/// How long a session that has nothing to do sleeps before it asks about files.
+const NAP: Duration = Duration::from_millis(5);
+
+/// Frames follow each other no faster than screens show them.
+const FRAME: Duration = Duration::from_micros(16_000);
+
+/// How long nothing may move before the reference goes on.
+const STILL: Duration = Duration::from_millis(250);
+
+pub(super) struct Session {
+    catalog: Arc<Catalog>,
+    begun: Instant,
+    scene: SharedScene,
+    sides: Vec<(SideId, Side)>,
+    files: Files,
+    size: (u32, u32),
+    seed: u32,
+    camera: Option<Camera>,
+    lights: Option<Vec<Light>>,
+    time: f32,
+    playing: bool,
+    ticked: Instant,
+    moved: Instant,
+    look: Option<Look>,
+    wants_lights: bool,
+    lights_before: Vec<VirtualLight>,
+    timed: bool,
+    measuring: Measuring,
+    /// When frames were made, within the last second.
+    made: Vec<Instant>,
+    /// The next frame is not before.
+    due: Instant,
+}
+
+/// What the loop does next.
+enum Next {
+    GoOn,
+    Quit,
+}
+
+impl Session {
+    /// Opens the adapter, loads the scene and the pipeline.
+    ///
+    /// # Errors
+    /// Where there is no adapter, or the scene cannot be loaded. A pipeline that is wrong is told, and waited for.
+    pub(super) fn open(start: Start, publisher: &Publisher) -> Result<Session, RenderError> {
+        publisher.stage(Some(format!("Opening the adapter and loading {}", start.scene)));
+        let Start { catalog, pipeline, scene, overrides, size, seed } = start;
+        let (gpu, loaded) = std::thread::scope(|scope| {
+            let gpu = scope.spawn(Gpu::open);
+            let loaded = load_scene(&catalog, &scene);
+            if let Ok(loaded) = &loaded {
+                let context = LinkContext { frame: size, traits: loaded.traits() };
+                // The catalog keeps the shaders; whatever is wrong is told when the pipeline is set.
+                let _ = Compiled::new(&catalog, &pipeline, &overrides, &context, &compile_options());
+            }
+            (gpu.join(), loaded)
+        });
+        let gpu = gpu.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        let scene = SharedScene::new(&gpu, loaded?)?;
+        let now = Instant::now();
+        let mut session = Session {
+            catalog,
+            begun: now,
+            scene,
+            sides: Vec::new(),
+            files: Files::new(),
+            size,
+            seed,
+            camera: None,
+            lights: None,
+            time: 0.0,
+            playing: false,
+            ticked: now,
+            moved: now,
+            look: None,
+            wants_lights: false,
+            lights_before: Vec::new(),
+            timed: true,
+            measuring: Measuring::start(),
+            made: Vec::new(),
+            due: now,
+        };
+        publisher.with(|published| {
+            published.adapter = gpu.describe();
+            published.on_cpu = gpu.info.device_type == wgpu::DeviceType::Cpu;
+        });
+        session.tell_scene(publisher);
+        session.set_pipeline(SideId::A, &pipeline, &overrides, publisher);
+        publisher.stage(None);
+        Ok(session)
+    }
+
+    /// Renders until the interface ends.
+    pub(super) fn run(mut self, commands: &Receiver<Command>, publisher: &Publisher) {
+        loop {
+            let wait = if self.busy() { self.due.saturating_duration_since(Instant::now()) } else { NAP };
+            let first = match commands.recv_timeout(wait) {
+                Ok(command) => Some(command),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => return,
+            };
+            let mut batch: Vec<Command> = first.into_iter().chain(commands.try_iter()).collect();
+            while !batch.is_empty() {
+                let command = batch.remove(0);
+                if batch.iter().any(|later| later.supersedes(&command)) {
+                    continue;
+                }
+                if let Next::Quit = self.obey(command, publisher) {
+                    return;
+                }
+            }
+            if let Some(saved) = self.files.saved() {
+                self.reload(&saved, publisher);
+            }
+            self.tick();
+            if Instant::now() >= self.due {
+                self.frames(publisher, None);
+            }
+        }
+    }
+
+    fn busy(&self) -> bool {
+        self.playing || self.measuring.waits() || self.sides.iter().any(|(_, side)| side.wants_a_frame())
+    }
+
+    fn side(&mut self, id: SideId) -> Option<&mut Side> {
+        self.sides.iter_mut().find(|(known, _)| *known == id).map(|(_, side)| side)
+    }
+
+    fn each(&mut self, mut f: impl FnMut(&mut Renderer)) {
+        self.sides.iter_mut().for_each(|(_, side)| f(&mut side.renderer));
+    }
+
+    /// Something moved or changed that all sides see.
+    fn move_on(&mut self) {
+        self.moved = Instant::now();
+        self.sides.iter_mut().for_each(|(_, side)| side.wake());
+    }
+
+    fn obey(&mut self, command: Command, publisher: &Publisher) -> Next {
+        match command {
+            Command::Quit => return Next::Quit,
+            Command::Pipeline(side, name, overrides) => self.set_pipeline(side, &name, &overrides, publisher),
+            Command::Close(side) => {
+                self.sides.retain(|(id, _)| *id != side || *id == SideId::A);
+                self.clear(side.name(), publisher);
+                publisher.with(|published| published.sides.retain(|(id, _)| *id != side));
+            }
+            Command::Scene(spec) => self.set_scene(&spec, publisher),
+            Command::Value(side, path, value) => self.set_values(side, publisher, |overrides| {
+                overrides.0.retain(|(known, _)| *known != path);
+                overrides.0.push((path, value));
+            }),
+            Command::Reset(side, path) => {
+                self.set_values(side, publisher, |overrides| overrides.0.retain(|(known, _)| *known != path));
+            }
+            Command::Camera(camera, cut) => {
+                self.camera = camera;
+                self.each(|renderer| renderer.set_camera(camera, cut));
+                self.move_on();
+            }
+            Command::Lights(lights) => {
+                self.lights.clone_from(&lights);
+                for (_, side) in &mut self.sides {
+                    if let Err(error) = side.renderer.set_lights(lights.clone()) {
+                        report(publisher, self.begun, &error.to_string(), true);
+                    }
+                    side.loaded(&self.catalog);
+                }
+                self.move_on();
+            }
+            Command::Play(playing) => {
+                (self.playing, self.ticked) = (playing, Instant::now());
+                self.move_on();
+            }
+            Command::Time(time) => {
+                self.time = time.max(0.0);
+                self.move_on();
+            }
+            Command::Size(size) => self.set_size(size, publisher),
+            Command::Look(look) => {
+                self.look = look;
+                self.keep(publisher);
+                self.move_on();
+            }
+            Command::VirtualLights(wanted) => {
+                self.wants_lights = wanted;
+                self.keep(publisher);
+                self.move_on();
+            }
+            Command::Measure(measures) => self.measuring.set(measures),
+            Command::Timing(timed) => {
+                self.timed = timed;
+                self.sides.iter_mut().for_each(|(_, side)| side.time(timed));
+            }
+            Command::Job(job) => self.run_job(&job, publisher),
+        }
+        Next::GoOn
+    }
+
+    fn set_pipeline(&mut self, id: SideId, name: &str, overrides: &Overrides, publisher: &Publisher) {
+        publisher.stage(Some(format!("Loading {name}")));
+        if self.side(id).is_none() {
+            let mut renderer = Renderer::with_scene(Arc::clone(&self.catalog), &self.scene, self.size);
+            renderer.set_seed(self.seed);
+            renderer.set_camera(self.camera, false);
+            renderer.set_time(Some(self.time));
+            if let Some(lights) = &self.lights {
+                // Nothing is linked yet that could refuse them.
+                let _ = renderer.set_lights(Some(lights.clone()));
+            }
+            let mut side = Side::new(renderer);
+            side.time(self.timed);
+            self.sides.push((id, side));
+            self.sides.sort_by_key(|(id, _)| *id);
+        }
+        let (catalog, begun) = (Arc::clone(&self.catalog), self.begun);
+        let Some(side) = self.side(id) else { return };
+        let before = side.renderer.keep_only([]);
+        match before.and_then(|()| side.renderer.set_pipeline(name, overrides)) {
+            Ok(load) => {
+                side.begin();
+                side.wanted = None;
+                side.loaded(&catalog);
+                let told = format!("{}: {name}: {}", id.name(), side.describe(&load));
+                self.clear(id.name(), publisher);
+                report(publisher, begun, &told, false);
+            }
+            Err(error) => {
+                side.wanted = Some((name.to_owned(), overrides.clone()));
+                self.trouble(id.name(), &error, publisher);
+            }
+        }
+        self.keep(publisher);
+        self.watch(publisher);
+        self.move_on();
+        publisher.stage(None);
+    }
+
+    fn set_values(&mut self, id: SideId, publisher: &Publisher, change: impl FnOnce(&mut Overrides)) {
+        let (catalog, begun) = (Arc::clone(&self.catalog), self.begun);
+        let Some(side) = self.side(id) else { return };
+        let mut overrides = side.overrides();
+        change(&mut overrides);
+        match side.renderer.set_values(overrides) {
+            Ok(load) => {
+                let structure = !load.kept;
+                let told = format!("{}: {}", id.name(), side.describe(&load));
+                side.loaded(&catalog);
+                self.clear(id.name(), publisher);
+                if structure {
+                    report(publisher, begun, &told, false);
+                }
+            }
+            Err(error) => self.trouble(id.name(), &error, publisher),
+        }
+        self.moved = Instant::now();
+    }
+
+    fn set_scene(&mut self, spec: &str, publisher: &Publisher) {
+        publisher.stage(Some(format!("Loading {spec}")));
+        let loaded = load_scene(&self.catalog, spec).map_err(RenderError::from);
+        let gpu = self.gpu();
+        match loaded.and_then(|scene| SharedScene::new(&gpu, scene)) {
+            Ok(scene) => {
+                (self.camera, self.lights, self.time) = (None, None, 0.0);
+                for (id, side) in &mut self.sides {
+                    side.renderer.set_camera(None, true);
+                    // With the new scene all is linked again, and what is wrong is told there.
+                    let _ = side.renderer.set_lights(None);
+                    match side.renderer.set_shared_scene(&scene) {
+                        Ok(_) => side.loaded(&self.catalog),
+                        Err(error) => report(publisher, self.begun, &format!("{}: {error}", id.name()), true),
+                    }
+                }
+                self.scene = scene;
+                self.clear("scene", publisher);
+                self.tell_scene(publisher);
+            }
+            Err(error) => self.trouble("scene", &error, publisher),
+        }
+        self.watch(publisher);
+        self.move_on();
+        publisher.stage(None);
+    }
+
+    fn set_size(&mut self, size: (u32, u32), publisher: &Publisher) {
+        self.size = size;
+        for (id, side) in &mut self.sides {
+            if let Err(error) = side.renderer.set_size(size) {
+                report(publisher, self.begun, &format!("{}: {error}", id.name()), true);
+            }
+            side.loaded(&self.catalog);
+        }
+        self.move_on();
+    }
+
+    /// Keeps what is looked at, in the side that it is of.
+    fn keep(&mut self, publisher: &Publisher) {
+        let (look, wants_lights) = (self.look.clone(), self.wants_lights);
+        let mut wrong = None;
+        for (id, side) in &mut self.sides {
+            let looked = look.iter().filter(|look| look.side == *id).map(|look| look.name.clone());
+            let mut names: Vec<String> = looked.collect();
+            if wants_lights && *id == SideId::A {
+                names.extend(side.virtual_lights_name());
+            }
+            if let Err(error) = side.renderer.keep_only(names.iter().map(String::as_str)) {
+                wrong = Some(error.to_string());
+            }
+            side.loaded(&self.catalog);
+        }
+        publisher.with(|published| published.look_error = wrong);
+    }
+
+    /// Loads again what was saved.
+    fn reload(&mut self, saved: &Saved, publisher: &Publisher) {
+        let began = Instant::now();
+        let wanted: Vec<_> =
+            self.sides.iter_mut().filter_map(|(id, side)| Some((*id, side.wanted.take()?))).collect();
+        for (id, (name, overrides)) in wanted {
+            self.set_pipeline(id, &name, &overrides, publisher);
+        }
+        let stands = self.sides.first().map(|(_, side)| side.renderer.shared_scene().clone());
+        let renderers = self.sides.iter_mut().map(|(_, side)| &mut side.renderer);
+        let results = reload_all(renderers, &saved.files);
+        let mut told = Vec::new();
+        for (at, result) in results.into_iter().enumerate() {
+            let id = self.sides[at].0;
+            match result {
+                Reload::Nothing => {}
+                Reload::Done(load) => {
+                    let side = &mut self.sides[at].1;
+                    side.loaded(&self.catalog);
+                    told.push(format!("{}: {}", id.name(), side.describe(&load)));
+                    self.clear(id.name(), publisher);
+                    self.clear("scene", publisher);
+                }
+                Reload::Failed(error) => {
+                    self.trouble(id.name(), &error, publisher);
+                    told.clear();
+                }
+            }
+        }
+        let now = self.sides.first().map(|(_, side)| side.renderer.shared_scene().clone());
+        if let (Some(before), Some(now)) = (stands, now)
+            && !Arc::ptr_eq(before.scene(), now.scene())
+        {
+            self.scene = now;
+            self.tell_scene(publisher);
+        }
+        self.watch(publisher);
+        if told.is_empty() {
+            return;
+        }
+        self.move_on();
+        self.frames(publisher, Some(SideId::A));
+        let ended: String = self.sides.first().map_or_else(String::new, |(_, side)| side.ended());
+        let since_save = saved.at.and_then(|at| at.elapsed().ok()).map(|time| time.as_secs_f64() * 1e3);
+        let ms = began.elapsed().as_secs_f64() * 1e3;
+        let files: Vec<String> = saved
+            .files
+            .iter()
+            .take(3)
+            .filter_map(|file| Some(file.file_name()?.to_string_lossy().into_owned()))
+            .collect();
+        let more = saved.files.len().saturating_sub(files.len());
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let whole = since_save.map_or(String::new(), |ms| format!(", {ms:.0} ms since the save"));
+        let line = format!(
+            "{}{more} read again: {}{ended}. Picture after {ms:.0} ms{whole}.",
+            files.join(", "),
+            told.join("; ")
+        );
+        println!("{line}");
+        publisher.with(|published| published.reload_ms = since_save.map(|ms| ms as f32));
+        report(publisher, self.begun, &line, false);
+    }
+
+    fn watch(&mut self, publisher: &Publisher) {
+        let mut folders: Vec<PathBuf> =
+            self.sides.iter().flat_map(|(_, side)| side.renderer.watched_folders()).collect();
+        let wanted = self.sides.iter().filter_map(|(_, side)| side.wanted.as_ref());
+        let files = wanted.map(|(name, _)| PathBuf::from(name)).filter(|path| path.is_file());
+        folders.extend(files.filter_map(|file| file.canonicalize().ok()?.parent().map(PathBuf::from)));
+        folders.retain(|folder| folder.is_dir());
+        if let Err(error) = self.files.watch(folders) {
+            report(publisher, self.begun, &format!("changes of files are not seen: {error}"), true);
+        }
+    }
+
+    /// Lets the time of animations run on.
+    fn tick(&mut self) {
+        let now = Instant::now();
+        if self.playing {
+            self.time += now.duration_since(self.ticked).as_secs_f32();
+            let duration = self.scene.scene().duration;
+            if duration > 0.0 && self.time > duration {
+                self.time %= duration;
+            }
+            self.move_on();
+        }
+        self.ticked = now;
+        let time = self.time;
+        self.each(|renderer| renderer.set_time(Some(time)));
+    }
+
+    /// Runs a frame of each side that has something to do, or of one alone, and publishes what came of it.
+    fn frames(&mut self, publisher: &Publisher, only: Option<SideId>) {
+        self.due = Instant::now() + FRAME;
+        let still = self.moved.elapsed() > STILL && !self.playing;
+        let mut made = Vec::new();
+        for at in 0..self.sides.len() {
+            let (id, side) = &mut self.sides[at];
+            let id = *id;
+            let waits = (id == SideId::Reference && !still) || only.is_some_and(|only| only != id);
+            if waits || !side.wants_a_frame() {
+                continue;
+            }
+            match side.frame() {
+                Ok(()) => made.push(id),
+                Err(error) => {
+                    side.renderer.run_everything();
+                    self.trouble(id.name(), &error, publisher);
+                    // Not again at once: what is wrong would be told without end.
+                    self.due = Instant::now() + Duration::from_millis(500);
+                }
+            }
+        }
+        if self.sides.iter().any(|(_, side)| side.converges()) && still {
+            self.due = Instant::now();
+        }
+        let now = Instant::now();
+        self.made.retain(|at| now.duration_since(*at) < Duration::from_secs(1));
+        if made.contains(&SideId::A) {
+            self.made.push(now);
+        }
+        self.measuring.offer(&self.sides);
+        let measured = self.measuring.newest();
+        if !made.is_empty() || measured.is_some() {
+            self.publish(publisher, &made, measured);
+        }
+    }
+
+    fn publish(
+        &mut self,
+        publisher: &Publisher,
+        made: &[SideId],
+        measured: Option<Arc<super::measure::Measured>>,
+    ) {
+        let looked = self.look.as_ref().filter(|look| made.contains(&look.side)).and_then(|look| {
+            let (_, side) = self.sides.iter().find(|(id, _)| *id == look.side)?;
+            Some(side.look(look))
+        });
+        let lights = self.wants_lights.then(|| self.sides.first()?.1.virtual_lights()).flatten();
+        let lights = lights.map(|lights| {
+            let before = std::mem::replace(&mut self.lights_before, lights.clone());
+            let differs = |i: usize, light: &VirtualLight| {
+                before.get(i).is_none_or(|old| old.position != light.position)
+            };
+            Arc::new(lights.into_iter().enumerate().map(|(i, l)| (l, differs(i, &l))).collect::<Vec<_>>())
+        });
+        let pose = self.sides.first().map(|(_, side)| side.renderer.pose());
+        let pose = pose.map(|pose| (pose.camera, pose.lights.clone()));
+        publisher.with(|published| {
+            for (id, side) in self.sides.iter().filter(|(id, _)| made.contains(id)) {
+                let Some(view) = side.view() else { continue };
+                match published.sides.iter_mut().find(|(known, _)| known == id) {
+                    Some((_, known)) => *known = view,
+                    None => published.sides.push((*id, view)),
+                }
+            }
+            published.sides.sort_by_key(|(id, _)| *id);
+            if let Some((camera, lights)) = pose {
+                (published.camera, published.lights) = (Some(camera), lights);
+            }
+            (published.time, published.playing) = (self.time, self.playing);
+            match looked {
+                Some(Ok(looked)) => (published.looked, published.look_error) = (Some(looked), None),
+                Some(Err(error)) => published.look_error = Some(error.to_string()),
+                None if self.look.is_none() => (published.looked, published.look_error) = (None, None),
+                None => {}
+            }
+            if let Some(lights) = lights {
+                published.virtual_lights = lights;
+            } else if !self.wants_lights {
+                published.virtual_lights = Arc::default();
+            }
+            if let Some(measured) = measured {
+                published.measured = Some(measured);
+            }
+            published.frames_per_second = self.made.len() as f32;
+        });
+    }
+
+    fn run_job(&mut self, job: &jobs::Job, publisher: &Publisher) {
+        publisher.stage(Some(job.describe()));
+        let Some((_, side)) = self.sides.iter_mut().find(|(id, _)| *id == job.side()) else { return };
+        let done = jobs::run(job, side, |stage| publisher.stage(Some(stage)));
+        side.loaded(&self.catalog);
+        match done {
+            Ok(line) => report(publisher, self.begun, &line, false),
+            Err(error) => report(publisher, self.begun, &format!("{error:#}"), true),
+        }
+        let time = self.time;
+        self.each(|renderer| renderer.set_time(Some(time)));
+        self.keep(publisher);
+        self.move_on();
+        publisher.stage(None);
+    }
+
+    fn tell_scene(&self, publisher: &Publisher) {
+        let scene = self.scene.scene();
+        for repair in &scene.repairs {
+            report(publisher, self.begun, &format!("note: {repair}"), false);
+        }
+        let file = scene.files.iter().find(|file| file.extension().is_some_and(|ending| ending == "ron"));
+        let view = SceneView { scene: Arc::clone(scene), file: file.cloned() };
+        publisher.with(|published| published.scene = Some(view));
+    }
+
+    fn gpu(&self) -> Gpu {
+        self.scene.gpu().clone()
+    }
+
+    fn trouble(&self, of: &'static str, error: &RenderError, publisher: &Publisher) {
+        let text = error.to_string();
+        eprintln!("{of}: {text}");
+        publisher.with(|published| {
+            published.troubles.retain(|trouble| trouble.of != of);
+            published.troubles.push(Trouble { of, text: text.clone() });
+            published.say(self.begun.elapsed(), text, true);
+        });
+    }
+
+    fn clear(&self, of: &str, publisher: &Publisher) {
+        publisher.with(|published| published.troubles.retain(|trouble| trouble.of != of));
+    }
+}
+
+/// Adds a message, in the terminal too if it is an error.
+fn report(publisher: &Publisher, begun: Instant, text: &str, error: bool) {
+    if error {
+        eprintln!("{text}");
+    }
+    publisher.with(|published: &mut Published| published.say(begun.elapsed(), text.to_owned(), error));
+}

@@ -1,0 +1,88 @@
+//! The window of Lightloom: pipelines and shaders are edited while they run, compared, and looked into.
+//!
+//! ```text
+//! App (window's thread) ── Command ──▶ Engine (a thread, with a device of its own) ──▶ Renderer A, B, reference
+//!      ▲                                  │
+//!      └────── Published (pictures as pixels, plans, times, errors) ◀──┘
+//! ```
+//!
+//! The interface never waits for a frame of a pipeline. [`run`] opens the window; everything else is private.
+
+mod action;
+mod app;
+mod camera;
+mod engine;
+mod palette;
+mod panel;
+mod pilot;
+mod textures;
+mod viewport;
+
+use app::{App, Remembered};
+use eframe::egui;
+use frame_graph::Overrides;
+use renderer::Catalog;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What the window shows at first.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// All files.
+    pub catalog: Arc<Catalog>,
+    /// The pipeline, by name or path; `None` for that of the last time.
+    pub pipeline: Option<String>,
+    /// The scene, by name or path; `None` for that of the last time.
+    pub scene: Option<String>,
+    /// Values for parameters and settings.
+    pub overrides: Overrides,
+    /// Seed of all random numbers.
+    pub seed: u32,
+    /// Where the state of the window is kept; `None` for the user's data folder.
+    pub state: Option<PathBuf>,
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "no window can be opened: {source}\n  without a display, `lightloom render PIPELINE SCENE -o FILE --watch` renders again at every save"
+)]
+pub struct ViewError {
+    source: eframe::Error,
+}
+
+/// Opens the window, and returns when it is closed.
+///
+/// # Errors
+/// Where there is no display, or no adapter that can draw a window.
+pub fn run(options: Options) -> Result<(), ViewError> {
+    let native = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Lightloom")
+            .with_app_id("lightloom")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([480.0, 320.0]),
+        persistence_path: options.state.clone(),
+        // The text is in English, and the fonts that come with the program have all of it.
+        system_font_fallback: false,
+        ..eframe::NativeOptions::default()
+    };
+    eframe::run_native(
+        "lightloom",
+        native,
+        Box::new(|context| {
+            let remembered = Remembered::load(context.storage);
+            let Options { catalog, pipeline, scene, overrides, seed, .. } = options;
+            let start = engine::Start {
+                catalog,
+                pipeline: pipeline.unwrap_or_else(|| remembered.pipeline.clone()),
+                scene: scene.unwrap_or_else(|| remembered.scene.clone()),
+                overrides,
+                size: (320, 240),
+                seed,
+            };
+            Ok(Box::new(App::new(&context.egui_ctx, start, remembered)))
+        }),
+    )
+    .map_err(|source| ViewError { source })
+}

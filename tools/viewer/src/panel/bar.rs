@@ -1,0 +1,95 @@
+//! The bar at the top: what is rendered by what, and the animation.
+
+use super::library::Named;
+use crate::action::{Action, View};
+use crate::app::App;
+use crate::engine::{Command, SideId};
+use eframe::egui::{self, ComboBox, Slider, Ui};
+
+pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    ui.horizontal_wrapped(|ui| {
+        let a =
+            app.now.side(SideId::A).map_or_else(|| app.remembered.pipeline.clone(), |side| side.name.clone());
+        let pipelines = app.library.pipelines().to_vec();
+        if let Some(name) = choose(ui, "Pipeline A", &a, &pipelines, None) {
+            app.open_pipeline(SideId::A, &name);
+        }
+        let scene =
+            app.now.scene.as_ref().map_or_else(|| app.remembered.scene.clone(), |s| s.scene.spec.clone());
+        let scenes = app.library.scenes().to_vec();
+        if let Some(name) = choose(ui, "Scene", &scene, &scenes, None) {
+            app.open_scene(&name);
+        }
+        ui.separator();
+        let b = app.now.side(SideId::B).map_or(String::new(), |side| side.name.clone());
+        match choose(ui, "Pipeline B", &b, &pipelines, Some("none")) {
+            Some(name) if name.is_empty() => app.close_other(),
+            Some(name) => {
+                app.open_pipeline(SideId::B, &name);
+                if app.remembered.view == View::One {
+                    app.remembered.view = View::Split;
+                }
+            }
+            None => {}
+        }
+        if app.now.sides.len() > 1 {
+            let view = app.remembered.view;
+            ComboBox::from_label("View").selected_text(view.name()).show_ui(ui, |ui| {
+                for view in View::ALL {
+                    ui.selectable_value(&mut app.remembered.view, view, view.name());
+                }
+            });
+        }
+        ui.separator();
+        animation(app, ui);
+        let context = ui.ctx().clone();
+        if ui.button("Keys").on_hover_text("F1").clicked() {
+            app.act(Action::Help, &context);
+        }
+        if ui.button("Palette").on_hover_text("Ctrl-P").clicked() {
+            app.act(Action::Palette, &context);
+        }
+    });
+}
+
+/// A list to choose from; returns the name of another one. `none` is what stands for an empty name.
+fn choose(ui: &mut Ui, label: &str, now: &str, all: &[Named], none: Option<&str>) -> Option<String> {
+    let mut chosen = None;
+    let shown = if now.is_empty() { none.unwrap_or_default() } else { now };
+    let list = ComboBox::from_label(label).selected_text(shown).height(480.0).width(150.0);
+    list.show_ui(ui, |ui| {
+        ui.set_min_width(260.0);
+        if let Some(none) = none
+            && ui.selectable_label(now.is_empty(), none).clicked()
+        {
+            chosen = Some(String::new());
+        }
+        for named in all {
+            let response = ui.selectable_label(named.name == now, &named.name);
+            if response.on_hover_text(&named.about).clicked() && named.name != now {
+                chosen = Some(named.name.clone());
+            }
+        }
+    });
+    chosen
+}
+
+fn animation(app: &mut App, ui: &mut Ui) {
+    let duration = app.now.scene.as_ref().map_or(0.0, |scene| scene.scene.duration);
+    if duration <= 0.0 {
+        return;
+    }
+    let context = ui.ctx().clone();
+    let word = if app.now.playing { "Stop" } else { "Play" };
+    if ui.button(word).on_hover_text("P").clicked() {
+        app.act(Action::Play, &context);
+    }
+    let mut time = app.now.time;
+    ui.spacing_mut().slider_width = 130.0;
+    let slider = Slider::new(&mut time, 0.0..=duration).suffix(" s").max_decimals(2).text("Time");
+    if ui.add(slider).on_hover_text("Time of the animation").changed() {
+        app.engine.send(Command::Play(false));
+        app.engine.send(Command::Time(time));
+    }
+    ui.add_space(egui::Spacing::default().item_spacing.x);
+}

@@ -1,0 +1,263 @@
+//! The content of a resource: as a picture or as a table.
+
+mod colors;
+mod table;
+
+use crate::app::App;
+use crate::engine::{Look, Looked, Published, SideId};
+use crate::textures::{Shown, Textures};
+use colors::{Channel, Coloring, Palette};
+use eframe::egui::{
+    self, Color32, ComboBox, DragValue, Pos2, Rect, ScrollArea, Sense, Slider, Ui, pos2, vec2,
+};
+use frame_graph::{Plan, ResourceDesc};
+use std::sync::Arc;
+
+/// What is looked at, and how.
+pub(crate) struct Inspector {
+    side: SideId,
+    name: String,
+    layer: u32,
+    /// Whether it is drawn over the picture in the middle.
+    pub(crate) over_picture: bool,
+    opacity: f32,
+    coloring: Coloring,
+    /// Side of a tile of an atlas in pixels; 0 for the whole texture.
+    tile: u32,
+    /// Which tile.
+    index: u32,
+    /// What is shown: the frame, the colouring, and what they gave.
+    shown: Option<(u64, String, Coloring, u64, Arc<egui::ColorImage>)>,
+    versions: u64,
+    seen: Rect,
+    first_row: usize,
+}
+
+impl Default for Inspector {
+    fn default() -> Inspector {
+        Inspector {
+            side: SideId::A,
+            name: "image".to_owned(),
+            layer: 0,
+            over_picture: false,
+            opacity: 0.7,
+            coloring: Coloring::default(),
+            tile: 0,
+            index: 0,
+            shown: None,
+            versions: 0,
+            seen: Rect::NOTHING,
+            first_row: 0,
+        }
+    }
+}
+
+/// What can be looked at in a plan: its outputs, then all resources in the order of passes.
+fn names(plan: &Plan) -> Vec<String> {
+    let outputs = plan.outputs.iter().map(|output| output.name.to_string());
+    let made = plan.passes.iter().flat_map(|pass| pass.outputs.iter().flat_map(|port| &port.members));
+    let made = made.map(|(_, id)| plan.resources[id.0 as usize].name.to_string());
+    let mut all: Vec<String> = outputs.chain(made).collect();
+    let mut known = std::collections::HashSet::new();
+    all.retain(|name| known.insert(name.clone()));
+    all
+}
+
+impl Inspector {
+    /// Looks at an output, a resource, or the first resource of a pass.
+    pub(crate) fn choose(&mut self, side: SideId, name: &str) {
+        (self.side, self.layer, self.index, self.first_row) = (side, 0, 0, 0);
+        name.clone_into(&mut self.name);
+        self.seen = Rect::NOTHING;
+    }
+
+    /// What the engine is to read.
+    pub(crate) fn wanted(&self, now: &Published) -> Option<Look> {
+        now.side(self.side)?;
+        Some(Look { side: self.side, name: self.name.clone(), layer: self.layer })
+    }
+
+    /// The picture as it is coloured, with its version.
+    fn picture(&mut self, looked: &Looked) -> Option<(u64, Arc<egui::ColorImage>)> {
+        let image = looked.picture.as_ref()?;
+        let same = |shown: &&(u64, String, Coloring, u64, Arc<egui::ColorImage>)| {
+            shown.0 == looked.frame
+                && shown.1 == looked.resource
+                && shown.2 == self.coloring
+                && shown.4.size == [image.width(), image.height()]
+        };
+        if self.shown.as_ref().filter(same).is_none() {
+            self.versions += 1;
+            let colored = Arc::new(self.coloring.apply(image));
+            self.shown = Some((looked.frame, looked.resource.clone(), self.coloring, self.versions, colored));
+        }
+        self.shown.as_ref().map(|(.., version, picture)| (*version, Arc::clone(picture)))
+    }
+
+    /// Draws what is looked at over the picture.
+    pub(crate) fn draw_over(&mut self, textures: &mut Textures, ui: &Ui, rect: Rect) {
+        let Some((_, _, _, version, picture)) = &self.shown else { return };
+        let texture = textures.of(ui.ctx(), Shown::Looked, *version, picture);
+        let tint = Color32::WHITE.gamma_multiply(self.opacity);
+        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+        ui.painter_at(rect).image(texture.id(), rect, whole, tint);
+    }
+}
+
+pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    let sides: Vec<SideId> = app.now.sides.iter().map(|(id, _)| *id).collect();
+    if !sides.contains(&app.inspector.side) {
+        app.inspector.side = SideId::A;
+    }
+    let Some(side) = app.now.side(app.inspector.side).cloned() else { return };
+    ui.horizontal_wrapped(|ui| {
+        if sides.len() > 1 {
+            ComboBox::from_label("of").selected_text(app.inspector.side.name()).show_ui(ui, |ui| {
+                for id in &sides {
+                    ui.selectable_value(&mut app.inspector.side, *id, id.name());
+                }
+            });
+        }
+        let mut name = app.inspector.name.clone();
+        let list = ComboBox::from_label("Resource").selected_text(&name).width(220.0).height(500.0);
+        list.show_ui(ui, |ui| {
+            ui.set_min_width(300.0);
+            for known in names(&side.plan) {
+                ui.selectable_value(&mut name, known.clone(), known);
+            }
+        });
+        if name != app.inspector.name {
+            let side = app.inspector.side;
+            app.inspector.choose(side, &name);
+        }
+    });
+    if let Some(error) = &app.now.look_error {
+        ui.colored_label(ui.visuals().error_fg_color, error);
+    }
+    let Some(looked) = app.now.looked.clone().filter(|looked| looked.look.name == app.inspector.name) else {
+        ui.weak("Reading…");
+        return;
+    };
+    ui.weak(format!("{}: {}", looked.resource, describe(&looked.desc)));
+    match &looked.desc {
+        ResourceDesc::Buffer(_) => {
+            table::show(ui, &side, &looked, &mut app.inspector.first_row);
+        }
+        ResourceDesc::Texture(texture) => {
+            if texture.layers > 1 {
+                ui.add(Slider::new(&mut app.inspector.layer, 0..=texture.layers - 1).text("Layer"));
+            }
+            controls(&mut app.inspector, ui, texture.size);
+            texture_picture(app, ui, &looked);
+        }
+    }
+}
+
+fn describe(desc: &ResourceDesc) -> String {
+    match desc {
+        ResourceDesc::Texture(texture) => format!(
+            "{} {}×{}×{}, {}",
+            texture.format.name(),
+            texture.size.0,
+            texture.size.1,
+            texture.layers,
+            frame_graph::human_bytes(desc.bytes())
+        ),
+        ResourceDesc::Buffer(_) => format!("buffer, {}", frame_graph::human_bytes(desc.bytes())),
+    }
+}
+
+fn controls(inspector: &mut Inspector, ui: &mut Ui, size: (u32, u32)) {
+    let coloring = &mut inspector.coloring;
+    ui.horizontal_wrapped(|ui| {
+        ComboBox::from_label("Channel").selected_text(coloring.channel.name()).width(70.0).show_ui(
+            ui,
+            |ui| {
+                for channel in Channel::ALL {
+                    ui.selectable_value(&mut coloring.channel, channel, channel.name());
+                }
+            },
+        );
+        ComboBox::from_label("Colours").selected_text(coloring.palette.name()).width(80.0).show_ui(
+            ui,
+            |ui| {
+                for palette in Palette::ALL {
+                    ui.selectable_value(&mut coloring.palette, palette, palette.name());
+                }
+            },
+        );
+        ui.checkbox(&mut coloring.auto, "Fit range").on_hover_text("From the least to the greatest value");
+        if !coloring.auto {
+            ui.add(Slider::new(&mut coloring.exposure, -16.0..=16.0).text("Exposure").suffix(" EV"));
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.checkbox(&mut inspector.over_picture, "Over the picture");
+        if inspector.over_picture {
+            ui.add(Slider::new(&mut inspector.opacity, 0.0..=1.0).text("Opacity"));
+        }
+        let most = size.0.min(size.1);
+        let response =
+            ui.add(DragValue::new(&mut inspector.tile).range(0..=most).prefix("tile ").suffix(" px"));
+        if response.on_hover_text("Side of a tile of an atlas; 0 shows the whole").changed() {
+            inspector.seen = Rect::NOTHING;
+        }
+        if inspector.tile > 0 {
+            let tiles = (size.0 / inspector.tile).max(1) * (size.1 / inspector.tile).max(1);
+            if ui.add(DragValue::new(&mut inspector.index).range(0..=tiles - 1).prefix("number ")).changed() {
+                inspector.seen = Rect::NOTHING;
+            }
+        }
+    });
+}
+
+/// The texture, with what is under the cursor in numbers.
+fn texture_picture(app: &mut App, ui: &mut Ui, looked: &Looked) {
+    let Some(image) = looked.picture.clone() else { return };
+    let Some((version, picture)) = app.inspector.picture(looked) else { return };
+    let size = vec2(image.width() as f32, image.height() as f32);
+    if app.inspector.seen == Rect::NOTHING {
+        app.inspector.seen = part(app.inspector.tile, app.inspector.index, size);
+    }
+    let texture = app.textures.of(ui.ctx(), Shown::Looked, version, &picture);
+    let (least, greatest) = colors::range(&image, app.inspector.coloring.channel);
+    let mut seen = app.inspector.seen;
+    let mut under = String::new();
+    let height = (ui.available_height() - 44.0).max(80.0);
+    ui.allocate_ui(vec2(ui.available_width(), height), |ui| {
+        egui::Scene::new().zoom_range(0.01..=64.0).show(ui, &mut seen, |ui| {
+            let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+            let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+            ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+            if let Some(at) = response.hover_pos() {
+                let texel = (at - rect.min).floor();
+                let (x, y) = (texel.x.max(0.0) as usize, texel.y.max(0.0) as usize);
+                if x < image.width() && y < image.height() {
+                    let pixel = image.pixels()[y * image.width() + x];
+                    under = format!("({x}, {y}): {}", pixel.map(|value| format!("{value:.6}")).join("  "));
+                }
+            }
+        });
+    });
+    app.inspector.seen = seen;
+    ui.monospace(if under.is_empty() { "Point at a texel for its value".to_owned() } else { under });
+    ui.weak(format!(
+        "least {least:.4e}, greatest {greatest:.4e}, of {}",
+        app.inspector.coloring.channel.name()
+    ));
+}
+
+/// The part of a texture that is seen at first: all of it, or a tile.
+fn part(tile: u32, index: u32, size: egui::Vec2) -> Rect {
+    if tile == 0 {
+        return Rect::from_min_size(Pos2::ZERO, size);
+    }
+    let across = (size.x as u32 / tile).max(1);
+    let at = pos2((index % across * tile) as f32, (index / across * tile) as f32);
+    Rect::from_min_size(at, egui::Vec2::splat(tile as f32))
+}
+
+/// A place to scroll in, for what is longer than the panel.
+fn scroll(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    ScrollArea::both().auto_shrink([false, false]).show(ui, content);
+}

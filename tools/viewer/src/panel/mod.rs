@@ -1,0 +1,38 @@
+//! The panels around the picture.
+
+pub(crate) mod bar;
+pub(crate) mod compare;
+pub(crate) mod graph;
+pub(crate) mod help;
+pub(crate) mod library;
+pub(crate) mod log;
+pub(crate) mod look;
+pub(crate) mod save;
+pub(crate) mod scene;
+pub(crate) mod settings;
+pub(crate) mod status;
+pub(crate) mod time;
+pub(crate) mod write;
+
+use crate::action::Tab;
+use crate::app::App;
+use eframe::egui::Ui;
+
+/// Draws the panel on the right.
+pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    ui.horizontal_wrapped(|ui| {
+        for tab in Tab::ALL {
+            ui.selectable_value(&mut app.remembered.tab, tab, tab.name());
+        }
+    });
+    ui.separator();
+    match app.remembered.tab {
+        Tab::Time => time::show(app, ui),
+        Tab::Graph => graph::show(app, ui),
+        Tab::Look => look::show(app, ui),
+        Tab::Scene => scene::show(app, ui),
+        Tab::Compare => compare::show(app, ui),
+        Tab::Write => write::show(app, ui),
+        Tab::Log => log::show(app, ui),
+    }
+}

@@ -1,0 +1,178 @@
+//! Names a file and writes it: a variant of the pipeline, or the scene.
+
+use crate::app::App;
+use crate::engine::{SceneView, SideId};
+use anyhow::{Context as _, Result, bail};
+use data_file::Source;
+use eframe::egui::{Context, Id, Key, Modal, TextEdit};
+use frame_graph::{Overrides, resolve, variant};
+use scene::SceneEdit;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A file that is about to be written.
+pub(crate) struct Saving {
+    what: What,
+    path: String,
+    about: String,
+    error: Option<String>,
+    opened: bool,
+}
+
+enum What {
+    Variant(SideId),
+    Scene(SceneEdit),
+}
+
+impl Saving {
+    /// A variant of pipeline A with the values that were changed.
+    pub(crate) fn variant(app: &App) -> Option<Saving> {
+        let side = app.now.side(SideId::A)?;
+        let stem = Path::new(&side.name).file_stem()?.to_string_lossy().into_owned();
+        let path = free(|number| format!("{stem}-variant{number}.ron"));
+        Some(Saving {
+            what: What::Variant(SideId::A),
+            path,
+            about: String::new(),
+            error: None,
+            opened: false,
+        })
+    }
+
+    /// The scene with the camera, lights and keys as they are now.
+    pub(crate) fn scene(app: &App) -> Option<Saving> {
+        let view = app.now.scene.as_ref()?;
+        let edit = app.scene_panel.edit(app);
+        let path = match &view.file {
+            Some(file) => file.display().to_string(),
+            // A scene that is built in, or a bare glTF file, gets a file of its own.
+            None => free(|number| format!("{}-edited{number}.ron", view.scene.name)),
+        };
+        Some(Saving { what: What::Scene(edit), path, about: String::new(), error: None, opened: false })
+    }
+
+    fn write(&self, app: &App) -> Result<String> {
+        let path = PathBuf::from(self.path.trim());
+        match &self.what {
+            What::Variant(side) => {
+                let side = app.now.side(*side).context("no pipeline is loaded")?;
+                if path.extension().is_none_or(|ending| ending != "ron") {
+                    bail!("{}: expected a name that ends in .ron", path.display());
+                }
+                let base = resolve(&side.name, app.catalog.pipelines(), &Overrides::default())?;
+                let text = variant(&side.name, self.about.trim(), &base, &*app.catalog, &side.overrides);
+                write_new(&path, &text)?;
+                Ok(format!(
+                    "wrote {}: `lightloom study` and every command take it as a pipeline",
+                    path.display()
+                ))
+            }
+            What::Scene(edit) => {
+                let view = app.now.scene.as_ref().context("no scene is loaded")?;
+                if edit.camera.as_ref().is_some_and(|camera| !super::scene::can_be_saved(camera)) {
+                    bail!("the camera looks nowhere: its position and target are the same point");
+                }
+                if view.file.as_deref() == Some(path.as_path()) {
+                    scene::save(&path, edit)?;
+                } else if let Some(source) = text_of(app, view) {
+                    write_new(&path, &scene::edited(&source, edit)?)?;
+                } else {
+                    let spec = &view.scene.spec;
+                    let spec =
+                        Path::new(spec).canonicalize().map_or(spec.clone(), |p| p.display().to_string());
+                    write_new(&path, &scene::scene_file_for(&view.scene, &spec, edit)?)?;
+                }
+                Ok(format!("wrote {}", path.display()))
+            }
+        }
+    }
+}
+
+/// The first name that no file has: without a number, then with 2 and so on.
+fn free(name: impl Fn(String) -> String) -> String {
+    let first = name(String::new());
+    if !Path::new(&first).exists() {
+        return first;
+    }
+    (2..).map(|n| name(format!("-{n}"))).find(|name| !Path::new(name).exists()).unwrap_or(first)
+}
+
+/// The text of the scene's file, on disk or built in; `None` for a bare glTF file.
+fn text_of(app: &App, view: &SceneView) -> Option<Arc<Source>> {
+    let spec = &view.scene.spec;
+    let text = match &view.file {
+        Some(file) => std::fs::read_to_string(file).ok()?,
+        None => app.catalog.assets().text(&format!("scenes/{spec}.ron"))?,
+    };
+    Some(Source::new(spec.clone(), text))
+}
+
+/// Writes a new file under a temporary name and gives it its own at the end.
+fn write_new(path: &Path, text: &str) -> Result<()> {
+    if path.exists() {
+        bail!("{} exists already; choose another name", path.display());
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let written = || -> Result<()> {
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        file.write_all(text.as_bytes())?;
+        file.persist_noclobber(path)?;
+        Ok(())
+    };
+    written().with_context(|| format!("{} was not written", path.display()))
+}
+
+/// Asks for the name where something is about to be saved.
+pub(crate) fn show(app: &mut App, context: &Context) {
+    let Some(mut saving) = app.saving.take() else { return };
+    let mut done = false;
+    let modal = Modal::new(Id::unique("save")).show(context, |ui| {
+        ui.set_width(520.0);
+        let heading = match &saving.what {
+            What::Variant(_) => "Save the changed settings as a variant",
+            What::Scene(_) => "Save camera, lights and keys",
+        };
+        ui.heading(heading);
+        let name = ui.label("File");
+        let field = ui.add(TextEdit::singleline(&mut saving.path).desired_width(f32::INFINITY));
+        let field = field.labelled_by(name.id);
+        if !saving.opened {
+            field.request_focus();
+            saving.opened = true;
+        }
+        if let What::Variant(side) = &saving.what {
+            let about = ui.label("What it is, in one line (may be empty)");
+            ui.add(TextEdit::singleline(&mut saving.about).desired_width(f32::INFINITY))
+                .labelled_by(about.id);
+            if let Some(side) = app.now.side(*side)
+                && let Ok(base) = resolve(&side.name, app.catalog.pipelines(), &Overrides::default())
+            {
+                let text = variant(&side.name, saving.about.trim(), &base, &*app.catalog, &side.overrides);
+                ui.monospace(text.trim_end());
+            }
+        }
+        if let Some(error) = &saving.error {
+            ui.colored_label(ui.visuals().error_fg_color, error);
+        }
+        ui.horizontal(|ui| {
+            let enter = ui.input(|input| input.key_pressed(Key::Enter));
+            if ui.button("Save").clicked() || enter {
+                match saving.write(app) {
+                    Ok(line) => {
+                        println!("{line}");
+                        app.engine.published().say(std::time::Duration::ZERO, line, false);
+                        done = true;
+                    }
+                    Err(error) => saving.error = Some(format!("{error:#}")),
+                }
+            }
+            if ui.button("Cancel").clicked() {
+                done = true;
+            }
+        });
+    });
+    if !done && !modal.should_close() {
+        app.saving = Some(saving);
+    }
+}

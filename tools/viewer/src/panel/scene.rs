@@ -1,0 +1,265 @@
+//! Camera, lights and keys of the scene.
+
+use crate::action::Action;
+use crate::app::App;
+use crate::engine::{Command, Published};
+use eframe::egui::{DragValue, Grid, Response, ScrollArea, Slider, Ui};
+use glam::Vec3;
+use scene::{Camera, CameraKey, Light, LightKey, LightKind, SceneEdit, SceneKeys};
+
+/// Keys that are edited, on top of those of the scene's file.
+#[derive(Default)]
+pub(crate) struct ScenePanel {
+    /// `None` until there is one to add or to take away.
+    keys: Option<SceneKeys>,
+}
+
+impl ScenePanel {
+    /// The keys as they are edited: those of the file at first.
+    fn keys(&mut self, now: &Published) -> &mut SceneKeys {
+        let file = now.scene.as_ref().and_then(|scene| scene.file.clone());
+        // A file with errors has been told of when it was loaded.
+        self.keys.get_or_insert_with(|| file.and_then(|file| scene::keys_of(&file).ok()).unwrap_or_default())
+    }
+
+    /// Records a key of the camera at the time shown, in place of one that is there.
+    pub(crate) fn record(&mut self, now: &Published) {
+        let (Some(camera), time) = (now.camera, now.time) else { return };
+        let keys = &mut self.keys(now).camera;
+        keys.retain(|key| key.time != time);
+        keys.push(CameraKey { time, position: Some(camera.position), target: Some(camera.target) });
+        keys.sort_by(|a, b| a.time.total_cmp(&b.time));
+    }
+
+    /// Records a key of a light at the time shown.
+    fn record_light(&mut self, now: &Published, light: &Light) {
+        let time = now.time;
+        let keys = self.keys(now).lights.entry(light.name.clone()).or_default();
+        keys.retain(|key| key.time != time);
+        let (point, sun) = (light.kind == LightKind::Point, light.kind == LightKind::Directional);
+        keys.push(LightKey {
+            time,
+            position: (!sun).then_some(light.position),
+            direction: (!point).then_some(light.direction),
+            intensity: Some(light.intensity),
+        });
+        keys.sort_by(|a, b| a.time.total_cmp(&b.time));
+    }
+
+    /// What differs from the scene as it was loaded.
+    pub(crate) fn edit(&self, app: &App) -> SceneEdit {
+        let own = app.now.scene.as_ref().map(|view| &view.scene);
+        let moved = |light: &&Light| {
+            own.is_none_or(|scene| scene.lights.iter().all(|own| own.name != light.name || own != *light))
+        };
+        let lights = app.pilot.lights.iter().flatten().filter(moved).cloned().collect();
+        SceneEdit {
+            camera: app.pilot.camera(),
+            lights,
+            camera_keys: self.keys.as_ref().map(|keys| keys.camera.clone()).filter(|keys| !keys.is_empty()),
+            light_keys: self.keys.as_ref().map_or_else(Default::default, |keys| keys.lights.clone()),
+        }
+    }
+}
+
+pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    let context = ui.ctx().clone();
+    let Some(view) = app.now.scene.clone() else { return };
+    ui.strong(&view.scene.name);
+    ui.label(&view.scene.about);
+    ui.weak(format!("{} triangles, {} lights", view.scene.triangles(), view.scene.lights.len()));
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Save into the scene's file").on_hover_text("Ctrl-E").clicked() {
+            app.act(Action::SaveScene, &context);
+        }
+        if ui.button("Record a key").on_hover_text("K: the camera at the time shown").clicked() {
+            app.act(Action::Key, &context);
+        }
+    });
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        camera(app, ui);
+        ui.separator();
+        lights(app, ui);
+        ui.separator();
+        keys(app, ui);
+    });
+}
+
+fn camera(app: &mut App, ui: &mut Ui) {
+    let Some(before) = app.pilot.camera().or(app.now.camera) else { return };
+    let mut camera = before;
+    let context = ui.ctx().clone();
+    ui.horizontal(|ui| {
+        ui.strong("Camera");
+        let own = if app.pilot.camera().is_some() { "moved by you" } else { "the scene's own" };
+        ui.weak(own);
+        if app.pilot.camera().is_some() && ui.button("Give back").on_hover_text("C").clicked() {
+            app.act(Action::SceneCamera, &context);
+        }
+    });
+    Grid::new("camera").num_columns(2).show(ui, |ui| {
+        let speed = 0.01 * (before.position - before.target).length().max(1e-3);
+        row(ui, "position", |ui| vector(ui, "Camera position", &mut camera.position, speed));
+        row(ui, "target", |ui| vector(ui, "Camera target", &mut camera.target, speed));
+        row(ui, "field of view", |ui| {
+            let mut degrees = camera.vertical_fov.to_degrees();
+            if ui.add(Slider::new(&mut degrees, 5.0..=150.0).suffix("°")).changed() {
+                camera.vertical_fov = degrees.to_radians();
+            }
+        });
+    });
+    let views = app.now.scene.as_ref().map_or_else(Vec::new, |view| view.scene.cameras.clone());
+    ui.horizontal_wrapped(|ui| {
+        for (name, of_file) in views {
+            if ui.button(&name).on_hover_text("A camera of the geometry's file").clicked() {
+                camera = of_file;
+            }
+        }
+    });
+    if camera != before && camera.position != camera.target {
+        app.pilot.take(&app.engine, camera, false);
+    }
+}
+
+fn lights(app: &mut App, ui: &mut Ui) {
+    let context = ui.ctx().clone();
+    let mut lights = app.pilot.lights.clone().unwrap_or_else(|| app.now.lights.clone());
+    let before = lights.clone();
+    let mut record = None;
+    ui.horizontal(|ui| {
+        ui.strong("Lights");
+        ui.checkbox(&mut app.remembered.handles, "Handles").on_hover_text("H");
+        if app.pilot.lights.is_some() && ui.button("Give back").on_hover_text("B").clicked() {
+            app.act(Action::SceneLights, &context);
+        }
+    });
+    let extent = app.now.scene.as_ref().map_or(1.0, |view| {
+        let (min, max) = view.scene.bounds();
+        (max - min).length().max(1e-3)
+    });
+    for (i, light) in lights.iter_mut().enumerate() {
+        ui.push_id(i, |ui| {
+            ui.horizontal(|ui| {
+                let kind = match light.kind {
+                    LightKind::Spot { .. } => "spot",
+                    LightKind::Point => "point",
+                    LightKind::Directional => "directional",
+                };
+                ui.label(format!("{} ({kind})", light.name));
+                if ui.small_button("Record a key").clicked() {
+                    record = Some(i);
+                }
+            });
+            one_light(ui, light, extent);
+        });
+    }
+    if let Some(light) = record.map(|i| lights[i].clone()) {
+        app.scene_panel.record_light(&app.now, &light);
+    }
+    if lights != before {
+        app.pilot.set_lights(&app.engine, lights);
+    }
+}
+
+fn one_light(ui: &mut Ui, light: &mut Light, extent: f32) {
+    let name = light.name.clone();
+    Grid::new("light").num_columns(2).show(ui, |ui| {
+        if light.kind != LightKind::Directional {
+            row(ui, "position", |ui| {
+                vector(ui, &format!("Position of {name}"), &mut light.position, 0.003 * extent);
+            });
+        }
+        if light.kind != LightKind::Point {
+            row(ui, "direction", |ui| {
+                let mut direction = light.direction;
+                vector(ui, &format!("Direction of {name}"), &mut direction, 0.01);
+                if direction != light.direction {
+                    light.direction = direction.normalize_or(light.direction);
+                }
+            });
+        }
+        row(ui, "intensity", |ui| {
+            let speed = 0.01 * light.intensity.max_element().max(1e-3);
+            vector(ui, &format!("Intensity of {name}"), &mut light.intensity, speed);
+            light.intensity = light.intensity.max(Vec3::ZERO);
+        });
+        if let LightKind::Spot { inner, outer } = &mut light.kind {
+            row(ui, "cone", |ui| {
+                let mut degrees = outer.to_degrees();
+                if ui.add(Slider::new(&mut degrees, 1.0..=90.0).suffix("°")).changed() {
+                    *outer = degrees.to_radians();
+                    *inner = inner.min(*outer);
+                }
+            });
+        }
+    });
+}
+
+fn keys(app: &mut App, ui: &mut Ui) {
+    let now = app.now.clone();
+    let Some(keys) = app.scene_panel.keys.as_mut() else {
+        ui.strong("Keys");
+        ui.weak("Those of the scene's file. Recording adds to them.");
+        if ui.button("Edit them").clicked() {
+            app.scene_panel.keys(&now);
+        }
+        return;
+    };
+    ui.strong("Keys, until they are saved");
+    let (mut go, mut drop_camera, mut drop_light) = (None, None, None);
+    let mut line = |ui: &mut Ui, name: &str, time: f32| {
+        let mut dropped = false;
+        ui.horizontal(|ui| {
+            if ui.button(format!("{time:.2} s")).on_hover_text("Go there").clicked() {
+                go = Some(time);
+            }
+            ui.label(name);
+            dropped = ui.small_button("Remove").clicked();
+        });
+        dropped
+    };
+    for (i, key) in keys.camera.iter().enumerate() {
+        if ui.push_id(("camera", i), |ui| line(ui, "camera", key.time)).inner {
+            drop_camera = Some(i);
+        }
+    }
+    for (name, of_light) in &keys.lights {
+        for (i, key) in of_light.iter().enumerate() {
+            if ui.push_id((name, i), |ui| line(ui, name, key.time)).inner {
+                drop_light = Some((name.clone(), i));
+            }
+        }
+    }
+    if let Some(i) = drop_camera {
+        keys.camera.remove(i);
+    }
+    if let Some((name, i)) = drop_light
+        && let Some(keys) = keys.lights.get_mut(&name)
+    {
+        keys.remove(i);
+    }
+    if let Some(time) = go {
+        app.engine.send(Command::Time(time));
+    }
+}
+
+fn row(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    ui.weak(name);
+    ui.horizontal(content);
+    ui.end_row();
+}
+
+/// Three numbers, each with a name for those who cannot see the label.
+fn vector(ui: &mut Ui, name: &str, value: &mut Vec3, speed: f32) {
+    for (axis, number) in ["x", "y", "z"].into_iter().zip(value.as_mut()) {
+        let response: Response = ui.add(DragValue::new(number).speed(speed).max_decimals(4));
+        response.widget_info(|| {
+            eframe::egui::WidgetInfo::labeled(eframe::egui::Role::SpinButton, true, format!("{name} {axis}"))
+        });
+    }
+}
+
+/// Whether a camera is one that a file can hold.
+pub(crate) fn can_be_saved(camera: &Camera) -> bool {
+    camera.position.is_finite() && camera.target.is_finite() && camera.position != camera.target
+}

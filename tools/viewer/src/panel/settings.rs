@@ -1,0 +1,253 @@
+//! Settings as controls, made from their one declaration.
+
+use crate::action::Action;
+use crate::app::App;
+use crate::engine::{Command, SideId};
+use eframe::egui::{
+    self, Checkbox, CollapsingHeader, ComboBox, DragValue, RichText, ScrollArea, Slider, SliderClamping,
+    TextEdit, Ui,
+};
+use frame_graph::resolve::Settable;
+use frame_graph::{Overrides, Setting, Value, ValueType};
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+/// How long a control shows what the user gave it before it shows what the engine has.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// A range whose ends are this many times apart is shown on a logarithmic scale.
+const DECADES: f64 = 500.0;
+
+/// What the user has typed or dragged that the engine has not taken yet.
+#[derive(Default)]
+pub(crate) struct Controls {
+    given: HashMap<(SideId, String), (Value, Instant)>,
+    filter: String,
+    side: Option<SideId>,
+}
+
+impl Controls {
+    /// Forgets what belongs to another pipeline.
+    pub(crate) fn forget(&mut self, side: SideId) {
+        self.given.retain(|(of, _), _| *of != side);
+    }
+
+    /// The value that a control shows.
+    fn shown(&mut self, side: SideId, settable: &Settable) -> Value {
+        let key = (side, settable.path.clone());
+        match self.given.get(&key) {
+            Some((given, since)) if *given != settable.value && since.elapsed() < PATIENCE => given.clone(),
+            Some(_) => {
+                self.given.remove(&key);
+                settable.value.clone()
+            }
+            None => settable.value.clone(),
+        }
+    }
+}
+
+pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    let sides: Vec<SideId> = app.now.sides.iter().map(|(id, _)| *id).collect();
+    let mut side = app.controls.side.filter(|side| sides.contains(side)).unwrap_or(SideId::A);
+    if sides.len() > 1 {
+        ui.horizontal(|ui| {
+            for id in &sides {
+                ui.selectable_value(&mut side, *id, format!("Settings of {}", id.name()));
+            }
+        });
+    }
+    app.controls.side = Some(side);
+    let Some(shown) = app.now.side(side).cloned() else {
+        ui.label("No pipeline is loaded.");
+        return;
+    };
+    ui.strong(&shown.name);
+    ui.label(&shown.about);
+    let context = ui.ctx().clone();
+    ui.horizontal(|ui| {
+        let changed = shown.overrides.0.len();
+        let save = egui::Button::new("Save as variant");
+        if ui.add_enabled(changed > 0, save).on_hover_text("Ctrl-S").clicked() {
+            app.act(Action::SaveVariant, &context);
+        }
+        let reset = egui::Button::new(format!("Reset {changed} changed"));
+        if ui.add_enabled(changed > 0, reset).clicked() {
+            app.controls.forget(side);
+            for (path, _) in &shown.overrides.0 {
+                app.engine.send(Command::Reset(side, path.clone()));
+            }
+        }
+    });
+    ui.add(
+        TextEdit::singleline(&mut app.controls.filter)
+            .hint_text("Filter by name or text")
+            .desired_width(f32::INFINITY),
+    );
+    ui.separator();
+    let filter = app.controls.filter.to_lowercase();
+    let wanted = |settable: &&Settable| {
+        let about = |text: &str| text.to_lowercase().contains(&filter);
+        filter.is_empty() || about(&settable.path) || about(&settable.setting.doc)
+    };
+    let found: Vec<&Settable> = shown.settable.iter().filter(wanted).collect();
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        let overrides = &shown.overrides;
+        let own = found.iter().filter(|settable| !settable.path.contains('.'));
+        for settable in own {
+            control(app, ui, side, settable, overrides);
+        }
+        let mut groups: Vec<(&str, Vec<&Settable>)> = Vec::new();
+        for settable in found.iter().filter(|settable| settable.path.contains('.')) {
+            let group = settable.path.rsplit_once('.').map_or("", |(group, _)| group);
+            match groups.iter_mut().find(|(known, _)| *known == group) {
+                Some((_, members)) => members.push(settable),
+                None => groups.push((group, vec![settable])),
+            }
+        }
+        for (group, members) in groups {
+            let changed = members.iter().any(|member| is_changed(overrides, &member.path));
+            let kind = shown.plan.passes.iter().find(|pass| *pass.name == *group);
+            let head = RichText::new(group);
+            let head = if changed { head.strong() } else { head };
+            let folded = CollapsingHeader::new(head).id_salt((side, group));
+            let open = if filter.is_empty() { None } else { Some(true) };
+            let response = folded.open(open).show(ui, |ui| {
+                for member in members {
+                    control(app, ui, side, member, overrides);
+                }
+            });
+            if let Some(pass) = kind {
+                response.header_response.on_hover_text(format!("pass type `{}`", pass.kind));
+            }
+        }
+    });
+}
+
+fn is_changed(overrides: &Overrides, path: &str) -> bool {
+    overrides.0.iter().any(|(known, _)| known == path)
+}
+
+/// One setting: its control, and a way back where it was changed.
+fn control(app: &mut App, ui: &mut Ui, side: SideId, settable: &Settable, overrides: &Overrides) {
+    let setting = &settable.setting;
+    let changed = is_changed(overrides, &settable.path);
+    let mut value = app.controls.shown(side, settable);
+    let before = value.clone();
+    ui.horizontal_wrapped(|ui| {
+        ui.push_id((side, &settable.path), |ui| {
+            if changed && ui.small_button("↺").on_hover_text("Back to what the file says").clicked() {
+                app.controls.given.remove(&(side, settable.path.clone()));
+                app.engine.send(Command::Reset(side, settable.path.clone()));
+            }
+            edit(ui, &settable.path, setting, &mut value);
+        });
+    });
+    if value != before {
+        app.controls.given.insert((side, settable.path.clone()), (value.clone(), Instant::now()));
+        app.engine.send(Command::Value(side, settable.path.clone(), value));
+    }
+}
+
+/// What a setting does, with its range and default, for a tooltip.
+fn about(path: &str, setting: &Setting) -> String {
+    let mut text = format!("{path}\n{}", setting.doc);
+    let bound = |bound: Option<f64>| bound.map_or("…".to_owned(), |bound| bound.to_string());
+    if setting.min.is_some() || setting.max.is_some() {
+        text += &format!("\n{} to {} {}", bound(setting.min), bound(setting.max), setting.unit);
+    }
+    text + &format!("\nDefault of the pass: {}", setting.default)
+}
+
+/// The control of a setting, by its type, range and choices.
+fn edit(ui: &mut Ui, path: &str, setting: &Setting, value: &mut Value) {
+    let name = path.rsplit('.').next().unwrap_or(path);
+    let suffix = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
+    let hint = about(path, setting);
+    if !setting.one_of.is_empty() {
+        let list = ComboBox::from_label(name).selected_text(plain(value));
+        let response = list.show_ui(ui, |ui| {
+            for choice in &setting.one_of {
+                ui.selectable_value(value, choice.clone(), plain(choice));
+            }
+        });
+        response.response.on_hover_text(hint);
+        return;
+    }
+    let range = (setting.min.unwrap_or(f64::NEG_INFINITY), setting.max.unwrap_or(f64::INFINITY));
+    match value {
+        Value::Bool(truth) => {
+            ui.add(Checkbox::new(truth, name)).on_hover_text(hint);
+        }
+        Value::U32(number) => {
+            let mut wide = f64::from(*number);
+            if drag(ui, name, &suffix, &hint, &mut wide, (range.0.max(0.0), range.1), true) {
+                *number = wide.round().clamp(0.0, f64::from(u32::MAX)) as u32;
+            }
+        }
+        Value::I32(number) => {
+            let mut wide = f64::from(*number);
+            if drag(ui, name, &suffix, &hint, &mut wide, range, true) {
+                *number = wide.round().clamp(f64::from(i32::MIN), f64::from(i32::MAX)) as i32;
+            }
+        }
+        Value::F32(number) => {
+            let mut wide = f64::from(*number);
+            if drag(ui, name, &suffix, &hint, &mut wide, range, false) {
+                *number = wide as f32;
+            }
+        }
+        Value::Vector(numbers) => {
+            for (number, axis) in numbers.iter_mut().zip(["x", "y", "z", "w"]) {
+                let drag = DragValue::new(number).speed(0.01).prefix(format!("{axis} ")).suffix(&suffix);
+                ui.add(drag).on_hover_text(&hint);
+            }
+            ui.label(name).on_hover_text(hint);
+        }
+        Value::Text(text) => {
+            ui.add(TextEdit::singleline(text).desired_width(120.0));
+            ui.label(name).on_hover_text(hint);
+        }
+    }
+    debug_assert!(matches!(setting.ty, ValueType::Vector(_)) || value.ty() == setting.ty, "{path}");
+}
+
+/// A number: a slider where the range has two ends, else a field to drag.
+fn drag(
+    ui: &mut Ui,
+    name: &str,
+    suffix: &str,
+    hint: &str,
+    number: &mut f64,
+    (min, max): (f64, f64),
+    whole: bool,
+) -> bool {
+    let response = if min.is_finite() && max.is_finite() {
+        let least = if min > 0.0 { min } else { max * 1e-4 };
+        let slider = Slider::new(number, min..=max)
+            .text(name)
+            .suffix(suffix)
+            .logarithmic(min >= 0.0 && max / least >= DECADES)
+            .smallest_positive(if whole { 1.0 } else { least })
+            .clamping(SliderClamping::Always);
+        ui.spacing_mut().slider_width = (ui.available_width() - 170.0).clamp(60.0, 220.0);
+        ui.add(if whole { slider.integer() } else { slider.max_decimals(5) })
+    } else {
+        let speed = if whole { 0.2 } else { (number.abs() * 0.01).max(1e-3) };
+        let field = DragValue::new(number).range(min..=max).speed(speed).suffix(suffix);
+        let field = if whole { field.max_decimals(0) } else { field.max_decimals(6) };
+        let response = ui.add(field);
+        let label = ui.label(name);
+        label.clone().on_hover_text(hint);
+        response.labelled_by(label.id)
+    };
+    let changed = response.changed();
+    response.on_hover_text(hint);
+    changed
+}
+
+fn plain(value: &Value) -> String {
+    match value {
+        Value::Text(text) => text.clone(),
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,64 @@
+//! The line at the bottom: how fast, how large, on what.
+
+use crate::app::App;
+use crate::engine::SideId;
+use eframe::egui::{ComboBox, Spinner, Ui};
+
+/// Pixels of a frame per pixel of the screen that can be chosen.
+const RESOLUTIONS: [(f32, &str); 5] =
+    [(0.0, "auto"), (1.0, "100 %"), (0.5, "50 %"), (0.25, "25 %"), (0.125, "12.5 %")];
+
+impl App {
+    /// Returns the pixels of a frame per pixel of the screen, in each direction.
+    pub(crate) fn resolution(&self) -> f32 {
+        match self.remembered.resolution {
+            chosen if chosen > 0.0 => chosen,
+            // A processor takes a hundred times as long.
+            _ if self.now.on_cpu => 0.5,
+            _ => 1.0,
+        }
+    }
+}
+
+pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        if let Some(stage) = &app.now.stage {
+            ui.add(Spinner::new().size(14.0));
+            ui.label(format!("{stage}…"));
+            ui.separator();
+        }
+        if let Some(side) = app.now.side(SideId::A) {
+            let (width, height) = side.plan.frame;
+            let whole = side.whole.last().unwrap_or(0.0);
+            let state = match side.progress {
+                Some(progress) if !progress.is_done() => format!("step {} of {}", progress.step, progress.steps),
+                Some(_) => "converged".to_owned(),
+                None if side.idle => format!("idle after {} frames: nothing changes", side.frames),
+                None => format!("{:.0} frames/s", app.now.frames_per_second),
+            };
+            ui.label(format!("{state} · frame {whole:.1} ms")).on_hover_text(
+                "From the call to pixels in memory, the last frame. A pipeline of which nothing changes does not run.",
+            );
+            ui.separator();
+            let before = app.remembered.resolution;
+            let name = |scale: f32| RESOLUTIONS.iter().find(|(s, _)| *s == scale).map_or("auto", |(_, name)| name);
+            ComboBox::from_id_salt("resolution").selected_text(name(before)).width(64.0).show_ui(ui, |ui| {
+                for (scale, name) in RESOLUTIONS {
+                    ui.selectable_value(&mut app.remembered.resolution, scale, name);
+                }
+            });
+            ui.label(format!("{width}×{height}")).on_hover_text("Size of frames in pixels");
+            ui.separator();
+            ui.label(frame_graph::human_bytes(side.bytes)).on_hover_text("All objects of pipeline A on the device");
+            ui.separator();
+        }
+        ui.label(format!("interface {:.1} ms", app.interface_ms))
+            .on_hover_text("Time in which the interface itself was laid out, on average; not part of the frame");
+        if let Some(ms) = app.now.reload_ms {
+            ui.separator();
+            ui.label(format!("reload {ms:.0} ms")).on_hover_text("From the time of the file last saved to its picture");
+        }
+        ui.separator();
+        ui.label(&app.now.adapter);
+    });
+}

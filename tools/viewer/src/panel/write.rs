@@ -1,0 +1,84 @@
+//! Files to write: pictures of any resource, sequences, videos.
+
+use crate::app::App;
+use crate::engine::{Command, Job, Published, SideId};
+use eframe::egui::{ComboBox, DragValue, TextEdit, Ui};
+use std::path::{Path, PathBuf};
+
+/// What the panel remembers.
+pub(crate) struct Writing {
+    side: SideId,
+    output: String,
+    path: String,
+    sequence: String,
+    frames: u32,
+}
+
+impl Default for Writing {
+    fn default() -> Writing {
+        Writing {
+            side: SideId::A,
+            output: "image".to_owned(),
+            path: "picture.exr".to_owned(),
+            sequence: "frames/####.png".to_owned(),
+            frames: 60,
+        }
+    }
+}
+
+impl Writing {
+    /// The next name for a screenshot that no file has.
+    pub(crate) fn next_screenshot(&self, now: &Published) -> PathBuf {
+        let stem = |text: &str| {
+            Path::new(text).file_stem().map_or(String::new(), |s| s.to_string_lossy().into_owned())
+        };
+        let pipeline = now.side(SideId::A).map_or(String::new(), |side| stem(&side.name));
+        let scene = now.scene.as_ref().map_or(String::new(), |view| stem(&view.scene.name));
+        let name = |n: u32| PathBuf::from(format!("{pipeline}-{scene}-{n:03}.png"));
+        (1..).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(0))
+    }
+}
+
+pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    let sides: Vec<SideId> = app.now.sides.iter().map(|(id, _)| *id).collect();
+    let writing = &mut app.writing;
+    if sides.len() > 1 {
+        ComboBox::from_label("of").selected_text(writing.side.name()).show_ui(ui, |ui| {
+            for id in &sides {
+                ui.selectable_value(&mut writing.side, *id, id.name());
+            }
+        });
+    }
+    ui.strong("A picture");
+    ui.label(
+        "EXR and PFM hold linear values, PNG what a screen shows. The record of how it was made is in it.",
+    );
+    let field = |ui: &mut Ui, name: &str, text: &mut String| {
+        ui.horizontal(|ui| {
+            let label = ui.label(name);
+            ui.add(TextEdit::singleline(text).desired_width(220.0)).labelled_by(label.id);
+        });
+    };
+    field(ui, "Output or resource", &mut writing.output);
+    field(ui, "File", &mut writing.path);
+    if ui.button("Write the picture").clicked() {
+        let job = Job::Picture {
+            side: writing.side,
+            output: writing.output.trim().to_owned(),
+            layer: 0,
+            path: PathBuf::from(writing.path.trim()),
+        };
+        app.engine.send(Command::Job(job));
+    }
+    let writing = &mut app.writing;
+    ui.separator();
+    ui.strong("The animation");
+    ui.label("Frames from its start: pictures with #### for the number, or .mp4, .webm, .mkv by ffmpeg.");
+    field(ui, "Files", &mut writing.sequence);
+    ui.add(DragValue::new(&mut writing.frames).range(1..=100_000).suffix(" frames"));
+    if ui.button("Write the animation").clicked() {
+        let path = PathBuf::from(writing.sequence.trim());
+        let job = Job::Sequence { side: writing.side, path, frames: writing.frames };
+        app.engine.send(Command::Job(job));
+    }
+}

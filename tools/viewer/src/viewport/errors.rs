@@ -1,0 +1,34 @@
+//! What is wrong, over the last good picture.
+
+use crate::app::App;
+use eframe::egui::{self, Color32, Rect, RichText, Ui, vec2};
+
+/// Draws the errors that are not mended yet.
+pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
+    let fatal = app.now.fatal.iter().map(|text| ("cannot start", text.as_str()));
+    let troubles = app.now.troubles.iter().map(|trouble| (trouble.of, trouble.text.as_str()));
+    let all: Vec<(&str, &str)> = fatal.chain(troubles).collect();
+    if all.is_empty() {
+        return;
+    }
+    let place = rect.shrink(10.0);
+    let area = egui::Area::new(ui.scope_id().with("errors")).fixed_pos(place.min).order(egui::Order::Middle);
+    area.show(ui.ctx(), |ui| {
+        let frame = egui::Frame::new()
+            .fill(Color32::from_rgba_unmultiplied(40, 8, 8, 225))
+            .stroke((1.0, Color32::from_rgb(200, 60, 50)))
+            .corner_radius(4)
+            .inner_margin(8);
+        frame.show(ui, |ui| {
+            ui.set_max_size(vec2(place.width() - 18.0, place.height() * 0.75));
+            egui::ScrollArea::both().auto_shrink([true, true]).show(ui, |ui| {
+                for (of, text) in all {
+                    let head = format!("{of}: the last good picture stays until this is mended");
+                    ui.label(RichText::new(head).color(Color32::from_rgb(255, 180, 170)));
+                    let text = RichText::new(text.trim_end()).monospace().color(Color32::WHITE);
+                    ui.add(egui::Label::new(text).extend());
+                }
+            });
+        });
+    });
+}

@@ -1,0 +1,328 @@
+//! The picture in the middle: one pipeline or two, with handles over it.
+
+mod errors;
+mod handles;
+mod lights;
+
+use crate::action::View;
+use crate::app::App;
+use crate::camera;
+use crate::engine::{Command, SideId};
+use crate::textures::Shown;
+use eframe::egui::{
+    self, Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui,
+    Vec2, pos2, vec2,
+};
+use glam::Vec3;
+use scene::Camera;
+use std::time::{Duration, Instant};
+
+/// How long the window keeps its size before frames take it.
+const SETTLED: Duration = Duration::from_millis(150);
+
+/// Radians per point of the screen that the mouse is dragged.
+const TURN: f32 = 0.005;
+
+/// The whole of a texture.
+const WHOLE: Rect = Rect { min: Pos2::ZERO, max: pos2(1.0, 1.0) };
+
+/// The size that frames are to have, once the window rests.
+#[derive(Clone, Copy, Default)]
+struct Wanted {
+    size: (u32, u32),
+    since: Option<Instant>,
+    sent: (u32, u32),
+}
+
+/// Where a picture is on the screen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// The picture.
+    pub(crate) rect: Rect,
+    /// The size of its frame in pixels.
+    pub(crate) size: [u32; 2],
+}
+
+impl Placed {
+    /// Returns where a point of the scene is on the screen; `None` behind the camera.
+    pub(crate) fn project(&self, camera: &Camera, point: Vec3) -> Option<Pos2> {
+        let px = camera.project(point, self.size)?;
+        let size = self.rect.size();
+        Some(self.rect.min + vec2(px.x / self.size[0] as f32 * size.x, px.y / self.size[1] as f32 * size.y))
+    }
+
+    /// Returns the ray of a point of the screen: origin and direction.
+    pub(crate) fn ray(&self, camera: &Camera, at: Pos2) -> (Vec3, Vec3) {
+        let share = (at - self.rect.min) / self.rect.size();
+        camera.ray(
+            glam::Vec2::new(share.x * 2.0 - 1.0, 1.0 - share.y * 2.0),
+            self.size[0] as f32 / self.size[1] as f32,
+        )
+    }
+}
+
+/// Draws the pictures and takes input over them.
+pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    let rect = ui.available_rect_before_wrap();
+    let view = if app.now.sides.len() > 1 { app.remembered.view } else { View::One };
+    let places = match view {
+        View::Beside => {
+            let (left, right) = rect.split_left_right_at_fraction(0.5);
+            vec![(other_of(app, SideId::A), left.with_max_x(left.max.x - 1.0)), (second(app), right)]
+        }
+        _ => vec![(SideId::A, rect)],
+    };
+    ask_for_size(app, ui, places[0].1, view);
+    ui.painter().rect_filled(rect, 0.0, Color32::from_gray(16));
+    let response = ui.interact(
+        rect,
+        ui.scope_id().with("picture"),
+        Sense::click_and_drag() | Sense::focusable_noninteractive(),
+    );
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
+    let mut placed = None;
+    for (side, place) in places {
+        placed = draw(app, ui, side, place, view).or(placed);
+    }
+    let Some(placed) = placed else {
+        wait(app, ui, rect);
+        errors::show(app, ui, rect);
+        return;
+    };
+    if view == View::Split {
+        split(app, ui, placed.rect);
+    }
+    let Some(seen) = app.now.camera else { return };
+    let camera = app.pilot.camera().unwrap_or(seen);
+    if app.virtual_lights {
+        lights::show(app, ui, placed, &camera);
+    }
+    let over_handle = app.remembered.handles && handles::show(app, ui, placed, &camera);
+    if !over_handle {
+        fly(app, ui, &response, placed, camera);
+    }
+    if app.pilot.go_on(&app.engine) {
+        ui.ctx().request_repaint();
+    }
+    errors::show(app, ui, rect);
+}
+
+/// A, except where the view flickers and B is its turn.
+fn other_of(app: &App, side: SideId) -> SideId {
+    if app.remembered.view == View::Flicker && app.flicked && side == SideId::A { second(app) } else { side }
+}
+
+/// What A is compared with on the screen.
+fn second(app: &App) -> SideId {
+    if app.now.side(SideId::B).is_some() { SideId::B } else { SideId::Reference }
+}
+
+/// Tells the engine the size of frames once the window rests.
+fn ask_for_size(app: &mut App, ui: &Ui, rect: Rect, _: View) {
+    if app.now.adapter.is_empty() {
+        return;
+    }
+    let id = ui.scope_id().with("frame size");
+    let mut wanted: Wanted = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    let scale = app.resolution() * ui.pixels_per_point();
+    let side = |points: f32| ((points * scale).round() as u32).clamp(16, 8192);
+    let size = (side(rect.width()), side(rect.height()));
+    if wanted.size != size {
+        (wanted.size, wanted.since) = (size, Some(Instant::now()));
+    }
+    let rests = wanted.sent == (0, 0) || wanted.since.is_some_and(|since| since.elapsed() > SETTLED);
+    if wanted.sent != size {
+        if rests {
+            app.engine.send(Command::Size(size));
+            wanted.sent = size;
+        } else {
+            ui.ctx().request_repaint_after(SETTLED);
+        }
+    }
+    ui.data_mut(|data| data.insert_temp(id, wanted));
+}
+
+/// Draws the picture of a side, or of what differs; returns where.
+fn draw(app: &mut App, ui: &Ui, side: SideId, place: Rect, view: View) -> Option<Placed> {
+    let side = other_of(app, side);
+    let shown = app.now.side(side)?;
+    let (picture, version) = (shown.picture.clone()?, shown.version);
+    let placed = fit(place, picture.size);
+    let texture = app.textures.of(ui.ctx(), Shown::Side(side), version, &picture);
+    let painter = ui.painter_at(place);
+    let measured = app.now.measured.clone();
+    let map = measured.as_ref().and_then(|measured| Some((measured.version, measured.map.as_ref()?)));
+    match (view, map) {
+        (View::Difference | View::Flip, Some((version, (a, b, map)))) => {
+            let texture = app.textures.of(ui.ctx(), Shown::Map, version, map);
+            painter.image(texture.id(), placed.rect, WHOLE, Color32::WHITE);
+            let gain = match view {
+                View::Difference => format!(", times {:.1}", app.remembered.gain),
+                _ => String::new(),
+            };
+            label(
+                &painter,
+                place.left_top(),
+                &format!("{}: {} and {}{gain}", view.name(), a.name(), b.name()),
+            );
+        }
+        (View::Difference | View::Flip, None) => {
+            label(&painter, place.left_top(), "comparing…");
+        }
+        (View::Split, _) => {
+            let at = placed.rect.left() + placed.rect.width() * app.remembered.split;
+            let (left, right) = placed.rect.split_left_right_at_x(at);
+            painter.with_clip_rect(left).image(texture.id(), placed.rect, WHOLE, Color32::WHITE);
+            let other = second(app);
+            if let Some(shown) = app.now.side(other)
+                && let Some(picture) = shown.picture.clone()
+            {
+                let (version, name) = (shown.version, format!("{}: {}", other.name(), shown.name));
+                let texture = app.textures.of(ui.ctx(), Shown::Side(other), version, &picture);
+                painter.with_clip_rect(right).image(texture.id(), placed.rect, WHOLE, Color32::WHITE);
+                label(&painter.with_clip_rect(right), right.left_top(), &name);
+            }
+        }
+        _ => {
+            painter.image(texture.id(), placed.rect, WHOLE, Color32::WHITE);
+        }
+    }
+    if app.now.sides.len() > 1 && !matches!(view, View::Difference | View::Flip) {
+        let name =
+            app.now.side(side).map_or(String::new(), |shown| format!("{}: {}", side.name(), shown.name));
+        label(&painter, place.left_top(), &name);
+    }
+    if app.inspector.over_picture {
+        app.inspector.draw_over(&mut app.textures, ui, placed.rect);
+    }
+    Some(placed)
+}
+
+/// The largest place of a picture within another, in its proportions.
+fn fit(place: Rect, size: [usize; 2]) -> Placed {
+    let picture = vec2(size[0] as f32, size[1] as f32);
+    let scale = (place.size() / picture).min_elem();
+    let rect = Rect::from_center_size(place.center(), picture * scale);
+    Placed { rect, size: [size[0] as u32, size[1] as u32] }
+}
+
+/// A line in a corner, readable over any picture.
+fn label(painter: &egui::Painter, at: Pos2, text: &str) {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), Color32::WHITE);
+    let at = at + vec2(6.0, 4.0);
+    painter.rect_filled(
+        Rect::from_min_size(at, galley.size()).expand(3.0),
+        3.0,
+        Color32::from_black_alpha(160),
+    );
+    painter.galley(at, galley, Color32::WHITE);
+}
+
+/// What is shown before there is a picture.
+fn wait(app: &App, ui: &Ui, rect: Rect) {
+    let text = match (&app.now.fatal, &app.now.stage) {
+        (Some(error), _) => error.clone(),
+        (None, Some(stage)) => format!("{stage}…"),
+        (None, None) if app.now.troubles.is_empty() => "Starting…".to_owned(),
+        (None, None) => String::new(),
+    };
+    let color = ui.visuals().strong_text_color();
+    ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(16.0), color);
+}
+
+/// The line between A and B, which can be dragged, or moved by the arrow keys once it has the focus.
+fn split(app: &mut App, ui: &mut Ui, rect: Rect) {
+    let x = rect.left() + rect.width() * app.remembered.split;
+    let line = Rect::from_center_size(pos2(x, rect.center().y), vec2(14.0, rect.height()));
+    let response = ui.interact(line, ui.scope_id().with("split"), Sense::click_and_drag());
+    let share = app.remembered.split;
+    response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(share), "Split between A and B"));
+    let mut share = share + response.drag_delta().x / rect.width().max(1.0);
+    if response.has_focus() {
+        let step = |input: &mut egui::InputState| {
+            f32::from(input.key_pressed(Key::ArrowRight)) - f32::from(input.key_pressed(Key::ArrowLeft))
+        };
+        share += 0.02 * ui.input_mut(step);
+    }
+    app.remembered.split = share.clamp(0.0, 1.0);
+    let hot = response.hovered() || response.dragged() || response.has_focus();
+    let width = if hot { 3.0 } else { 1.5 };
+    ui.painter().vline(x, rect.y_range(), Stroke::new(width, Color32::WHITE));
+    response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+}
+
+/// Moves the camera by mouse and keys.
+fn fly(app: &mut App, ui: &Ui, response: &Response, placed: Placed, before: Camera) {
+    let mut camera = before;
+    let delta = response.drag_delta();
+    let moved = delta != Vec2::ZERO;
+    if response.dragged_by(PointerButton::Secondary) && moved {
+        camera = camera::look(&camera, delta.x * TURN, delta.y * TURN);
+    } else if response.dragged_by(PointerButton::Primary) && moved {
+        camera = camera::orbit(&camera, delta.x * TURN, delta.y * TURN);
+    } else if response.dragged_by(PointerButton::Middle) && moved {
+        let metres = camera::metres_per_pixel(&camera, camera.target, placed.rect.height());
+        camera = camera::fly(&camera, Vec3::new(-delta.x, delta.y, 0.0) * metres);
+    }
+    if response.drag_started() && response.dragged_by(PointerButton::Primary) {
+        camera = orbit_around_what_is_seen(app, placed, camera);
+    }
+    if response.hovered() {
+        let wheel = ui.input(|input| input.smooth_scroll_delta.y);
+        if wheel != 0.0 {
+            camera = camera::approach(&camera, 1.0 - (-wheel * 0.004).exp());
+        }
+    }
+    if response.double_clicked()
+        && let Some(at) = response.interact_pointer_pos()
+    {
+        let (origin, direction) = placed.ray(&camera, at);
+        if let Some(hit) = pick(app, origin, direction) {
+            app.pilot.fly_to(before, camera::go_to(&camera, hit));
+            ui.ctx().request_repaint();
+            return;
+        }
+    }
+    camera = by_keys(app, ui, camera);
+    if camera != before {
+        app.pilot.take(&app.engine, camera, false);
+        ui.ctx().request_repaint();
+    }
+}
+
+/// The same view, with the target where the middle of the picture meets the scene: that is what is orbited.
+fn orbit_around_what_is_seen(app: &App, placed: Placed, camera: Camera) -> Camera {
+    let (origin, direction) = placed.ray(&camera, placed.rect.center());
+    pick(app, origin, direction).map_or(camera, |target| Camera { target, ..camera })
+}
+
+/// What a ray meets first, as the scene is now.
+fn pick(app: &App, origin: Vec3, direction: Vec3) -> Option<Vec3> {
+    let scene = &app.now.scene.as_ref()?.scene;
+    scene.pick(&scene.at(app.now.time), origin, direction).map(|hit| hit.position)
+}
+
+fn by_keys(app: &App, ui: &Ui, camera: Camera) -> Camera {
+    if ui.memory(|memory| memory.focused().is_some()) || app.palette.is_some() {
+        return camera;
+    }
+    let by = ui.input(|input| {
+        if input.modifiers.command {
+            return Vec3::ZERO;
+        }
+        let axis = |up: Key, down: Key| f32::from(input.key_down(up)) - f32::from(input.key_down(down));
+        let by = Vec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S));
+        let faster = if input.modifiers.shift { 4.0 } else { 1.0 };
+        let slower = if input.modifiers.alt { 0.25 } else { 1.0 };
+        by * faster * slower * input.stable_dt.min(0.1)
+    });
+    if by == Vec3::ZERO {
+        return camera;
+    }
+    let extent = app.now.scene.as_ref().map_or(1.0, |scene| {
+        let (min, max) = scene.scene.bounds();
+        (max - min).length()
+    });
+    // From one end of the scene to the other in five seconds.
+    camera::fly(&camera, by * extent * 0.2)
+}
