@@ -8,7 +8,7 @@ use x11rb::connection::Connection as _;
 use x11rb::protocol::xproto::{self, ConnectionExt as _, MapState};
 use x11rb::rust_connection::RustConnection;
 
-/// The size of the screen where none is asked for [pixels].
+/// The size of the screen where none is asked for \[pixels\].
 const SIZE: [u16; 2] = [1280, 800];
 
 /// How often it is looked again for what is waited for.
@@ -29,7 +29,7 @@ impl Display {
         Self::start_sized(SIZE)
     }
 
-    /// Does as [`Display::start`], with a screen of this size [pixels].
+    /// Does as [`Display::start`], with a screen of this size \[pixels\].
     ///
     /// # Panics
     /// If Xvfb is there and does not start.

@@ -44,11 +44,11 @@ pub enum Error {
     /// Part of the window lies outside the screen, and the server keeps no pixels there.
     #[error("the window ({size:?} pixels at {position:?}) reaches outside the screen of {screen:?} pixels")]
     Outside {
-        /// Where its upper left corner is [pixels].
+        /// Where its upper left corner is \[pixels\].
         position: [i16; 2],
-        /// Its size [pixels].
+        /// Its size \[pixels\].
         size: [u16; 2],
-        /// The size of the screen [pixels].
+        /// The size of the screen \[pixels\].
         screen: [u16; 2],
     },
     /// The server sent pixels of a layout other than 32 bits each, of which 24 are used.

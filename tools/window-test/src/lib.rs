@@ -15,7 +15,7 @@
 //! window.type_text("ls")?;
 //! window.key("ctrl+c")?;
 //! window.drag((10, 10), (200, 40), 8, Button::Left)?;
-//! window.screenshot()?.write("xterm.png", window_test::AS_SHOWN, None)?;
+//! window.screenshot()?.write("xterm.png", metrics::Display::AS_IS, None)?;
 //! program.kill()?;
 //! # Ok(())
 //! # }
@@ -32,6 +32,3 @@ mod window;
 pub use display::Display;
 pub use error::Error;
 pub use window::{Button, Window};
-
-/// How a screenshot is written so that the file shows what the window did: for [`metrics::Image::write`].
-pub const AS_SHOWN: metrics::Display = metrics::Display { tonemap: metrics::Tonemap::Clamp, exposure: 0.0 };

@@ -1,4 +1,3 @@
-use crate::AS_SHOWN;
 use crate::Error;
 use crate::display::{POLL, Server};
 use metrics::{Image, linear_from_srgb};
@@ -182,7 +181,7 @@ impl Window {
         Ok(())
     }
 
-    /// Returns the size [pixels].
+    /// Returns the size \[pixels\].
     ///
     /// # Errors
     /// As all calls.
@@ -191,7 +190,7 @@ impl Window {
         Ok([geometry.width, geometry.height])
     }
 
-    /// Gives the window another size [pixels, at least 1].
+    /// Gives the window another size \[pixels, at least 1\].
     ///
     /// # Errors
     /// As all calls.
@@ -214,7 +213,8 @@ impl Window {
         self.pause()
     }
 
-    /// Returns what the window shows: display light, decoded from sRGB, with alpha 1.
+    /// Returns what the window shows: display light, decoded from sRGB, with alpha 1. Written with
+    /// [`metrics::Display::AS_IS`], a PNG file shows the same.
     ///
     /// # Errors
     /// [`Error::Outside`] where part of the window lies outside the screen.
@@ -302,6 +302,6 @@ impl Window {
 fn keep(screenshot: &Image) -> Result<std::path::PathBuf, Error> {
     let file =
         tempfile::Builder::new().prefix("window-test-").suffix(".png").tempfile().map_err(Error::Keep)?;
-    screenshot.write(file.path(), AS_SHOWN, None)?;
+    screenshot.write(file.path(), metrics::Display::AS_IS, None)?;
     file.into_temp_path().keep().map_err(|error| Error::Keep(error.error))
 }

@@ -5,7 +5,7 @@ mod program;
 use metrics::Image;
 use program::{BLUE, GREEN, Program, RED};
 use std::time::{Duration, Instant};
-use window_test::{AS_SHOWN, Button, Display, Error, Window};
+use window_test::{Button, Display, Error, Window};
 
 const SOON: Duration = Duration::from_secs(20);
 
@@ -101,7 +101,7 @@ fn a_screenshot_is_what_the_window_shows() {
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("green.png");
-    green.write(&path, AS_SHOWN, None).unwrap();
+    green.write(&path, metrics::Display::AS_IS, None).unwrap();
     assert_eq!(Image::read(&path).unwrap(), green);
 }
 
