@@ -104,7 +104,7 @@ Next:
 /// name cannot be taken.
 pub fn create(root: &Path, name: &str) -> Result<Vec<PathBuf>> {
     check_name(name)?;
-    for folder in ["passes", "crates", "tools"].map(|folder| format!("{folder}/{name}")) {
+    for folder in ["passes", "crates", "tools", "examples"].map(|folder| format!("{folder}/{name}")) {
         ensure!(!root.join(&folder).exists(), "there is {folder} already");
     }
     let workspace = read(&root.join("Cargo.toml"))?;

@@ -34,7 +34,7 @@ pub(super) fn names(tree: &Tree) -> Vec<Finding> {
     packages(tree)
         .filter_map(|(name, manifest)| {
             let (group, folder) = manifest.folder().split_once('/')?;
-            let wrong = ["crates", "passes", "tools"].contains(&group) && folder != name;
+            let wrong = ["crates", "examples", "passes", "tools"].contains(&group) && folder != name;
             wrong.then(|| {
                 Finding::new(&manifest.path, 1, format!("package `{name}` lies in the folder `{folder}`"))
             })
