@@ -8,6 +8,7 @@
 //! * [`Comparison`]: all of these at once, as a table or as JSON.
 //! * [`temporal`]: flicker, error over time, and lag of a sequence of frames.
 //! * [`virtual_lights`]: how many lights reach the image, how many move, and how much energy a clamp removes.
+//! * [`tev`]: sends pictures to a running tev.
 //! * [`seeds`] and [`statistics`]: separate estimates of bias and variance, and intervals over several runs.
 //!
 //! Sums are `f64` in a fixed order, over each row and then over the rows, so a measure does not depend on the
@@ -27,6 +28,7 @@ mod ssim;
 pub mod seeds;
 pub mod statistics;
 pub mod temporal;
+pub mod tev;
 pub mod virtual_lights;
 
 pub use compare::{Comparison, ComparisonOptions, FlipStatistics};

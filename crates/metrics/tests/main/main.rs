@@ -6,3 +6,4 @@ mod patterns;
 mod seeds;
 mod ssim;
 mod temporal;
+mod tev;
