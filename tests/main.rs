@@ -21,4 +21,5 @@ mod reload;
 mod sequential;
 mod study;
 mod surface_lights;
+mod trace;
 mod truth;

@@ -358,6 +358,8 @@ impl Renderer {
         if self.pipeline.is_none() {
             return Err(RenderError::NoPipeline);
         }
+        let _frame = tracing::trace_span!(target: "frame", "frame", index = self.index).entered();
+        let posing = tracing::trace_span!(target: "frame", "pose and upload").entered();
         let scene = &self.scene.scene;
         let (time, step) = self.clock.time(scene, self.index, self.pose.time);
         scene.pose(time, &mut self.pose);
@@ -375,6 +377,7 @@ impl Renderer {
         }
         let frame = Frame { index: self.index, time, step, pad: 0.0 };
         self.view.update(&mut self.executor, scene, &self.pose, self.size, frame, &mut self.change)?;
+        drop(posing);
         let result = self.executor.frame(&self.change, self.frame_options);
         self.change.clear();
         let report = result?;

@@ -6,10 +6,13 @@ mod command;
 mod context;
 mod output;
 mod start;
+mod trace;
 
+use anyhow::Result;
 use clap::{Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use tracing_chrome::FlushGuard;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
@@ -26,6 +29,9 @@ struct Cli {
     /// Print JSON on standard output, for other programs
     #[arg(long, global = true)]
     json: bool,
+    /// Write to FILE what the program does over time, in Chrome's trace format, for ui.perfetto.dev
+    #[arg(long, global = true, value_name = "FILE")]
+    trace: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -74,15 +80,21 @@ fn quieten_mesa() {
     }
 }
 
-/// Prints what is logged, and records phases where they are wanted.
-fn record(phases: Option<start::Phases>) {
+/// Prints what is logged, and records phases and a trace where they are wanted. The trace is complete once what is
+/// returned is dropped.
+fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<FlushGuard>> {
     let logged = EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into());
     let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(logged);
     let of_phases = Targets::new().with_target(start::TARGET, LevelFilter::INFO);
-    tracing_subscriber::registry()
+    let (file, flush) = trace.map(trace::to_file).transpose()?.unzip();
+    let registry = tracing_subscriber::registry()
         .with(print)
         .with(phases.map(|phases| phases.with_filter(of_phases)))
-        .init();
+        .with(file);
+    #[cfg(feature = "tracy")]
+    let registry = registry.with(trace::to_tracy());
+    registry.init();
+    Ok(flush)
 }
 
 fn main() -> ExitCode {
@@ -90,7 +102,14 @@ fn main() -> ExitCode {
     let phases = start::Phases::begin();
     let cli = Cli::parse();
     let timed = matches!(&cli.command, Command::Render(args) if args.time);
-    record(timed.then(|| phases.clone()));
+    // Dropped at the end of `main`, which returns and never exits.
+    let _trace = match record(timed.then(|| phases.clone()), cli.trace.as_deref()) {
+        Ok(trace) => trace,
+        Err(error) => {
+            output::failure(&error);
+            return ExitCode::FAILURE;
+        }
+    };
     let context = context::Context::new(cli.root, cli.json, phases);
     let done = match &cli.command {
         #[cfg(feature = "window")]

@@ -82,6 +82,8 @@ impl Executor {
         }
         for (index, (steps, prepares)) in passes.filter(|(index, _)| schedule.runs[*index]) {
             let begun = target.map(|_| Instant::now());
+            let pass = plan.passes[index].name.as_str();
+            let _encoding = tracing::trace_span!(target: "frame", "encode", pass).entered();
             // A resource whose pass has no steps is written by the application before the frame.
             let poison = frame.poison.filter(|_| !steps.is_empty());
             if *prepares || poison.is_some() {
@@ -97,7 +99,9 @@ impl Executor {
         if let (Some(timers), Some(target)) = (frame.timers, target) {
             timers.resolve(&mut frame.encoder, target);
         }
+        let submitting = tracing::trace_span!(target: "frame", "submit").entered();
         gpu.submit(Some(frame.encoder.finish()));
+        drop(submitting);
         if let Some(message) = gpu.take_fault() {
             return Err(frame_error(message));
         }

@@ -1,0 +1,86 @@
+//! What the program does over time, for programs that draw it: a file in Chrome's trace format (`--trace`), and Tracy
+//! (feature `tracy`).
+//!
+//! Spans of two targets are traced: phases of the start (`start.rs`), and `frame`: frames, and the passes that each
+//! encodes.
+
+use anyhow::{Context as _, Result};
+use std::fmt;
+use std::fs::File;
+use std::path::Path;
+use tracing::field::{Field, Visit};
+use tracing::span::{Attributes, Id};
+use tracing::{Metadata, Subscriber};
+use tracing_chrome::{ChromeLayerBuilder, EventOrSpan, FlushGuard};
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::{FilterFn, filter_fn};
+use tracing_subscriber::layer::Context;
+use tracing_subscriber::registry::LookupSpan;
+
+/// The target of the spans of frames.
+const FRAME: &str = "frame";
+
+/// Creates the file, and the layer that writes into it. It is complete once the guard is dropped.
+///
+/// # Errors
+/// Where the file cannot be made.
+pub(crate) fn to_file<S>(path: &Path) -> Result<(impl Layer<S> + use<S>, FlushGuard)>
+where
+    S: Subscriber + for<'a> LookupSpan<'a> + Send + Sync,
+{
+    let file =
+        File::create(path).with_context(|| format!("the trace {} cannot be written", path.display()))?;
+    let name = |span: &EventOrSpan<'_, '_, S>| match span {
+        EventOrSpan::Span(span) => {
+            let pass = span.extensions().get::<PassName>().map(|PassName(name)| name.clone());
+            pass.unwrap_or_else(|| span.name().to_owned())
+        }
+        EventOrSpan::Event(event) => event.metadata().name().to_owned(),
+    };
+    let builder = ChromeLayerBuilder::new().writer(file).include_args(true).include_locations(false);
+    let (layer, guard) = builder.name_fn(Box::new(name)).build();
+    Ok((PassNames.and_then(layer).with_filter(traced()), guard))
+}
+
+/// The layer that sends to Tracy's profiler, where that is connected.
+#[cfg(feature = "tracy")]
+pub(crate) fn to_tracy<S>() -> impl Layer<S>
+where
+    S: Subscriber + for<'a> LookupSpan<'a>,
+{
+    tracing_tracy::TracyLayer::default().with_filter(traced())
+}
+
+/// Which spans are traced.
+fn traced() -> FilterFn<fn(&Metadata<'_>) -> bool> {
+    filter_fn(|metadata| metadata.is_span() && [crate::start::TARGET, FRAME].contains(&metadata.target()))
+}
+
+/// The name of the pass that a span is about.
+struct PassName(String);
+
+/// Finds the names of passes in the fields of spans, so that a timeline shows them, and not one name for all.
+struct PassNames;
+
+impl<S: Subscriber + for<'a> LookupSpan<'a>> Layer<S> for PassNames {
+    fn on_new_span(&self, attributes: &Attributes<'_>, id: &Id, context: Context<'_, S>) {
+        let mut find = FindPass(None);
+        attributes.record(&mut find);
+        if let (Some(name), Some(span)) = (find.0, context.span(id)) {
+            span.extensions_mut().insert(name);
+        }
+    }
+}
+
+/// Reads the field `pass`.
+struct FindPass(Option<PassName>);
+
+impl Visit for FindPass {
+    fn record_str(&mut self, field: &Field, value: &str) {
+        if field.name() == "pass" {
+            self.0 = Some(PassName(value.to_owned()));
+        }
+    }
+
+    fn record_debug(&mut self, _: &Field, _: &dyn fmt::Debug) {}
+}
