@@ -127,6 +127,23 @@ impl Gpu {
         format!("{} ({:?}, {} {})", info.name, info.backend, info.driver, info.driver_info)
     }
 
+    /// Runs `f` between the start and the end of a capture of the graphics debugger that is attached to the process
+    /// (RenderDoc, Xcode, PIX). Without one, only runs it.
+    pub fn capture<T>(&self, f: impl FnOnce() -> T) -> T {
+        #[expect(unsafe_code, reason = "wgpu's way of asking whether a debugger may be called")]
+        // SAFETY: the debugger that is called is the one that the user attached to this process.
+        unsafe {
+            self.device.start_graphics_debugger_capture();
+        }
+        let done = f();
+        #[expect(unsafe_code, reason = "as above")]
+        // SAFETY: as above.
+        unsafe {
+            self.device.stop_graphics_debugger_capture();
+        }
+        done
+    }
+
     /// Submits commands and what was written into buffers; the latter alone where there are no commands.
     pub fn submit(&self, commands: Option<wgpu::CommandBuffer>) {
         self.queue.submit(commands);

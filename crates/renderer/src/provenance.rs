@@ -1,7 +1,8 @@
 //! The record of how a picture was rendered: enough to render it again, and to say what differs.
 
-use crate::Renderer;
+use crate::{Clock, RenderError, Renderer};
 use frame_graph::{Overrides, Value};
+use scene::{Camera, Light, LightKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -39,6 +40,105 @@ pub struct Provenance {
     pub seed: u32,
     /// Adapter and driver.
     pub adapter: String,
+    /// The camera, where an application replaced the scene's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<RecordedCamera>,
+    /// The lights, where an application replaced the scene's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lights: Option<Vec<RecordedLight>>,
+    /// The time \[s\], where an application set it: else it follows the number of the frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f32>,
+}
+
+/// A [`Camera`] in a record.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedCamera {
+    /// [`Camera::position`]
+    pub position: [f32; 3],
+    /// [`Camera::target`]
+    pub target: [f32; 3],
+    /// [`Camera::up`]
+    pub up: [f32; 3],
+    /// [`Camera::vertical_fov`]
+    pub vertical_fov: f32,
+    /// [`Camera::near`]
+    pub near: f32,
+}
+
+/// A [`Light`] in a record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedLight {
+    /// [`Light::name`]
+    pub name: String,
+    /// Half the angles of the inner and the outer cone \[rad\], for a spot light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cone: Option<[f32; 2]>,
+    /// Whether it is a directional light; else it is a point light where it has no cone.
+    #[serde(default)]
+    pub directional: bool,
+    /// [`Light::position`]
+    pub position: [f32; 3],
+    /// [`Light::direction`]
+    pub direction: [f32; 3],
+    /// [`Light::intensity`]
+    pub intensity: [f32; 3],
+}
+
+impl From<Camera> for RecordedCamera {
+    fn from(camera: Camera) -> RecordedCamera {
+        let Camera { position, target, up, vertical_fov, near } = camera;
+        RecordedCamera {
+            position: position.into(),
+            target: target.into(),
+            up: up.into(),
+            vertical_fov,
+            near,
+        }
+    }
+}
+
+impl From<RecordedCamera> for Camera {
+    fn from(camera: RecordedCamera) -> Camera {
+        let RecordedCamera { position, target, up, vertical_fov, near } = camera;
+        Camera { position: position.into(), target: target.into(), up: up.into(), vertical_fov, near }
+    }
+}
+
+impl From<&Light> for RecordedLight {
+    fn from(light: &Light) -> RecordedLight {
+        let cone = match light.kind {
+            LightKind::Spot { inner, outer } => Some([inner, outer]),
+            LightKind::Point | LightKind::Directional => None,
+        };
+        RecordedLight {
+            name: light.name.clone(),
+            cone,
+            directional: light.kind == LightKind::Directional,
+            position: light.position.into(),
+            direction: light.direction.into(),
+            intensity: light.intensity.into(),
+        }
+    }
+}
+
+impl From<&RecordedLight> for Light {
+    fn from(light: &RecordedLight) -> Light {
+        let kind = match (light.cone, light.directional) {
+            (Some([inner, outer]), _) => LightKind::Spot { inner, outer },
+            (None, true) => LightKind::Directional,
+            (None, false) => LightKind::Point,
+        };
+        Light {
+            name: light.name.clone(),
+            kind,
+            position: light.position.into(),
+            direction: light.direction.into(),
+            intensity: light.intensity.into(),
+        }
+    }
 }
 
 impl Provenance {
@@ -79,7 +179,30 @@ impl Provenance {
             layer: shown.1,
             seed: renderer.seed,
             adapter: renderer.gpu().describe(),
+            camera: renderer.camera.map(RecordedCamera::from),
+            lights: renderer.lights.as_ref().map(|lights| lights.iter().map(RecordedLight::from).collect()),
+            time: match renderer.clock {
+                Clock::At(time) => Some(time),
+                Clock::Scene | Clock::Step(_) => None,
+            },
         }
+    }
+
+    /// Gives a renderer the camera, the lights and the time of the record, where it has them.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_lights`].
+    pub fn apply_view(&self, renderer: &mut Renderer) -> Result<(), RenderError> {
+        if let Some(camera) = self.camera {
+            renderer.set_camera(Some(camera.into()), false);
+        }
+        if let Some(lights) = &self.lights {
+            renderer.set_lights(Some(lights.iter().map(Light::from).collect()))?;
+        }
+        if self.time.is_some() {
+            renderer.set_time(self.time);
+        }
+        Ok(())
     }
 
     /// Writes it as JSON.

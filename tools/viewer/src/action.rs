@@ -25,7 +25,7 @@ impl View {
     pub(crate) const ALL: [View; 6] =
         [View::One, View::Beside, View::Split, View::Flicker, View::Difference, View::Flip];
 
-    /// Returns the name in the interface.
+    /// Returns the name in the interface, in letters that its font has.
     pub(crate) fn name(self) -> &'static str {
         match self {
             View::One => "one",
@@ -33,7 +33,7 @@ impl View {
             View::Split => "split",
             View::Flicker => "flicker",
             View::Difference => "difference",
-            View::Flip => "ꟻLIP",
+            View::Flip => "FLIP",
         }
     }
 }
@@ -158,7 +158,7 @@ pub(crate) fn table() -> Vec<Entry> {
         entry(A::Show(View::Split), "Split the picture between A and B", plain(Key::Num3)),
         entry(A::Show(View::Flicker), "Show A or B in the same place", plain(Key::Num4)),
         entry(A::Show(View::Difference), "Show the difference", plain(Key::Num5)),
-        entry(A::Show(View::Flip), "Show ꟻLIP's map of errors", plain(Key::Num6)),
+        entry(A::Show(View::Flip), "Show FLIP's map of errors", plain(Key::Num6)),
         entry(A::Reference, "Start or end the path-traced reference", plain(Key::R)),
         entry(A::Play, "Play or stop the animation", plain(Key::P)),
         entry(A::Rewind, "Go to the start of the animation", plain(Key::Home)),

@@ -11,7 +11,7 @@ use crate::textures::Textures;
 use crate::viewport;
 use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
 use frame_graph::Overrides;
-use renderer::Catalog;
+use renderer::{Catalog, RecordedCamera};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
@@ -46,39 +46,8 @@ pub(crate) struct Remembered {
     pub(crate) handles: bool,
     /// Whether the theme is dark; `None` as the system has it.
     pub(crate) dark: Option<bool>,
-    /// The camera, where the user moved it, in the scene named above: position, target, up \[m\], field of view \[rad\],
-    /// near plane \[m\].
-    pub(crate) camera: Option<RememberedCamera>,
-}
-
-/// A camera, as it is remembered.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct RememberedCamera {
-    position: [f32; 3],
-    target: [f32; 3],
-    up: [f32; 3],
-    vertical_fov: f32,
-    near: f32,
-}
-
-impl From<scene::Camera> for RememberedCamera {
-    fn from(camera: scene::Camera) -> RememberedCamera {
-        let scene::Camera { position, target, up, vertical_fov, near } = camera;
-        RememberedCamera {
-            position: position.into(),
-            target: target.into(),
-            up: up.into(),
-            vertical_fov,
-            near,
-        }
-    }
-}
-
-impl From<RememberedCamera> for scene::Camera {
-    fn from(camera: RememberedCamera) -> scene::Camera {
-        let RememberedCamera { position, target, up, vertical_fov, near } = camera;
-        scene::Camera { position: position.into(), target: target.into(), up: up.into(), vertical_fov, near }
-    }
+    /// The camera, where the user moved it, in the scene named above.
+    pub(crate) camera: Option<RecordedCamera>,
 }
 
 impl Default for Remembered {
@@ -205,6 +174,7 @@ impl App {
 
     /// Draws one frame of the interface.
     pub(crate) fn show(&mut self, ui: &mut Ui) {
+        let _span = tracing::trace_span!(target: "frame", "interface").entered();
         let begun = Instant::now();
         self.drawn += 1;
         self.now = self.engine.published().clone();
@@ -387,7 +357,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        self.remembered.camera = self.pilot.camera().map(RememberedCamera::from);
+        self.remembered.camera = self.pilot.camera().map(RecordedCamera::from);
         self.remembered.save(storage);
     }
 }

@@ -82,6 +82,21 @@ fn provenance_makes_the_same_renderer_again() {
     let same = Provenance::new(&again, &read.scene, ("count", 0), read.first_frame);
     assert_eq!(read.differences(&same), Vec::<String>::new());
 
+    // What an application replaced of the scene is in the record too.
+    let camera = scene::Camera { position: glam::Vec3::new(0.1, 2.0, 3.3), ..again.scene().camera };
+    let mut lights = again.scene().lights.clone();
+    lights.iter_mut().for_each(|light| light.intensity *= 0.3);
+    again.set_camera(Some(camera), true);
+    again.set_lights(Some(lights.clone())).unwrap();
+    again.set_time(Some(0.7));
+    counted(&mut again);
+    let moved = Provenance::new(&again, "plane", ("count", 0), 0);
+    let moved = Provenance::from_json(&moved.to_json()).unwrap();
+    moved.apply_view(&mut renderer).unwrap();
+    counted(&mut renderer);
+    assert_eq!((renderer.pose().camera, renderer.pose().time), (camera, 0.7));
+    assert_eq!(renderer.pose().lights, lights);
+
     again.set_pipeline("own", &step(1.0)).unwrap();
     counted(&mut again);
     let other = Provenance::new(&again, "plane", ("count", 0), 0);

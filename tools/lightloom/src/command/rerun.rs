@@ -33,6 +33,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     renderer.set_seed(record.seed);
     renderer.set_frame_index(record.first_frame);
     renderer.set_pipeline(&record.pipeline, &record.overrides())?;
+    record.apply_view(&mut renderer)?;
     renderer.keep(&record.output)?;
     for _ in record.first_frame..=record.frame {
         renderer.frame_until_done(|_, _| ControlFlow::Continue(()))?;

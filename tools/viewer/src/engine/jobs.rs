@@ -3,6 +3,7 @@
 use super::model::SideId;
 use super::side::Side;
 use anyhow::{Context as _, Result, bail};
+use metrics::tev::{self, Tev};
 use metrics::{Display, FileFormat, Image};
 use renderer::Provenance;
 use std::io::Write as _;
@@ -23,6 +24,17 @@ pub(crate) enum Job {
         /// The file.
         path: PathBuf,
     },
+    /// A resource or output to a tev that runs.
+    Tev {
+        /// Whose.
+        side: SideId,
+        /// An output of the pipeline, or any resource.
+        output: String,
+        /// Layer of an array.
+        layer: u32,
+    },
+    /// One frame, captured by the graphics debugger that the program was started in.
+    Capture(SideId),
     /// Frames of the animation from its start, one file each (a name with `####`), or a video (.mp4, .webm, .mkv) by ffmpeg.
     Sequence {
         /// Whose.
@@ -38,7 +50,8 @@ impl Job {
     /// Returns whose pictures it takes.
     pub(super) fn side(&self) -> SideId {
         match self {
-            Job::Picture { side, .. } | Job::Sequence { side, .. } => *side,
+            Job::Picture { side, .. } | Job::Sequence { side, .. } | Job::Tev { side, .. } => *side,
+            Job::Capture(side) => *side,
         }
     }
 
@@ -46,6 +59,8 @@ impl Job {
     pub(super) fn describe(&self) -> String {
         match self {
             Job::Picture { path, .. } | Job::Sequence { path, .. } => format!("Writing {}", path.display()),
+            Job::Tev { output, .. } => format!("Sending {output} to tev"),
+            Job::Capture(_) => "Capturing a frame".to_owned(),
         }
     }
 }
@@ -57,6 +72,19 @@ pub(super) fn run(job: &Job, side: &mut Side, mut stage: impl FnMut(String)) -> 
             let picture = side.renderer.picture(output, *layer)?;
             write(side, &picture, (output, *layer), path)?;
             Ok(format!("wrote {}", shown(path)))
+        }
+        Job::Tev { output, layer, .. } => {
+            let picture = side.renderer.picture(output, *layer)?;
+            let name = format!("{} {output}", side.renderer.pipeline_name());
+            Tev::connect(tev::ADDRESS)?.send_image(&name, &picture)?;
+            Ok(format!("sent {name} to tev"))
+        }
+        Job::Capture(_) => {
+            side.renderer.gpu().clone().capture(|| {
+                side.renderer.run_everything();
+                side.frame()
+            })?;
+            Ok("a frame was run for the graphics debugger; without one nothing was captured".to_owned())
         }
         Job::Sequence { path, frames, .. } => {
             let told = |frame: u32| format!("Writing {}: frame {frame} of {frames}", path.display());
@@ -83,9 +111,18 @@ fn write(side: &Side, picture: &Image, shown: (&str, u32), path: &Path) -> Resul
     }
     folder_of(path)?;
     let display = if shown.0 == "display" { Display::AS_IS } else { Display::default() };
-    let record = Provenance::new(&side.renderer, &side.renderer.scene().spec, shown, 0);
-    picture.write(path, display, Some(&record.to_json()))?;
+    picture.write(path, display, Some(&record(side, shown)))?;
     Ok(())
+}
+
+/// How a picture was made. Frames before this one count where history buffers hold what they left.
+fn record(side: &Side, shown: (&str, u32)) -> String {
+    let mut record = Provenance::new(&side.renderer, &side.renderer.scene().spec, shown, 0);
+    let remembers = side.renderer.plan().is_some_and(|plan| !plan.histories.is_empty());
+    if !remembers || side.has_progress() {
+        record.first_frame = record.frame;
+    }
+    record.to_json()
 }
 
 fn folder_of(path: &Path) -> Result<()> {
@@ -146,7 +183,7 @@ fn video(side: &mut Side, path: &Path, frames: u32, told: impl FnMut(u32)) -> Re
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     // Finished videos only: the name is given at the end.
     let beside = path.with_file_name(format!(".{}.{name}.{ending}", std::process::id()));
-    let record = Provenance::new(&side.renderer, &side.renderer.scene().spec, ("display", 0), 0).to_json();
+    let record = record(side, ("display", 0));
     let mut ffmpeg = Process::new("ffmpeg")
         .args(["-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
         .args(["-s", &format!("{width}x{height}"), "-r", &rate.to_string(), "-i", "-"])

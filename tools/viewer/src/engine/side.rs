@@ -94,6 +94,11 @@ impl Side {
         !self.idle && self.renderer.plan().is_some()
     }
 
+    /// Whether its pictures take several frames.
+    pub(super) fn has_progress(&self) -> bool {
+        self.progress.is_some()
+    }
+
     /// Whether it adds sample to sample, and has not as many as it wants.
     pub(super) fn converges(&self) -> bool {
         self.progress.is_some_and(|progress| !progress.is_done())

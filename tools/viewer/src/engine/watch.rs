@@ -2,14 +2,20 @@
 
 use shader_library::Watcher;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 /// How long no file may change before they are read: a checkout of a hundred files is one reload.
 const QUIET: Duration = Duration::from_millis(12);
 
+/// The same where so many have changed that somebody checks out a branch.
+const QUIET_OF_MANY: Duration = Duration::from_millis(150);
+
+/// How many files an editor saves at once.
+const MANY: usize = 4;
+
 /// How long files that change all the time are waited for.
-const PATIENCE: Duration = Duration::from_secs(2);
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Watches the files of a session.
 pub(super) struct Files {
@@ -21,6 +27,16 @@ pub(super) struct Files {
 
 /// Longer than a watcher holds a change back.
 const SETTLED: Duration = Duration::from_millis(300);
+
+/// Git's folder for a work tree that begins here: `.git`, or what the file of that name says.
+fn git_folder(root: &Path) -> Option<PathBuf> {
+    let git = root.join(".git");
+    if git.is_dir() {
+        return Some(git);
+    }
+    let text = std::fs::read_to_string(&git).ok()?;
+    Some(root.join(text.strip_prefix("gitdir:")?.trim()))
+}
 
 /// Files that changed.
 pub(super) struct Saved {
@@ -49,6 +65,12 @@ impl Files {
         Ok(())
     }
 
+    /// Whether git is about to write more files: it holds the lock of its index from the first to the last.
+    fn git_writes(&self) -> bool {
+        let locked = |folder: &PathBuf| folder.ancestors().find_map(git_folder).map(|git| git.join("index.lock"));
+        self.folders.first().and_then(locked).is_some_and(|lock| lock.exists())
+    }
+
     /// Returns what has changed since the last call, without waiting.
     fn changed(&mut self) -> BTreeSet<PathBuf> {
         let watchers = self.watcher.iter_mut().chain(self.before.iter_mut().map(|(watcher, _)| watcher));
@@ -66,16 +88,72 @@ impl Files {
         }
         let begun = Instant::now();
         loop {
-            std::thread::sleep(QUIET);
+            std::thread::sleep(if files.len() > MANY { QUIET_OF_MANY } else { QUIET });
             let more = self.changed();
-            if more.is_empty() || begun.elapsed() > PATIENCE {
-                files.extend(more);
+            let done = more.is_empty() && !self.git_writes();
+            files.extend(more);
+            if done || begun.elapsed() > PATIENCE {
                 break;
             }
-            files.extend(more);
         }
         let written = |file: &PathBuf| std::fs::metadata(file).and_then(|data| data.modified()).ok();
         let at = files.iter().filter_map(written).max();
         Some(Saved { files, at })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Waits for a save; panics after some seconds.
+    fn wait(files: &mut Files) -> Saved {
+        let begun = Instant::now();
+        loop {
+            if let Some(saved) = files.saved() {
+                return saved;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(20), "no change was seen");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn a_checkout_is_one_change() {
+        let root = tempfile::tempdir().unwrap();
+        let (git, shaders) = (root.path().join(".git"), root.path().join("shaders"));
+        std::fs::create_dir_all(&git).unwrap();
+        std::fs::create_dir_all(&shaders).unwrap();
+        let mut files = Files::new();
+        files.watch(vec![shaders.clone()]).unwrap();
+        let lock = git.join("index.lock");
+        std::fs::write(&lock, "").unwrap();
+        let (lock, folder) = (lock.clone(), shaders.clone());
+        let checkout = std::thread::spawn(move || {
+            for number in 0..12 {
+                std::fs::write(folder.join(format!("{number}.wgsl")), "// text").unwrap();
+                // Far longer than a single save is waited for.
+                std::thread::sleep(Duration::from_millis(60));
+            }
+            std::fs::remove_file(lock).unwrap();
+        });
+        let saved = wait(&mut files);
+        checkout.join().unwrap();
+        assert_eq!(saved.files.len(), 12);
+        assert!(saved.at.is_some());
+        assert!(files.saved().is_none());
+    }
+
+    #[test]
+    fn what_was_saved_while_other_folders_are_watched_is_not_lost() {
+        let root = tempfile::tempdir().unwrap();
+        let (a, b) = (root.path().join("a"), root.path().join("b"));
+        std::fs::create_dir_all(&a).unwrap();
+        std::fs::create_dir_all(&b).unwrap();
+        let mut files = Files::new();
+        files.watch(vec![a.clone()]).unwrap();
+        std::fs::write(a.join("x"), "x").unwrap();
+        files.watch(vec![a.clone(), b]).unwrap();
+        assert!(wait(&mut files).files.contains(&a.join("x")));
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.checkbox(&mut app.remembered.errors, "Errors in numbers");
     let Some(measured) = app.now.measured.clone().filter(|_| app.remembered.errors) else { return };
     Grid::new("errors").striped(true).num_columns(6).show(ui, |ui| {
-        for head in ["of", "against", "RMSE", "relMSE", "ꟻLIP", "energy"] {
+        for head in ["of", "against", "RMSE", "relMSE", "FLIP", "energy"] {
             ui.weak(head);
         }
         ui.end_row();

@@ -50,7 +50,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     let sides: Vec<SideId> = app.now.sides.iter().map(|(id, _)| *id).collect();
     let mut side = app.controls.side.filter(|side| sides.contains(side)).unwrap_or(SideId::A);
     if sides.len() > 1 {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for id in &sides {
                 ui.selectable_value(&mut side, *id, format!("Settings of {}", id.name()));
             }
@@ -135,7 +135,7 @@ fn control(app: &mut App, ui: &mut Ui, side: SideId, settable: &Settable, overri
     let before = value.clone();
     ui.horizontal_wrapped(|ui| {
         ui.push_id((side, &settable.path), |ui| {
-            if changed && ui.small_button("↺").on_hover_text("Back to what the file says").clicked() {
+            if changed && ui.small_button("⟲").on_hover_text("Back to what the file says").clicked() {
                 app.controls.given.remove(&(side, settable.path.clone()));
                 app.engine.send(Command::Reset(side, settable.path.clone()));
             }

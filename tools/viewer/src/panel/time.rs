@@ -42,12 +42,15 @@ fn table(ui: &mut Ui, id: SideId, side: &SideView) {
             let about = format!("{}{}", pass.kind, if ran { "" } else { ": did not run in the last frame" });
             row(ui, &pass.name, &about, ran, times);
         }
-        let sum = |f: fn(&PassTimes) -> Option<f32>| side.times.iter().filter_map(f).sum::<f32>();
+        let of_last = side.times.iter().zip(&side.ran).filter(|(_, ran)| **ran);
+        let last = of_last.filter_map(|(times, _)| times.last()).fold(0.0, |sum, ms| sum + ms);
+        let mean = side.times.iter().filter_map(PassTimes::mean).fold(0.0, |sum, ms| sum + ms);
+        let cpu = side.times.iter().fold(0.0, |sum, times| sum + times.cpu());
         ui.strong("all passes");
-        ui.strong(format!("{:.3}", sum(PassTimes::last)));
-        ui.strong(format!("{:.3}", sum(PassTimes::mean)));
+        ui.strong(format!("{last:.3}"));
+        ui.strong(format!("{mean:.3}"));
         ui.label("");
-        ui.strong(format!("{:.3}", side.times.iter().map(PassTimes::cpu).sum::<f32>()));
+        ui.strong(format!("{cpu:.3}"));
         ui.end_row();
         row(ui, "frame", "From the call to pixels in memory", true, &side.whole);
     });

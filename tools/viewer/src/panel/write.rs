@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Writing {
     side: SideId,
     output: String,
+    layer: u32,
     path: String,
     sequence: String,
     frames: u32,
@@ -19,6 +20,7 @@ impl Default for Writing {
         Writing {
             side: SideId::A,
             output: "image".to_owned(),
+            layer: 0,
             path: "picture.exr".to_owned(),
             sequence: "frames/####.png".to_owned(),
             frames: 60,
@@ -61,13 +63,23 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     };
     field(ui, "Output or resource", &mut writing.output);
     field(ui, "File", &mut writing.path);
-    if ui.button("Write the picture").clicked() {
-        let job = Job::Picture {
-            side: writing.side,
-            output: writing.output.trim().to_owned(),
-            layer: 0,
-            path: PathBuf::from(writing.path.trim()),
-        };
+    ui.add(DragValue::new(&mut writing.layer).range(0..=4095).prefix("layer "));
+    let (side, output, layer) = (writing.side, writing.output.trim().to_owned(), writing.layer);
+    let mut job = None;
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Write the picture").clicked() {
+            let path = PathBuf::from(writing.path.trim());
+            job = Some(Job::Picture { side, output: output.clone(), layer, path });
+        }
+        if ui.button("Send to tev").on_hover_text(format!("at {}", metrics::tev::ADDRESS)).clicked() {
+            job = Some(Job::Tev { side, output, layer });
+        }
+        let about = "Runs one frame for RenderDoc, where the program was started in it";
+        if ui.button("Capture a frame").on_hover_text(about).clicked() {
+            job = Some(Job::Capture(side));
+        }
+    });
+    if let Some(job) = job {
         app.engine.send(Command::Job(job));
     }
     let writing = &mut app.writing;

@@ -21,12 +21,12 @@ pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
             .inner_margin(8);
         frame.show(ui, |ui| {
             ui.set_max_size(vec2(place.width() - 18.0, place.height() * 0.75));
-            egui::ScrollArea::both().auto_shrink([true, true]).show(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink([true, true]).show(ui, |ui| {
                 for (of, text) in all {
                     let head = format!("{of}: the last good picture stays until this is mended");
                     ui.label(RichText::new(head).color(Color32::from_rgb(255, 180, 170)));
                     let text = RichText::new(text.trim_end()).monospace().color(Color32::WHITE);
-                    ui.add(egui::Label::new(text).extend());
+                    ui.add(egui::Label::new(text).wrap());
                 }
             });
         });

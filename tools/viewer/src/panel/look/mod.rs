@@ -131,6 +131,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             app.inspector.choose(side, &name);
         }
     });
+    presets(app, ui, &side.plan);
     if let Some(error) = &app.now.look_error {
         ui.colored_label(ui.visuals().error_fg_color, error);
     }
@@ -151,6 +152,37 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             texture_picture(app, ui, &looked);
         }
     }
+}
+
+/// Buttons for what is looked at most, as far as the plan has it.
+fn presets(app: &mut App, ui: &mut Ui, plan: &Plan) {
+    let of_interface = |name: &str| {
+        let ports = plan.passes.iter().rev().flat_map(|pass| &pass.outputs);
+        let port = ports.filter(|port| port.interface.as_str() == name).find(|port| !port.members.is_empty())?;
+        let (_, id) = port.members.first()?;
+        Some(plan.resources[id.0 as usize].name.to_string())
+    };
+    let output = |name: &str| plan.output(name).map(|output| output.name.to_string());
+    let lights = of_interface("VirtualLights");
+    let all: [(&str, &str, Option<String>, Channel); 6] = [
+        ("importance", "What each texel of the light's view brings to the picture", of_interface("Importance"), Channel::Red),
+        ("clusters", "The cells of clusters over the picture", output("cells"), Channel::Rgb),
+        ("placement", "Where virtual lights were placed in the light's view", output("placement"), Channel::Rgb),
+        ("clamped", "The irradiance that clamping removed", output("irradiance"), Channel::Alpha),
+        ("points", "The points that SMC-IR draws lights from", of_interface("SurfacePoints"), Channel::Rgb),
+        ("lights", "The virtual lights as a table", lights, Channel::Rgb),
+    ];
+    ui.horizontal_wrapped(|ui| {
+        for (name, about, resource, channel) in all {
+            let Some(resource) = resource else { continue };
+            if ui.small_button(name).on_hover_text(about).clicked() {
+                let side = app.inspector.side;
+                app.inspector.choose(side, &resource);
+                app.inspector.coloring.channel = channel;
+                app.inspector.coloring.auto = channel != Channel::Rgb;
+            }
+        }
+    });
 }
 
 fn describe(desc: &ResourceDesc) -> String {
