@@ -178,6 +178,7 @@ impl App {
         let begun = Instant::now();
         self.drawn += 1;
         self.now = self.engine.published().clone();
+        self.pilot.time.take_if(|time| *time == self.now.time || self.now.playing);
         if let Some(dark) = self.remembered.dark {
             ui.ctx().set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
         }
@@ -187,11 +188,18 @@ impl App {
             Panel::bottom("status").show(ui, |ui| panel::status::show(self, ui));
             if self.remembered.settings {
                 let panel = Panel::left("settings").default_size(290.0).size_range(180.0..=600.0);
-                panel.show(ui, |ui| panel::settings::show(self, ui));
+                panel.show(ui, |ui| {
+                    // What is wider wraps: a panel that grew by itself would change the size of frames.
+                    ui.set_max_width(ui.available_width());
+                    panel::settings::show(self, ui);
+                });
             }
             if self.remembered.panels {
                 let panel = Panel::right("panels").default_size(400.0).size_range(220.0..=1400.0);
-                panel.show(ui, |ui| panel::show(self, ui));
+                panel.show(ui, |ui| {
+                    ui.set_max_width(ui.available_width());
+                    panel::show(self, ui);
+                });
             }
         }
         let frame = egui::Frame::central_panel(ui.style()).inner_margin(0.0);
@@ -272,7 +280,7 @@ impl App {
             Action::Settings => self.remembered.settings = !self.remembered.settings,
             Action::Bare => self.bare = !self.bare,
             Action::Play => self.engine.send(Command::Play(!self.now.playing)),
-            Action::Rewind => self.engine.send(Command::Time(0.0)),
+            Action::Rewind => self.go_to_time(0.0),
             Action::SceneCamera => {
                 self.pilot.release(&self.engine);
                 self.remembered.camera = None;
@@ -281,7 +289,11 @@ impl App {
                 self.pilot.lights = None;
                 self.engine.send(Command::Lights(None));
             }
-            Action::Key => self.scene_panel.record(&self.now),
+            Action::Key => {
+                if let Some(camera) = self.pilot.camera().or(self.now.camera) {
+                    self.scene_panel.record(&self.now, camera, self.time());
+                }
+            }
             Action::SaveScene => self.saving = panel::save::Saving::scene(self),
             Action::SaveVariant => self.saving = panel::save::Saving::variant(self),
             Action::Screenshot => self.screenshot(),
@@ -305,6 +317,17 @@ impl App {
             }
             Action::Quit => context.send_viewport_cmd(egui::ViewportCommand::Close),
         }
+    }
+
+    /// The time of the animation that is shown, or that the user asked for since.
+    pub(crate) fn time(&self) -> f32 {
+        self.pilot.time.unwrap_or(self.now.time)
+    }
+
+    /// Shows the animation at a time \[s\].
+    pub(crate) fn go_to_time(&mut self, time: f32) {
+        self.pilot.time = Some(time);
+        self.engine.send(Command::Time(time));
     }
 
     /// Renders by another pipeline.

@@ -16,6 +16,8 @@ mod palette;
 mod panel;
 mod pilot;
 mod textures;
+#[cfg(test)]
+mod tests;
 mod viewport;
 
 use app::{App, Remembered};

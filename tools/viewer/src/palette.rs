@@ -87,7 +87,9 @@ fn matching(mut items: Vec<Item>, text: &str) -> Vec<Item> {
         }
     };
     items.retain(|item| rank(item).is_some());
-    items.sort_by_key(|item| rank(item));
+    // Of names that fit alike the shortest is meant.
+    let length = |item: &Item| if text.is_empty() { 0 } else { item.name.len() };
+    items.sort_by_key(|item| (rank(item), length(item)));
     items.truncate(MOST);
     items
 }
@@ -194,6 +196,7 @@ mod tests {
         assert_eq!(names("atrium"), ["atrium", "atrium-spot"]);
         assert_eq!(names("invtm"), ["ism-invtm", "lights/invtm", "tcas"]);
         assert_eq!(names("scene night"), ["atrium-spot"]);
+        assert_eq!(names("scene atr"), ["atrium", "atrium-spot"]);
         assert_eq!(names("").len(), 5);
         assert!(names("nothing like it").is_empty());
     }

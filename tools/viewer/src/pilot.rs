@@ -13,6 +13,8 @@ const FLIGHT: Duration = Duration::from_millis(350);
 pub(crate) struct Pilot {
     camera: Option<Camera>,
     flight: Option<(Instant, Camera, Camera)>,
+    /// The time that the user asked for and the engine does not show yet \[s\].
+    pub(crate) time: Option<f32>,
     /// The lights as the user moved them.
     pub(crate) lights: Option<Vec<Light>>,
 }

@@ -79,7 +79,8 @@ enum Figure {
     Memory,
     /// CPU time to take another value of a setting, as a slider sets it
     Value,
-    /// Time from the save of a shader to the end of the next frame, where the driver has compiled the same before
+    /// Time from the save of a shader to the end of the next frame, where the driver has compiled the same before, and
+    /// where it has not
     Reload,
     /// Time from the start of a process to its first picture: `lightloom render ism-invtm cornell-box --size 64x64`, with
     /// what the driver has compiled before in its cache, and without

@@ -18,6 +18,7 @@ pub(crate) use statistics::PassTimes;
 
 use renderer::Catalog;
 use session::Session;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -42,6 +43,8 @@ pub(crate) struct Start {
 /// The thread that renders, and what it has published. It ends when this is dropped.
 pub(crate) struct Engine {
     commands: Sender<Command>,
+    /// Set while a command waits.
+    waits: Arc<AtomicBool>,
     published: Arc<Mutex<Published>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -52,10 +55,12 @@ impl Engine {
         let (commands, received) = channel();
         let published = Arc::new(Mutex::new(Published::default()));
         let shared = Arc::clone(&published);
+        let waits = Arc::new(AtomicBool::new(false));
+        let waiting = Arc::clone(&waits);
         let thread = std::thread::Builder::new().name("engine".to_owned()).spawn(move || {
             let publisher = Publisher { published: shared, repaint: Box::new(repaint) };
             match Session::open(start, &publisher) {
-                Ok(session) => session.run(&received, &publisher),
+                Ok(session) => session.run(&received, &waiting, &publisher),
                 Err(error) => publisher.with(|published| {
                     eprintln!("error: {error}");
                     published.stage = None;
@@ -63,13 +68,14 @@ impl Engine {
                 }),
             }
         });
-        Engine { commands, published, thread: thread.ok() }
+        Engine { commands, waits, published, thread: thread.ok() }
     }
 
     /// Sends a command. It is carried out before the next frame.
     pub(crate) fn send(&self, command: Command) {
         // A session that has ended has said why.
         let _ = self.commands.send(command);
+        self.waits.store(true, Ordering::Release);
     }
 
     /// Returns what is published now. The engine waits while this is held.

@@ -13,7 +13,7 @@ use renderer::Progress;
 use scene::{Camera, Light};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// One of the pipelines that render the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -129,6 +129,15 @@ pub(crate) struct Trouble {
     pub(crate) of: &'static str,
     /// The text, of several lines.
     pub(crate) text: String,
+    /// Until when it is shown, where there is nothing to mend: a value that was refused. `None` until it is mended.
+    pub(crate) until: Option<Instant>,
+}
+
+impl Trouble {
+    /// Returns whether it is to be shown.
+    pub(crate) fn stands(&self) -> bool {
+        self.until.is_none_or(|until| Instant::now() < until)
+    }
 }
 
 /// Something that happened.

@@ -16,6 +16,7 @@ use renderer::{
 use scene::{Camera, Light};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
@@ -27,6 +28,9 @@ const FRAME: Duration = Duration::from_micros(16_000);
 
 /// How long nothing may move before the reference goes on.
 const STILL: Duration = Duration::from_millis(250);
+
+/// How long it is told that a value was refused.
+const REFUSED: Duration = Duration::from_secs(8);
 
 pub(super) struct Session {
     catalog: Arc<Catalog>,
@@ -113,7 +117,9 @@ impl Session {
     }
 
     /// Renders until the interface ends.
-    pub(super) fn run(mut self, commands: &Receiver<Command>, publisher: &Publisher) {
+    ///
+    /// `waits` is set while a command waits: sides that only compare give way to it.
+    pub(super) fn run(mut self, commands: &Receiver<Command>, waits: &AtomicBool, publisher: &Publisher) {
         loop {
             let wait = if self.busy() { self.due.saturating_duration_since(Instant::now()) } else { NAP };
             let first = match commands.recv_timeout(wait) {
@@ -121,6 +127,7 @@ impl Session {
                 Err(RecvTimeoutError::Timeout) => None,
                 Err(RecvTimeoutError::Disconnected) => return,
             };
+            waits.store(false, Ordering::Release);
             let mut batch: Vec<Command> = first.into_iter().chain(commands.try_iter()).collect();
             while !batch.is_empty() {
                 let command = batch.remove(0);
@@ -132,11 +139,11 @@ impl Session {
                 }
             }
             if let Some(saved) = self.files.saved() {
-                self.reload(&saved, publisher);
+                self.reload(&saved, waits, publisher);
             }
             self.tick();
             if Instant::now() >= self.due {
-                self.frames(publisher, None);
+                self.frames(publisher, None, waits);
             }
         }
     }
@@ -274,7 +281,11 @@ impl Session {
                     report(publisher, begun, &told, false);
                 }
             }
-            Err(error) => self.trouble(id.name(), &error, publisher),
+            Err(error) => {
+                // The value before stays: there is nothing to mend.
+                let until = Instant::now() + REFUSED;
+                self.trouble_until(id.name(), &error, Some(until), publisher);
+            }
         }
         self.moved = Instant::now();
     }
@@ -336,7 +347,7 @@ impl Session {
     }
 
     /// Loads again what was saved.
-    fn reload(&mut self, saved: &Saved, publisher: &Publisher) {
+    fn reload(&mut self, saved: &Saved, waits: &AtomicBool, publisher: &Publisher) {
         let began = Instant::now();
         let wanted: Vec<_> =
             self.sides.iter_mut().filter_map(|(id, side)| Some((*id, side.wanted.take()?))).collect();
@@ -376,7 +387,7 @@ impl Session {
             return;
         }
         self.move_on();
-        self.frames(publisher, Some(SideId::A));
+        self.frames(publisher, Some(SideId::A), waits);
         let ended: String = self.sides.first().map_or_else(String::new, |(_, side)| side.ended());
         let since_save = saved.at.and_then(|at| at.elapsed().ok()).map(|time| time.as_secs_f64() * 1e3);
         let ms = began.elapsed().as_secs_f64() * 1e3;
@@ -427,20 +438,28 @@ impl Session {
         self.each(|renderer| renderer.set_time(Some(time)));
     }
 
-    /// Runs a frame of each side that has something to do, or of one alone, and publishes what came of it.
-    fn frames(&mut self, publisher: &Publisher, only: Option<SideId>) {
+    /// Runs a frame of each side that has something to do, or of one alone, and publishes what came of each.
+    fn frames(&mut self, publisher: &Publisher, only: Option<SideId>, waits: &AtomicBool) {
         self.due = Instant::now() + FRAME;
         let still = self.moved.elapsed() > STILL && !self.playing;
-        let mut made = Vec::new();
+        let mut made = false;
         for at in 0..self.sides.len() {
             let (id, side) = &mut self.sides[at];
             let id = *id;
-            let waits = (id == SideId::Reference && !still) || only.is_some_and(|only| only != id);
-            if waits || !side.wants_a_frame() {
+            let gives_way = id != SideId::A && made && waits.load(Ordering::Acquire);
+            let rests = gives_way
+                || (id == SideId::Reference && !still) || only.is_some_and(|only| only != id);
+            if rests || !side.wants_a_frame() {
                 continue;
             }
             match side.frame() {
-                Ok(()) => made.push(id),
+                Ok(()) => {
+                    if id == SideId::A {
+                        self.made.push(Instant::now());
+                    }
+                    self.publish(publisher, Some(id), None);
+                    made = true;
+                }
                 Err(error) => {
                     side.renderer.run_everything();
                     self.trouble(id.name(), &error, publisher);
@@ -454,27 +473,24 @@ impl Session {
         }
         let now = Instant::now();
         self.made.retain(|at| now.duration_since(*at) < Duration::from_secs(1));
-        if made.contains(&SideId::A) {
-            self.made.push(now);
-        }
         self.measuring.offer(&self.sides);
         let measured = self.measuring.newest();
-        if !made.is_empty() || measured.is_some() {
-            self.publish(publisher, &made, measured);
+        if measured.is_some() {
+            self.publish(publisher, None, measured);
         }
     }
 
     fn publish(
         &mut self,
         publisher: &Publisher,
-        made: &[SideId],
+        made: Option<SideId>,
         measured: Option<Arc<super::measure::Measured>>,
     ) {
-        let looked = self.look.as_ref().filter(|look| made.contains(&look.side)).and_then(|look| {
+        let looked = self.look.as_ref().filter(|look| made == Some(look.side)).and_then(|look| {
             let (_, side) = self.sides.iter().find(|(id, _)| *id == look.side)?;
             Some(side.look(look))
         });
-        let lights = self.wants_lights.then(|| self.sides.first()?.1.virtual_lights()).flatten();
+        let lights = (self.wants_lights && made == Some(SideId::A)).then(|| self.sides.first()?.1.virtual_lights()).flatten();
         let lights = lights.map(|lights| {
             let before = std::mem::replace(&mut self.lights_before, lights.clone());
             let differs = |i: usize, light: &VirtualLight| {
@@ -485,7 +501,7 @@ impl Session {
         let pose = self.sides.first().map(|(_, side)| side.renderer.pose());
         let pose = pose.map(|pose| (pose.camera, pose.lights.clone()));
         publisher.with(|published| {
-            for (id, side) in self.sides.iter().filter(|(id, _)| made.contains(id)) {
+            for (id, side) in self.sides.iter().filter(|(id, _)| made == Some(*id)) {
                 let Some(view) = side.view() else { continue };
                 match published.sides.iter_mut().find(|(known, _)| known == id) {
                     Some((_, known)) => *known = view,
@@ -546,11 +562,21 @@ impl Session {
     }
 
     fn trouble(&self, of: &'static str, error: &RenderError, publisher: &Publisher) {
+        self.trouble_until(of, error, None, publisher);
+    }
+
+    fn trouble_until(
+        &self,
+        of: &'static str,
+        error: &RenderError,
+        until: Option<Instant>,
+        publisher: &Publisher,
+    ) {
         let text = error.to_string();
         eprintln!("{of}: {text}");
         publisher.with(|published| {
             published.troubles.retain(|trouble| trouble.of != of);
-            published.troubles.push(Trouble { of, text: text.clone() });
+            published.troubles.push(Trouble { of, text: text.clone(), until });
             published.say(self.begun.elapsed(), text, true);
         });
     }

@@ -84,12 +84,12 @@ fn animation(app: &mut App, ui: &mut Ui) {
     if ui.button(word).on_hover_text("P").clicked() {
         app.act(Action::Play, &context);
     }
-    let mut time = app.now.time;
+    let mut time = app.time();
     ui.spacing_mut().slider_width = 130.0;
     let slider = Slider::new(&mut time, 0.0..=duration).suffix(" s").max_decimals(2).text("Time");
     if ui.add(slider).on_hover_text("Time of the animation").changed() {
         app.engine.send(Command::Play(false));
-        app.engine.send(Command::Time(time));
+        app.go_to_time(time);
     }
     ui.add_space(egui::Spacing::default().item_spacing.x);
 }

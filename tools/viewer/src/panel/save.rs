@@ -160,6 +160,9 @@ pub(crate) fn show(app: &mut App, context: &Context) {
             if ui.button("Save").clicked() || enter {
                 match saving.write(app) {
                     Ok(line) => {
+                        if let What::Scene(_) = saving.what {
+                            app.scene_panel.saved();
+                        }
                         println!("{line}");
                         app.engine.published().say(std::time::Duration::ZERO, line, false);
                         done = true;

@@ -2,7 +2,7 @@
 
 use crate::action::Action;
 use crate::app::App;
-use crate::engine::{Command, Published};
+use crate::engine::Published;
 use eframe::egui::{DragValue, Grid, Response, ScrollArea, Slider, Ui};
 use glam::Vec3;
 use scene::{Camera, CameraKey, Light, LightKey, LightKind, SceneEdit, SceneKeys};
@@ -22,18 +22,21 @@ impl ScenePanel {
         self.keys.get_or_insert_with(|| file.and_then(|file| scene::keys_of(&file).ok()).unwrap_or_default())
     }
 
-    /// Records a key of the camera at the time shown, in place of one that is there.
-    pub(crate) fn record(&mut self, now: &Published) {
-        let (Some(camera), time) = (now.camera, now.time) else { return };
+    /// Forgets the keys, which are in the file now.
+    pub(crate) fn saved(&mut self) {
+        self.keys = None;
+    }
+
+    /// Records a key of the camera at a time \[s\], in place of one that is there.
+    pub(crate) fn record(&mut self, now: &Published, camera: Camera, time: f32) {
         let keys = &mut self.keys(now).camera;
         keys.retain(|key| key.time != time);
         keys.push(CameraKey { time, position: Some(camera.position), target: Some(camera.target) });
         keys.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
 
-    /// Records a key of a light at the time shown.
-    fn record_light(&mut self, now: &Published, light: &Light) {
-        let time = now.time;
+    /// Records a key of a light at a time \[s\].
+    fn record_light(&mut self, now: &Published, light: &Light, time: f32) {
         let keys = self.keys(now).lights.entry(light.name.clone()).or_default();
         keys.retain(|key| key.time != time);
         let (point, sun) = (light.kind == LightKind::Point, light.kind == LightKind::Directional);
@@ -52,14 +55,47 @@ impl ScenePanel {
         let moved = |light: &&Light| {
             own.is_none_or(|scene| scene.lights.iter().all(|own| own.name != light.name || own != *light))
         };
-        let lights = app.pilot.lights.iter().flatten().filter(moved).cloned().collect();
+        let digits = own.map_or(4, |scene| {
+            let (min, max) = scene.bounds();
+            digits((max - min).length())
+        });
+        let round = |value: Vec3| rounded(value, digits);
+        let moved = app.pilot.lights.iter().flatten().filter(moved).cloned();
+        let lights = moved.map(|light| Light {
+            position: round(light.position),
+            direction: rounded(light.direction, 4),
+            ..light
+        });
+        let camera = app.pilot.camera().map(|camera| Camera {
+            position: round(camera.position),
+            target: round(camera.target),
+            ..camera
+        });
+        let mut keys = self.keys.clone();
+        for key in keys.iter_mut().flat_map(|keys| &mut keys.camera) {
+            (key.position, key.target) = (key.position.map(round), key.target.map(round));
+        }
+        for key in keys.iter_mut().flat_map(|keys| keys.lights.values_mut().flatten()) {
+            key.position = key.position.map(round);
+        }
         SceneEdit {
-            camera: app.pilot.camera(),
-            lights,
-            camera_keys: self.keys.as_ref().map(|keys| keys.camera.clone()).filter(|keys| !keys.is_empty()),
-            light_keys: self.keys.as_ref().map_or_else(Default::default, |keys| keys.lights.clone()),
+            camera,
+            lights: lights.collect(),
+            camera_keys: keys.as_ref().map(|keys| keys.camera.clone()).filter(|keys| !keys.is_empty()),
+            light_keys: keys.map_or_else(Default::default, |keys| keys.lights),
         }
     }
+}
+
+/// The decimals by which places in a scene of this extent \[m\] differ visibly: a hundred-thousandth of it.
+fn digits(extent: f32) -> i32 {
+    if extent > 0.0 && extent.is_finite() { (5 - extent.log10().floor() as i32).clamp(0, 12) } else { 4 }
+}
+
+/// A place as a person would write it: what the mouse gives has digits that mean nothing.
+fn rounded(value: Vec3, digits: i32) -> Vec3 {
+    let scale = 10f64.powi(digits);
+    Vec3::from(value.to_array().map(|x| ((f64::from(x) * scale).round() / scale) as f32))
 }
 
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
@@ -154,7 +190,8 @@ fn lights(app: &mut App, ui: &mut Ui) {
         });
     }
     if let Some(light) = record.map(|i| lights[i].clone()) {
-        app.scene_panel.record_light(&app.now, &light);
+        let time = app.time();
+        app.scene_panel.record_light(&app.now, &light, time);
     }
     if lights != before {
         app.pilot.set_lights(&app.engine, lights);
@@ -205,7 +242,7 @@ fn keys(app: &mut App, ui: &mut Ui) {
         }
         return;
     };
-    ui.strong("Keys, until they are saved");
+    ui.strong("Keys, which play once they are saved");
     let (mut go, mut drop_camera, mut drop_light) = (None, None, None);
     let mut line = |ui: &mut Ui, name: &str, time: f32| {
         let mut dropped = false;
@@ -239,7 +276,7 @@ fn keys(app: &mut App, ui: &mut Ui) {
         keys.remove(i);
     }
     if let Some(time) = go {
-        app.engine.send(Command::Time(time));
+        app.go_to_time(time);
     }
 }
 
@@ -262,4 +299,16 @@ fn vector(ui: &mut Ui, name: &str, value: &mut Vec3, speed: f32) {
 /// Whether a camera is one that a file can hold.
 pub(crate) fn can_be_saved(camera: &Camera) -> bool {
     camera.position.is_finite() && camera.target.is_finite() && camera.position != camera.target
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_rounded_by_the_extent_of_the_scene() {
+        assert_eq!((digits(0.9), digits(30.0), digits(2e4), digits(0.0)), (6, 4, 1, 4));
+        let value = rounded(Vec3::new(0.45107928, -1.0, 12.000001), 4);
+        assert_eq!(value, Vec3::new(0.4511, -1.0, 12.0));
+    }
 }

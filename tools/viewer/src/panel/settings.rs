@@ -109,7 +109,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             let kind = shown.plan.passes.iter().find(|pass| *pass.name == *group);
             let head = RichText::new(group);
             let head = if changed { head.strong() } else { head };
-            let folded = CollapsingHeader::new(head).id_salt((side, group));
+            // What a filter opens is closed again without it.
+            let folded = CollapsingHeader::new(head).id_salt((side, group, filter.is_empty()));
             let open = if filter.is_empty() { None } else { Some(true) };
             let response = folded.open(open).show(ui, |ui| {
                 for member in members {
@@ -135,11 +136,14 @@ fn control(app: &mut App, ui: &mut Ui, side: SideId, settable: &Settable, overri
     let before = value.clone();
     ui.horizontal_wrapped(|ui| {
         ui.push_id((side, &settable.path), |ui| {
-            if changed && ui.small_button("⟲").on_hover_text("Back to what the file says").clicked() {
+            edit(ui, &settable.path, setting, &mut value);
+            // Behind the control, which must not move under the mouse.
+            let about = format!("{}: back to what the file says", settable.path);
+            if changed && ui.small_button("reset").on_hover_text(about).clicked() {
                 app.controls.given.remove(&(side, settable.path.clone()));
                 app.engine.send(Command::Reset(side, settable.path.clone()));
+                value.clone_from(&before);
             }
-            edit(ui, &settable.path, setting, &mut value);
         });
     });
     if value != before {
@@ -224,22 +228,20 @@ fn drag(
     let response = if min.is_finite() && max.is_finite() {
         let least = if min > 0.0 { min } else { max * 1e-4 };
         let slider = Slider::new(number, min..=max)
-            .text(name)
             .suffix(suffix)
             .logarithmic(min >= 0.0 && max / least >= DECADES)
             .smallest_positive(if whole { 1.0 } else { least })
             .clamping(SliderClamping::Always);
-        ui.spacing_mut().slider_width = (ui.available_width() - 170.0).clamp(60.0, 220.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - 190.0).clamp(40.0, 220.0);
         ui.add(if whole { slider.integer() } else { slider.max_decimals(5) })
     } else {
         let speed = if whole { 0.2 } else { (number.abs() * 0.01).max(1e-3) };
         let field = DragValue::new(number).range(min..=max).speed(speed).suffix(suffix);
-        let field = if whole { field.max_decimals(0) } else { field.max_decimals(6) };
-        let response = ui.add(field);
-        let label = ui.label(name);
-        label.clone().on_hover_text(hint);
-        response.labelled_by(label.id)
+        ui.add(if whole { field.max_decimals(0) } else { field.max_decimals(6) })
     };
+    let label = ui.label(name);
+    let response = response.labelled_by(label.id);
+    label.on_hover_text(hint);
     let changed = response.changed();
     response.on_hover_text(hint);
     changed

@@ -30,9 +30,11 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         if let Some(side) = app.now.side(SideId::A) {
             let (width, height) = side.plan.frame;
             let whole = side.whole.last().unwrap_or(0.0);
+            let others = app.now.sides.iter().any(|(id, side)| *id != SideId::A && !side.idle);
             let state = match side.progress {
                 Some(progress) if !progress.is_done() => format!("step {} of {}", progress.step, progress.steps),
                 Some(_) => "converged".to_owned(),
+                _ if side.idle && others => "A is done, others go on".to_owned(),
                 None if side.idle => format!("idle after {} frames: nothing changes", side.frames),
                 None => format!("{:.0} frames/s", app.now.frames_per_second),
             };
@@ -42,11 +44,13 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             ui.separator();
             let before = app.remembered.resolution;
             let name = |scale: f32| RESOLUTIONS.iter().find(|(s, _)| *s == scale).map_or("auto", |(_, name)| name);
-            ComboBox::from_id_salt("resolution").selected_text(name(before)).width(64.0).show_ui(ui, |ui| {
+            let list = ComboBox::from_id_salt("resolution").selected_text(name(before)).width(64.0);
+            let list = list.show_ui(ui, |ui| {
                 for (scale, name) in RESOLUTIONS {
                     ui.selectable_value(&mut app.remembered.resolution, scale, name);
                 }
             });
+            list.response.on_hover_text("Resolution: pixels of a frame per pixel of the screen");
             ui.label(format!("{width}×{height}")).on_hover_text("Size of frames in pixels");
             ui.separator();
             ui.label(frame_graph::human_bytes(side.bytes)).on_hover_text("All objects of pipeline A on the device");

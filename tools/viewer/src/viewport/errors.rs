@@ -6,10 +6,14 @@ use eframe::egui::{self, Color32, Rect, RichText, Ui, vec2};
 /// Draws the errors that are not mended yet.
 pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
     let fatal = app.now.fatal.iter().map(|text| ("cannot start", text.as_str()));
-    let troubles = app.now.troubles.iter().map(|trouble| (trouble.of, trouble.text.as_str()));
+    let standing = app.now.troubles.iter().filter(|trouble| trouble.stands());
+    let troubles = standing.clone().map(|trouble| (trouble.of, trouble.text.as_str()));
     let all: Vec<(&str, &str)> = fatal.chain(troubles).collect();
     if all.is_empty() {
         return;
+    }
+    if standing.filter_map(|trouble| trouble.until).next().is_some() {
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(500));
     }
     let place = rect.shrink(10.0);
     let area = egui::Area::new(ui.scope_id().with("errors")).fixed_pos(place.min).order(egui::Order::Middle);

@@ -10,8 +10,8 @@ use scene::{Camera, Light, LightKind};
 /// Length of an arrow in points of the screen.
 const ARROW: f32 = 60.0;
 
-/// Draws the handles and takes what is dragged; returns whether the mouse is over one, or drags one.
-pub(super) fn show(app: &mut App, ui: &mut Ui, placed: Placed, camera: &Camera) -> bool {
+/// Draws the handles over a picture, of which this is the number, and takes what is dragged; returns whether the mouse is over one, or drags one.
+pub(super) fn show(app: &mut App, ui: &mut Ui, number: usize, placed: Placed, camera: &Camera) -> bool {
     let mut lights = app.pilot.lights.clone().unwrap_or_else(|| app.now.lights.clone());
     let middle = app.now.scene.as_ref().map_or(Vec3::ZERO, |scene| {
         let (min, max) = scene.scene.bounds();
@@ -25,7 +25,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui, placed: Placed, camera: &Camera) 
         else {
             continue;
         };
-        let id = ui.scope_id().with(("light", i));
+        let id = ui.scope_id().with(("light", number, i));
         let (moved, over) = handle(ui, id, at, &format!("Light {}: drag to move", light.name));
         busy |= over;
         if moved != Vec2::ZERO && light.kind != LightKind::Directional {

@@ -80,26 +80,33 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         Sense::click_and_drag() | Sense::focusable_noninteractive(),
     );
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
-    let mut placed = None;
-    for (side, place) in places {
-        placed = draw(app, ui, side, place, view).or(placed);
-    }
-    let Some(placed) = placed else {
+    let placed: Vec<Placed> =
+        places.into_iter().filter_map(|(side, place)| draw(app, ui, side, place, view)).collect();
+    let Some(first) = placed.first().copied() else {
         wait(app, ui, rect);
         errors::show(app, ui, rect);
         return;
     };
     if view == View::Split {
-        split(app, ui, placed.rect);
+        split(app, ui, first.rect);
     }
     let Some(seen) = app.now.camera else { return };
     let camera = app.pilot.camera().unwrap_or(seen);
-    if app.virtual_lights {
-        lights::show(app, ui, placed, &camera);
+    let mut over_handle = false;
+    for (number, placed) in placed.iter().enumerate() {
+        if app.virtual_lights {
+            lights::show(app, ui, *placed, &camera);
+        }
+        over_handle |= app.remembered.handles && handles::show(app, ui, number, *placed, &camera);
     }
-    let over_handle = app.remembered.handles && handles::show(app, ui, placed, &camera);
     if !over_handle {
-        fly(app, ui, &response, placed, camera);
+        let pointer = response.hover_pos().or(response.interact_pointer_pos());
+        let under = pointer.and_then(|at| placed.iter().find(|placed| placed.rect.contains(at)));
+        fly(app, ui, &response, under.copied().unwrap_or(first), camera);
+    }
+    if app.now.playing && app.pilot.camera().is_some() {
+        let at = first.rect.left_bottom() - vec2(0.0, 50.0);
+        label(&ui.painter_at(rect), at, "This is your camera; C gives it back to the scene");
     }
     if app.pilot.go_on(&app.engine) {
         ui.ctx().request_repaint();

@@ -10,6 +10,7 @@ use colors::{Channel, Coloring, Palette};
 use eframe::egui::{
     self, Color32, ComboBox, DragValue, Pos2, Rect, ScrollArea, Sense, Slider, Ui, pos2, vec2,
 };
+use frame_graph::plan::Fate;
 use frame_graph::{Plan, ResourceDesc};
 use std::sync::Arc;
 
@@ -52,12 +53,15 @@ impl Default for Inspector {
     }
 }
 
-/// What can be looked at in a plan: its outputs, then all resources in the order of passes.
+/// What can be looked at in a plan: its outputs, then all resources in the order of passes, then the passes that run only if
+/// they are asked for.
 fn names(plan: &Plan) -> Vec<String> {
     let outputs = plan.outputs.iter().map(|output| output.name.to_string());
     let made = plan.passes.iter().flat_map(|pass| pass.outputs.iter().flat_map(|port| &port.members));
     let made = made.map(|(_, id)| plan.resources[id.0 as usize].name.to_string());
-    let mut all: Vec<String> = outputs.chain(made).collect();
+    let culled = plan.fates.iter().filter(|(_, fate)| matches!(fate, Fate::Culled { .. }));
+    let culled = culled.map(|(name, _)| name.to_string());
+    let mut all: Vec<String> = outputs.chain(made).chain(culled).collect();
     let mut known = std::collections::HashSet::new();
     all.retain(|name| known.insert(name.clone()));
     all
@@ -162,7 +166,10 @@ fn presets(app: &mut App, ui: &mut Ui, plan: &Plan) {
         let (_, id) = port.members.first()?;
         Some(plan.resources[id.0 as usize].name.to_string())
     };
-    let output = |name: &str| plan.output(name).map(|output| output.name.to_string());
+    let output = |name: &str| {
+        let known = plan.output(name).is_some() || plan.fates.iter().any(|(pass, _)| pass == name);
+        known.then(|| name.to_owned())
+    };
     let lights = of_interface("VirtualLights");
     let all: [(&str, &str, Option<String>, Channel); 6] = [
         ("importance", "What each texel of the light's view brings to the picture", of_interface("Importance"), Channel::Red),

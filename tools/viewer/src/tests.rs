@@ -1,0 +1,187 @@
+//! The interface by its accessibility tree: what is there has a name, and can be reached by the keyboard.
+
+use crate::action::{Action, Tab, View};
+use crate::app::{App, Remembered};
+use crate::engine::{Command, SideId, Start};
+use eframe::egui::accessibility::is_input;
+use eframe::egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use frame_graph::{Overrides, Value};
+use renderer::{Assets, Catalog, Gpu};
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Few lights in small maps, so that a frame takes little time on a processor.
+fn few() -> Overrides {
+    let values = [("lights", 16), ("map", 16), ("rsm.size", 32), ("interleave_x", 1), ("interleave_y", 1)];
+    Overrides(values.map(|(path, value)| (path.to_owned(), Value::U32(value))).to_vec())
+}
+
+/// The window with a pipeline and scene, as soon as there is a picture; `None` where there is no adapter.
+fn window(pipeline: &str, scene: &str) -> Option<Harness<'static, App>> {
+    if Gpu::adapters().is_empty() {
+        eprintln!("skipped: no graphics adapter");
+        return None;
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let start = Start {
+        catalog: Arc::new(Catalog::new(Assets::new(Some(root)))),
+        pipeline: pipeline.to_owned(),
+        scene: scene.to_owned(),
+        overrides: few(),
+        size: (64, 48),
+        seed: 0,
+    };
+    let remembered = Remembered { resolution: 0.125, ..Remembered::default() };
+    let mut harness = Harness::builder()
+        .with_size([1500.0, 1000.0])
+        .with_step_dt(1.0 / 30.0)
+        .build_eframe(|context| App::new(&context.egui_ctx, start, remembered));
+    pump(&mut harness, |app| app.now.side(SideId::A).is_some_and(|side| side.picture.is_some()));
+    Some(harness)
+}
+
+/// Draws until something holds; panics after a minute.
+fn pump(harness: &mut Harness<'static, App>, holds: impl Fn(&App) -> bool) {
+    let begun = Instant::now();
+    while !holds(harness.state()) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "waited for too long: {:?}", harness.state().now.troubles);
+        harness.step();
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// The names of all controls that can be used.
+fn controls(harness: &Harness<'static, App>) -> BTreeSet<String> {
+    let nodes = harness.root().children_recursive().collect::<Vec<_>>();
+    let nodes = nodes.iter().map(|node| node.accesskit_node());
+    let inputs = nodes.filter(|node| is_input(node.role()) && !node.is_hidden() && !node.is_disabled());
+    inputs.map(|node| format!("{:?} {}", node.role(), node.label().unwrap_or_default())).collect()
+}
+
+fn focused(harness: &Harness<'static, App>) -> Option<String> {
+    let node = harness.root().children_recursive().find(|node| node.accesskit_node().is_focused())?;
+    let node = node.accesskit_node();
+    Some(format!("{:?} {}", node.role(), node.label().unwrap_or_default()))
+}
+
+#[test]
+fn every_control_has_a_name_and_is_reached_by_the_keyboard() {
+    let Some(mut harness) = window("ism-invtm", "cornell-box-moving") else { return };
+    let app = harness.state_mut();
+    app.open_pipeline(SideId::B, "ism-uniform");
+    app.remembered.view = View::Split;
+    app.engine.send(Command::Value(SideId::B, "lights".to_owned(), Value::U32(16)));
+    pump(&mut harness, |app| app.now.side(SideId::B).is_some_and(|side| side.picture.is_some()));
+    for tab in Tab::ALL {
+        harness.state_mut().remembered.tab = tab;
+        harness.run_steps(4);
+        assert_eq!(harness.unnamed_widgets(), Vec::<String>::new(), "{}", tab.name());
+        let wanted = controls(&harness);
+        assert!(wanted.len() > 15, "{}: {wanted:?}", tab.name());
+        let mut reached = BTreeSet::new();
+        for _ in 0..wanted.len() * 2 + 20 {
+            harness.key_press(Key::Tab);
+            harness.step();
+            reached.extend(focused(&harness));
+        }
+        let missed: Vec<_> = wanted.difference(&reached).collect();
+        assert!(missed.is_empty(), "{}: not reached by Tab: {missed:?}", tab.name());
+    }
+}
+
+#[test]
+fn the_palette_opens_pipelines_scenes_and_commands_by_the_keyboard() {
+    let Some(mut harness) = window("ism-invtm", "cornell-box") else { return };
+    pump(&mut harness, |app| !app.library.pipelines().is_empty());
+    let by_palette = |harness: &mut Harness<'static, App>, text: &str| {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+        harness.run_steps(2);
+        assert!(harness.state().palette.is_some(), "the palette is open");
+        harness.event(eframe::egui::Event::Text(text.to_owned()));
+        harness.run_steps(2);
+        harness.key_press(Key::Enter);
+        harness.run_steps(2);
+        assert!(harness.state().palette.is_none(), "{text} was chosen");
+    };
+    by_palette(&mut harness, "ism-uniform");
+    pump(&mut harness, |app| app.now.side(SideId::A).is_some_and(|side| side.name == "ism-uniform"));
+    by_palette(&mut harness, "scene plane");
+    pump(&mut harness, |app| app.now.scene.as_ref().is_some_and(|view| view.scene.name == "plane"));
+    by_palette(&mut harness, "show or hide the keys");
+    assert!(harness.state().help);
+}
+
+#[test]
+fn what_is_remembered_survives_a_restart() {
+    let remembered = Remembered {
+        pipeline: "tcas".to_owned(),
+        scene: "atrium".to_owned(),
+        view: View::Flip,
+        split: 0.3,
+        dark: Some(false),
+        ..Remembered::default()
+    };
+    let text = serde_json::to_string(&remembered).unwrap();
+    let read: Remembered = serde_json::from_str(&text).unwrap();
+    assert_eq!(serde_json::to_string(&read).unwrap(), text);
+    // What another version has stored is taken as far as it is known.
+    let older: Remembered = serde_json::from_str(r#"{ "pipeline": "ism", "forgotten": 1 }"#).unwrap();
+    assert_eq!((older.pipeline.as_str(), older.scene.as_str()), ("ism", "cornell-box"));
+}
+
+#[test]
+fn values_go_to_the_engine_and_back_to_what_the_file_says() {
+    let Some(mut harness) = window("ism-invtm", "cornell-box") else { return };
+    let lights = |app: &App| {
+        let side = app.now.side(SideId::A).unwrap();
+        side.settable.iter().find(|settable| settable.path == "lights").unwrap().value.clone()
+    };
+    assert_eq!(lights(harness.state()), Value::U32(16));
+    let version = harness.state().now.side(SideId::A).unwrap().version;
+    harness.state().engine.send(Command::Value(SideId::A, "lights".to_owned(), Value::U32(8)));
+    pump(&mut harness, |app| lights(app) == Value::U32(8) && app.now.side(SideId::A).unwrap().version > version);
+    harness.state().engine.send(Command::Reset(SideId::A, "lights".to_owned()));
+    pump(&mut harness, |app| lights(app) == Value::U32(1024));
+    // A value that cannot be is told, and the one before stays.
+    harness.state().engine.send(Command::Value(SideId::A, "lights".to_owned(), Value::Bool(true)));
+    pump(&mut harness, |app| !app.now.troubles.is_empty());
+    assert_eq!(lights(harness.state()), Value::U32(1024));
+    harness.state().engine.send(Command::Value(SideId::A, "lights".to_owned(), Value::U32(4)));
+    pump(&mut harness, |app| app.now.troubles.is_empty() && lights(app) == Value::U32(4));
+}
+
+#[test]
+fn a_still_scene_is_idle_and_a_reference_converges_beside_it() {
+    let Some(mut harness) = window("ism-invtm", "plane") else { return };
+    pump(&mut harness, |app| app.now.side(SideId::A).is_some_and(|side| side.idle));
+    let context = harness.ctx.clone();
+    harness.state_mut().act(Action::Reference, &context);
+    let step = |app: &App| {
+        let side = app.now.side(SideId::Reference)?;
+        Some(side.progress?.step)
+    };
+    pump(&mut harness, |app| step(app).is_some_and(|step| step > 2));
+    pump(&mut harness, |app| app.now.measured.as_ref().is_some_and(|measured| !measured.errors.is_empty()));
+    let errors = harness.state().now.measured.clone().unwrap().errors[0];
+    assert!((errors.of, errors.to) == (SideId::A, SideId::Reference) && errors.flip < 0.5, "{errors:?}");
+    // Movement stops it, and it begins again.
+    let camera = harness.state().now.camera.unwrap();
+    let moved = crate::camera::orbit(&camera, 0.2, 0.0);
+    let before = step(harness.state()).unwrap();
+    harness.state().engine.send(Command::Camera(Some(moved), false));
+    pump(&mut harness, |app| app.now.camera == Some(moved) && step(app).is_some_and(|step| step < before));
+}
+
+#[test]
+fn of_places_of_a_slider_only_the_last_counts() {
+    let value = |path: &str, value| Command::Value(SideId::A, path.to_owned(), Value::U32(value));
+    assert!(value("lights", 2).supersedes(&value("lights", 1)));
+    assert!(!value("lights", 2).supersedes(&value("map", 1)));
+    assert!(Command::Camera(None, false).supersedes(&Command::Camera(None, false)));
+    assert!(!Command::Camera(None, false).supersedes(&Command::Camera(None, true)), "a cut is not forgotten");
+    assert!(!Command::Play(true).supersedes(&Command::Play(false)));
+}
