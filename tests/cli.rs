@@ -346,9 +346,21 @@ fn a_watched_picture_follows_its_files() {
                  target: (0.278, 0.273, 0), vertical_fov_deg: 39), lights: [Point(position: (0.278, 0.4, 0.2), \
                  intensity: (0.1, 0.1, 0.1))])";
     std::fs::write(at("own.ron"), scene).unwrap();
+    // Both files are named from the working folder, which is not the tree.
+    let pipeline = |more: &str| format!("Pipeline(extends: \"ism.ron\", patch: [{more}])");
+    std::fs::write(at("mine.ron"), pipeline("")).unwrap();
     let told = std::fs::File::create(at("told")).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_lightloom"))
-        .args(["--root", &root().to_string_lossy(), "render", "ism", "own.ron", "-o", "own.png", "--watch"])
+        .args([
+            "--root",
+            &root().to_string_lossy(),
+            "render",
+            "mine.ron",
+            "own.ron",
+            "-o",
+            "own.png",
+            "--watch",
+        ])
         .args(QUICK)
         .current_dir(folder.path())
         .stdout(std::process::Stdio::null())
@@ -368,6 +380,10 @@ fn a_watched_picture_follows_its_files() {
     std::fs::write(at("own.ron"), scene.replace("vertical_fov_deg: 39", "vertical_fov_deg: 60")).unwrap();
     wait_for(&mut child, "other picture", || picture() != first);
     assert!(metrics::Image::read(at("own.png")).is_ok(), "a picture is whole whenever it is read");
+
+    let second = picture();
+    std::fs::write(at("mine.ron"), pipeline("Set(\"image.exposure\", 3.0)")).unwrap();
+    wait_for(&mut child, "picture by another pipeline", || picture() != second && !picture().is_empty());
 
     let ended = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(ended.success());

@@ -114,6 +114,9 @@ struct Loaded {
     sampled: bool,
 }
 
+/// How an executor takes a plan: as files brought it, or with values that were set.
+type Load = fn(&mut Executor, Arc<Plan>, Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError>;
+
 /// The seed of a sample: that of the run for the first.
 fn seed_of_sample(seed: u32, sample: u32) -> u32 {
     seed ^ sample.wrapping_mul(0x9e37_79b9)
@@ -188,7 +191,7 @@ impl Renderer {
         name: String,
         overrides: Overrides,
         compiled: Compiled,
-        load: fn(&mut Executor, Arc<Plan>, Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError>,
+        load: Load,
     ) -> Result<LoadReport, RenderError> {
         let scene_bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
         let uploading = tracing::info_span!(target: "phase", "scene on the GPU").entered();

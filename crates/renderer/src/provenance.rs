@@ -90,13 +90,7 @@ pub struct RecordedLight {
 impl From<Camera> for RecordedCamera {
     fn from(camera: Camera) -> RecordedCamera {
         let Camera { position, target, up, vertical_fov, near } = camera;
-        RecordedCamera {
-            position: position.into(),
-            target: target.into(),
-            up: up.into(),
-            vertical_fov,
-            near,
-        }
+        RecordedCamera { position: position.into(), target: target.into(), up: up.into(), vertical_fov, near }
     }
 }
 

@@ -41,12 +41,13 @@ impl Renderer {
         self.scene_stale |= scene_touched;
         let Some(loaded) = &self.pipeline else { return Reload::Nothing };
         let stale = self.catalog.shaders().invalidate(&paths.iter().map(String::as_str).collect::<Vec<_>>());
+        // A file outside the tree may be named from the working folder, and told of with its whole path.
+        let touched = |name: &str| paths.contains(name) || places.contains(&place(&self.on_disk(name)));
         // Another renderer of the same catalog may have told the library first.
         let shader_touched =
-            !stale.is_empty() || loaded.compiled.shader_files().iter().any(|file| paths.contains(file));
-        let pipeline_touched =
-            loaded.compiled.resolved.sources().iter().any(|source| paths.contains(&source.name))
-                || paths.iter().any(|path| path.ends_with(".ron") && path.starts_with("pipelines/"));
+            !stale.is_empty() || loaded.compiled.shader_files().iter().any(|file| touched(file));
+        let pipeline_touched = loaded.compiled.resolved.sources().iter().any(|source| touched(&source.name))
+            || paths.iter().any(|path| path.ends_with(".ron") && path.starts_with("pipelines/"));
         if !shader_touched && !pipeline_touched && !scene_touched {
             return Reload::Nothing;
         }
@@ -87,7 +88,7 @@ impl Renderer {
         let shaders = compiled.into_iter().flat_map(Compiled::shader_files);
         let files = pipelines.map(|source| source.name.clone()).chain(shaders).map(PathBuf::from);
         for file in files.chain(self.scene().files.iter().cloned()) {
-            let file = root.map(|root| root.join(&file)).filter(|file| file.is_file()).unwrap_or(file);
+            let file = file.to_str().map_or(file.clone(), |name| self.on_disk(name));
             let folder = match file.parent() {
                 Some(folder) if folder.as_os_str().is_empty() => Path::new("."),
                 Some(folder) => folder,
@@ -100,12 +101,22 @@ impl Renderer {
         folders
     }
 
-    /// The path by which a file on disk is known: from the root of the tree, with `/`.
-    fn asset_path(&self, path: &Path) -> Option<String> {
+    /// The file on disk of this name: from the root of the tree, where it is there, else from the working folder.
+    fn on_disk(&self, name: &str) -> PathBuf {
         let root = self.catalog.assets().root();
-        let relative = root.and_then(|root| path.strip_prefix(root).ok()).unwrap_or(path);
-        let relative = relative.strip_prefix(".").unwrap_or(relative);
-        Some(relative.to_str()?.replace('\\', "/"))
+        root.map(|root| root.join(name)).filter(|file| file.is_file()).unwrap_or_else(|| PathBuf::from(name))
+    }
+
+    /// The path by which a file on disk is known, with `/`: from the root of the tree, or from the working folder.
+    fn asset_path(&self, path: &Path) -> Option<String> {
+        // Systems tell of whole paths, also where a folder was named from the working folder.
+        let whole = place(path);
+        let within = |folder: &Path| {
+            let inner = folder.canonicalize().ok().and_then(|folder| whole.strip_prefix(folder).ok());
+            inner.map(Path::to_owned)
+        };
+        let named = self.catalog.assets().root().and_then(within).or_else(|| within(Path::new(".")));
+        Some(named.as_deref().unwrap_or(path).to_str()?.replace('\\', "/"))
     }
 }
 

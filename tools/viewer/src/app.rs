@@ -9,7 +9,7 @@ use crate::panel::settings::Controls;
 use crate::pilot::Pilot;
 use crate::textures::Textures;
 use crate::viewport;
-use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
+use eframe::egui::{self, CentralPanel, Context, FontDefinitions, FontFamily, Panel, Ui};
 use frame_graph::Overrides;
 use renderer::{Catalog, RecordedCamera};
 use serde::{Deserialize, Serialize};
@@ -126,6 +126,7 @@ pub(crate) struct App {
 impl App {
     /// Starts the engine and shows what it publishes.
     pub(crate) fn new(context: &Context, start: Start, remembered: Remembered) -> App {
+        context.set_fonts(fonts());
         let repaint = context.clone();
         let catalog = Arc::clone(&start.catalog);
         let library = panel::library::Library::load(Arc::clone(&catalog), context.clone());
@@ -368,10 +369,22 @@ impl App {
 
     fn screenshot(&mut self) {
         let path = self.writing.next_screenshot(&self.now);
-        let job =
-            crate::engine::Job::Picture { side: SideId::A, output: "display".to_owned(), layer: 0, path };
+        let has_display = self.now.side(SideId::A).is_some_and(|side| side.plan.output("display").is_some());
+        let output = if has_display { "display" } else { "image" };
+        let job = crate::engine::Job::Picture { side: SideId::A, output: output.to_owned(), layer: 0, path };
         self.engine.send(Command::Job(job));
     }
+}
+
+/// The fonts that come with egui; what the one for text lacks (arrows, mathematics) is taken from that for code.
+fn fonts() -> FontDefinitions {
+    let mut fonts = FontDefinitions::default();
+    let of_code = fonts.families.get(&FontFamily::Monospace).cloned().unwrap_or_default();
+    let of_text = fonts.families.entry(FontFamily::Proportional).or_default();
+    of_text.extend(of_code);
+    let mut known = std::collections::HashSet::new();
+    of_text.retain(|name| known.insert(name.clone()));
+    fonts
 }
 
 impl eframe::App for App {

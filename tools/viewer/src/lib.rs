@@ -15,9 +15,9 @@ mod engine;
 mod palette;
 mod panel;
 mod pilot;
-mod textures;
 #[cfg(test)]
 mod tests;
+mod textures;
 mod viewport;
 
 use app::{App, Remembered};
@@ -46,11 +46,26 @@ pub struct Options {
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
-#[error(
-    "no window can be opened: {source}\n  without a display, `lightloom render PIPELINE SCENE -o FILE --watch` renders again at every save"
-)]
-pub struct ViewError {
-    source: eframe::Error,
+pub enum ViewError {
+    /// The system has no display that a window could be on.
+    #[error(
+        "there is no display to open a window on: neither DISPLAY nor WAYLAND_DISPLAY is set\n  \
+         `lightloom render PIPELINE SCENE -o FILE --watch` renders again at every save, without a window"
+    )]
+    NoDisplay,
+    /// The window, or the device that draws it, could not be made.
+    #[error(
+        "no window can be opened: {0}\n  \
+         `lightloom render PIPELINE SCENE -o FILE --watch` renders again at every save, without a window"
+    )]
+    Window(#[from] eframe::Error),
+}
+
+/// Whether there is a display; other systems than those of X11 and Wayland always have one.
+fn has_display() -> bool {
+    let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(all(unix, not(target_vendor = "apple")))
+        || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named)
 }
 
 /// Opens the window, and returns when it is closed.
@@ -58,6 +73,9 @@ pub struct ViewError {
 /// # Errors
 /// Where there is no display, or no adapter that can draw a window.
 pub fn run(options: Options) -> Result<(), ViewError> {
+    if !has_display() {
+        return Err(ViewError::NoDisplay);
+    }
     let native = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Lightloom")
@@ -86,5 +104,5 @@ pub fn run(options: Options) -> Result<(), ViewError> {
             Ok(Box::new(App::new(&context.egui_ctx, start, remembered)))
         }),
     )
-    .map_err(|source| ViewError { source })
+    .map_err(ViewError::Window)
 }

@@ -6,7 +6,7 @@ use crate::engine::{Command, SideId, Start};
 use eframe::egui::accessibility::is_input;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::NodeT as _;
 use frame_graph::{Overrides, Value};
 use renderer::{Assets, Catalog, Gpu};
 use std::collections::BTreeSet;
@@ -48,7 +48,11 @@ fn window(pipeline: &str, scene: &str) -> Option<Harness<'static, App>> {
 fn pump(harness: &mut Harness<'static, App>, holds: impl Fn(&App) -> bool) {
     let begun = Instant::now();
     while !holds(harness.state()) {
-        assert!(begun.elapsed() < Duration::from_secs(60), "waited for too long: {:?}", harness.state().now.troubles);
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "waited for too long: {:?}",
+            harness.state().now.troubles
+        );
         harness.step();
         std::thread::sleep(Duration::from_millis(10));
     }
@@ -143,7 +147,9 @@ fn values_go_to_the_engine_and_back_to_what_the_file_says() {
     assert_eq!(lights(harness.state()), Value::U32(16));
     let version = harness.state().now.side(SideId::A).unwrap().version;
     harness.state().engine.send(Command::Value(SideId::A, "lights".to_owned(), Value::U32(8)));
-    pump(&mut harness, |app| lights(app) == Value::U32(8) && app.now.side(SideId::A).unwrap().version > version);
+    pump(&mut harness, |app| {
+        lights(app) == Value::U32(8) && app.now.side(SideId::A).unwrap().version > version
+    });
     harness.state().engine.send(Command::Reset(SideId::A, "lights".to_owned()));
     pump(&mut harness, |app| lights(app) == Value::U32(1024));
     // A value that cannot be is told, and the one before stays.

@@ -138,7 +138,7 @@ fn play(
     side: &mut Side,
     frames: u32,
     mut told: impl FnMut(u32),
-    mut take: impl FnMut(&Side, u32, &Image) -> Result<()>,
+    mut take: impl FnMut(&Side, u32) -> Result<()>,
 ) -> Result<()> {
     let rate = side.renderer.scene().frames_per_second;
     for frame in 0..frames {
@@ -150,8 +150,7 @@ fn play(
                 break;
             }
         }
-        let picture = side.renderer.output("display")?;
-        take(side, frame, &picture)?;
+        take(side, frame)?;
     }
     Ok(())
 }
@@ -166,10 +165,14 @@ fn sequence(side: &mut Side, pattern: &Path, frames: u32, told: impl FnMut(u32))
     let width = text[first..].chars().take_while(|c| *c == '#').count();
     let path =
         |frame: u32| PathBuf::from(format!("{}{frame:0width$}{}", &text[..first], &text[first + width..]));
-    let linear = FileFormat::of(pattern).is_some_and(|format| !format.is_display_referred());
-    play(side, frames, told, |side, frame, picture| match linear {
-        true => write(side, &side.renderer.output("image")?, ("image", 0), &path(frame)),
-        false => write(side, picture, ("display", 0), &path(frame)),
+    let output = match FileFormat::of(pattern) {
+        Some(format) if format.is_display_referred() && side.renderer.find_output("display").is_ok() => {
+            "display"
+        }
+        _ => "image",
+    };
+    play(side, frames, told, |side, frame| {
+        write(side, &side.renderer.output(output)?, (output, 0), &path(frame))
     })?;
     Ok(format!("wrote {frames} pictures, the last {}", shown(&path(frames.saturating_sub(1)))))
 }
@@ -197,10 +200,9 @@ fn video(side: &mut Side, path: &Path, frames: u32, told: impl FnMut(u32)) -> Re
             "videos are encoded by ffmpeg, which cannot be run; a name with #### writes pictures instead",
         )?;
     let mut pipe = ffmpeg.stdin.take().context("ffmpeg takes no pictures")?;
-    let played = play(side, frames, told, |_, _, picture| {
-        let byte = |linear: f32| (metrics::srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8;
-        let bytes: Vec<u8> =
-            picture.pixels().iter().flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2])]).collect();
+    let played = play(side, frames, told, |side, _| {
+        let picture = side.picture().context("there is no picture")?;
+        let bytes: Vec<u8> = picture.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b()]).collect();
         pipe.write_all(&bytes).context("ffmpeg takes no more pictures")
     });
     drop(pipe);

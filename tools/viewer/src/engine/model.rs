@@ -145,6 +145,8 @@ impl Trouble {
 pub(crate) struct Message {
     /// Time since the session began.
     pub(crate) at: Duration,
+    /// When it was told.
+    pub(crate) told: Instant,
     /// One line, or an error of several.
     pub(crate) text: String,
     /// Whether it is an error.
@@ -181,7 +183,7 @@ pub(crate) struct SideView {
     pub(crate) version: u64,
     /// Number of frames since the pipeline was loaded.
     pub(crate) frames: u64,
-    /// Whether each pass ran in the last frame.
+    /// Whether each pass ran in the last frame that had something to do.
     pub(crate) ran: Vec<bool>,
     /// The times of each pass.
     pub(crate) times: Arc<Vec<PassTimes>>,
@@ -251,6 +253,6 @@ impl Published {
         if messages.len() == MOST_MESSAGES {
             messages.pop_front();
         }
-        messages.push_back(Message { at, text, error });
+        messages.push_back(Message { at, told: Instant::now(), text, error });
     }
 }

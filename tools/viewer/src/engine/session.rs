@@ -251,7 +251,12 @@ impl Session {
                 side.begin();
                 side.wanted = None;
                 side.loaded(&catalog);
-                let told = format!("{}: {name}: {}", id.name(), side.describe(&load));
+                let passes = side.renderer.plan().map_or(0, |plan| plan.passes.len());
+                let told = format!(
+                    "{}: {name} loaded: {passes} passes; {} GPU pipelines compiled",
+                    id.name(),
+                    load.pipelines
+                );
                 self.clear(id.name(), publisher);
                 report(publisher, begun, &told, false);
             }
@@ -447,8 +452,8 @@ impl Session {
             let (id, side) = &mut self.sides[at];
             let id = *id;
             let gives_way = id != SideId::A && made && waits.load(Ordering::Acquire);
-            let rests = gives_way
-                || (id == SideId::Reference && !still) || only.is_some_and(|only| only != id);
+            let rests =
+                gives_way || (id == SideId::Reference && !still) || only.is_some_and(|only| only != id);
             if rests || !side.wants_a_frame() {
                 continue;
             }
@@ -490,7 +495,9 @@ impl Session {
             let (_, side) = self.sides.iter().find(|(id, _)| *id == look.side)?;
             Some(side.look(look))
         });
-        let lights = (self.wants_lights && made == Some(SideId::A)).then(|| self.sides.first()?.1.virtual_lights()).flatten();
+        let lights = (self.wants_lights && made == Some(SideId::A))
+            .then(|| self.sides.first()?.1.virtual_lights())
+            .flatten();
         let lights = lights.map(|lights| {
             let before = std::mem::replace(&mut self.lights_before, lights.clone());
             let differs = |i: usize, light: &VirtualLight| {
@@ -573,12 +580,20 @@ impl Session {
         publisher: &Publisher,
     ) {
         let text = error.to_string();
-        eprintln!("{of}: {text}");
+        let mut again = false;
         publisher.with(|published| {
+            again = published.troubles.iter().any(|trouble| trouble.of == of && trouble.text == text);
+            if again {
+                return;
+            }
             published.troubles.retain(|trouble| trouble.of != of);
             published.troubles.push(Trouble { of, text: text.clone(), until });
-            published.say(self.begun.elapsed(), text, true);
+            published.say(self.begun.elapsed(), text.clone(), true);
         });
+        // What fails in every frame is told once.
+        if !again {
+            eprintln!("{of}: {text}");
+        }
     }
 
     fn clear(&self, of: &str, publisher: &Publisher) {

@@ -1,12 +1,14 @@
 //! One pipeline that renders the scene.
 
+use super::measure::to_screen;
 use super::model::{Look, Looked, SideView};
 use super::statistics::PassTimes;
 use eframe::egui::{Color32, ColorImage};
+use frame_graph::plan::PlannedOutput;
 use frame_graph::resolve::Settable;
 use frame_graph::{Overrides, PassTypes, ResourceDesc};
 use interfaces::virtual_lights::{self, VirtualLight};
-use metrics::Image;
+use metrics::{Display, Image};
 use pass::LinkedSteps;
 use renderer::{Catalog, FrameOptions, LoadReport, Progress, RenderError, Renderer};
 use std::sync::Arc;
@@ -109,9 +111,11 @@ impl Side {
         let begun = Instant::now();
         let report = self.renderer.frame()?;
         let (frame, encoded) = (report.frame, begun.elapsed());
-        self.ran.clone_from(&report.ran);
         let encoding = report.encoding.clone();
-        let ran = self.ran.contains(&true);
+        let ran = report.ran.contains(&true);
+        if ran {
+            self.ran.clone_from(&report.ran);
+        }
         if ran || self.picture.is_none() {
             self.read_picture()?;
             self.frames += 1;
@@ -125,12 +129,15 @@ impl Side {
     }
 
     fn read_picture(&mut self) -> Result<(), RenderError> {
-        let id = self.renderer.find_output(SHOWN)?;
         let plan = self.renderer.plan().cloned().ok_or(RenderError::NoPipeline)?;
-        let bytes = self.renderer.resource_bytes(id)?;
-        let size = plan.frame;
-        let pixels = bytes.chunks_exact(4).map(|p| Color32::from_rgb(p[0], p[1], p[2])).collect();
-        self.picture = Some(Arc::new(ColorImage::new([size.0 as usize, size.1 as usize], pixels)));
+        let picture = if plan.output(SHOWN).is_some() {
+            let bytes = self.renderer.resource_bytes(self.renderer.find_output(SHOWN)?)?;
+            let pixels = bytes.chunks_exact(4).map(|p| Color32::from_rgb(p[0], p[1], p[2])).collect();
+            ColorImage::new([plan.frame.0 as usize, plan.frame.1 as usize], pixels)
+        } else {
+            to_screen(&Display::default().apply(&self.image()?))
+        };
+        self.picture = Some(Arc::new(picture));
         self.version += 1;
         Ok(())
     }
@@ -194,14 +201,28 @@ impl Side {
         Some(plan.resources[id.0 as usize].name.to_string())
     }
 
+    /// The picture, as it goes to the screen; `None` before there is one.
+    pub(super) fn picture(&self) -> Option<&ColorImage> {
+        self.picture.as_deref()
+    }
+
     /// The version of the picture; `None` before there is one.
     pub(super) fn picture_version(&self) -> Option<u64> {
         self.picture.as_ref().map(|_| self.version)
     }
 
-    /// Reads the linear picture, for measures.
+    /// Reads the linear picture: the output `image`, or the first picture among the outputs of a pipeline without one.
     pub(super) fn image(&self) -> Result<Image, RenderError> {
-        self.renderer.output("image")
+        let plan = self.renderer.plan().ok_or(RenderError::NoPipeline)?;
+        let is_picture = |output: &&PlannedOutput| {
+            output
+                .members
+                .first()
+                .is_some_and(|(_, id)| plan.resources[id.0 as usize].desc.texture().is_some())
+        };
+        let first = plan.outputs.iter().find(is_picture).map(|output| output.name.as_str());
+        let name = if plan.output("image").is_some() { "image" } else { first.unwrap_or("image") };
+        self.renderer.output(name)
     }
 
     /// What the interface is told.

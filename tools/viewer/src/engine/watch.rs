@@ -67,7 +67,8 @@ impl Files {
 
     /// Whether git is about to write more files: it holds the lock of its index from the first to the last.
     fn git_writes(&self) -> bool {
-        let locked = |folder: &PathBuf| folder.ancestors().find_map(git_folder).map(|git| git.join("index.lock"));
+        let locked =
+            |folder: &PathBuf| folder.ancestors().find_map(git_folder).map(|git| git.join("index.lock"));
         self.folders.first().and_then(locked).is_some_and(|lock| lock.exists())
     }
 

@@ -10,6 +10,9 @@ use eframe::egui::{
 };
 use frame_graph::plan::{BoxKind, Drawing, DrawnBox, PlanId};
 
+/// The scale of the drawing at first.
+const READABLE: f32 = 0.6;
+
 /// What the panel remembers.
 pub(crate) struct Graph {
     side: SideId,
@@ -28,7 +31,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     if !sides.contains(&app.graph.side) {
         app.graph.side = SideId::A;
     }
-    ui.horizontal(|ui| {
+    let mut whole = false;
+    ui.horizontal_wrapped(|ui| {
         if sides.len() > 1 {
             ComboBox::from_label("of").selected_text(app.graph.side.name()).show_ui(ui, |ui| {
                 for id in &sides {
@@ -36,10 +40,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
                 }
             });
         }
-        if ui.button("Whole graph").clicked() {
-            app.graph.seen = Rect::ZERO;
-        }
-        ui.weak("Wheel: zoom; drag: move; click: look");
+        whole = ui.button("Whole graph").clicked();
+        ui.weak("Ctrl-wheel: zoom; wheel, drag: move; click: look");
     });
     let Some(side) = app.now.side(app.graph.side).cloned() else { return };
     if app.graph.drawing.as_ref().is_none_or(|(id, _)| *id != side.plan.id) {
@@ -55,8 +57,11 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     }
     let Some((_, drawing)) = app.graph.drawing.clone() else { return };
     ui.weak(&drawing.summary[1]);
-    if app.graph.seen == Rect::ZERO {
+    if whole {
         app.graph.seen = Rect::from_min_size(egui::Pos2::ZERO, Vec2::from(drawing.size));
+    } else if app.graph.seen == Rect::ZERO {
+        // As large as it can be read, from where the frame begins.
+        app.graph.seen = Rect::from_min_size(egui::Pos2::ZERO, ui.available_size() / READABLE);
     }
     let mut clicked = None;
     let mut seen = app.graph.seen;

@@ -6,7 +6,7 @@ use eframe::egui::{Context, Grid, RichText, ScrollArea, Window};
 
 pub(crate) fn show(app: &mut App, context: &Context) {
     let mut open = app.help;
-    Window::new("Keys").open(&mut open).collapsible(false).default_width(430.0).show(context, |ui| {
+    Window::new("Keys").open(&mut open).collapsible(false).default_size([470.0, 620.0]).show(context, |ui| {
         ScrollArea::vertical().max_height(context.content_rect().height() * 0.75).show(ui, |ui| {
             ui.strong("In the picture");
             Grid::new("mouse").striped(true).num_columns(2).show(ui, |ui| {

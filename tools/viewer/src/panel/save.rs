@@ -115,7 +115,11 @@ fn write_new(path: &Path, text: &str) -> Result<()> {
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let written = || -> Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        let mut builder = tempfile::Builder::new();
+        // As any new file: what others may do with it is the user's umask.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = builder.prefix(".lightloom-").suffix(".part").tempfile_in(folder)?;
         file.write_all(text.as_bytes())?;
         file.persist_noclobber(path)?;
         Ok(())

@@ -139,7 +139,7 @@ fn camera(app: &mut App, ui: &mut Ui) {
         row(ui, "target", |ui| vector(ui, "Camera target", &mut camera.target, speed));
         row(ui, "field of view", |ui| {
             let mut degrees = camera.vertical_fov.to_degrees();
-            if ui.add(Slider::new(&mut degrees, 5.0..=150.0).suffix("°")).changed() {
+            if ui.add(Slider::new(&mut degrees, 5.0..=150.0).suffix("°").text("high")).changed() {
                 camera.vertical_fov = degrees.to_radians();
             }
         });
@@ -223,7 +223,7 @@ fn one_light(ui: &mut Ui, light: &mut Light, extent: f32) {
         if let LightKind::Spot { inner, outer } = &mut light.kind {
             row(ui, "cone", |ui| {
                 let mut degrees = outer.to_degrees();
-                if ui.add(Slider::new(&mut degrees, 1.0..=90.0).suffix("°")).changed() {
+                if ui.add(Slider::new(&mut degrees, 1.0..=90.0).suffix("°").text("half")).changed() {
                     *outer = degrees.to_radians();
                     *inner = inner.min(*outer);
                 }

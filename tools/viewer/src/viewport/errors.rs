@@ -15,6 +15,7 @@ pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
     if standing.filter_map(|trouble| trouble.until).next().is_some() {
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(500));
     }
+    let has_picture = app.now.side(crate::engine::SideId::A).is_some_and(|side| side.picture.is_some());
     let place = rect.shrink(10.0);
     let area = egui::Area::new(ui.scope_id().with("errors")).fixed_pos(place.min).order(egui::Order::Middle);
     area.show(ui.ctx(), |ui| {
@@ -25,12 +26,22 @@ pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
             .inner_margin(8);
         frame.show(ui, |ui| {
             ui.set_max_size(vec2(place.width() - 18.0, place.height() * 0.75));
-            egui::ScrollArea::vertical().auto_shrink([true, true]).show(ui, |ui| {
+            egui::ScrollArea::both().auto_shrink([true, true]).show(ui, |ui| {
                 for (of, text) in all {
-                    let head = format!("{of}: the last good picture stays until this is mended");
+                    let head = if has_picture {
+                        format!("{of}: the last good picture stays until this is mended")
+                    } else {
+                        format!("{of}: there is a picture as soon as this is mended")
+                    };
                     ui.label(RichText::new(head).color(Color32::from_rgb(255, 180, 170)));
-                    let text = RichText::new(text.trim_end()).monospace().color(Color32::WHITE);
-                    ui.add(egui::Label::new(text).wrap());
+                    ui.spacing_mut().item_spacing.y = 0.0;
+                    for line in text.trim_end().lines() {
+                        let text = RichText::new(line).monospace().color(Color32::WHITE);
+                        // A caret points into the line above it, so neither may wrap.
+                        let of_source = line.contains('│');
+                        let label = egui::Label::new(text);
+                        ui.add(if of_source { label.extend() } else { label.wrap() });
+                    }
                 }
             });
         });

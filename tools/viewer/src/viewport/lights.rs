@@ -43,5 +43,5 @@ pub(super) fn show(app: &App, ui: &Ui, placed: Placed, camera: &Camera) {
     }
     let new = lights.iter().filter(|(_, is_new)| *is_new).count();
     let text = format!("{} virtual lights, {new} new in this frame", lights.len());
-    super::label(&painter, placed.rect.left_bottom() - vec2(0.0, 26.0), &text);
+    super::label(&painter, placed.rect.left_bottom() - vec2(0.0, 50.0), &text);
 }

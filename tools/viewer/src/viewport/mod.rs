@@ -20,6 +20,9 @@ use std::time::{Duration, Instant};
 /// How long the window keeps its size before frames take it.
 const SETTLED: Duration = Duration::from_millis(150);
 
+/// How long the newest message is shown.
+const NEWS: Duration = Duration::from_secs(8);
+
 /// Radians per point of the screen that the mouse is dragged.
 const TURN: f32 = 0.005;
 
@@ -105,13 +108,24 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         fly(app, ui, &response, under.copied().unwrap_or(first), camera);
     }
     if app.now.playing && app.pilot.camera().is_some() {
-        let at = first.rect.left_bottom() - vec2(0.0, 50.0);
+        let at = rect.left_bottom() - vec2(0.0, 74.0);
         label(&ui.painter_at(rect), at, "This is your camera; C gives it back to the scene");
     }
     if app.pilot.go_on(&app.engine) {
         ui.ctx().request_repaint();
     }
+    news(app, ui, rect);
     errors::show(app, ui, rect);
+}
+
+/// Shows the first line of the newest message while it is new, over the picture: a line of its own would change the size of
+/// frames.
+fn news(app: &App, ui: &Ui, rect: Rect) {
+    let newest = app.now.messages.back().filter(|message| message.told.elapsed() < NEWS && !app.bare);
+    let Some(message) = newest else { return };
+    let line = message.text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
+    label(&ui.painter_at(rect), rect.left_bottom() - vec2(0.0, 26.0), line);
+    ui.ctx().request_repaint_after(NEWS);
 }
 
 /// A, except where the view flickers and B is its turn.

@@ -70,7 +70,8 @@ fn names(plan: &Plan) -> Vec<String> {
 impl Inspector {
     /// Looks at an output, a resource, or the first resource of a pass.
     pub(crate) fn choose(&mut self, side: SideId, name: &str) {
-        (self.side, self.layer, self.index, self.first_row) = (side, 0, 0, 0);
+        (self.side, self.layer, self.first_row) = (side, 0, 0);
+        (self.tile, self.index) = (0, 0);
         name.clone_into(&mut self.name);
         self.seen = Rect::NOTHING;
     }
@@ -123,7 +124,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             });
         }
         let mut name = app.inspector.name.clone();
-        let list = ComboBox::from_label("Resource").selected_text(&name).width(220.0).height(500.0);
+        let list = ComboBox::from_label("Resource").selected_text(&name).height(500.0);
+        let list = list.width((ui.available_width() - 80.0).clamp(80.0, 260.0)).truncate();
         list.show_ui(ui, |ui| {
             ui.set_min_width(300.0);
             for known in names(&side.plan) {
@@ -162,7 +164,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
 fn presets(app: &mut App, ui: &mut Ui, plan: &Plan) {
     let of_interface = |name: &str| {
         let ports = plan.passes.iter().rev().flat_map(|pass| &pass.outputs);
-        let port = ports.filter(|port| port.interface.as_str() == name).find(|port| !port.members.is_empty())?;
+        let port =
+            ports.filter(|port| port.interface.as_str() == name).find(|port| !port.members.is_empty())?;
         let (_, id) = port.members.first()?;
         Some(plan.resources[id.0 as usize].name.to_string())
     };
@@ -172,9 +175,19 @@ fn presets(app: &mut App, ui: &mut Ui, plan: &Plan) {
     };
     let lights = of_interface("VirtualLights");
     let all: [(&str, &str, Option<String>, Channel); 6] = [
-        ("importance", "What each texel of the light's view brings to the picture", of_interface("Importance"), Channel::Red),
+        (
+            "importance",
+            "What each texel of the light's view brings to the picture",
+            of_interface("Importance"),
+            Channel::Red,
+        ),
         ("clusters", "The cells of clusters over the picture", output("cells"), Channel::Rgb),
-        ("placement", "Where virtual lights were placed in the light's view", output("placement"), Channel::Rgb),
+        (
+            "placement",
+            "Where virtual lights were placed in the light's view",
+            output("placement"),
+            Channel::Rgb,
+        ),
         ("clamped", "The irradiance that clamping removed", output("irradiance"), Channel::Alpha),
         ("points", "The points that SMC-IR draws lights from", of_interface("SurfacePoints"), Channel::Rgb),
         ("lights", "The virtual lights as a table", lights, Channel::Rgb),
@@ -241,11 +254,11 @@ fn controls(inspector: &mut Inspector, ui: &mut Ui, size: (u32, u32)) {
         if response.on_hover_text("Side of a tile of an atlas; 0 shows the whole").changed() {
             inspector.seen = Rect::NOTHING;
         }
-        if inspector.tile > 0 {
-            let tiles = (size.0 / inspector.tile).max(1) * (size.1 / inspector.tile).max(1);
-            if ui.add(DragValue::new(&mut inspector.index).range(0..=tiles - 1).prefix("number ")).changed() {
-                inspector.seen = Rect::NOTHING;
-            }
+        let across = |side: u32| side.checked_div(inspector.tile).map(|tiles| tiles.max(1));
+        if let Some(tiles) = across(size.0).zip(across(size.1)).map(|(x, y)| x * y)
+            && ui.add(DragValue::new(&mut inspector.index).range(0..=tiles - 1).prefix("number ")).changed()
+        {
+            inspector.seen = Rect::NOTHING;
         }
     });
 }
