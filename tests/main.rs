@@ -23,3 +23,4 @@ mod study;
 mod surface_lights;
 mod trace;
 mod truth;
+mod window;

@@ -183,6 +183,22 @@ fn a_still_scene_is_idle_and_a_reference_converges_beside_it() {
 }
 
 #[test]
+fn what_plays_goes_on_until_it_is_stopped() {
+    let Some(mut harness) = window("ism-invtm", "cornell-box-moving") else { return };
+    let context = harness.ctx.clone();
+    harness.state_mut().act(Action::Play, &context);
+    // Longer than a frame takes: the control of the time is drawn again and again meanwhile.
+    for least in [0.2, 0.4, 0.6] {
+        pump(&mut harness, |app| app.now.playing && app.now.time > least);
+    }
+    harness.state_mut().act(Action::Play, &context);
+    pump(&mut harness, |app| !app.now.playing);
+    harness.state_mut().go_to_time(1.25);
+    pump(&mut harness, |app| app.now.time == 1.25);
+    assert_eq!(harness.state().time(), 1.25);
+}
+
+#[test]
 fn of_places_of_a_slider_only_the_last_counts() {
     let value = |path: &str, value| Command::Value(SideId::A, path.to_owned(), Value::U32(value));
     assert!(value("lights", 2).supersedes(&value("lights", 1)));

@@ -92,7 +92,7 @@ fn a_value_ends_only_the_pasts_that_follow_from_it() {
     let schedule = state.begin(&base, &set("lights"));
     assert_eq!(schedule.histories[0].reset, None);
     assert!(schedule.runs[base.pass("lights").unwrap().0 as usize]);
-    let asks = LOOP.replace("reset: [Reload]", "reset: [Setting]");
+    let asks = LOOP.replace("Prev(port: \"sum\")", "Prev(port: \"sum\", reset: [Setting])");
     let asks = plan_of(&asks, &[], (64, 64), &CompileOptions::default());
     let mut state = FrameState::new(&asks);
     state.begin(&asks, &Change::default());

@@ -29,6 +29,9 @@ const FRAME: Duration = Duration::from_micros(16_000);
 /// How long nothing may move before the reference goes on.
 const STILL: Duration = Duration::from_millis(250);
 
+/// A file that is older was not written just now, but moved to its place.
+const RECENT: Duration = Duration::from_secs(10);
+
 /// How long it is told that a value was refused.
 const REFUSED: Duration = Duration::from_secs(8);
 
@@ -394,7 +397,8 @@ impl Session {
         self.move_on();
         self.frames(publisher, Some(SideId::A), waits);
         let ended: String = self.sides.first().map_or_else(String::new, |(_, side)| side.ended());
-        let since_save = saved.at.and_then(|at| at.elapsed().ok()).map(|time| time.as_secs_f64() * 1e3);
+        let since_save = saved.at.and_then(|at| at.elapsed().ok()).filter(|time| *time < RECENT);
+        let since_save = since_save.map(|time| time.as_secs_f64() * 1e3);
         let ms = began.elapsed().as_secs_f64() * 1e3;
         let files: Vec<String> = saved
             .files

@@ -84,10 +84,13 @@ fn animation(app: &mut App, ui: &mut Ui) {
     if ui.button(word).on_hover_text("P").clicked() {
         app.act(Action::Play, &context);
     }
-    let mut time = app.time();
+    let before = app.time();
+    let mut time = before;
     ui.spacing_mut().slider_width = 130.0;
-    let slider = Slider::new(&mut time, 0.0..=duration).suffix(" s").max_decimals(2).text("Time");
-    if ui.add(slider).on_hover_text("Time of the animation").changed() {
+    // Written with two decimals, but not rounded to them: while it plays that would be a change by the user.
+    let slider = Slider::new(&mut time, 0.0..=duration).custom_formatter(|time, _| format!("{time:.2} s"));
+    let response = ui.add(slider.text("Time")).on_hover_text("Time of the animation");
+    if response.changed() && time != before {
         app.engine.send(Command::Play(false));
         app.go_to_time(time);
     }

@@ -61,10 +61,17 @@ impl ScenePanel {
         });
         let round = |value: Vec3| rounded(value, digits);
         let moved = app.pilot.lights.iter().flatten().filter(moved).cloned();
-        let lights = moved.map(|light| Light {
-            position: round(light.position),
-            direction: rounded(light.direction, 4),
-            ..light
+        // What was not moved stays as it is written.
+        let kept = |value: Vec3, of: Option<Vec3>, digits: i32| {
+            if of == Some(value) { value } else { rounded(value, digits) }
+        };
+        let lights = moved.map(|light| {
+            let before = own.and_then(|scene| scene.lights.iter().find(|own| own.name == light.name));
+            Light {
+                position: kept(light.position, before.map(|light| light.position), digits),
+                direction: kept(light.direction, before.map(|light| light.direction), 4),
+                ..light
+            }
         });
         let camera = app.pilot.camera().map(|camera| Camera {
             position: round(camera.position),

@@ -102,11 +102,10 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         }
         over_handle |= app.remembered.handles && handles::show(app, ui, number, *placed, &camera);
     }
-    if !over_handle {
-        let pointer = response.hover_pos().or(response.interact_pointer_pos());
-        let under = pointer.and_then(|at| placed.iter().find(|placed| placed.rect.contains(at)));
-        fly(app, ui, &response, under.copied().unwrap_or(first), camera);
-    }
+    let pointer = response.hover_pos().or(response.interact_pointer_pos());
+    let under = pointer.and_then(|at| placed.iter().find(|placed| placed.rect.contains(at)));
+    let by_mouse = Some(&response).filter(|_| !over_handle);
+    fly(app, ui, by_mouse, under.copied().unwrap_or(first), camera);
     if app.now.playing && app.pilot.camera().is_some() {
         let at = rect.left_bottom() - vec2(0.0, 74.0);
         label(&ui.painter_at(rect), at, "This is your camera; C gives it back to the scene");
@@ -272,8 +271,21 @@ fn split(app: &mut App, ui: &mut Ui, rect: Rect) {
     response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
 }
 
-/// Moves the camera by mouse and keys.
-fn fly(app: &mut App, ui: &Ui, response: &Response, placed: Placed, before: Camera) {
+/// Moves the camera by keys, and by the mouse where that is over the picture itself.
+fn fly(app: &mut App, ui: &Ui, response: Option<&Response>, placed: Placed, before: Camera) {
+    let moved = match response {
+        Some(response) => by_mouse(app, ui, response, placed, before),
+        None => Some(before),
+    };
+    let Some(camera) = moved.map(|camera| by_keys(app, ui, camera)) else { return };
+    if camera != before {
+        app.pilot.take(&app.engine, camera, false);
+        ui.ctx().request_repaint();
+    }
+}
+
+/// The camera as the mouse moves it; `None` where it flies to a point from now on.
+fn by_mouse(app: &mut App, ui: &Ui, response: &Response, placed: Placed, before: Camera) -> Option<Camera> {
     let mut camera = before;
     let delta = response.drag_delta();
     let moved = delta != Vec2::ZERO;
@@ -301,14 +313,10 @@ fn fly(app: &mut App, ui: &Ui, response: &Response, placed: Placed, before: Came
         if let Some(hit) = pick(app, origin, direction) {
             app.pilot.fly_to(before, camera::go_to(&camera, hit));
             ui.ctx().request_repaint();
-            return;
+            return None;
         }
     }
-    camera = by_keys(app, ui, camera);
-    if camera != before {
-        app.pilot.take(&app.engine, camera, false);
-        ui.ctx().request_repaint();
-    }
+    Some(camera)
 }
 
 /// The same view, with the target where the middle of the picture meets the scene: that is what is orbited.
