@@ -1,20 +1,19 @@
 //! The session: one scene on the device, and the pipelines that render it.
 
+mod frames;
+mod reload;
+
 use super::jobs;
 use super::measure::Measuring;
 use super::model::{Command, Look, Published, SceneView, SideId, Trouble};
 use super::side::Side;
-use super::watch::{Files, Saved};
+use super::watch::Files;
 use super::{Publisher, Start};
 use frame_graph::{LinkContext, Overrides};
 use interfaces::virtual_lights::VirtualLight;
 use renderer::wgpu;
-use renderer::{
-    Catalog, Compiled, Gpu, Reload, RenderError, Renderer, SharedScene, compile_options, load_scene,
-    reload_all,
-};
+use renderer::{Catalog, Compiled, Gpu, RenderError, Renderer, SharedScene, compile_options, load_scene};
 use scene::{Camera, Light};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -354,83 +353,6 @@ impl Session {
         publisher.with(|published| published.look_error = wrong);
     }
 
-    /// Loads again what was saved.
-    fn reload(&mut self, saved: &Saved, waits: &AtomicBool, publisher: &Publisher) {
-        let began = Instant::now();
-        let wanted: Vec<_> =
-            self.sides.iter_mut().filter_map(|(id, side)| Some((*id, side.wanted.take()?))).collect();
-        for (id, (name, overrides)) in wanted {
-            self.set_pipeline(id, &name, &overrides, publisher);
-        }
-        let stands = self.sides.first().map(|(_, side)| side.renderer.shared_scene().clone());
-        let renderers = self.sides.iter_mut().map(|(_, side)| &mut side.renderer);
-        let results = reload_all(renderers, &saved.files);
-        let mut told = Vec::new();
-        for (at, result) in results.into_iter().enumerate() {
-            let id = self.sides[at].0;
-            match result {
-                Reload::Nothing => {}
-                Reload::Done(load) => {
-                    let side = &mut self.sides[at].1;
-                    side.loaded(&self.catalog);
-                    told.push(format!("{}: {}", id.name(), side.describe(&load)));
-                    self.clear(id.name(), publisher);
-                    self.clear("scene", publisher);
-                }
-                Reload::Failed(error) => {
-                    self.trouble(id.name(), &error, publisher);
-                    told.clear();
-                }
-            }
-        }
-        let now = self.sides.first().map(|(_, side)| side.renderer.shared_scene().clone());
-        if let (Some(before), Some(now)) = (stands, now)
-            && !Arc::ptr_eq(before.scene(), now.scene())
-        {
-            self.scene = now;
-            self.tell_scene(publisher);
-        }
-        self.watch(publisher);
-        if told.is_empty() {
-            return;
-        }
-        self.move_on();
-        self.frames(publisher, Some(SideId::A), waits);
-        let ended: String = self.sides.first().map_or_else(String::new, |(_, side)| side.ended());
-        let since_save = saved.at.and_then(|at| at.elapsed().ok()).filter(|time| *time < RECENT);
-        let since_save = since_save.map(|time| time.as_secs_f64() * 1e3);
-        let ms = began.elapsed().as_secs_f64() * 1e3;
-        let files: Vec<String> = saved
-            .files
-            .iter()
-            .take(3)
-            .filter_map(|file| Some(file.file_name()?.to_string_lossy().into_owned()))
-            .collect();
-        let more = saved.files.len().saturating_sub(files.len());
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let whole = since_save.map_or(String::new(), |ms| format!(", {ms:.0} ms since the save"));
-        let line = format!(
-            "{}{more} read again: {}{ended}. Picture after {ms:.0} ms{whole}.",
-            files.join(", "),
-            told.join("; ")
-        );
-        println!("{line}");
-        publisher.with(|published| published.reload_ms = since_save.map(|ms| ms as f32));
-        report(publisher, self.begun, &line, false);
-    }
-
-    fn watch(&mut self, publisher: &Publisher) {
-        let mut folders: Vec<PathBuf> =
-            self.sides.iter().flat_map(|(_, side)| side.renderer.watched_folders()).collect();
-        let wanted = self.sides.iter().filter_map(|(_, side)| side.wanted.as_ref());
-        let files = wanted.map(|(name, _)| PathBuf::from(name)).filter(|path| path.is_file());
-        folders.extend(files.filter_map(|file| file.canonicalize().ok()?.parent().map(PathBuf::from)));
-        folders.retain(|folder| folder.is_dir());
-        if let Err(error) = self.files.watch(folders) {
-            report(publisher, self.begun, &format!("changes of files are not seen: {error}"), true);
-        }
-    }
-
     /// Lets the time of animations run on.
     fn tick(&mut self) {
         let now = Instant::now();
@@ -445,101 +367,6 @@ impl Session {
         self.ticked = now;
         let time = self.time;
         self.each(|renderer| renderer.set_time(Some(time)));
-    }
-
-    /// Runs a frame of each side that has something to do, or of one alone, and publishes what came of each.
-    fn frames(&mut self, publisher: &Publisher, only: Option<SideId>, waits: &AtomicBool) {
-        self.due = Instant::now() + FRAME;
-        let still = self.moved.elapsed() > STILL && !self.playing;
-        let mut made = false;
-        for at in 0..self.sides.len() {
-            let (id, side) = &mut self.sides[at];
-            let id = *id;
-            let gives_way = id != SideId::A && made && waits.load(Ordering::Acquire);
-            let rests =
-                gives_way || (id == SideId::Reference && !still) || only.is_some_and(|only| only != id);
-            if rests || !side.wants_a_frame() {
-                continue;
-            }
-            match side.frame() {
-                Ok(()) => {
-                    if id == SideId::A {
-                        self.made.push(Instant::now());
-                    }
-                    self.publish(publisher, Some(id), None);
-                    made = true;
-                }
-                Err(error) => {
-                    side.renderer.run_everything();
-                    self.trouble(id.name(), &error, publisher);
-                    // Not again at once: what is wrong would be told without end.
-                    self.due = Instant::now() + Duration::from_millis(500);
-                }
-            }
-        }
-        if self.sides.iter().any(|(_, side)| side.converges()) && still {
-            self.due = Instant::now();
-        }
-        let now = Instant::now();
-        self.made.retain(|at| now.duration_since(*at) < Duration::from_secs(1));
-        self.measuring.offer(&self.sides);
-        let measured = self.measuring.newest();
-        if measured.is_some() {
-            self.publish(publisher, None, measured);
-        }
-    }
-
-    fn publish(
-        &mut self,
-        publisher: &Publisher,
-        made: Option<SideId>,
-        measured: Option<Arc<super::measure::Measured>>,
-    ) {
-        let looked = self.look.as_ref().filter(|look| made == Some(look.side)).and_then(|look| {
-            let (_, side) = self.sides.iter().find(|(id, _)| *id == look.side)?;
-            Some(side.look(look))
-        });
-        let lights = (self.wants_lights && made == Some(SideId::A))
-            .then(|| self.sides.first()?.1.virtual_lights())
-            .flatten();
-        let lights = lights.map(|lights| {
-            let before = std::mem::replace(&mut self.lights_before, lights.clone());
-            let differs = |i: usize, light: &VirtualLight| {
-                before.get(i).is_none_or(|old| old.position != light.position)
-            };
-            Arc::new(lights.into_iter().enumerate().map(|(i, l)| (l, differs(i, &l))).collect::<Vec<_>>())
-        });
-        let pose = self.sides.first().map(|(_, side)| side.renderer.pose());
-        let pose = pose.map(|pose| (pose.camera, pose.lights.clone()));
-        publisher.with(|published| {
-            for (id, side) in self.sides.iter().filter(|(id, _)| made == Some(*id)) {
-                let Some(view) = side.view() else { continue };
-                match published.sides.iter_mut().find(|(known, _)| known == id) {
-                    Some((_, known)) => *known = view,
-                    None => published.sides.push((*id, view)),
-                }
-            }
-            published.sides.sort_by_key(|(id, _)| *id);
-            if let Some((camera, lights)) = pose {
-                (published.camera, published.lights) = (Some(camera), lights);
-            }
-            (published.time, published.playing) = (self.time, self.playing);
-            match looked {
-                Some(Ok(looked)) => (published.looked, published.look_error) = (Some(looked), None),
-                Some(Err(error)) => published.look_error = Some(error.to_string()),
-                None if self.look.is_none() => (published.looked, published.look_error) = (None, None),
-                None => {}
-            }
-            if let Some(lights) = lights {
-                published.virtual_lights = lights;
-            } else if !self.wants_lights {
-                published.virtual_lights = Arc::default();
-            }
-            if let Some(measured) = measured {
-                published.measured = Some(measured);
-            }
-            published.frames_per_second = self.made.len() as f32;
-        });
     }
 
     fn run_job(&mut self, job: &jobs::Job, publisher: &Publisher) {

@@ -1,0 +1,102 @@
+//! Frames of all sides, and what is published of them.
+
+use super::{FRAME, STILL, Session};
+use crate::engine::Publisher;
+use crate::engine::measure::Measured;
+use crate::engine::model::SideId;
+use interfaces::virtual_lights::VirtualLight;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+impl Session {
+    /// Runs a frame of each side that has something to do, or of one alone, and publishes what came of each.
+    pub(super) fn frames(&mut self, publisher: &Publisher, only: Option<SideId>, waits: &AtomicBool) {
+        self.due = Instant::now() + FRAME;
+        let still = self.moved.elapsed() > STILL && !self.playing;
+        let mut made = false;
+        for at in 0..self.sides.len() {
+            let (id, side) = &mut self.sides[at];
+            let id = *id;
+            let gives_way = id != SideId::A && made && waits.load(Ordering::Acquire);
+            let rests =
+                gives_way || (id == SideId::Reference && !still) || only.is_some_and(|only| only != id);
+            if rests || !side.wants_a_frame() {
+                continue;
+            }
+            match side.frame() {
+                Ok(()) => {
+                    if id == SideId::A {
+                        self.made.push(Instant::now());
+                    }
+                    self.publish(publisher, Some(id), None);
+                    made = true;
+                }
+                Err(error) => {
+                    side.renderer.run_everything();
+                    self.trouble(id.name(), &error, publisher);
+                    // Not again at once: what is wrong would be told without end.
+                    self.due = Instant::now() + Duration::from_millis(500);
+                }
+            }
+        }
+        if self.sides.iter().any(|(_, side)| side.converges()) && still {
+            self.due = Instant::now();
+        }
+        let now = Instant::now();
+        self.made.retain(|at| now.duration_since(*at) < Duration::from_secs(1));
+        self.measuring.offer(&self.sides);
+        let measured = self.measuring.newest();
+        if measured.is_some() {
+            self.publish(publisher, None, measured);
+        }
+    }
+
+    fn publish(&mut self, publisher: &Publisher, made: Option<SideId>, measured: Option<Arc<Measured>>) {
+        let looked = self.look.as_ref().filter(|look| made == Some(look.side)).and_then(|look| {
+            let (_, side) = self.sides.iter().find(|(id, _)| *id == look.side)?;
+            Some(side.look(look))
+        });
+        let lights = (self.wants_lights && made == Some(SideId::A))
+            .then(|| self.sides.first()?.1.virtual_lights())
+            .flatten();
+        let lights = lights.map(|lights| {
+            let before = std::mem::replace(&mut self.lights_before, lights.clone());
+            let differs = |i: usize, light: &VirtualLight| {
+                before.get(i).is_none_or(|old| old.position != light.position)
+            };
+            Arc::new(lights.into_iter().enumerate().map(|(i, l)| (l, differs(i, &l))).collect::<Vec<_>>())
+        });
+        let pose = self.sides.first().map(|(_, side)| side.renderer.pose());
+        let pose = pose.map(|pose| (pose.camera, pose.lights.clone()));
+        publisher.with(|published| {
+            for (id, side) in self.sides.iter().filter(|(id, _)| made == Some(*id)) {
+                let Some(view) = side.view() else { continue };
+                match published.sides.iter_mut().find(|(known, _)| known == id) {
+                    Some((_, known)) => *known = view,
+                    None => published.sides.push((*id, view)),
+                }
+            }
+            published.sides.sort_by_key(|(id, _)| *id);
+            if let Some((camera, lights)) = pose {
+                (published.camera, published.lights) = (Some(camera), lights);
+            }
+            (published.time, published.playing) = (self.time, self.playing);
+            match looked {
+                Some(Ok(looked)) => (published.looked, published.look_error) = (Some(looked), None),
+                Some(Err(error)) => published.look_error = Some(error.to_string()),
+                None if self.look.is_none() => (published.looked, published.look_error) = (None, None),
+                None => {}
+            }
+            if let Some(lights) = lights {
+                published.virtual_lights = lights;
+            } else if !self.wants_lights {
+                published.virtual_lights = Arc::default();
+            }
+            if let Some(measured) = measured {
+                published.measured = Some(measured);
+            }
+            published.frames_per_second = self.made.len() as f32;
+        });
+    }
+}
