@@ -68,6 +68,14 @@ fn has_display() -> bool {
         || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named)
 }
 
+/// How the window is presented: without waiting for the screen, which takes a tenth of a second where the driver renders on the
+/// processor. Nothing is drawn unless something changed.
+fn surface() -> eframe::egui_wgpu::WgpuConfiguration {
+    let mut options = eframe::egui_wgpu::WgpuConfiguration::default();
+    options.surface.present_mode = renderer::wgpu::PresentMode::AutoNoVsync;
+    options
+}
+
 /// Opens the window, and returns when it is closed.
 ///
 /// # Errors
@@ -83,6 +91,7 @@ pub fn run(options: Options) -> Result<(), ViewError> {
             .with_inner_size([1280.0, 800.0])
             .with_min_inner_size([480.0, 320.0]),
         persistence_path: options.state.clone(),
+        wgpu_options: surface(),
         // The text is in English, and the fonts that come with the program have all of it.
         system_font_fallback: false,
         ..eframe::NativeOptions::default()

@@ -58,6 +58,7 @@ impl Engine {
         let waits = Arc::new(AtomicBool::new(false));
         let waiting = Arc::clone(&waits);
         let thread = std::thread::Builder::new().name("engine".to_owned()).spawn(move || {
+            give_way();
             let publisher = Publisher { published: shared, repaint: Box::new(repaint) };
             match Session::open(start, &publisher) {
                 Ok(session) => session.run(&received, &waiting, &publisher),
@@ -82,6 +83,14 @@ impl Engine {
     pub(crate) fn published(&self) -> MutexGuard<'_, Published> {
         self.published.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Lets the interface come first: what this thread starts, as the threads of a driver that renders on the processor, gets the
+/// time that the window leaves.
+fn give_way() {
+    #[cfg(target_os = "linux")]
+    // Where that is not allowed, all have the same share.
+    let _ = rustix::process::nice(10);
 }
 
 impl Drop for Engine {
