@@ -441,11 +441,6 @@ impl Renderer {
         self.pipeline.as_ref().map(|pipeline| &pipeline.overrides)
     }
 
-    /// Returns whether each frame is another sample of one picture, which an output sums up.
-    pub fn accumulates(&self) -> bool {
-        self.pipeline.as_ref().is_some_and(|pipeline| pipeline.sampled)
-    }
-
     /// Returns the state of the scene in the last frame, with the camera and the lights that replace its own; before
     /// the first frame, that at 0 s.
     pub fn pose(&self) -> &Pose {

@@ -119,8 +119,6 @@ pub(crate) struct App {
     pub(crate) library: panel::library::Library,
     measures: Option<Measures>,
     look: Option<Look>,
-    /// Frames of the interface.
-    pub(crate) drawn: u64,
 }
 
 impl App {
@@ -168,7 +166,6 @@ impl App {
             library,
             measures: None,
             look: None,
-            drawn: 0,
             remembered,
         }
     }
@@ -177,7 +174,6 @@ impl App {
     pub(crate) fn show(&mut self, ui: &mut Ui) {
         let _span = tracing::trace_span!(target: "frame", "interface").entered();
         let begun = Instant::now();
-        self.drawn += 1;
         self.now = self.engine.published().clone();
         self.pilot.time.take_if(|time| *time == self.now.time || self.now.playing);
         if let Some(dark) = self.remembered.dark {

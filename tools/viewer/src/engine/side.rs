@@ -4,7 +4,7 @@ use super::measure::to_screen;
 use super::model::{Look, Looked, SideView};
 use super::statistics::PassTimes;
 use eframe::egui::{Color32, ColorImage};
-use frame_graph::plan::PlannedOutput;
+use frame_graph::plan::{PlannedOutput, ResourceId};
 use frame_graph::resolve::Settable;
 use frame_graph::{Overrides, PassTypes, ResourceDesc};
 use interfaces::virtual_lights::{self, VirtualLight};
@@ -180,25 +180,24 @@ impl Side {
         })
     }
 
-    /// Reads the virtual lights: those that the last pass in the order outputs. None where there are no such.
-    pub(super) fn virtual_lights(&self) -> Option<Vec<VirtualLight>> {
+    /// The resource of the virtual lights that the last pass in the order outputs; `None` where there are no such.
+    fn lights_resource(&self) -> Option<ResourceId> {
         let plan = self.renderer.plan()?;
         let interface = virtual_lights::INTERFACE.name;
         let ports = plan.passes.iter().rev().flat_map(|pass| &pass.outputs);
         let port = ports.filter(|port| port.interface.as_str() == interface).find(|port| port.connected)?;
-        let (_, id) = port.members.first()?;
-        // Its object may hold another resource by now, unless it is kept.
-        virtual_lights::from_bytes(&self.renderer.resource_bytes(*id).ok()?)
+        port.members.first().map(|(_, id)| *id)
+    }
+
+    /// Reads the virtual lights. Their object may hold another resource by now, unless it is kept.
+    pub(super) fn virtual_lights(&self) -> Option<Vec<VirtualLight>> {
+        virtual_lights::from_bytes(&self.renderer.resource_bytes(self.lights_resource()?).ok()?)
     }
 
     /// The name of the resource of the virtual lights, to be kept.
     pub(super) fn virtual_lights_name(&self) -> Option<String> {
-        let plan = self.renderer.plan()?;
-        let interface = virtual_lights::INTERFACE.name;
-        let ports = plan.passes.iter().rev().flat_map(|pass| &pass.outputs);
-        let port = ports.filter(|port| port.interface.as_str() == interface).find(|port| port.connected)?;
-        let (_, id) = port.members.first()?;
-        Some(plan.resources[id.0 as usize].name.to_string())
+        let id = self.lights_resource()?;
+        Some(self.renderer.plan()?.resources[id.0 as usize].name.to_string())
     }
 
     /// The picture, as it goes to the screen; `None` before there is one.

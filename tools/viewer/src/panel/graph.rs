@@ -3,10 +3,11 @@
 use crate::action::Tab;
 use crate::app::App;
 use crate::engine::{SideId, SideView};
+use crate::panel::choose_side;
 use eframe::egui::epaint::{CubicBezierShape, PathStroke};
 use eframe::egui::{
-    self, Align2, Color32, ComboBox, CornerRadius, FontId, Painter, Rect, Scene, Sense, Stroke, StrokeKind,
-    Ui, Vec2, pos2, vec2,
+    self, Align2, Color32, CornerRadius, FontId, Painter, Rect, Scene, Sense, Stroke, StrokeKind, Ui, Vec2,
+    pos2, vec2,
 };
 use frame_graph::plan::{BoxKind, Drawing, DrawnBox, PlanId};
 
@@ -33,13 +34,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     }
     let mut whole = false;
     ui.horizontal_wrapped(|ui| {
-        if sides.len() > 1 {
-            ComboBox::from_label("of").selected_text(app.graph.side.name()).show_ui(ui, |ui| {
-                for id in &sides {
-                    ui.selectable_value(&mut app.graph.side, *id, id.name());
-                }
-            });
-        }
+        choose_side(ui, &sides, &mut app.graph.side);
         whole = ui.button("Whole graph").clicked();
         ui.weak("Ctrl-wheel: zoom; wheel, drag: move; click: look");
     });

@@ -16,7 +16,20 @@ pub(crate) mod write;
 
 use crate::action::Tab;
 use crate::app::App;
-use eframe::egui::Ui;
+use crate::engine::SideId;
+use eframe::egui::{ComboBox, Ui};
+
+/// Chooses whose resources a panel shows, where there are several sides.
+fn choose_side(ui: &mut Ui, sides: &[SideId], chosen: &mut SideId) {
+    if sides.len() < 2 {
+        return;
+    }
+    ComboBox::from_label("of").selected_text(chosen.name()).show_ui(ui, |ui| {
+        for id in sides {
+            ui.selectable_value(chosen, *id, id.name());
+        }
+    });
+}
 
 /// Draws the panel on the right.
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {

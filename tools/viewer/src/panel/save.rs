@@ -1,7 +1,7 @@
 //! Names a file and writes it: a variant of the pipeline, or the scene.
 
 use crate::app::App;
-use crate::engine::{SceneView, SideId};
+use crate::engine::{SceneView, SideId, SideView};
 use anyhow::{Context as _, Result, bail};
 use data_file::Source;
 use eframe::egui::{Context, Id, Key, Modal, TextEdit};
@@ -52,6 +52,12 @@ impl Saving {
         Some(Saving { what: What::Scene(edit), path, about: String::new(), error: None, opened: false })
     }
 
+    /// The file of a variant.
+    fn variant_text(&self, app: &App, side: &SideView) -> Result<String> {
+        let base = resolve(&side.name, app.catalog.pipelines(), &Overrides::default())?;
+        Ok(variant(&side.name, self.about.trim(), &base, &*app.catalog, &side.overrides))
+    }
+
     fn write(&self, app: &App) -> Result<String> {
         let path = PathBuf::from(self.path.trim());
         match &self.what {
@@ -60,8 +66,7 @@ impl Saving {
                 if path.extension().is_none_or(|ending| ending != "ron") {
                     bail!("{}: expected a name that ends in .ron", path.display());
                 }
-                let base = resolve(&side.name, app.catalog.pipelines(), &Overrides::default())?;
-                let text = variant(&side.name, self.about.trim(), &base, &*app.catalog, &side.overrides);
+                let text = self.variant_text(app, side)?;
                 write_new(&path, &text)?;
                 Ok(format!(
                     "wrote {}: `lightloom study` and every command take it as a pipeline",
@@ -150,9 +155,8 @@ pub(crate) fn show(app: &mut App, context: &Context) {
             ui.add(TextEdit::singleline(&mut saving.about).desired_width(f32::INFINITY))
                 .labelled_by(about.id);
             if let Some(side) = app.now.side(*side)
-                && let Ok(base) = resolve(&side.name, app.catalog.pipelines(), &Overrides::default())
+                && let Ok(text) = saving.variant_text(app, side)
             {
-                let text = variant(&side.name, saving.about.trim(), &base, &*app.catalog, &side.overrides);
                 ui.monospace(text.trim_end());
             }
         }

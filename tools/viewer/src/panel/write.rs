@@ -2,7 +2,8 @@
 
 use crate::app::App;
 use crate::engine::{Command, Job, Published, SideId};
-use eframe::egui::{ComboBox, DragValue, TextEdit, Ui};
+use crate::panel::choose_side;
+use eframe::egui::{DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 
 /// What the panel remembers.
@@ -44,13 +45,7 @@ impl Writing {
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     let sides: Vec<SideId> = app.now.sides.iter().map(|(id, _)| *id).collect();
     let writing = &mut app.writing;
-    if sides.len() > 1 {
-        ComboBox::from_label("of").selected_text(writing.side.name()).show_ui(ui, |ui| {
-            for id in &sides {
-                ui.selectable_value(&mut writing.side, *id, id.name());
-            }
-        });
-    }
+    choose_side(ui, &sides, &mut writing.side);
     ui.strong("A picture");
     ui.label(
         "EXR and PFM hold linear values, PNG what a screen shows. The record of how it was made is in it.",

@@ -27,7 +27,7 @@ const NEWS: Duration = Duration::from_secs(8);
 const TURN: f32 = 0.005;
 
 /// The whole of a texture.
-const WHOLE: Rect = Rect { min: Pos2::ZERO, max: pos2(1.0, 1.0) };
+pub(crate) const WHOLE: Rect = Rect { min: Pos2::ZERO, max: pos2(1.0, 1.0) };
 
 /// The size that frames are to have, once the window rests.
 #[derive(Clone, Copy, Default)]
@@ -75,7 +75,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         }
         _ => vec![(SideId::A, rect)],
     };
-    ask_for_size(app, ui, places[0].1, view);
+    ask_for_size(app, ui, places[0].1);
     ui.painter().rect_filled(rect, 0.0, Color32::from_gray(16));
     let response = ui.interact(
         rect,
@@ -138,7 +138,7 @@ fn second(app: &App) -> SideId {
 }
 
 /// Tells the engine the size of frames once the window rests.
-fn ask_for_size(app: &mut App, ui: &Ui, rect: Rect, _: View) {
+fn ask_for_size(app: &mut App, ui: &Ui, rect: Rect) {
     if app.now.adapter.is_empty() {
         return;
     }

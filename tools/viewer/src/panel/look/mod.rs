@@ -5,7 +5,9 @@ mod table;
 
 use crate::app::App;
 use crate::engine::{Look, Looked, Published, SideId};
+use crate::panel::choose_side;
 use crate::textures::{Shown, Textures};
+use crate::viewport::WHOLE;
 use colors::{Channel, Coloring, Palette};
 use eframe::egui::{
     self, Color32, ComboBox, DragValue, Pos2, Rect, ScrollArea, Sense, Slider, Ui, pos2, vec2,
@@ -104,8 +106,7 @@ impl Inspector {
         let Some((_, _, _, version, picture)) = &self.shown else { return };
         let texture = textures.of(ui.ctx(), Shown::Looked, *version, picture);
         let tint = Color32::WHITE.gamma_multiply(self.opacity);
-        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-        ui.painter_at(rect).image(texture.id(), rect, whole, tint);
+        ui.painter_at(rect).image(texture.id(), rect, WHOLE, tint);
     }
 }
 
@@ -116,13 +117,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     }
     let Some(side) = app.now.side(app.inspector.side).cloned() else { return };
     ui.horizontal_wrapped(|ui| {
-        if sides.len() > 1 {
-            ComboBox::from_label("of").selected_text(app.inspector.side.name()).show_ui(ui, |ui| {
-                for id in &sides {
-                    ui.selectable_value(&mut app.inspector.side, *id, id.name());
-                }
-            });
-        }
+        choose_side(ui, &sides, &mut app.inspector.side);
         let mut name = app.inspector.name.clone();
         let list = ComboBox::from_label("Resource").selected_text(&name).height(500.0);
         let list = list.width((ui.available_width() - 80.0).clamp(80.0, 260.0)).truncate();
@@ -279,8 +274,7 @@ fn texture_picture(app: &mut App, ui: &mut Ui, looked: &Looked) {
     ui.allocate_ui(vec2(ui.available_width(), height), |ui| {
         egui::Scene::new().zoom_range(0.01..=64.0).show(ui, &mut seen, |ui| {
             let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-            let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-            ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+            ui.painter().image(texture.id(), rect, WHOLE, Color32::WHITE);
             if let Some(at) = response.hover_pos() {
                 let texel = (at - rect.min).floor();
                 let (x, y) = (texel.x.max(0.0) as usize, texel.y.max(0.0) as usize);
