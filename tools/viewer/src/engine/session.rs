@@ -413,7 +413,8 @@ impl Session {
         let text = error.to_string();
         let mut again = false;
         publisher.with(|published| {
-            again = published.troubles.iter().any(|trouble| trouble.of == of && trouble.text == text);
+            let same = |trouble: &&Trouble| trouble.of == of && trouble.text == text;
+            again = published.troubles.iter().find(same).is_some_and(Trouble::stands);
             if again {
                 return;
             }
