@@ -12,6 +12,7 @@ mod action;
 mod app;
 mod camera;
 mod engine;
+mod painter;
 mod palette;
 mod panel;
 mod pilot;
@@ -100,6 +101,9 @@ pub fn run(options: Options) -> Result<(), ViewError> {
         "lightloom",
         native,
         Box::new(|context| {
+            if let Some(state) = &context.wgpu_render_state {
+                painter::install(&context.egui_ctx, state);
+            }
             let remembered = Remembered::load(context.storage);
             let Options { catalog, pipeline, scene, overrides, seed, .. } = options;
             let start = engine::Start {

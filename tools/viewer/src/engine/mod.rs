@@ -13,6 +13,7 @@ mod watch;
 
 pub(crate) use jobs::Job;
 pub(crate) use measure::{Map, Measures};
+use model::Stage;
 pub(crate) use model::{Command, Look, Looked, Published, SceneView, SideId, SideView};
 pub(crate) use statistics::PassTimes;
 
@@ -118,6 +119,6 @@ impl Publisher {
 
     /// Says what takes long at the moment; `None` when it is done.
     pub(crate) fn stage(&self, stage: Option<String>) {
-        self.with(|published| published.stage = stage);
+        self.with(|published| published.stage = stage.map(Stage::new));
     }
 }

@@ -197,6 +197,28 @@ pub(crate) struct SideView {
     pub(crate) bytes: u64,
 }
 
+/// Something that takes long.
+#[derive(Clone, Debug)]
+pub(crate) struct Stage {
+    text: String,
+    begun: Instant,
+}
+
+impl Stage {
+    /// Begins now.
+    pub(crate) fn new(text: String) -> Stage {
+        Stage { text, begun: Instant::now() }
+    }
+
+    /// Says what it is, and for how long it has lasted, once that is more than a moment.
+    pub(crate) fn describe(&self) -> String {
+        match self.begun.elapsed().as_secs() {
+            0 => format!("{}…", self.text),
+            seconds => format!("{}… {seconds} s", self.text),
+        }
+    }
+}
+
 /// What the engine has published.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Published {
@@ -205,7 +227,7 @@ pub(crate) struct Published {
     /// Whether the adapter is a processor: pictures are smaller there unless the user says otherwise.
     pub(crate) on_cpu: bool,
     /// What takes long at the moment.
-    pub(crate) stage: Option<String>,
+    pub(crate) stage: Option<Stage>,
     /// Why there is no session.
     pub(crate) fatal: Option<String>,
     /// The scene.
@@ -232,7 +254,7 @@ pub(crate) struct Published {
     pub(crate) messages: Arc<VecDeque<Message>>,
     /// The newest comparison.
     pub(crate) measured: Option<Arc<Measured>>,
-    /// Frames in the last second.
+    /// Frames a second, over the last second or the last two frames; 0 before there are two.
     pub(crate) frames_per_second: f32,
     /// The newest reload: from the time of the file to the picture \[ms\].
     pub(crate) reload_ms: Option<f32>,

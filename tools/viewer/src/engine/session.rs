@@ -53,7 +53,7 @@ pub(super) struct Session {
     lights_before: Vec<VirtualLight>,
     timed: bool,
     measuring: Measuring,
-    /// When frames were made, within the last second.
+    /// When frames of A were made, within the last second; the last two in any case.
     made: Vec<Instant>,
     /// The next frame is not before.
     due: Instant,
@@ -261,6 +261,8 @@ impl Session {
                 );
                 self.clear(id.name(), publisher);
                 report(publisher, begun, &told, false);
+                // Its settings and its graph are there before its first picture, which may take long.
+                publisher.with(|published| self.publish_side(published, id));
             }
             Err(error) => {
                 side.wanted = Some((name.to_owned(), overrides.clone()));

@@ -86,6 +86,11 @@ impl Side {
         self.times = Arc::default();
     }
 
+    /// Whether the next frame is the first of the pipeline.
+    pub(super) fn is_new(&self) -> bool {
+        self.frames == 0
+    }
+
     /// Something changed: the next frame has something to do.
     pub(super) fn wake(&mut self) {
         self.idle = false;

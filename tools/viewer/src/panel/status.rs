@@ -20,28 +20,34 @@ impl App {
     }
 }
 
+/// A rate with two digits where it is small.
+fn per_second(rate: f32) -> String {
+    if rate < 9.95 { format!("{rate:.1}") } else { format!("{rate:.0}") }
+}
+
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.horizontal(|ui| {
         if let Some(stage) = &app.now.stage {
             ui.add(Spinner::new().size(14.0));
-            ui.label(format!("{stage}…"));
+            ui.label(stage.describe());
             ui.separator();
         }
         if let Some(side) = app.now.side(SideId::A) {
             let (width, height) = side.plan.frame;
-            let whole = side.whole.last().unwrap_or(0.0);
             let others = app.now.sides.iter().any(|(id, side)| *id != SideId::A && !side.idle);
             let state = match side.progress {
                 Some(progress) if !progress.is_done() => format!("step {} of {}", progress.step, progress.steps),
                 Some(_) => "converged".to_owned(),
                 _ if side.idle && others => "A is done, others go on".to_owned(),
                 None if side.idle => format!("idle after {} frames: nothing changes", side.frames),
-                None => format!("{:.0} frames/s", app.now.frames_per_second),
+                None => format!("{} frames/s", per_second(app.now.frames_per_second)),
             };
-            ui.label(format!("{state} · frame {whole:.1} ms")).on_hover_text(
-                "From the call to pixels in memory, the last frame. A pipeline of which nothing changes does not run.",
-            );
-            ui.separator();
+            if let Some(whole) = side.whole.last() {
+                ui.label(format!("{state} · frame {whole:.1} ms")).on_hover_text(
+                    "From the call to pixels in memory, the last frame. A pipeline of which nothing changes does not run.",
+                );
+                ui.separator();
+            }
             let before = app.remembered.resolution;
             let name = |scale: f32| RESOLUTIONS.iter().find(|(s, _)| *s == scale).map_or("auto", |(_, name)| name);
             let list = ComboBox::from_id_salt("resolution").selected_text(name(before)).width(64.0);

@@ -242,7 +242,7 @@ fn label(painter: &egui::Painter, at: Pos2, text: &str) {
 fn wait(app: &App, ui: &Ui, rect: Rect) {
     let text = match (&app.now.fatal, &app.now.stage) {
         (Some(error), _) => error.clone(),
-        (None, Some(stage)) => format!("{stage}…"),
+        (None, Some(stage)) => stage.describe(),
         (None, None) if app.now.troubles.is_empty() => "Starting…".to_owned(),
         (None, None) => String::new(),
     };

@@ -3,7 +3,7 @@
 use super::{FRAME, STILL, Session};
 use crate::engine::Publisher;
 use crate::engine::measure::Measured;
-use crate::engine::model::SideId;
+use crate::engine::model::{Published, SideId};
 use interfaces::virtual_lights::VirtualLight;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,10 +24,18 @@ impl Session {
             if rests || !side.wants_a_frame() {
                 continue;
             }
-            match side.frame() {
+            let first = side.is_new().then(|| side.renderer.pipeline_name().to_owned());
+            if let Some(name) = &first {
+                publisher.stage(Some(format!("Rendering the first frame of {name}")));
+            }
+            let done = side.frame();
+            if first.is_some() {
+                publisher.stage(None);
+            }
+            match done {
                 Ok(()) => {
                     if id == SideId::A {
-                        self.made.push(Instant::now());
+                        self.count();
                     }
                     self.publish(publisher, Some(id), None);
                     made = true;
@@ -43,13 +51,38 @@ impl Session {
         if self.sides.iter().any(|(_, side)| side.converges()) && still {
             self.due = Instant::now();
         }
-        let now = Instant::now();
-        self.made.retain(|at| now.duration_since(*at) < Duration::from_secs(1));
         self.measuring.offer(&self.sides);
         let measured = self.measuring.newest();
         if measured.is_some() {
             self.publish(publisher, None, measured);
         }
+    }
+
+    /// Publishes a side as it is now.
+    pub(super) fn publish_side(&self, published: &mut Published, id: SideId) {
+        let side = self.sides.iter().find(|(known, _)| *known == id);
+        let Some(view) = side.and_then(|(_, side)| side.view()) else { return };
+        match published.sides.iter_mut().find(|(known, _)| *known == id) {
+            Some((_, known)) => *known = view,
+            None => published.sides.push((id, view)),
+        }
+        published.sides.sort_by_key(|(id, _)| *id);
+    }
+
+    /// Takes note of a frame that was made now.
+    fn count(&mut self) {
+        let now = Instant::now();
+        self.made.push(now);
+        let old = |at: &Instant| now.duration_since(*at) > Duration::from_secs(1);
+        let gone = self.made.iter().take_while(|at| old(at)).count();
+        self.made.drain(..gone.min(self.made.len().saturating_sub(2)));
+    }
+
+    /// Returns the frames a second; 0 before there are two.
+    fn rate(&self) -> f32 {
+        let (Some(first), Some(last)) = (self.made.first(), self.made.last()) else { return 0.0 };
+        let seconds = last.duration_since(*first).as_secs_f32();
+        if seconds > 0.0 { (self.made.len() - 1) as f32 / seconds } else { 0.0 }
     }
 
     fn publish(&mut self, publisher: &Publisher, made: Option<SideId>, measured: Option<Arc<Measured>>) {
@@ -70,14 +103,9 @@ impl Session {
         let pose = self.sides.first().map(|(_, side)| side.renderer.pose());
         let pose = pose.map(|pose| (pose.camera, pose.lights.clone()));
         publisher.with(|published| {
-            for (id, side) in self.sides.iter().filter(|(id, _)| made == Some(*id)) {
-                let Some(view) = side.view() else { continue };
-                match published.sides.iter_mut().find(|(known, _)| known == id) {
-                    Some((_, known)) => *known = view,
-                    None => published.sides.push((*id, view)),
-                }
+            if let Some(id) = made {
+                self.publish_side(published, id);
             }
-            published.sides.sort_by_key(|(id, _)| *id);
             if let Some((camera, lights)) = pose {
                 (published.camera, published.lights) = (Some(camera), lights);
             }
@@ -96,7 +124,7 @@ impl Session {
             if let Some(measured) = measured {
                 published.measured = Some(measured);
             }
-            published.frames_per_second = self.made.len() as f32;
+            published.frames_per_second = self.rate();
         });
     }
 }
