@@ -2,9 +2,11 @@
 //! derive; and the files that the program carries with it.
 
 mod assets;
+mod listing;
 mod pass_types;
 
 pub use assets::{Assets, PipelineFiles, SceneAssets, ShaderAssets};
+pub use listing::Named;
 pub use pass_types::Catalog;
 
 include!(concat!(env!("OUT_DIR"), "/catalog.rs"));

@@ -211,6 +211,16 @@ impl Value {
     }
 }
 
+impl Value {
+    /// Returns the value as it is typed on a command line: as RON writes it, but text without quotation marks.
+    pub fn to_argument(&self) -> String {
+        match self {
+            Value::Text(text) => text.clone(),
+            other => other.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for Value {
     /// Writes the value as RON does.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

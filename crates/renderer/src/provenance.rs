@@ -142,7 +142,7 @@ impl Provenance {
         let loaded = renderer.pipeline.as_ref();
         let compiled = loaded.map(|loaded| &loaded.compiled);
         let set = loaded.map_or_else(Vec::new, |loaded| {
-            loaded.overrides.0.iter().map(|(name, value)| (name.clone(), plain(value))).collect()
+            loaded.overrides.0.iter().map(|(name, value)| (name.clone(), value.to_argument())).collect()
         });
         let shaders = compiled.map_or_else(BTreeMap::new, |compiled| {
             let steps = compiled.steps.iter().flatten();
@@ -238,14 +238,6 @@ impl Provenance {
             compare(path, &hash(self), &hash(other));
         }
         lines
-    }
-}
-
-/// A value as it is typed on a command line.
-fn plain(value: &Value) -> String {
-    match value {
-        Value::Text(text) => text.clone(),
-        other => other.to_string(),
     }
 }
 

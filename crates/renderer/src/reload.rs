@@ -38,6 +38,11 @@ impl Renderer {
         let paths: BTreeSet<String> = changed.iter().filter_map(|path| self.asset_path(path)).collect();
         let places: BTreeSet<PathBuf> = changed.iter().map(|path| place(path)).collect();
         let scene_touched = self.scene().files.iter().any(|file| places.contains(&place(file)));
+        // What a broken scene lacks, or names now, lies beside what it is made of.
+        let folders: BTreeSet<PathBuf> =
+            self.scene().files.iter().filter_map(|file| place(file).parent().map(Path::to_owned)).collect();
+        let beside = |file: &PathBuf| folders.iter().any(|folder| file.starts_with(folder));
+        let scene_touched = scene_touched || (self.scene_stale && places.iter().any(beside));
         self.scene_stale |= scene_touched;
         let Some(loaded) = &self.pipeline else { return Reload::Nothing };
         let stale = self.catalog.shaders().invalidate(&paths.iter().map(String::as_str).collect::<Vec<_>>());

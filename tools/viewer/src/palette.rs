@@ -48,14 +48,14 @@ fn items(app: &App, context: &Context) -> Vec<Item> {
         [(SideId::A, "pipeline"), (SideId::B, "compare with")].map(|(side, kind)| Item {
             kind,
             name: named.name.clone(),
-            about: named.about.clone(),
+            about: crate::panel::library::about(named).to_owned(),
             does: Does::Pipeline(side, named.name.clone()),
         })
     });
     let scenes = app.library.scenes().iter().map(|named| Item {
         kind: "scene",
         name: named.name.clone(),
-        about: named.about.clone(),
+        about: crate::panel::library::about(named).to_owned(),
         does: Does::Scene(named.name.clone()),
     });
     let passes = app.now.side(SideId::A).into_iter().flat_map(|side| &side.plan.passes).map(|pass| Item {
@@ -99,16 +99,28 @@ fn typed(text: &str) -> Vec<Item> {
     let text = text.trim();
     let item = |kind, does| Item { kind, name: text.to_owned(), about: "this file".to_owned(), does };
     if text.ends_with(".ron") {
-        vec![
+        let mut all = vec![
             item("pipeline", Does::Pipeline(SideId::A, text.to_owned())),
             item("compare with", Does::Pipeline(SideId::B, text.to_owned())),
             item("scene", Does::Scene(text.to_owned())),
-        ]
+        ];
+        // The first is what Enter opens.
+        if is_scene(text) {
+            all.rotate_right(1);
+        }
+        all
     } else if text.ends_with(".glb") || text.ends_with(".gltf") {
         vec![item("scene", Does::Scene(text.to_owned()))]
     } else {
         Vec::new()
     }
+}
+
+/// Whether a RON file says of itself that it is a scene: its first word is `Scene`.
+fn is_scene(path: &str) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let of_file = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
+    text.lines().find(of_file).is_some_and(|line| line.trim_start().starts_with("Scene"))
 }
 
 /// Shows the palette where it is open.

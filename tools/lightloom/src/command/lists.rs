@@ -4,7 +4,7 @@ use super::passes::{setting_json, setting_text};
 use crate::context::Context;
 use crate::output::{self, say};
 use anyhow::{Result, bail};
-use frame_graph::resolve::Files;
+use catalog::Named;
 use frame_graph::{Overrides, resolve};
 use renderer::Gpu;
 use serde_json::{Value, json};
@@ -32,24 +32,18 @@ fn print(context: &Context, rows: &[(String, String)]) {
     }
 }
 
+/// Files with a line about each.
+fn print_named(context: &Context, all: Vec<Named>) {
+    let broken = || "broken: `lightloom check` says why".to_owned();
+    let rows = all.into_iter().map(|named| (named.name, named.about.unwrap_or_else(broken)));
+    print(context, &rows.collect::<Vec<_>>());
+}
+
 pub(crate) fn pipelines(context: &Context, args: &PipelinesArgs) -> Result<()> {
     if let Some(name) = &args.pipeline {
         return pipeline(context, name);
     }
-    let files = context.catalog.pipelines();
-    let rows: Vec<(String, String)> = files
-        .list()
-        .into_iter()
-        .filter_map(|path| {
-            let name = path.trim_end_matches(".ron").to_owned();
-            match resolve(&path, files, &Overrides::default()) {
-                Ok(resolved) if resolved.is_part() => None,
-                Ok(resolved) => Some((name, resolved.about().unwrap_or_default().to_owned())),
-                Err(_) => Some((name, "broken: `lightloom check` says why".to_owned())),
-            }
-        })
-        .collect();
-    print(context, &rows);
+    print_named(context, context.catalog.list_pipelines());
     Ok(())
 }
 
@@ -79,20 +73,7 @@ fn pipeline(context: &Context, name: &str) -> Result<()> {
 }
 
 pub(crate) fn scenes(context: &Context) -> Result<()> {
-    let files = catalog::SceneAssets(context.catalog.assets().clone());
-    let names = context.catalog.assets().list("scenes", "ron");
-    let rows: Vec<(String, String)> = names
-        .iter()
-        .map(|path| {
-            let name = path.trim_start_matches("scenes/").trim_end_matches(".ron");
-            (
-                name.to_owned(),
-                scene::about(name, &files)
-                    .unwrap_or_else(|_| "broken: `lightloom check` says why".to_owned()),
-            )
-        })
-        .collect();
-    print(context, &rows);
+    print_named(context, context.catalog.list_scenes());
     Ok(())
 }
 

@@ -1,9 +1,10 @@
 //! `lightloom view`: the window.
 
 use crate::context::{Context, overrides};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use frame_graph::resolve::Files as _;
-use std::path::PathBuf;
+use scene::SceneError;
+use std::path::{Path, PathBuf};
 
 /// Open a window.
 #[derive(clap::Args)]
@@ -35,6 +36,15 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         && context.catalog.pipelines().read(pipeline).is_none()
     {
         frame_graph::resolve(pipeline, context.catalog.pipelines(), &overrides(&args.set)?)?;
+    }
+    if let Some(scene) = &args.scene {
+        let files = catalog::SceneAssets(context.catalog.assets().clone());
+        let of_gltf = scene.ends_with(".glb") || scene.ends_with(".gltf");
+        match scene::about(scene, &files) {
+            Err(error @ SceneError::NotFound { .. }) if !of_gltf => return Err(error.into()),
+            _ if of_gltf && !Path::new(scene).exists() => bail!("there is no file {scene}"),
+            _ => {}
+        }
     }
     viewer::run(viewer::Options {
         catalog: context.catalog.clone(),

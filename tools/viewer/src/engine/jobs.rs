@@ -110,7 +110,7 @@ fn write(side: &Side, picture: &Image, shown: (&str, u32), path: &Path) -> Resul
         bail!("{}: expected a name that ends in .png, .exr or .pfm", path.display());
     }
     folder_of(path)?;
-    let display = if shown.0 == "display" { Display::AS_IS } else { Display::default() };
+    let display = Display::of_output(shown.0, Display::default());
     picture.write(path, display, Some(&record(side, shown)))?;
     Ok(())
 }

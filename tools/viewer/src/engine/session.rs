@@ -31,6 +31,9 @@ const STILL: Duration = Duration::from_millis(250);
 /// A file that is older was not written just now, but moved to its place.
 const RECENT: Duration = Duration::from_secs(10);
 
+/// The scene of a session until there is one.
+const NOTHING: &str = "empty";
+
 /// How long it is told that a value was refused.
 const REFUSED: Duration = Duration::from_secs(8);
 
@@ -38,6 +41,8 @@ pub(super) struct Session {
     catalog: Arc<Catalog>,
     begun: Instant,
     scene: SharedScene,
+    /// The scene that was asked for, where it could not be loaded: whenever a file changes it is tried again.
+    wanted_scene: Option<String>,
     sides: Vec<(SideId, Side)>,
     files: Files,
     size: (u32, u32),
@@ -69,7 +74,7 @@ impl Session {
     /// Opens the adapter, loads the scene and the pipeline.
     ///
     /// # Errors
-    /// Where there is no adapter, or the scene cannot be loaded. A pipeline that is wrong is told, and waited for.
+    /// Where there is no adapter. A scene or a pipeline that is wrong is told, and waited for.
     pub(super) fn open(start: Start, publisher: &Publisher) -> Result<Session, RenderError> {
         publisher.stage(Some(format!("Opening the adapter and loading {}", start.scene)));
         let Start { catalog, pipeline, scene, overrides, size, seed } = start;
@@ -84,12 +89,17 @@ impl Session {
             (gpu.join(), loaded)
         });
         let gpu = gpu.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
-        let scene = SharedScene::new(&gpu, loaded?)?;
+        let loaded = loaded.map_err(RenderError::from).and_then(|loaded| SharedScene::new(&gpu, loaded));
+        let (shared, wrong) = match loaded {
+            Ok(shared) => (shared, None),
+            Err(error) => (SharedScene::new(&gpu, load_scene(&catalog, NOTHING)?)?, Some(error)),
+        };
         let now = Instant::now();
         let mut session = Session {
             catalog,
             begun: now,
-            scene,
+            scene: shared,
+            wanted_scene: wrong.is_some().then_some(scene),
             sides: Vec::new(),
             files: Files::new(),
             size,
@@ -112,8 +122,17 @@ impl Session {
             published.adapter = gpu.describe();
             published.on_cpu = gpu.info.device_type == wgpu::DeviceType::Cpu;
         });
-        session.tell_scene(publisher);
-        session.set_pipeline(SideId::A, &pipeline, &overrides, publisher);
+        match wrong {
+            None => {
+                session.tell_scene(publisher);
+                session.set_pipeline(SideId::A, &pipeline, &overrides, publisher);
+            }
+            Some(error) => {
+                session.add_side(SideId::A).wanted = Some((pipeline, overrides));
+                session.trouble("scene", &error, publisher);
+                session.watch(publisher);
+            }
+        }
         publisher.stage(None);
         Ok(session)
     }
@@ -229,22 +248,47 @@ impl Session {
         Next::GoOn
     }
 
+    /// Returns a side, which is made where there is none.
+    fn add_side(&mut self, id: SideId) -> &mut Side {
+        let at = match self.sides.iter().position(|(known, _)| *known == id) {
+            Some(at) => at,
+            None => {
+                let mut renderer = Renderer::with_scene(Arc::clone(&self.catalog), &self.scene, self.size);
+                renderer.set_seed(self.seed);
+                renderer.set_camera(self.camera, false);
+                renderer.set_time(Some(self.time));
+                if let Some(lights) = &self.lights {
+                    // Nothing is linked yet that could refuse them.
+                    let _ = renderer.set_lights(Some(lights.clone()));
+                }
+                let mut side = Side::new(renderer);
+                side.time(self.timed);
+                let at = self.sides.partition_point(|(known, _)| *known < id);
+                self.sides.insert(at, (id, side));
+                at
+            }
+        };
+        &mut self.sides[at].1
+    }
+
+    /// Loads the pipelines that could not be loaded.
+    fn try_wanted(&mut self, publisher: &Publisher) {
+        let wanted: Vec<_> =
+            self.sides.iter_mut().filter_map(|(id, side)| Some((*id, side.wanted.take()?))).collect();
+        for (id, (name, overrides)) in wanted {
+            self.set_pipeline(id, &name, &overrides, publisher);
+        }
+    }
+
     fn set_pipeline(&mut self, id: SideId, name: &str, overrides: &Overrides, publisher: &Publisher) {
         publisher.stage(Some(format!("Loading {name}")));
-        if self.side(id).is_none() {
-            let mut renderer = Renderer::with_scene(Arc::clone(&self.catalog), &self.scene, self.size);
-            renderer.set_seed(self.seed);
-            renderer.set_camera(self.camera, false);
-            renderer.set_time(Some(self.time));
-            if let Some(lights) = &self.lights {
-                // Nothing is linked yet that could refuse them.
-                let _ = renderer.set_lights(Some(lights.clone()));
-            }
-            let mut side = Side::new(renderer);
-            side.time(self.timed);
-            self.sides.push((id, side));
-            self.sides.sort_by_key(|(id, _)| *id);
+        if self.wanted_scene.is_some() {
+            // It is loaded as soon as there is a scene.
+            self.add_side(id).wanted = Some((name.to_owned(), overrides.clone()));
+            publisher.stage(None);
+            return;
         }
+        self.add_side(id);
         let (catalog, begun) = (Arc::clone(&self.catalog), self.begun);
         let Some(side) = self.side(id) else { return };
         let before = side.renderer.keep_only([]);
@@ -315,11 +359,15 @@ impl Session {
                         Err(error) => report(publisher, self.begun, &format!("{}: {error}", id.name()), true),
                     }
                 }
-                self.scene = scene;
+                (self.scene, self.wanted_scene) = (scene, None);
                 self.clear("scene", publisher);
                 self.tell_scene(publisher);
+                self.try_wanted(publisher);
             }
-            Err(error) => self.trouble("scene", &error, publisher),
+            Err(error) => {
+                self.wanted_scene = Some(spec.to_owned());
+                self.trouble("scene", &error, publisher);
+            }
         }
         self.watch(publisher);
         self.move_on();

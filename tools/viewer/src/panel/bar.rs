@@ -1,9 +1,9 @@
 //! The bar at the top: what is rendered by what, and the animation.
 
-use super::library::Named;
 use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::{Command, SideId};
+use catalog::Named;
 use eframe::egui::{self, ComboBox, Slider, Ui};
 
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
@@ -66,7 +66,7 @@ fn choose(ui: &mut Ui, label: &str, now: &str, all: &[Named], none: Option<&str>
         }
         for named in all {
             let response = ui.selectable_label(named.name == now, &named.name);
-            if response.on_hover_text(&named.about).clicked() && named.name != now {
+            if response.on_hover_text(super::library::about(named)).clicked() && named.name != now {
                 chosen = Some(named.name.clone());
             }
         }

@@ -168,14 +168,22 @@ pub(crate) fn show(app: &mut App, context: &Context) {
             if ui.button("Save").clicked() || enter {
                 match saving.write(app) {
                     Ok(line) => {
-                        if let What::Scene(_) = saving.what {
+                        if let What::Scene(edit) = &saving.what {
                             app.scene_panel.saved();
+                            if edit.camera_keys.is_some() {
+                                // They play: the camera is the scene's again.
+                                app.pilot.release(&app.engine);
+                            }
                         }
                         println!("{line}");
                         app.engine.published().say(std::time::Duration::ZERO, line, false);
                         done = true;
                     }
-                    Err(error) => saving.error = Some(format!("{error:#}")),
+                    Err(error) => {
+                        saving.error = Some(format!("{error:#}"));
+                        // The name is what is mended.
+                        saving.opened = false;
+                    }
                 }
             }
             if ui.button("Cancel").clicked() {

@@ -168,10 +168,10 @@ fn edit(ui: &mut Ui, path: &str, setting: &Setting, value: &mut Value) {
     let suffix = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
     let hint = about(path, setting);
     if !setting.one_of.is_empty() {
-        let list = ComboBox::from_label(name).selected_text(plain(value));
+        let list = ComboBox::from_label(name).selected_text(value.to_argument());
         let response = list.show_ui(ui, |ui| {
             for choice in &setting.one_of {
-                ui.selectable_value(value, choice.clone(), plain(choice));
+                ui.selectable_value(value, choice.clone(), choice.to_argument());
             }
         });
         response.response.on_hover_text(hint);
@@ -245,11 +245,4 @@ fn drag(
     let changed = response.changed();
     response.on_hover_text(hint);
     changed
-}
-
-fn plain(value: &Value) -> String {
-    match value {
-        Value::Text(text) => text.clone(),
-        other => other.to_string(),
-    }
 }

@@ -15,7 +15,10 @@ pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
     if standing.filter_map(|trouble| trouble.until).next().is_some() {
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(500));
     }
-    let has_picture = app.now.side(crate::engine::SideId::A).is_some_and(|side| side.picture.is_some());
+    let has_picture = |of: &str| {
+        let mut sides = app.now.sides.iter().filter(|(id, _)| of == "scene" || id.name() == of);
+        sides.any(|(_, side)| side.picture.is_some())
+    };
     let place = rect.shrink(10.0);
     let area = egui::Area::new(ui.scope_id().with("errors")).fixed_pos(place.min).order(egui::Order::Middle);
     area.show(ui.ctx(), |ui| {
@@ -28,7 +31,7 @@ pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
             ui.set_max_size(vec2(place.width() - 18.0, place.height() * 0.75));
             egui::ScrollArea::both().auto_shrink([true, true]).show(ui, |ui| {
                 for (of, text) in all {
-                    let head = if has_picture {
+                    let head = if has_picture(of) {
                         format!("{of}: the last good picture stays until this is mended")
                     } else {
                         format!("{of}: there is a picture as soon as this is mended")

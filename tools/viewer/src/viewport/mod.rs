@@ -15,6 +15,7 @@ use eframe::egui::{
 };
 use glam::Vec3;
 use scene::Camera;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How long the window keeps its size before frames take it.
@@ -123,7 +124,10 @@ fn news(app: &App, ui: &Ui, rect: Rect) {
     let newest = app.now.messages.back().filter(|message| message.told.elapsed() < NEWS && !app.bare);
     let Some(message) = newest else { return };
     let line = message.text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
-    label(&ui.painter_at(rect), rect.left_bottom() - vec2(0.0, 26.0), line);
+    let (painter, margin) = (ui.painter_at(rect), vec2(9.0, 7.0));
+    let width = (rect.width() - 2.0 * margin.x).max(1.0);
+    let galley = painter.layout(line.to_owned(), FontId::proportional(13.0), Color32::WHITE, width);
+    on_picture(&painter, rect.left_bottom() + vec2(margin.x, -margin.y - galley.size().y), galley);
     ui.ctx().request_repaint_after(NEWS);
 }
 
@@ -229,19 +233,21 @@ fn fit(place: Rect, size: [usize; 2]) -> Placed {
 /// A line in a corner, readable over any picture.
 fn label(painter: &egui::Painter, at: Pos2, text: &str) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(13.0), Color32::WHITE);
-    let at = at + vec2(6.0, 4.0);
-    painter.rect_filled(
-        Rect::from_min_size(at, galley.size()).expand(3.0),
-        3.0,
-        Color32::from_black_alpha(160),
-    );
+    on_picture(painter, at + vec2(6.0, 4.0), galley);
+}
+
+/// Text on a ground that makes it readable over any picture.
+fn on_picture(painter: &egui::Painter, at: Pos2, galley: Arc<egui::Galley>) {
+    let ground = Rect::from_min_size(at, galley.size()).expand(3.0);
+    painter.rect_filled(ground, 3.0, Color32::from_black_alpha(160));
     painter.galley(at, galley, Color32::WHITE);
 }
 
 /// What is shown before there is a picture.
 fn wait(app: &App, ui: &Ui, rect: Rect) {
     let text = match (&app.now.fatal, &app.now.stage) {
-        (Some(error), _) => error.clone(),
+        // The error is told over this.
+        (Some(_), _) => String::new(),
         (None, Some(stage)) => stage.describe(),
         (None, None) if app.now.troubles.is_empty() => "Starting…".to_owned(),
         (None, None) => String::new(),

@@ -1,6 +1,6 @@
 //! What there is to study: the catalog's pipelines and scenes.
 
-use frame_graph::resolve::{Files, diff};
+use frame_graph::resolve::diff;
 use frame_graph::{Overrides, Resolved, Value, resolve};
 use renderer::{Catalog, load_scene};
 use std::collections::BTreeMap;
@@ -52,11 +52,8 @@ impl Registry for CatalogRegistry {
     }
 
     fn pipelines(&self) -> Vec<String> {
-        let files = self.catalog.pipelines();
-        let whole = |path: &String| {
-            resolve(path, files, &Overrides::default()).is_ok_and(|resolved| !resolved.is_part())
-        };
-        files.list().into_iter().filter(whole).map(|path| path.trim_end_matches(".ron").to_owned()).collect()
+        let whole = self.catalog.list_pipelines().into_iter().filter(|named| named.about.is_some());
+        whole.map(|named| named.name).collect()
     }
 
     fn pipeline(&self, name: &str) -> Result<PipelineFacts, String> {

@@ -5,7 +5,7 @@ use crate::engine::Publisher;
 use crate::engine::model::SideId;
 use crate::engine::watch::Saved;
 use renderer::{Reload, reload_all};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -14,10 +14,10 @@ impl Session {
     /// Loads again what was saved.
     pub(super) fn reload(&mut self, saved: &Saved, waits: &AtomicBool, publisher: &Publisher) {
         let began = Instant::now();
-        let wanted: Vec<_> =
-            self.sides.iter_mut().filter_map(|(id, side)| Some((*id, side.wanted.take()?))).collect();
-        for (id, (name, overrides)) in wanted {
-            self.set_pipeline(id, &name, &overrides, publisher);
+        if let Some(spec) = self.wanted_scene.clone() {
+            self.set_scene(&spec, publisher);
+        } else {
+            self.try_wanted(publisher);
         }
         let stands = self.sides.first().map(|(_, side)| side.renderer.shared_scene().clone());
         let renderers = self.sides.iter_mut().map(|(_, side)| &mut side.renderer);
@@ -65,9 +65,15 @@ impl Session {
             .collect();
         let more = saved.files.len().saturating_sub(files.len());
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        let gone: Vec<String> = saved.files.iter().filter_map(|file| self.replaced(file)).collect();
+        let gone = if gone.is_empty() {
+            String::new()
+        } else {
+            format!("; {} gone, what is built into the program is used", gone.join(", "))
+        };
         let whole = since_save.map_or(String::new(), |ms| format!(", {ms:.0} ms since the save"));
         let line = format!(
-            "{}{more} read again: {}{ended}. Picture after {ms:.0} ms{whole}.",
+            "{}{more} read again: {}{ended}{gone}. Picture after {ms:.0} ms{whole}.",
             files.join(", "),
             told.join("; ")
         );
@@ -76,12 +82,26 @@ impl Session {
         report(publisher, self.begun, &line, false);
     }
 
+    /// Returns the path in the tree of a file that is gone, where one is built into the program that takes its place.
+    fn replaced(&self, file: &Path) -> Option<String> {
+        let assets = self.catalog.assets();
+        let path = file.strip_prefix(assets.root()?.canonicalize().ok()?).ok()?.to_str()?.replace('\\', "/");
+        (!file.exists() && assets.text(&path).is_some()).then_some(path)
+    }
+
     pub(super) fn watch(&mut self, publisher: &Publisher) {
         let mut folders: Vec<PathBuf> =
             self.sides.iter().flat_map(|(_, side)| side.renderer.watched_folders()).collect();
-        let wanted = self.sides.iter().filter_map(|(_, side)| side.wanted.as_ref());
-        let files = wanted.map(|(name, _)| PathBuf::from(name)).filter(|path| path.is_file());
-        folders.extend(files.filter_map(|file| file.canonicalize().ok()?.parent().map(PathBuf::from)));
+        // What is missing may come, and what is wrong may be mended: in the folder of the file that was asked for.
+        let wanted = self.sides.iter().filter_map(|(_, side)| Some(&side.wanted.as_ref()?.0));
+        let files = wanted.chain(&self.wanted_scene).filter(|name| Path::new(name).extension().is_some());
+        let folder = |file: &String| match Path::new(file).parent() {
+            Some(folder) if folder.as_os_str().is_empty() => Path::new(".").canonicalize().ok(),
+            folder => folder?.canonicalize().ok(),
+        };
+        folders.extend(files.filter_map(folder));
+        let scenes = self.catalog.assets().root().map(|root| root.join("scenes"));
+        folders.extend(scenes.filter(|_| self.wanted_scene.is_some()));
         folders.retain(|folder| folder.is_dir());
         if let Err(error) = self.files.watch(folders) {
             report(publisher, self.begun, &format!("changes of files are not seen: {error}"), true);
