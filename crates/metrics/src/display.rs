@@ -45,6 +45,12 @@ impl Display {
     /// Keeps display light as it is: for pictures that are tone-mapped already.
     pub const AS_IS: Self = Self { tonemap: Tonemap::Clamp, exposure: 0.0 };
 
+    /// Returns how an output of a pipeline becomes a picture: the output `display` is display light already, others are
+    /// shown as `linear` says.
+    pub fn of_output(output: &str, linear: Display) -> Display {
+        if output == "display" { Display::AS_IS } else { linear }
+    }
+
     /// Returns the linear display light in 0..=1 of a linear radiance. If any channel is NaN or infinite, all
     /// channels are NaN, so that the caller decides how to show such a pixel.
     pub fn map(&self, rgb: [f32; 3]) -> [f32; 3] {

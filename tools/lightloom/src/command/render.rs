@@ -43,9 +43,10 @@ pub(crate) struct Args {
     /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
     #[arg(long, default_value_t = 0)]
     seed: u32,
-    /// Output of the pipeline, or any resource as pass, pass.port or pass.member
+    /// Output of the pipeline, or any resource as pass, pass.port or pass.member. Of several, each goes into a file of its
+    /// own: the name of the output is added to that of the picture
     #[arg(long, default_value = "image")]
-    output: String,
+    output: Vec<String>,
     /// Layer of a resource that is an array
     #[arg(long, default_value_t = 0)]
     layer: u32,
@@ -103,7 +104,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     renderer.set_seed(args.seed);
     renderer.set_compile_options(CompileOptions { sharing: !args.no_sharing, ..compile_options() })?;
     renderer.set_pipeline(&args.pipeline, &overrides)?;
-    renderer.keep(&args.output)?;
+    for output in &args.output {
+        renderer.keep(output)?;
+    }
     renderer.set_frame_options(FrameOptions {
         timed: args.time,
         poison: args.poison,
@@ -142,17 +145,20 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
         })?;
         drop(running);
         if out.wants(frame, frames) {
-            let reading = tracing::info_span!(target: "phase", "read back").entered();
-            let picture = renderer.picture(&args.output, args.layer)?;
-            drop(reading);
-            let writing = tracing::info_span!(target: "phase", "encoded and written").entered();
-            let provenance =
-                Provenance::new(renderer, &args.scene, (&args.output, args.layer), args.first_frame);
-            let path = out.path(args.first_frame + frame);
-            write(&picture, &path, args, &provenance.to_json())?;
-            drop(writing);
-            written.push(path);
-            first_picture = first_picture.or_else(|| context.phases.first_picture());
+            for output in &args.output {
+                let reading = tracing::info_span!(target: "phase", "read back").entered();
+                let picture = renderer.picture(output, args.layer)?;
+                drop(reading);
+                let writing = tracing::info_span!(target: "phase", "encoded and written").entered();
+                let provenance =
+                    Provenance::new(renderer, &args.scene, (output, args.layer), args.first_frame);
+                let path = out
+                    .path(args.first_frame.saturating_add(frame), (args.output.len() > 1).then_some(output));
+                write(&picture, &path, output, args, &provenance.to_json())?;
+                drop(writing);
+                written.push(path);
+                first_picture = first_picture.or_else(|| context.phases.first_picture());
+            }
         }
         if !progressive {
             bar.inc(1);
@@ -165,10 +171,8 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
 
 /// Writes a picture beside its place and moves it there, so that whoever reads it finds a whole one. What is encoded
 /// for a screen already goes into PNG as it is.
-fn write(picture: &Image, path: &Path, args: &Args, provenance: &str) -> Result<()> {
-    let encoded = args.output == "display";
-    let display =
-        if encoded { Display::AS_IS } else { Display { tonemap: args.tonemap, exposure: args.exposure } };
+fn write(picture: &Image, path: &Path, output: &str, args: &Args, provenance: &str) -> Result<()> {
+    let display = Display::of_output(output, Display { tonemap: args.tonemap, exposure: args.exposure });
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let beside = path.with_file_name(format!(".{}.{name}", std::process::id()));
     let written = picture.write(&beside, display, Some(provenance)).map_err(anyhow::Error::from);
@@ -210,11 +214,20 @@ impl Sequence {
         self.numbered || frame + 1 == frames
     }
 
-    fn path(&self, number: u32) -> PathBuf {
+    /// The file of a frame; of one among several outputs, with its name before the ending.
+    fn path(&self, number: u32, output: Option<&str>) -> PathBuf {
         let text = self.pattern.to_string_lossy();
-        let Some(first) = text.find('#') else { return self.pattern.clone() };
-        let width = text[first..].chars().take_while(|c| *c == '#').count();
-        PathBuf::from(format!("{}{number:0width$}{}", &text[..first], &text[first + width..]))
+        let path = match text.find('#') {
+            None => self.pattern.clone(),
+            Some(first) => {
+                let width = text[first..].chars().take_while(|c| *c == '#').count();
+                PathBuf::from(format!("{}{number:0width$}{}", &text[..first], &text[first + width..]))
+            }
+        };
+        let Some(output) = output else { return path };
+        let [stem, ending] =
+            [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().to_string_lossy());
+        path.with_file_name(format!("{stem}-{}.{ending}", output.replace('/', "-")))
     }
 }
 

@@ -54,7 +54,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         None
     };
     if let Some(out) = &args.out {
-        picture.write(out, Display::default(), Some(&now.to_json()))?;
+        picture.write(out, Display::of_output(&record.output, Display::default()), Some(&now.to_json()))?;
     }
     if context.json {
         output::json(&json!({ "differences": differences, "largest_difference": largest }));
