@@ -12,19 +12,19 @@ struct Light {
     kind: u32,
     /// The way the light travels along its axis, unit.
     direction: vec3<f32>,
-    /// Cosine of the half angle beyond which a spot gives nothing; -1 for others.
-    cos_outer: f32,
+    /// 1 - cos of the half angle beyond which a spot gives nothing, without cancellation; 2 for others.
+    cap_outer: f32,
     /// [W/sr], or [W/m²] on a plane across the direction for a directional light.
     intensity: vec3<f32>,
-    /// Cosine of the half angle within which a spot gives all.
-    cos_inner: f32,
+    /// The same of the half angle within which a spot gives all.
+    cap_inner: f32,
     first_layer: u32,
     layers: u32,
     pad0: u32,
     pad1: u32,
 }
 
-/// One map of a light: one for a spot or a directional light, six for a point light.
+/// One map of a light: one for a spot or a directional light, six for a point light and for a spot of more than 75° to each side.
 struct LightLayer {
     clip_from_world: mat4x4<f32>,
     /// World space of the layer's axes: columns are right, up, back, and position.
@@ -48,15 +48,21 @@ struct SceneLights {
 var<storage, read> scene_lights: SceneLights;
 var<storage, read> scene_light_layers: array<LightLayer>;
 
+/// 1 - cos of the angle of a unit direction to the axis of a light: within a narrow cone, cosines themselves are all 1.
+fn cap_of(light: Light, leaving: vec3<f32>) -> f32 {
+    let off_axis = leaving - light.direction;
+    return 0.5 * dot(off_axis, off_axis);
+}
+
 /// Intensity [W/sr] of a spot or point light towards a unit direction that leaves it. The falloff is that of
 /// KHR_lights_punctual: the square of a ramp in the cosine between the two angles.
 fn light_intensity(light: Light, leaving: vec3<f32>) -> vec3<f32> {
     if light.kind != LIGHT_SPOT {
         return light.intensity;
     }
-    let cosine = dot(leaving, light.direction);
+    let cap = cap_of(light, leaving);
     // Equal angles make a hard edge: the ramp's width is kept above what single precision can tell apart.
-    let ramp = (cosine - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-6);
+    let ramp = (light.cap_outer - cap) / max(light.cap_outer - light.cap_inner, 1e-6 * light.cap_outer);
     let falloff = clamp(ramp, 0.0, 1.0);
     return light.intensity * (falloff * falloff);
 }

@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use scene::{Emitter, Light, LightKind, Material, Scene};
 use shader_library::{StructLayout, struct_layout};
+use std::f32::consts::PI;
 
 /// `Camera` of shaders/camera.wgsl.
 #[repr(C)]
@@ -76,9 +77,9 @@ pub(crate) struct GpuLight {
     position: Vec3,
     kind: u32,
     direction: Vec3,
-    cos_outer: f32,
+    cap_outer: f32,
     intensity: Vec3,
-    cos_inner: f32,
+    cap_inner: f32,
     first_layer: u32,
     layers: u32,
     pad0: u32,
@@ -148,9 +149,9 @@ pub fn layouts() -> Vec<StructLayout> {
                 position: "vec3<f32>",
                 kind: "u32",
                 direction: "vec3<f32>",
-                cos_outer: "f32",
+                cap_outer: "f32",
                 intensity: "vec3<f32>",
-                cos_inner: "f32",
+                cap_inner: "f32",
                 first_layer: "u32",
                 layers: "u32",
                 pad0: "u32",
@@ -248,18 +249,18 @@ pub(crate) fn lights(lights: &[Light], bounds: (Vec3, Vec3)) -> (Vec<u8>, Vec<Li
     for (index, light) in lights.iter().enumerate() {
         let first_layer = layers.len() as u32;
         layers.extend(light_layers(light, index as u32, bounds));
-        let (kind, cos_inner, cos_outer) = match light.kind {
-            LightKind::Spot { inner, outer } => (0, inner.cos(), outer.cos()),
-            LightKind::Point => (1, -1.0, -1.0),
-            LightKind::Directional => (2, -1.0, -1.0),
+        let (kind, inner, outer) = match light.kind {
+            LightKind::Spot { inner, outer } => (0, inner, outer),
+            LightKind::Point => (1, PI, PI),
+            LightKind::Directional => (2, PI, PI),
         };
         rows.push(GpuLight {
             position: light.position,
             kind,
             direction: light.direction,
-            cos_outer,
+            cap_outer: cap(outer),
             intensity: light.intensity,
-            cos_inner,
+            cap_inner: cap(inner),
             first_layer,
             layers: layers.len() as u32 - first_layer,
             pad0: 0,
@@ -278,10 +279,30 @@ pub(crate) fn lights(lights: &[Light], bounds: (Vec3, Vec3)) -> (Vec<u8>, Vec<Li
     (bytes, layers)
 }
 
+/// Height of the cap that a cone cuts from the unit sphere: 1 − cos, without its cancellation for narrow cones.
+fn cap(angle: f32) -> f32 {
+    let sine = (0.5 * f64::from(angle)).sin();
+    (2.0 * sine * sine) as f32
+}
+
+/// Half the angle \[rad\] about a spot's axis that holds its cone or, where that is less, the scene: the map of a light far
+/// away would show the scene in no texel.
+fn half_angle(light: &Light, outer: f32, bounds: (Vec3, Vec3)) -> f32 {
+    let to_centre = (0.5 * (bounds.0 + bounds.1) - light.position).as_dvec3();
+    let (distance, radius) = (to_centre.length(), 0.5 * (bounds.1 - bounds.0).as_dvec3().length());
+    if distance <= radius || radius == 0.0 {
+        return outer;
+    }
+    // A margin, for what is rounded.
+    let whole = to_centre.angle_between(light.direction.as_dvec3()) + (radius / distance).asin() * 1.001;
+    outer.min(whole as f32)
+}
+
 fn light_layers(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> Vec<LightLayer> {
     let extent = (bounds.1 - bounds.0).length();
-    // Anything nearer to a light than this lies inside its bulb.
-    let near = (extent * 1e-4).max(f32::MIN_POSITIVE * 1e8);
+    // Nearer than this, positions are not told apart. Reversed depth has the same relative precision for any near plane; one
+    // that is farther would cut off the room of a light in a scene that is large elsewhere.
+    let near = (extent * 1e-6).max(f32::MIN_POSITIVE * 1e8);
     let perspective = |direction: Vec3, up: Vec3, half_angle: f32| {
         let tan = half_angle.tan();
         let axes = Mat4::from_cols(
@@ -300,7 +321,8 @@ fn light_layers(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> Vec<LightLay
     };
     match light.kind {
         LightKind::Spot { outer, .. } if light.layers() == 1 => {
-            vec![perspective(light.direction, light.direction.any_orthonormal_vector(), outer)]
+            let half_angle = half_angle(light, outer, bounds);
+            vec![perspective(light.direction, light.direction.any_orthonormal_vector(), half_angle)]
         }
         LightKind::Spot { .. } | LightKind::Point => CUBE_FACES
             .iter()

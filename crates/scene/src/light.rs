@@ -37,11 +37,19 @@ pub struct Light {
     pub intensity: Vec3,
 }
 
+/// Half the angle \[rad\] of the widest cone that one plane map shows well: 75°. A texel at its corner has a 30th of the solid
+/// angle of one in the middle, and at 90° the plane has no end.
+const WIDEST_PLANE: f32 = 75.0 / 180.0 * PI;
+
 impl Light {
     /// Returns the number of layers that the light takes in a shadow map or reflective shadow map: 6 for a
-    /// point light (the faces of a cube), 1 for the others.
+    /// point light and for a spot of more than 75° to each side (the faces of a cube), 1 for the others.
     pub fn layers(&self) -> u32 {
-        if self.kind == LightKind::Point { 6 } else { 1 }
+        match self.kind {
+            LightKind::Point => 6,
+            LightKind::Spot { outer, .. } if outer > WIDEST_PLANE => 6,
+            LightKind::Spot { .. } | LightKind::Directional => 1,
+        }
     }
 
     /// Returns the share of the intensity in a direction at an angle of cosine `cos_theta` to the axis, in

@@ -130,5 +130,6 @@ fn flux_is_the_integral_of_the_falloff() {
     let point = Light { kind: LightKind::Point, ..spot(0.0, 0.0) };
     assert_eq!(point.flux().expect("finite").x, 4.0 * PI, "4π I");
     assert_eq!((point.layers(), spot(1.0, 2.0).layers()), (6, 1), "a cube's faces, one layer");
+    assert_eq!((spot(10.0, 74.9).layers(), spot(10.0, 90.0).layers()), (1, 6), "no plane shows a half space");
     assert_eq!(Light { kind: LightKind::Directional, ..point }.flux(), None, "no end");
 }
