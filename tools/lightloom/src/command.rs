@@ -10,6 +10,7 @@ pub(crate) mod passes;
 pub(crate) mod render;
 pub(crate) mod rerun;
 pub(crate) mod resolve;
+pub(crate) mod stress;
 pub(crate) mod study;
 #[cfg(feature = "window")]
 pub(crate) mod view;

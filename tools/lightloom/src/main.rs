@@ -57,6 +57,8 @@ enum Command {
     Compare(command::compare::Args),
     /// Run an ablation study: pipelines, scenes and values against time and error
     Study(command::study::Args),
+    /// Render extremes by every pipeline: is the picture finite, and is its energy right?
+    Stress(command::stress::Args),
     /// Measure what rays, shadow maps, frames and the frame graph cost on this machine
     Bench(command::bench::Args),
     /// List the pass types, or show one with its ports and settings
@@ -122,6 +124,7 @@ fn main() -> ExitCode {
         Command::Rerun(args) => command::rerun::run(&context, args),
         Command::Compare(args) => command::compare::run(&context, args),
         Command::Study(args) => command::study::run(&context, args),
+        Command::Stress(args) => command::stress::run(&context, args),
         Command::Bench(args) => command::bench::run(&context, args),
         Command::Passes(args) => command::passes::run(&context, args),
         Command::Pipelines(args) => command::lists::pipelines(&context, args),

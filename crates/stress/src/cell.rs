@@ -1,0 +1,281 @@
+//! What became of one case by one pipeline.
+
+use crate::case::Expect;
+use crate::child::{Ended, Ran};
+use metrics::{Epsilon, Image, Pair, luminance};
+use serde::{Deserialize, Serialize};
+
+/// Where only units or the place differ, the most by which energy may differ from that of the plain scene.
+const SAME: f64 = 0.05;
+
+/// The most by which the share of the truth's energy may differ, as a factor, from the share in the plain scene. What a
+/// pipeline leaves out or blurs differs between scenes; what is wrong by more than this is not that.
+const ALIKE: f64 = 2.0;
+
+/// Light that is none: as a share of the mean of the plain scene.
+const NOTHING: f64 = 1e-6;
+
+/// What became of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// As expected.
+    Held,
+    /// The program said why it does not render this, and ended with its exit code for errors.
+    Refused,
+    /// The picture is finite, but has another energy than expected.
+    Off,
+    /// Values that are negative.
+    Negative,
+    /// Values that are NaN or infinite.
+    NotFinite,
+    /// It did not end in time, and was killed.
+    TimedOut,
+    /// It ended by a signal, a panic, or without a picture.
+    Crashed,
+}
+
+impl Verdict {
+    /// Whether this is a defect. Taking long is told, and is none.
+    pub fn is_defect(self) -> bool {
+        !matches!(self, Verdict::Held | Verdict::Refused | Verdict::TimedOut)
+    }
+
+    /// The word in tables.
+    pub fn word(self) -> &'static str {
+        match self {
+            Verdict::Held => "held",
+            Verdict::Refused => "refused",
+            Verdict::Off => "off",
+            Verdict::Negative => "negative",
+            Verdict::NotFinite => "not finite",
+            Verdict::TimedOut => "timed out",
+            Verdict::Crashed => "crashed",
+        }
+    }
+}
+
+/// Something that acted where a value would have been too large, too small or not there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Guard {
+    /// What acted.
+    pub name: String,
+    /// How much: a share, a count, or a sentence.
+    pub value: String,
+}
+
+/// One case by one pipeline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// The pipeline.
+    pub pipeline: String,
+    /// The case.
+    pub case: String,
+    /// What became of it.
+    pub verdict: Verdict,
+    /// Mean luminance of the indirect light \[W/(m² sr)\], over its finite pixels.
+    pub mean: Option<f64>,
+    /// That mean as a share of what was expected; where that is the path tracer's, over the same share in the plain scene.
+    pub energy: Option<f64>,
+    /// relMSE to what was expected.
+    pub error: Option<f64>,
+    /// Number of pixels with a value that is not finite.
+    pub not_finite: usize,
+    /// Number of pixels with a negative value.
+    pub negative: usize,
+    /// Guards that acted.
+    pub guards: Vec<Guard>,
+    /// What the program said, where it failed: the first line.
+    pub message: String,
+    /// From the start of the program to its end \[s\].
+    pub seconds: f64,
+    /// The command that renders it again.
+    pub command: String,
+}
+
+/// A picture that was read, by what is looked at first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// The picture.
+    pub image: Image,
+    /// Mean luminance over the finite pixels; 0 where there is none.
+    pub mean: f64,
+    /// Number of pixels with a value that is not finite.
+    pub not_finite: usize,
+    /// Number of pixels with a negative value.
+    pub negative: usize,
+}
+
+impl Picture {
+    /// Looks at a picture.
+    pub fn new(image: Image) -> Picture {
+        let rgb = |pixel: &[f32; 4]| [pixel[0], pixel[1], pixel[2]];
+        let finite: Vec<[f32; 3]> =
+            image.pixels().iter().map(rgb).filter(|rgb| rgb.iter().all(|x| x.is_finite())).collect();
+        let sum: f64 = finite.iter().map(|rgb| f64::from(luminance(*rgb))).sum();
+        let negative = finite.iter().filter(|rgb| rgb.iter().any(|x| *x < 0.0)).count();
+        Picture {
+            mean: if finite.is_empty() { 0.0 } else { sum / finite.len() as f64 },
+            not_finite: image.pixels().len() - finite.len(),
+            negative,
+            image,
+        }
+    }
+
+    /// The picture times a factor.
+    fn times(&self, factor: f64) -> Image {
+        let mut image = self.image.clone();
+        for pixel in image.pixels_mut() {
+            pixel[..3].iter_mut().for_each(|x| *x = (f64::from(*x) * factor) as f32);
+        }
+        image
+    }
+}
+
+/// Pictures that a case is measured by.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known<'a> {
+    /// The plain scene by the same pipeline.
+    pub plain: Option<&'a Picture>,
+    /// The plain scene by the path tracer.
+    pub plain_truth: Option<&'a Picture>,
+    /// The case by the path tracer.
+    pub truth: Option<&'a Picture>,
+}
+
+/// Says what became of a case: from how the program ended, the indirect light and the whole picture that it wrote, and
+/// what is known.
+pub fn judge(
+    (pipeline, case, expect): (&str, &str, Expect),
+    ran: &Ran,
+    pictures: Option<(&Picture, &Picture)>,
+    known: Known<'_>,
+) -> Cell {
+    let mut cell = Cell {
+        pipeline: pipeline.to_owned(),
+        case: case.to_owned(),
+        verdict: Verdict::Crashed,
+        mean: None,
+        energy: None,
+        error: None,
+        not_finite: 0,
+        negative: 0,
+        guards: ran.guards(),
+        message: ran.message(),
+        seconds: ran.seconds,
+        command: ran.command.clone(),
+    };
+    let Some((indirect, whole)) = pictures.filter(|_| ran.ended == Ended::Exit(0)) else {
+        cell.verdict = match ran.ended {
+            Ended::TimedOut => Verdict::TimedOut,
+            // An error that is told has its word; a panic has not.
+            Ended::Exit(1) if ran.errors.contains("error") && !ran.errors.contains("panicked") => {
+                Verdict::Refused
+            }
+            _ => Verdict::Crashed,
+        };
+        return cell;
+    };
+    cell.mean = Some(indirect.mean);
+    cell.not_finite = indirect.not_finite.max(whole.not_finite);
+    cell.negative = indirect.negative.max(whole.negative);
+    let measure = |expected: &Image| {
+        let pair = Pair::new(&indirect.image, expected).ok();
+        pair.and_then(|pair| pair.rel_mse(Epsilon::default()))
+    };
+    let share = |of: &Picture, to: &Picture| (to.mean > 0.0).then(|| of.mean / to.mean);
+    let near = match expect {
+        Expect::Plain(factor) => {
+            cell.energy =
+                known.plain.filter(|p| p.mean * factor > 0.0).map(|p| indirect.mean / (p.mean * factor));
+            cell.error = known.plain.and_then(|plain| measure(&plain.times(factor)));
+            cell.energy.is_none_or(|energy| (energy - 1.0).abs() <= SAME)
+        }
+        Expect::Truth => {
+            cell.energy = known.truth.and_then(|truth| {
+                let plain = known.plain.zip(known.plain_truth).and_then(|(p, t)| share(p, t));
+                Some(share(indirect, truth)? / plain.unwrap_or(1.0))
+            });
+            cell.error = known.truth.and_then(|truth| measure(&truth.image));
+            // Without light in the truth there is nothing to be as bright as.
+            match known.truth.map_or(0.0, |truth| truth.mean) {
+                0.0 => indirect.mean == 0.0,
+                _ => cell.energy.is_some_and(|energy| (1.0 / ALIKE..=ALIKE).contains(&energy)),
+            }
+        }
+        Expect::Black => indirect.mean <= NOTHING * known.plain.map_or(1.0, |plain| plain.mean),
+        Expect::Finite => true,
+    };
+    cell.verdict = if cell.not_finite > 0 {
+        Verdict::NotFinite
+    } else if cell.negative > 0 {
+        Verdict::Negative
+    } else if near {
+        Verdict::Held
+    } else {
+        Verdict::Off
+    };
+    cell
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(value: f32) -> Picture {
+        Picture::new(Image::from_fn(4, 4, |_, _| [value, value, value, 1.0]).unwrap())
+    }
+
+    fn ran(ended: Ended, errors: &str) -> Ran {
+        Ran {
+            ended,
+            output: String::new(),
+            errors: errors.to_owned(),
+            seconds: 0.1,
+            command: "lightloom render".to_owned(),
+        }
+    }
+
+    fn verdict(expect: Expect, value: f32, known: Known<'_>) -> (Verdict, Option<f64>) {
+        let picture = picture(value);
+        let cell =
+            judge(("ism", "case", expect), &ran(Ended::Exit(0), ""), Some((&picture, &picture)), known);
+        (cell.verdict, cell.energy)
+    }
+
+    #[test]
+    fn energy_is_judged_by_what_is_expected() {
+        let [half, one, two] = [0.5, 1.0, 2.0].map(picture);
+        let plain = Known { plain: Some(&half), plain_truth: Some(&one), truth: Some(&two) };
+        assert_eq!(verdict(Expect::Plain(4.0), 2.0, plain), (Verdict::Held, Some(1.0)));
+        assert_eq!(verdict(Expect::Plain(4.0), 2.2, plain).0, Verdict::Off);
+        // Half the truth in the plain scene, and half of it here.
+        assert_eq!(verdict(Expect::Truth, 1.0, plain), (Verdict::Held, Some(1.0)));
+        assert_eq!(verdict(Expect::Truth, 2.5, plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Truth, 0.3, plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Black, 0.0, plain).0, Verdict::Held);
+        assert_eq!(verdict(Expect::Black, 0.01, plain).0, Verdict::Off);
+    }
+
+    #[test]
+    fn values_that_are_not_finite_or_negative_are_defects_whatever_is_expected() {
+        let known = Known::default();
+        assert_eq!(verdict(Expect::Finite, f32::NAN, known).0, Verdict::NotFinite);
+        assert_eq!(verdict(Expect::Finite, f32::INFINITY, known).0, Verdict::NotFinite);
+        assert_eq!(verdict(Expect::Finite, -1e-9, known).0, Verdict::Negative);
+        assert_eq!(verdict(Expect::Finite, 3.0, known).0, Verdict::Held);
+    }
+
+    #[test]
+    fn how_the_program_ended_comes_first() {
+        let end = |ended, errors| {
+            judge(("ism", "case", Expect::Finite), &ran(ended, errors), None, Known::default())
+        };
+        assert_eq!(end(Ended::Exit(1), "error: too large\n").verdict, Verdict::Refused);
+        assert_eq!(end(Ended::Exit(1), "error: too large\n").message, "error: too large");
+        assert_eq!(end(Ended::Exit(101), "thread 'main' panicked at src/main.rs").verdict, Verdict::Crashed);
+        assert_eq!(end(Ended::Signal(6), "").verdict, Verdict::Crashed);
+        assert_eq!(end(Ended::TimedOut, "").verdict, Verdict::TimedOut);
+        assert_eq!(end(Ended::Exit(0), "").verdict, Verdict::Crashed, "no picture");
+    }
+}

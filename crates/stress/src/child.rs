@@ -1,0 +1,142 @@
+//! The program that renders, as a process of its own.
+
+use crate::cell::Guard;
+use serde_json::Value;
+use std::io;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// How often a process is asked whether it has ended.
+const ASK: Duration = Duration::from_millis(10);
+
+/// How a program ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// With an exit code.
+    Exit(i32),
+    /// By a signal; 0 where the system does not tell which.
+    Signal(i32),
+    /// It took too long, and was killed.
+    TimedOut,
+}
+
+/// What came of a program.
+#[derive(Clone, Debug)]
+pub struct Ran {
+    /// How it ended.
+    pub ended: Ended,
+    /// What it wrote on standard output: JSON.
+    pub output: String,
+    /// What it wrote on standard error.
+    pub errors: String,
+    /// How long it ran \[s\].
+    pub seconds: f64,
+    /// The command, as a user types it.
+    pub command: String,
+}
+
+impl Ran {
+    /// Returns the line that says what is wrong; empty where nothing is.
+    pub(crate) fn message(&self) -> String {
+        let lines = || self.errors.lines().map(str::trim).filter(|line| !line.is_empty());
+        let line = lines().find(|line| line.contains("error") || line.contains("panicked"));
+        line.or_else(|| lines().next().filter(|_| self.ended != Ended::Exit(0)))
+            .unwrap_or_default()
+            .to_owned()
+    }
+
+    /// Returns the guards that it told of: repairs of the scene, light that clamping removed, and counters of lights that
+    /// are fewer than was asked for.
+    pub(crate) fn guards(&self) -> Vec<Guard> {
+        let notes = self.errors.lines().filter_map(|line| line.strip_prefix("note: "));
+        let mut guards: Vec<Guard> =
+            notes.map(|note| Guard { name: "note".to_owned(), value: note.to_owned() }).collect();
+        let Ok(told) = serde_json::from_str::<Value>(&self.output) else { return guards };
+        if let Some(share) = told["clamped_energy"].as_f64().filter(|share| *share > 0.0) {
+            guards.push(Guard {
+                name: "clamping".to_owned(),
+                value: format!("removed {:.2} %", share * 100.0),
+            });
+        }
+        for figures in told["figures"].as_array().into_iter().flatten() {
+            let number = |name: &str| figures[name].as_f64();
+            if let (Some(produced), Some(requested)) = (number("produced"), number("requested"))
+                && produced < requested
+            {
+                let value =
+                    format!("{produced} of {requested} in {}", figures["of"].as_str().unwrap_or_default());
+                guards.push(Guard { name: "produced".to_owned(), value });
+            }
+        }
+        guards
+    }
+}
+
+/// Something that runs the commands of Lightloom.
+pub trait Program {
+    /// Runs a command, which must end in time.
+    ///
+    /// # Errors
+    /// Where it cannot be started.
+    fn run(&self, arguments: &[String], limit: Duration) -> io::Result<Ran>;
+}
+
+/// Lightloom as a process of its own.
+#[derive(Clone, Debug)]
+pub struct Child {
+    /// The program.
+    pub path: PathBuf,
+    /// Arguments before all others, such as `--root DIR`.
+    pub before: Vec<String>,
+}
+
+impl Program for Child {
+    fn run(&self, arguments: &[String], limit: Duration) -> io::Result<Ran> {
+        // Files, not pipes: a process that writes much must not wait for a reader.
+        let (output, errors) = (tempfile::NamedTempFile::new()?, tempfile::NamedTempFile::new()?);
+        let begun = Instant::now();
+        let mut child = Command::new(&self.path)
+            .args(&self.before)
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(output.reopen()?)
+            .stderr(errors.reopen()?)
+            .spawn()?;
+        let status = loop {
+            match child.try_wait()? {
+                Some(status) => break Some(status),
+                None if begun.elapsed() > limit => {
+                    child.kill()?;
+                    child.wait()?;
+                    break None;
+                }
+                None => std::thread::sleep(ASK),
+            }
+        };
+        let read = |file: &tempfile::NamedTempFile| {
+            Ok::<_, io::Error>(String::from_utf8_lossy(&std::fs::read(file.path())?).into_owned())
+        };
+        let words = arguments.iter().filter(|word| *word != "--json");
+        Ok(Ran {
+            ended: match status {
+                None => Ended::TimedOut,
+                Some(status) => status.code().map_or_else(|| Ended::Signal(signal(status)), Ended::Exit),
+            },
+            output: read(&output)?,
+            errors: read(&errors)?,
+            seconds: begun.elapsed().as_secs_f64(),
+            command: format!("lightloom {}", words.cloned().collect::<Vec<_>>().join(" ")),
+        })
+    }
+}
+
+#[cfg(unix)]
+fn signal(status: std::process::ExitStatus) -> i32 {
+    std::os::unix::process::ExitStatusExt::signal(&status).unwrap_or_default()
+}
+
+#[cfg(not(unix))]
+fn signal(_: std::process::ExitStatus) -> i32 {
+    0
+}

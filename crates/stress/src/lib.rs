@@ -1,0 +1,26 @@
+//! Extremes times pipelines: what becomes of each pipeline where a scene, a frame or a setting is extreme.
+//!
+//! A [`Case`] is one extreme: a scene file, a size of frames, values of settings, and what is expected of the picture. A
+//! [`Subject`] is a pipeline with what can be set in it. [`run`] renders each case by each pipeline, in a process of its
+//! own, so that one that hangs or ends takes no other with it; [`judge`] says what became of it. The scene files stay in
+//! the folder, and each [`Cell`] has the command that renders it again.
+//!
+//! This crate does not use the GPU: a [`Program`] renders.
+
+mod case;
+mod cell;
+mod child;
+mod report;
+mod room;
+mod run;
+mod settings;
+mod table;
+mod triangles;
+
+pub use case::{Case, Expect};
+pub use cell::{Cell, Guard, Known, Picture, Verdict, judge};
+pub use child::{Child, Ended, Program, Ran};
+pub use report::{html, json};
+pub use run::{Event, Options, StressError, Subject, run};
+pub use settings::{of_pairs, of_settings};
+pub use table::cases;

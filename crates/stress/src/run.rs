@@ -1,0 +1,226 @@
+//! Runs cases by pipelines.
+
+use crate::case::{Case, Expect};
+use crate::cell::{Cell, Known, Picture, Verdict, judge};
+use crate::child::{Ended, Program, Ran};
+use metrics::Image;
+use std::collections::HashMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Why cases could not be run.
+#[derive(Debug, thiserror::Error)]
+pub enum StressError {
+    /// A file or folder could not be written.
+    #[error("{}: {error}", path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// What the system said.
+        #[source]
+        error: io::Error,
+    },
+    /// The program could not be started.
+    #[error("the program that renders cannot be started: {0}")]
+    Start(#[source] io::Error),
+}
+
+/// A pipeline, and what of it matters here.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Its name or path.
+    pub name: String,
+    /// The paths of all parameters and settings.
+    pub settable: Vec<String>,
+    /// Bounces of indirect light, which the path tracer makes too.
+    pub bounces: u32,
+    /// Cases of its own, in addition to those of the table.
+    pub cases: Vec<Case>,
+}
+
+/// How cases are run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The folder for scenes, pictures and the report.
+    pub folder: PathBuf,
+    /// The size of frames in pixels, where a case has none of its own.
+    pub size: (u32, u32),
+    /// Values for all pipelines that have the parameter or setting; those of a case have precedence.
+    pub set: Vec<(String, String)>,
+    /// Values for the path tracer.
+    pub set_reference: Vec<(String, String)>,
+    /// How long one run may take.
+    pub limit: Duration,
+}
+
+/// What happens while cases run.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// A picture by the path tracer is made, for a case.
+    Reference(&'a str),
+    /// A cell is done.
+    Done(&'a Cell),
+}
+
+/// A picture by the path tracer, by scene, size and bounces; `None` where there is none.
+type References = HashMap<(String, (u32, u32), u32), Option<Picture>>;
+
+/// Runs each case by each pipeline, and the cases that a pipeline has of its own. Says what happens.
+///
+/// # Errors
+/// Where files cannot be written or the program cannot be started. What becomes of a case is no error.
+pub fn run(
+    program: &dyn Program,
+    subjects: &[Subject],
+    cases: &[Case],
+    options: &Options,
+    tell: &mut dyn FnMut(Event<'_>),
+) -> Result<Vec<Cell>, StressError> {
+    let mut bench = Bench { program, options, references: References::new() };
+    let plain = Case { expect: Expect::Truth, ..crate::table::cases().swap_remove(0) };
+    let mut cells = Vec::new();
+    for subject in subjects {
+        bench.write(&plain)?;
+        let (ran, pictures) = bench.render(subject, &plain)?;
+        let plain_truth = bench.reference(subject, &plain, tell)?;
+        let plain_picture = pictures.as_ref().map(|(indirect, _)| indirect.clone());
+        let plain_known = Known {
+            plain: plain_picture.as_ref(),
+            plain_truth: plain_truth.as_ref(),
+            truth: plain_truth.as_ref(),
+        };
+        for case in cases.iter().chain(&subject.cases) {
+            let identity = (subject.name.as_str(), case.name.as_str(), case.expect);
+            let cell = if *case == plain {
+                judge(identity, &ran, both(&pictures), plain_known)
+            } else {
+                bench.write(case)?;
+                let (ran, pictures) = bench.render(subject, case)?;
+                let truth = match case.expect {
+                    Expect::Truth => bench.reference(subject, case, tell)?,
+                    _ => None,
+                };
+                judge(identity, &ran, both(&pictures), Known { truth: truth.as_ref(), ..plain_known })
+            };
+            bench.keep_picture(&cell);
+            tell(Event::Done(&cell));
+            cells.push(cell);
+        }
+    }
+    Ok(cells)
+}
+
+type Pictures = Option<(Picture, Picture)>;
+
+fn both(pictures: &Pictures) -> Option<(&Picture, &Picture)> {
+    pictures.as_ref().map(|(indirect, whole)| (indirect, whole))
+}
+
+struct Bench<'a> {
+    program: &'a dyn Program,
+    options: &'a Options,
+    references: References,
+}
+
+impl Bench<'_> {
+    fn scene_of(&self, case: &Case) -> PathBuf {
+        // Cases of settings are all of the plain scene.
+        let name = if case.name.contains('=') { "plain" } else { &case.name };
+        self.options.folder.join("scenes").join(format!("{name}.ron"))
+    }
+
+    /// Writes the scene of a case.
+    fn write(&self, case: &Case) -> Result<(), StressError> {
+        let scene = self.scene_of(case);
+        let folder = scene.parent().unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder)
+            .map_err(|error| StressError::Write { path: folder.to_owned(), error })?;
+        let beside = case.files.iter().map(|(name, text)| (folder.join(name), text));
+        for (path, text) in beside.chain([(scene.clone(), &case.scene)]) {
+            std::fs::write(&path, text).map_err(|error| StressError::Write { path, error })?;
+        }
+        Ok(())
+    }
+
+    /// Renders a case by a pipeline: the indirect light and the whole picture; none where it failed.
+    fn render(&self, subject: &Subject, case: &Case) -> Result<(Ran, Pictures), StressError> {
+        let given = case.set.iter().chain(self.options.set.iter().filter(|(path, _)| !sets(case, path)));
+        let given: Vec<String> = given
+            .filter(|(path, _)| subject.settable.iter().any(|known| known == path))
+            .map(|(path, value)| format!("{path}={value}"))
+            .collect();
+        self.picture(&subject.name, case, &given)
+    }
+
+    /// Renders a case by the path tracer, or finds what was rendered before.
+    fn reference(
+        &mut self,
+        subject: &Subject,
+        case: &Case,
+        tell: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Option<Picture>, StressError> {
+        let size = case.size.unwrap_or(self.options.size);
+        let key = (case.scene.clone(), size, subject.bounces);
+        if let Some(known) = self.references.get(&key) {
+            return Ok(known.clone());
+        }
+        tell(Event::Reference(&case.name));
+        let mut given = vec![format!("bounces={}", subject.bounces)];
+        given.extend(self.options.set_reference.iter().map(|(path, value)| format!("{path}={value}")));
+        let still = Case { frames: 1, ..case.clone() };
+        let (_, pictures) = self.picture("reference", &still, &given)?;
+        let picture = pictures.map(|(indirect, _)| indirect).filter(|picture| picture.not_finite == 0);
+        self.references.insert(key, picture.clone());
+        Ok(picture)
+    }
+
+    fn picture(&self, pipeline: &str, case: &Case, set: &[String]) -> Result<(Ran, Pictures), StressError> {
+        let (width, height) = case.size.unwrap_or(self.options.size);
+        let out = self.options.folder.join("picture.exr");
+        let files =
+            ["indirect", "image"].map(|output| self.options.folder.join(format!("picture-{output}.exr")));
+        for file in &files {
+            // That of the case before must not pass for this one's.
+            let _ = std::fs::remove_file(file);
+        }
+        let mut arguments: Vec<String> =
+            ["--json", "render", pipeline].into_iter().map(str::to_owned).collect();
+        arguments.push(self.scene_of(case).display().to_string());
+        arguments.extend(["-o".to_owned(), out.display().to_string()]);
+        arguments.extend(["--output", "indirect", "--output", "image", "--size"].map(str::to_owned));
+        arguments.push(format!("{width}x{height}"));
+        if case.frames > 1 {
+            arguments.extend(["--frames".to_owned(), case.frames.to_string()]);
+        }
+        arguments.extend(set.iter().flat_map(|set| ["--set".to_owned(), set.clone()]));
+        let ran = self.program.run(&arguments, self.options.limit).map_err(StressError::Start)?;
+        let read = |path: &PathBuf| Image::read(path).ok().map(Picture::new);
+        let pictures = match ran.ended {
+            Ended::Exit(0) => read(&files[0]).zip(read(&files[1])),
+            _ => None,
+        };
+        Ok((ran, pictures))
+    }
+
+    /// Keeps the picture of a defect.
+    fn keep_picture(&self, cell: &Cell) {
+        if !cell.verdict.is_defect() || cell.verdict == Verdict::Crashed {
+            return;
+        }
+        let folder = self.options.folder.join("pictures");
+        let to = folder.join(format!("{}-{}.exr", file_name(&cell.pipeline), file_name(&cell.case)));
+        // The report has the command that makes it again.
+        let _ = std::fs::create_dir_all(&folder);
+        let _ = std::fs::rename(self.options.folder.join("picture-indirect.exr"), to);
+    }
+}
+
+fn sets(case: &Case, path: &str) -> bool {
+    case.set.iter().any(|(known, _)| known == path)
+}
+
+/// Letters, digits, `-` and `.` of a text.
+fn file_name(text: &str) -> String {
+    text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect()
+}

@@ -1,0 +1,85 @@
+//! Cases made from what settings declare: both ends of their ranges, and pairs of them.
+
+use crate::case::{Case, Expect};
+use frame_graph::resolve::Settable;
+use frame_graph::{Value, ValueType};
+
+/// The values at the ends of what a setting takes, other than the one that it has: the least and greatest number, the
+/// other boolean, the other choices.
+fn ends(settable: &Settable) -> Vec<Value> {
+    let setting = &settable.setting;
+    let number = |end: f64| match setting.ty {
+        ValueType::U32 => Some(Value::U32(end as u32)),
+        ValueType::F32 => Some(Value::F32(end as f32)),
+        _ => None,
+    };
+    let mut all: Vec<Value> = if !setting.one_of.is_empty() {
+        setting.one_of.clone()
+    } else if setting.ty == ValueType::Bool {
+        vec![Value::Bool(false), Value::Bool(true)]
+    } else {
+        [setting.min, setting.max].into_iter().flatten().filter_map(number).collect()
+    };
+    all.retain(|value| *value != settable.value);
+    all.dedup();
+    all
+}
+
+/// Returns a case for each end of the range of each setting of a pipeline. What comes of it, only the pipeline knows: the
+/// picture must be finite and nowhere negative.
+pub fn of_settings(settable: &[Settable]) -> Vec<Case> {
+    let of = |settable: &Settable| {
+        let path = settable.path.clone();
+        ends(settable).into_iter().map(move |value| one(&[(path.clone(), value)]))
+    };
+    settable.iter().flat_map(of).collect()
+}
+
+/// Returns cases of two settings at an end of each, drawn at random.
+pub fn of_pairs(settable: &[Settable], count: usize, seed: u64) -> Vec<Case> {
+    let all: Vec<(usize, String, Value)> = settable
+        .iter()
+        .enumerate()
+        .flat_map(|(i, settable)| {
+            ends(settable).into_iter().map(move |value| (i, settable.path.clone(), value))
+        })
+        .collect();
+    let mut random = Random(seed);
+    let mut cases: Vec<Case> = Vec::new();
+    // Few settings have few pairs.
+    for _ in 0..count * 8 {
+        if cases.len() == count || all.is_empty() {
+            break;
+        }
+        let [a, b] = [(); 2].map(|()| &all[random.below(all.len())]);
+        if a.0 < b.0 {
+            let case = one(&[(a.1.clone(), a.2.clone()), (b.1.clone(), b.2.clone())]);
+            if !cases.contains(&case) {
+                cases.push(case);
+            }
+        }
+    }
+    cases
+}
+
+fn one(values: &[(String, Value)]) -> Case {
+    let texts: Vec<String> =
+        values.iter().map(|(path, value)| format!("{path}={}", value.to_argument())).collect();
+    let group = if values.len() > 1 { "pairs of settings" } else { "settings" };
+    let mut case = Case::new(group, texts.join(","), format!("`{}`.", texts.join("`, `")), Expect::Finite);
+    case.set = values.iter().map(|(path, value)| (path.clone(), value.to_argument())).collect();
+    case
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % end.max(1) as u64) as usize
+    }
+}

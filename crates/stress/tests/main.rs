@@ -1,0 +1,99 @@
+//! The table of extremes: each case's scene loads, names are unique, and cases of settings follow what is declared.
+
+use data_file::{Setting, Value, ValueType};
+use frame_graph::resolve::Settable;
+use std::collections::HashSet;
+use stress::{Expect, cases, of_pairs, of_settings};
+
+/// No files but those on disk.
+struct Nothing;
+
+impl data_file::Files for Nothing {
+    fn read(&self, _: &str) -> Option<std::sync::Arc<data_file::Source>> {
+        None
+    }
+
+    fn list(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+impl scene::SceneFiles for Nothing {
+    fn folder(&self) -> std::path::PathBuf {
+        std::path::PathBuf::new()
+    }
+}
+
+#[test]
+fn names_are_unique_and_the_plain_scene_is_first() {
+    let all = cases();
+    let names: HashSet<&str> = all.iter().map(|case| case.name.as_str()).collect();
+    assert_eq!(names.len(), all.len());
+    assert_eq!((all[0].name.as_str(), all[0].expect), ("plain", Expect::Truth));
+    assert!(all.len() > 40, "{}", all.len());
+}
+
+#[test]
+fn the_scene_of_every_case_loads() {
+    let folder = tempfile::tempdir().unwrap();
+    for case in cases() {
+        for (name, text) in &case.files {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let path = folder.path().join(format!("{}.ron", case.name));
+        std::fs::write(&path, &case.scene).unwrap();
+        let loaded = scene::load(&path.display().to_string(), &Nothing);
+        let scene = loaded.unwrap_or_else(|error| panic!("{}: {error}", case.name));
+        assert!(scene.about.len() > 10, "{}", case.name);
+    }
+}
+
+fn settable(path: &str, ty: ValueType, value: Value, (min, max): (Option<f64>, Option<f64>)) -> Settable {
+    let name = path.rsplit('.').next().unwrap_or(path).to_owned();
+    let setting = Setting {
+        name,
+        ty,
+        default: value.clone(),
+        min,
+        max,
+        one_of: Vec::new(),
+        unit: String::new(),
+        doc: String::new(),
+        declared: String::new(),
+    };
+    Settable { path: path.to_owned(), setting, value }
+}
+
+fn some() -> Vec<Settable> {
+    let choices = ["wide", "narrow", "none"].map(|text| Value::Text(text.to_owned()));
+    let mut choice = settable("filter.shape", ValueType::Text, choices[0].clone(), (None, None));
+    choice.setting.one_of = choices.to_vec();
+    vec![
+        settable("lights", ValueType::U32, Value::U32(1), (Some(1.0), Some(4096.0))),
+        settable("gather.clamp", ValueType::F32, Value::F32(0.5), (Some(0.0), None)),
+        settable("gather.half", ValueType::Bool, Value::Bool(true), (None, None)),
+        choice,
+    ]
+}
+
+#[test]
+fn settings_are_tried_at_the_ends_of_what_they_declare() {
+    let cases = of_settings(&some());
+    let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
+    let wanted =
+        ["lights=4096", "gather.clamp=0.0", "gather.half=false", "filter.shape=narrow", "filter.shape=none"];
+    assert_eq!(names, wanted, "what a setting has already is not tried");
+    assert_eq!(cases[0].set, [("lights".to_owned(), "4096".to_owned())]);
+}
+
+#[test]
+fn pairs_are_of_two_settings_and_the_same_for_a_seed() {
+    let pairs = of_pairs(&some(), 6, 1);
+    assert_eq!(pairs, of_pairs(&some(), 6, 1));
+    assert_ne!(pairs, of_pairs(&some(), 6, 2));
+    assert_eq!(pairs.len(), 6);
+    for pair in &pairs {
+        assert_eq!(pair.set.len(), 2);
+        assert_ne!(pair.set[0].0, pair.set[1].0, "{}", pair.name);
+    }
+}

@@ -1,0 +1,202 @@
+//! `lightloom stress`: every pipeline at the extremes.
+
+use crate::context::{Context, parse_size};
+use crate::output::{self, progress, say};
+use anyhow::{Context as _, Result, bail};
+use frame_graph::{LinkContext, Overrides, Value, nearest};
+use renderer::{Compiled, compile_options};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use stress::{Case, Child, Event, Options, Subject, Verdict};
+
+/// Render extremes by every pipeline, and say what becomes of them.
+///
+/// Each case is rendered in a process of its own. Cases are scenes at the ends of scale, place, light, camera, geometry and
+/// frames; with --settings also both ends of the range of each setting. Exits with 1 where a picture is not finite, is
+/// negative or has another energy than expected, or where a run crashes.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  lightloom stress -o out/stress
+  lightloom stress -o out/stress --pipeline ism --pipeline acrsm --case 'far*' --case 'cone*'
+  lightloom stress -o out/stress --pipeline tcas --settings --pairs 32")]
+pub(crate) struct Args {
+    /// The folder for scenes, pictures of defects and the report
+    #[arg(short, long = "out", value_name = "DIR", default_value = "out/stress")]
+    out: PathBuf,
+    /// A pipeline, by name or .ron file; all unless given. Any number of times
+    #[arg(long)]
+    pipeline: Vec<String>,
+    /// A case by name, or several as far*; all unless given. Any number of times
+    #[arg(long)]
+    case: Vec<String>,
+    /// List the cases
+    #[arg(long)]
+    list: bool,
+    /// Try both ends of the range of each setting, too
+    #[arg(long)]
+    settings: bool,
+    /// Try this many pairs of settings at an end of their ranges, drawn at random
+    #[arg(long, default_value_t = 0)]
+    pairs: usize,
+    /// Seed of the choice of pairs
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Size of frames in pixels, where a case has none of its own
+    #[arg(long, default_value = "64x64", value_parser = parse_size)]
+    size: (u32, u32),
+    /// A value for all pipelines that have the name, where a case sets no other. Any number of times
+    #[arg(long, value_name = "NAME=VALUE", default_values = ["lights=256", "map=32", "rsm.size=64"])]
+    set: Vec<String>,
+    /// Samples per pixel of the path tracer
+    #[arg(long, default_value_t = 256)]
+    samples: u32,
+    /// How long one picture may take, in seconds
+    #[arg(long, default_value_t = 120)]
+    limit: u64,
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let cases = chosen(&args.case)?;
+    if args.list {
+        return list(context, &cases);
+    }
+    let subjects = subjects(context, args)?;
+    let values = |texts: &[String]| -> Result<Vec<(String, String)>> {
+        let values = crate::context::overrides(texts)?;
+        Ok(values.0.into_iter().map(|(path, value)| (path, value.to_argument())).collect())
+    };
+    let options = Options {
+        folder: args.out.clone(),
+        size: args.size,
+        set: values(&args.set)?,
+        // A pixel is what its centre sees, as in a G-buffer: in a frame of few pixels its mean is another thing.
+        set_reference: [("samples", args.samples.to_string()), ("filter", "centre".to_owned())]
+            .map(|(path, value)| (path.to_owned(), value))
+            .to_vec(),
+        limit: Duration::from_secs(args.limit),
+    };
+    let root = context.catalog.assets().root().map(|root| root.display().to_string());
+    let child = Child {
+        path: std::env::current_exe().context("the program that runs does not know where it is")?,
+        before: root.map_or_else(Vec::new, |root| vec!["--root".to_owned(), root]),
+    };
+    let count: usize = subjects.iter().map(|subject| cases.len() + subject.cases.len()).sum();
+    let bar = progress(count as u64, "stress");
+    let cells = stress::run(&child, &subjects, &cases, &options, &mut |event| match event {
+        Event::Reference(case) => bar.set_message(format!("reference of {case}")),
+        Event::Done(cell) => {
+            bar.set_message(format!("{} {}", cell.pipeline, cell.case));
+            bar.inc(1);
+            if cell.verdict.is_defect() && !context.json {
+                bar.suspend(|| say!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case));
+            }
+        }
+    })?;
+    bar.finish_and_clear();
+    let about = format!(
+        "Lightloom {}; frames of {}×{}; {}; references of {} samples per pixel.",
+        env!("CARGO_PKG_VERSION"),
+        args.size.0,
+        args.size.1,
+        args.set.join(", "),
+        args.samples
+    );
+    let record = stress::json(&cells);
+    let page = args.out.join("report.html");
+    write(&args.out.join("cells.json"), &format!("{record:#}\n"))?;
+    write(&page, &stress::html(&cells, &cases, &about))?;
+    let defects = cells.iter().filter(|cell| cell.verdict.is_defect()).count();
+    if context.json {
+        output::json(&json!({ "report": page, "verdicts": record["verdicts"], "cells": record["cells"] }));
+    } else {
+        let count = |verdict| cells.iter().filter(|cell| cell.verdict == verdict).count();
+        say!(
+            "{} of {} held, {} refused with a reason, {} took too long, {defects} did not hold",
+            count(Verdict::Held),
+            cells.len(),
+            count(Verdict::Refused),
+            count(Verdict::TimedOut)
+        );
+        say!("{}", page.display());
+    }
+    if defects > 0 {
+        bail!("{defects} of {} cells did not hold; {} has the command for each", cells.len(), page.display());
+    }
+    Ok(())
+}
+
+/// Writes a file beside its place and moves it there.
+fn write(path: &Path, text: &str) -> Result<()> {
+    let part = path.with_extension("part");
+    std::fs::write(&part, text)
+        .and_then(|()| std::fs::rename(&part, path))
+        .with_context(|| format!("{} was not written", path.display()))
+}
+
+/// The cases of these names; all where there are none. `far*` is all that begin with `far`.
+fn chosen(names: &[String]) -> Result<Vec<Case>> {
+    let all = stress::cases();
+    let is = |name: &str, case: &Case| match name.strip_suffix('*') {
+        Some(beginning) => case.name.starts_with(beginning),
+        None => case.name == name,
+    };
+    for name in names {
+        if !all.iter().any(|case| is(name, case)) {
+            let near = nearest(name, all.iter().map(|case| case.name.as_str()));
+            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            bail!("there is no case `{name}`{near} `lightloom stress --list` lists all");
+        }
+    }
+    let wanted = |case: &Case| names.is_empty() || names.iter().any(|name| is(name, case));
+    Ok(all.into_iter().filter(wanted).collect())
+}
+
+fn list(context: &Context, cases: &[Case]) -> Result<()> {
+    if context.json {
+        let cases: Vec<_> = cases
+            .iter()
+            .map(|case| json!({ "name": case.name, "group": case.group, "about": case.about }))
+            .collect();
+        output::json(&json!(cases));
+        return Ok(());
+    }
+    for case in cases {
+        say!("{:<18} {:<10} {}", case.name, case.group, case.about);
+    }
+    Ok(())
+}
+
+/// The pipelines, with what can be set in each.
+fn subjects(context: &Context, args: &Args) -> Result<Vec<Subject>> {
+    let names = match args.pipeline.is_empty() {
+        true => {
+            let all = context.catalog.list_pipelines().into_iter().map(|named| named.name);
+            all.filter(|name| name != "reference").collect()
+        }
+        false => args.pipeline.clone(),
+    };
+    let traits = context.traits(None)?;
+    names
+        .into_iter()
+        .map(|name| {
+            let link = LinkContext { frame: args.size, traits: traits.clone() };
+            let compiled =
+                Compiled::new(&context.catalog, &name, &Overrides::default(), &link, &compile_options())
+                    .map_err(|errors| anyhow::anyhow!("{errors}"))?;
+            let settable = compiled.resolved.settable(&*context.catalog);
+            let bounces = settable.iter().find(|settable| settable.path == "bounces");
+            let mut cases = if args.settings { stress::of_settings(&settable) } else { Vec::new() };
+            cases.extend(stress::of_pairs(&settable, args.pairs, args.seed));
+            Ok(Subject {
+                bounces: match bounces.map(|settable| &settable.value) {
+                    Some(Value::U32(bounces)) => *bounces,
+                    _ => 1,
+                },
+                settable: settable.into_iter().map(|settable| settable.path).collect(),
+                name,
+                cases,
+            })
+        })
+        .collect()
+}
