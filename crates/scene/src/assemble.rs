@@ -1,8 +1,8 @@
-//! Combines models, lights and a camera into a flat [`Scene`].
+//! Combines models, lights and a camera into a flat [`Scene`] around an origin.
 
 use std::path::PathBuf;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::animation::Track;
@@ -24,12 +24,13 @@ const MAX_INDICES: usize = 1 << 29;
 /// The bounding box of a moving scene is computed at the start and at this many further times.
 const TIMES_OF_BOUNDS: u32 = 64;
 
-/// A scene that is being assembled.
+/// A scene that is being assembled. Its places are relative to its origin.
 #[derive(Default)]
 pub(crate) struct Assembly {
     pub(crate) name: String,
     /// The name or path by which the scene is loaded.
     pub(crate) spec: String,
+    origin: DVec3,
     pub(crate) about: String,
     pub(crate) nodes: Vec<Node>,
     /// The camera of the description; if `near` is 0, a ten-thousandth of the scene's extent is used.
@@ -58,11 +59,11 @@ struct Placed {
 }
 
 impl Assembly {
-    pub(crate) fn new(name: String, spec: &str) -> Assembly {
-        Assembly { name, spec: spec.to_owned(), ..Assembly::default() }
+    pub(crate) fn new(name: String, spec: &str, origin: DVec3) -> Assembly {
+        Assembly { name, spec: spec.to_owned(), origin, ..Assembly::default() }
     }
 
-    /// Adds a model below `parent`, with its cameras, and with its lights if `with_lights` is set.
+    /// Adds a model below `parent`, or in the world, with its cameras, and with its lights if `with_lights` is set.
     pub(crate) fn place(&mut self, model: Model, parent: Option<usize>, with_lights: bool) {
         let (first_node, first_material) = (self.nodes.len(), self.materials.len() as u32);
         let (first_texture, first_skin) = (self.textures.len() as u32, self.skins.len());
@@ -71,13 +72,16 @@ impl Assembly {
             material.offset_textures(first_texture);
             material
         }));
-        for (index, node) in model.nodes.into_iter().enumerate() {
+        for (index, mut node) in model.nodes.into_iter().enumerate() {
             if let Some(mesh) = node.mesh {
                 let mesh = model.meshes[mesh].clone();
                 let name = if node.name.is_empty() { mesh.name.clone() } else { node.name.clone() };
                 self.placed.push(Placed { name, node: first_node + index, mesh, first_material });
             }
             let parent = node.parent.map_or(parent, |p| Some(p + first_node));
+            if parent.is_none() {
+                node.move_to(self.origin);
+            }
             self.duration = self.duration.max(node.animation.as_ref().map_or(0.0, NodeAnimation::end));
             self.duration = self.duration.max(node.morph.end());
             self.nodes.push(Node { parent, skin: node.skin.map(|skin| skin + first_skin), ..node });
@@ -115,8 +119,8 @@ impl Assembly {
         self.may_be_empty |= model.may_be_empty;
     }
 
-    /// Returns the flat scene.
-    pub(crate) fn finish(mut self) -> Result<Scene, SceneError> {
+    /// Returns the vertices of the scene as they are at 0 s, and what is needed to finish it.
+    pub(crate) fn flatten(mut self) -> Result<Flattened, SceneError> {
         let nodes = std::mem::take(&mut self.nodes);
         let mut motion = Motion { nodes, skins: std::mem::take(&mut self.skins), ..Motion::default() };
         let worlds = motion.worlds(0.0);
@@ -137,34 +141,62 @@ impl Assembly {
         if flat.indices.is_empty() && !self.may_be_empty {
             return Err(SceneError::Empty { file: self.name, repairs: self.repairs });
         }
-        let (lights, drivers): (Vec<_>, Vec<_>) = self.lights.into_iter().unzip();
+        Ok(Flattened { assembly: self, motion, flat })
+    }
+}
+
+/// A scene whose vertices are known at 0 s.
+pub(crate) struct Flattened {
+    assembly: Assembly,
+    motion: Motion,
+    flat: Flat,
+}
+
+impl Flattened {
+    /// Returns the box around all triangles at 0 s, relative to the origin; zero if there are none.
+    pub(crate) fn still_bounds(&self) -> (Vec3, Vec3) {
+        let Flat { vertices, indices, .. } = &self.flat;
+        box_around(vertices, &used(vertices, indices)).unwrap_or_default()
+    }
+
+    /// Returns the flat scene.
+    pub(crate) fn finish(self) -> Scene {
+        let Flattened { mut assembly, mut motion, flat } = self;
+        let (lights, drivers): (Vec<_>, Vec<_>) = assembly.lights.into_iter().unzip();
         if lights.is_empty() {
-            self.repairs.push("there are no lights: only what emits is not black".into());
+            assembly.repairs.push("there are no lights: only what emits is not black".into());
+        }
+        if assembly.origin != DVec3::ZERO {
+            let (DVec3 { x, y, z }, far) = (assembly.origin, assembly.origin.length());
+            assembly.repairs.push(format!(
+                "the scene lies {far:.0} m from the origin of its file: it is rendered around ({x}, {y}, {z})"
+            ));
         }
         motion.lights = drivers;
-        motion.camera = self.camera_tracks;
+        motion.camera = assembly.camera_tracks;
         let mut scene = Scene {
             bounds: (Vec3::ZERO, Vec3::ZERO),
-            name: self.name,
-            about: self.about,
+            origin: assembly.origin,
+            name: assembly.name,
+            about: assembly.about,
             vertices: flat.vertices,
             indices: flat.indices,
             instances: flat.instances,
-            materials: self.materials,
-            textures: self.textures,
+            materials: assembly.materials,
+            textures: assembly.textures,
             lights,
             camera: Camera::framing(Vec3::ZERO, Vec3::ZERO),
-            cameras: self.cameras.iter().map(|(name, camera, _)| (name.clone(), *camera)).collect(),
-            frames_per_second: self.frames_per_second.unwrap_or(30.0),
-            duration: self.duration,
-            repairs: self.repairs,
-            spec: self.spec,
-            files: self.files,
+            cameras: assembly.cameras.iter().map(|(name, camera, _)| (name.clone(), *camera)).collect(),
+            frames_per_second: assembly.frames_per_second.unwrap_or(30.0),
+            duration: assembly.duration,
+            repairs: assembly.repairs,
+            spec: assembly.spec,
+            files: assembly.files,
             hash: 0,
             motion,
         };
         scene.bounds = bounds(&scene);
-        scene.camera = match (self.camera, self.cameras.first()) {
+        scene.camera = match (assembly.camera, assembly.cameras.first()) {
             (Some(camera), _) => camera,
             (None, Some((_, camera, node))) => {
                 scene.motion.camera.node = Some(*node);
@@ -183,8 +215,12 @@ impl Assembly {
         // Animated values at 0 s come from their tracks.
         let start = scene.at(0.0);
         (scene.camera, scene.lights) = (start.camera, start.lights);
+        if scene.camera.position == scene.camera.target {
+            let message = "the camera's position and target are too near to tell apart: it looks along −z";
+            scene.repairs.push(message.into());
+        }
         scene.hash = hash::scene(&scene);
-        Ok(scene)
+        scene
     }
 }
 
@@ -278,13 +314,8 @@ impl Flat {
 
 /// Returns the box around all triangles, at all times.
 fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    // Vertices that no triangle uses are ignored.
-    let mut used = vec![false; scene.vertices.len()];
-    scene.indices.iter().for_each(|i| used[*i as usize] = true);
-    let around = |first: usize, vertices: &[Vertex]| {
-        let corners = vertices.iter().zip(&used[first..]).filter(|(_, used)| **used);
-        corners.map(|(v, _)| (v.position.into(), v.position.into())).reduce(join)
-    };
+    let used = used(&scene.vertices, &scene.indices);
+    let around = |first: usize, vertices: &[Vertex]| box_around(vertices, &used[first..]);
     let moved = |step: u32| {
         let time = scene.duration * (step as f32 / TIMES_OF_BOUNDS as f32);
         let worlds = scene.motion.worlds(time);
@@ -294,6 +325,19 @@ fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     let steps = if scene.motion.meshes.is_empty() { 0 } else { TIMES_OF_BOUNDS };
     let moved = (1..=steps).into_par_iter().filter_map(moved).reduce_with(join);
     around(0, &scene.vertices).into_iter().chain(moved).reduce(join).unwrap_or_default()
+}
+
+/// Returns which vertices triangles use.
+fn used(vertices: &[Vertex], indices: &[u32]) -> Vec<bool> {
+    let mut used = vec![false; vertices.len()];
+    indices.iter().for_each(|i| used[*i as usize] = true);
+    used
+}
+
+/// Returns the box around those vertices that are used.
+fn box_around(vertices: &[Vertex], used: &[bool]) -> Option<(Vec3, Vec3)> {
+    let corners = vertices.iter().zip(used).filter(|(_, used)| **used);
+    corners.map(|(v, _)| (v.position.into(), v.position.into())).reduce(join)
 }
 
 /// Returns the box around two boxes.

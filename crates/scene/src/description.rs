@@ -3,6 +3,7 @@
 mod grammar;
 
 use data_file::Place;
+use data_file::reader::{Form, Node, Number};
 use glam::{EulerRot, Quat, Vec3};
 
 use crate::camera::Camera;
@@ -18,7 +19,8 @@ pub(crate) struct At<T> {
     pub(crate) place: Place,
 }
 
-/// A scene file whose values are valid by themselves.
+/// A scene file whose values are valid by themselves. Its places are relative to an origin: those of the camera, of
+/// lights, and of objects that are not within another.
 #[derive(Clone, Debug)]
 pub(crate) struct Description {
     /// What the scene shows, in one line.
@@ -86,6 +88,14 @@ pub(crate) struct ObjectKeys {
     pub(crate) translate: Keys<Vec3>,
     pub(crate) rotate: Keys<Quat>,
     pub(crate) scale: Keys<Vec3>,
+}
+
+/// Returns the numbers of `(x, y, z)`.
+pub(crate) fn numbers(node: &Node) -> Option<[Number; 3]> {
+    let Form::Tuple(None, items) = &node.form else { return None };
+    let [x, y, z] = items.as_slice() else { return None };
+    let number = |node: &Node| if let Form::Number(number) = node.form { Some(number) } else { None };
+    Some([number(x)?, number(y)?, number(z)?])
 }
 
 /// Returns a rotation about x, then y, then z, given in degrees.

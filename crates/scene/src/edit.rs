@@ -16,12 +16,13 @@ use std::sync::Arc;
 use data_file::codes::scene as codes;
 use data_file::reader::{self, Form, Node};
 use data_file::{Diagnostic, Diagnostics, Source, Span};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::camera::Camera;
 use crate::description::{Description, Keys, parse};
 use crate::error::SceneError;
 use crate::light::{Light, LightKind};
+use crate::origin::kept;
 use crate::scene::Scene;
 use patches::Patches;
 
@@ -38,6 +39,9 @@ pub struct SceneEdit {
     pub camera_keys: Option<Vec<CameraKey>>,
     /// The keys of lights, by name: all of each light that is named, by rising times.
     pub light_keys: BTreeMap<String, Vec<LightKey>>,
+    /// The [`Scene::origin`] of the scene that the file makes. All places of the edit are relative to it, and those that
+    /// are written are in the world of the file.
+    pub origin: DVec3,
 }
 
 /// A key of the camera. What it leaves out is not keyed there.
@@ -69,13 +73,14 @@ pub struct LightKey {
 /// is removed remain.
 ///
 /// The result is read again, and has the values of the edit: as `f32`, directions but for their length, and angles,
-/// which are written in degrees, to the nearest that can be read from degrees.
+/// which are written in degrees, to the nearest that can be read from degrees. Places far from the world's origin are
+/// as precise as `f64` is there.
 ///
 /// # Errors
 /// All errors of the file; a light that is not in its `lights`, because it belongs to a glTF file, or is of another
 /// kind there; values that no scene file can have.
 pub fn edited(source: &Arc<Source>, edit: &SceneEdit) -> Result<String, Diagnostics> {
-    parse(source, None)?;
+    parse(source, None, edit.origin)?;
     let text = reader::parse(source, |reader, tree| {
         let mut patches = Patches::new(&source.text, tree);
         tree::edit(reader, tree, &mut patches, edit);
@@ -116,15 +121,18 @@ pub fn save(path: &Path, edit: &SceneEdit) -> Result<(), SceneError> {
 
 /// Returns a new scene file for a scene that is a bare glTF file, at the path `geometry` from the folder of the new
 /// file: with the camera and the lights of the edit, those of the scene where it has none, and its keys. The file
-/// takes the place of the glTF file's own camera and lights, so that those which its animation moves stand still.
+/// takes the place of the glTF file's own camera and lights, so that those which its animation moves stand still. The
+/// origin is that of the scene, whatever the edit has.
 ///
 /// # Errors
 /// Values that no scene file can have.
 pub fn scene_file_for(scene: &Scene, geometry: &str, edit: &SceneEdit) -> Result<String, Diagnostics> {
+    let origin = scene.origin;
+    let edit = &SceneEdit { origin, ..edit.clone() };
     let lights = scene.lights.iter().enumerate().map(|(i, light)| {
         let before = scene.lights[..i].iter().filter(|before| before.name == light.name).count();
         let edited = edit.lights.iter().filter(|edited| edited.name == light.name).nth(before);
-        format!("        {},\n", tree::light_text(edited.unwrap_or(light)))
+        format!("        {},\n", tree::light_text(edited.unwrap_or(light), origin))
     });
     let camera = edit.camera.unwrap_or(scene.camera);
     let mut text = String::from("Scene(\n");
@@ -132,7 +140,7 @@ pub fn scene_file_for(scene: &Scene, geometry: &str, edit: &SceneEdit) -> Result
         text.push_str(&format!("    about: {:?},\n", scene.about));
     }
     text.push_str(&format!("    geometry: File({geometry:?}),\n"));
-    text.push_str(&format!("    camera: {},\n", tree::camera_text(&camera)));
+    text.push_str(&format!("    camera: {},\n", tree::camera_text(&camera, origin)));
     text.push_str(&format!("    lights: [\n{}    ],\n", lights.collect::<String>()));
     text.push_str("    lights_from_file: false,\n");
     let nothing = Node { start: 0, end: 0, form: Form::Bad };
@@ -147,7 +155,7 @@ pub fn scene_file_for(scene: &Scene, geometry: &str, edit: &SceneEdit) -> Result
 /// Reads a text that was edited, and compares it with the edit.
 fn check(name: &str, text: &str, edit: &SceneEdit) -> Result<(), Diagnostics> {
     let source = Source::new(name, text);
-    let description = parse(&source, None).map_err(|Diagnostics(errors)| {
+    let description = parse(&source, None, edit.origin).map_err(|Diagnostics(errors)| {
         let note = "this is what would have been written; nothing is";
         Diagnostics(errors.into_iter().map(|error| error.note(note)).collect())
     })?;
@@ -161,11 +169,14 @@ fn check(name: &str, text: &str, edit: &SceneEdit) -> Result<(), Diagnostics> {
 /// Returns what of a description is not as the edit has it.
 fn difference(description: &Description, edit: &SceneEdit) -> Option<String> {
     let near = |a: f32, b: f32| (a - b).abs() <= 4.0 * f32::EPSILON * b.abs();
+    let kept =
+        |place: Vec3| Vec3::from_array(std::array::from_fn(|axis| kept(place[axis], edit.origin[axis])));
+    let place = |(time, place): (f32, Option<Vec3>)| (time, place.map(kept));
     let aims = |a: Vec3, b: Vec3| a.normalize_or_zero().abs_diff_eq(b.normalize_or_zero(), 1e-5);
     if let Some(camera) = &edit.camera {
         let is = description.camera.as_ref().is_some_and(|known| {
-            let same =
-                (known.position, known.target, known.up) == (camera.position, camera.target, camera.up);
+            let (position, target) = (kept(camera.position), kept(camera.target));
+            let same = (known.position, known.target, known.up) == (position, target, camera.up);
             let near_plane = known.near == 0.0 || known.near == camera.near || camera.near <= 0.0;
             same && near_plane && near(known.vertical_fov, camera.vertical_fov)
         });
@@ -183,7 +194,7 @@ fn difference(description: &Description, edit: &SceneEdit) -> Option<String> {
                 }
                 (a, b) => a == b,
             };
-            let place = light.kind == LightKind::Directional || known.position == light.position;
+            let place = light.kind == LightKind::Directional || known.position == kept(light.position);
             let aim = light.kind == LightKind::Point || aims(known.direction, light.direction);
             kind && place && aim && known.intensity == light.intensity
         });
@@ -194,8 +205,8 @@ fn difference(description: &Description, edit: &SceneEdit) -> Option<String> {
     let keyframes = description.keyframes.as_ref();
     if let Some(keys) = &edit.camera_keys {
         let known = keyframes.and_then(|k| k.camera.as_ref()).map(|k| k.value.clone()).unwrap_or_default();
-        let is = known.position == channel(keys.iter().map(|key| (key.time, key.position)))
-            && known.target == channel(keys.iter().map(|key| (key.time, key.target)));
+        let is = known.position == channel(keys.iter().map(|key| place((key.time, key.position))))
+            && known.target == channel(keys.iter().map(|key| place((key.time, key.target))));
         if !is {
             return Some("the keys of the camera".to_owned());
         }
@@ -206,7 +217,7 @@ fn difference(description: &Description, edit: &SceneEdit) -> Option<String> {
         let known = known.map(|(_, keys)| keys.clone()).unwrap_or_default();
         let directions = channel(keys.iter().map(|key| (key.time, key.direction)));
         let mut pairs = known.direction.iter().zip(&directions);
-        let is = known.position == channel(keys.iter().map(|key| (key.time, key.position)))
+        let is = known.position == channel(keys.iter().map(|key| place((key.time, key.position))))
             && known.intensity == channel(keys.iter().map(|key| (key.time, key.intensity)))
             && known.direction.len() == directions.len()
             && pairs.all(|(known, key)| known.0 == key.0 && aims(known.1, key.1));

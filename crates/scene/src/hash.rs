@@ -2,7 +2,7 @@
 //! the same on every machine. Names are left out, since they do not change pictures.
 
 use bytemuck::{Pod, bytes_of, cast_slice};
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, DVec3, Quat, Vec3};
 use xxhash_rust::xxh3::Xxh3;
 
 use crate::animation::{Between, Outside, Track};
@@ -28,6 +28,10 @@ pub(crate) fn scene(scene: &Scene) -> u128 {
     hash.list(lights, Hash::driver);
     hash.list(skins, Hash::skin);
     hash.list(meshes, Hash::mesh);
+    // Cameras and lights that others bring are relative to it.
+    if scene.origin != DVec3::ZERO {
+        hash.value(scene.origin.to_array());
+    }
     hash.0.digest128()
 }
 

@@ -7,9 +7,10 @@
 //! scenes/*.ron + SceneEdit ─save─▶ scenes/*.ron, with the rest of its text as it was
 //! ```
 //!
-//! A [`Scene`] is flat: one array of vertices in world space and one of indices, ready for upload. Lengths
-//! are in metres, angles in radians, times in seconds; colours are linear Rec. 709; the world is right-handed
-//! with +Y up. Photometric units of glTF's KHR_lights_punctual are read as radiometric units for each
+//! A [`Scene`] is flat: one array of vertices in world space and one of indices, ready for upload. The origin
+//! of that space is [`Scene::origin`], a place near geometry that lies far out in its files. Lengths are in
+//! metres, angles in radians, times in seconds; colours are linear Rec. 709; the world is right-handed with +Y
+//! up. Photometric units of glTF's KHR_lights_punctual are read as radiometric units for each
 //! channel: candela as W/sr, lux as W/m².
 //!
 //! Invalid input gives a [`SceneError`] with the place and what was expected, or a repair that is listed in
@@ -30,6 +31,7 @@ mod light;
 mod load;
 mod material;
 mod model;
+mod origin;
 mod pick;
 mod scene;
 mod shape;

@@ -1,6 +1,7 @@
 //! Loads a [`Scene`] by name or path.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,15 +9,17 @@ use std::sync::Arc;
 
 use data_file::codes::scene as codes;
 use data_file::{Diagnostic, Diagnostics, Place, Source, Span, nearest};
+use glam::DVec3;
 
 use crate::animation::{Animated, Between, Outside, Track};
-use crate::assemble::Assembly;
+use crate::assemble::{Assembly, Flattened};
 use crate::built_in;
 use crate::description::{Description, Geometry, Keyframes, Keys, parse};
 use crate::error::SceneError;
 use crate::files::SceneFiles;
-use crate::import::import;
-use crate::model::{Model, Node, NodeAnimation, Transform};
+use crate::import::{Imported, import};
+use crate::model::{Node, NodeAnimation, Transform};
+use crate::origin::settle;
 use crate::scene::{Driver, Scene};
 
 /// Loads a scene: by a name among `files` (`cornell-box`), or by the path of a `.ron`, `.glb` or `.gltf`
@@ -28,19 +31,23 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let path = Path::new(spec);
     let name = path.file_stem().map_or(spec.into(), |stem| stem.to_string_lossy().into_owned());
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("glb" | "gltf") => {
-            let mut assembly = Assembly::new(name, spec);
+        Some("glb" | "gltf") => settle(|origin| {
+            let mut assembly = Assembly::new(name.clone(), spec, origin);
             let model = import(path)?;
             assembly.files.push(path.into());
             assembly.files.extend(model.files);
             assembly.place(model.model, None, true);
-            assembly.finish()
-        }
+            assembly.flatten()
+        }),
         _ => {
             let (source, folder, on_disk) = find(spec, files)?;
-            let description = parse(&source, Some(&folder))?;
-            let loader = Loader { source: &source, folder, models: BTreeMap::new(), errors: Vec::new() };
-            loader.assemble(Assembly::new(name, spec), description, on_disk)
+            let mut models = BTreeMap::new();
+            settle(|origin| {
+                let description = parse(&source, Some(&folder), origin)?;
+                let loader =
+                    Loader { source: &source, folder: &folder, models: &mut models, errors: Vec::new() };
+                loader.assemble(Assembly::new(name.clone(), spec, origin), description, on_disk.clone())
+            })
         }
     }
 }
@@ -50,7 +57,7 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
 /// # Errors
 /// Those of [`load`] that concern the description.
 pub fn about(spec: &str, files: &dyn SceneFiles) -> Result<String, SceneError> {
-    Ok(parse(&find(spec, files)?.0, None)?.about)
+    Ok(parse(&find(spec, files)?.0, None, DVec3::ZERO)?.about)
 }
 
 /// Returns the description, the folder of its geometry files, and its path if it is a file on disk.
@@ -87,9 +94,9 @@ type Objects = BTreeMap<String, (usize, Transform)>;
 /// Assembles one description.
 struct Loader<'a> {
     source: &'a Arc<Source>,
-    folder: PathBuf,
-    /// Geometry that was read before, by its name or path.
-    models: BTreeMap<String, Model>,
+    folder: &'a Path,
+    /// Geometry that was read before, by its path.
+    models: &'a mut BTreeMap<PathBuf, Imported>,
     /// Errors that can be found only with the geometry.
     errors: Vec<Diagnostic>,
 }
@@ -100,7 +107,7 @@ impl Loader<'_> {
         mut assembly: Assembly,
         description: Description,
         on_disk: Option<PathBuf>,
-    ) -> Result<Scene, SceneError> {
+    ) -> Result<Flattened, SceneError> {
         assembly.about = description.about;
         assembly.files.extend(on_disk);
         assembly.lights = description.lights.into_iter().map(|light| (light, Driver::default())).collect();
@@ -113,7 +120,7 @@ impl Loader<'_> {
         if !self.errors.is_empty() {
             return Err(Diagnostics::sorted(self.errors).into());
         }
-        assembly.finish()
+        assembly.flatten()
     }
 
     /// Adds geometry below `parent`; `objects` collects the nodes of named objects.
@@ -132,14 +139,16 @@ impl Loader<'_> {
                 assembly.place(model, parent, with_lights);
             }
             Geometry::File(file) => {
-                if !self.models.contains_key(&file.value) {
-                    let path = self.folder.join(&file.value);
-                    let imported = import(&path)?;
+                let path = self.folder.join(&file.value);
+                let imported = match self.models.entry(path.clone()) {
+                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Vacant(new) => new.insert(import(&path)?),
+                };
+                if !assembly.files.contains(&path) {
                     assembly.files.push(path);
-                    assembly.files.extend(imported.files);
-                    self.models.insert(file.value.clone(), imported.model);
+                    assembly.files.extend(imported.files.iter().cloned());
                 }
-                assembly.place(self.models[&file.value].clone(), parent, with_lights);
+                assembly.place(imported.model.clone(), parent, with_lights);
             }
             Geometry::Objects(list) => {
                 for object in list {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use bytemuck::{Pod, Zeroable};
 use data_file::{Traits, Value};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 
 use crate::animation::Track;
 use crate::camera::Camera;
@@ -50,7 +50,8 @@ pub struct Instance {
     pub moves: bool,
 }
 
-/// A scene, flat and in world space. Everything that moves is in its state at 0 s.
+/// A scene, flat and in world space. Everything that moves is in its state at 0 s. All places, here and in what is
+/// made of a scene, are relative to [`Scene::origin`].
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// The name of the scene, or of the file without its ending.
@@ -82,6 +83,10 @@ pub struct Scene {
     pub repairs: Vec<String>,
     /// The name or path that was passed to [`load`](crate::load).
     pub spec: String,
+    /// The place in the world of the scene's files that is (0, 0, 0) in the scene \[m\]: near geometry that lies at
+    /// 0 s more than 16 of its extents from there, which `f32` would round visibly; else zero. What goes back to a file
+    /// is added to it, in `f64`.
+    pub origin: DVec3,
     /// The files on disk that were read, to watch for changes.
     pub files: Vec<PathBuf>,
     /// A hash of everything that can change a picture (xxh3), the same on every machine.

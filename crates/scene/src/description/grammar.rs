@@ -5,17 +5,18 @@ use std::path::Path;
 use std::sync::Arc;
 
 use data_file::codes::scene as codes;
-use data_file::reader::{self, Fields, Form, Node, Number, Reader};
+use data_file::reader::{self, Fields, Form, Node, Reader};
 use data_file::{Diagnostic, Diagnostics, Place, Source};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::{
-    At, CameraKeys, Description, Geometry, Keyframes, Keys, LightKeys, Object, ObjectKeys, rotation,
+    At, CameraKeys, Description, Geometry, Keyframes, Keys, LightKeys, Object, ObjectKeys, numbers, rotation,
 };
 use crate::built_in;
 use crate::camera::Camera;
 use crate::light::{Light, LightKind};
 use crate::model::Transform;
+use crate::origin::{local, world};
 
 const SCENE: &[&str] = &["about", "geometry", "camera", "lights", "lights_from_file", "keyframes"];
 const CAMERA: &[&str] = &["position", "target", "up", "vertical_fov_deg", "near"];
@@ -27,19 +28,25 @@ const GEOMETRY: &str = "`BuiltIn(\"name\")`, `File(\"model.glb\")` or `Objects([
 const TRANSFORM: &str = "`Transform(translate: (x, y, z), rotate_deg: (x, y, z), scale: (x, y, z))`";
 const FINITE: &str = "a finite number";
 
-/// Reads a scene file. Geometry files are looked up in `folder`, if one is given.
+/// Reads a scene file, with its places in the world relative to `origin`. Geometry files are looked up in
+/// `folder`, if one is given.
 ///
 /// # Errors
 /// All errors of the file that can be found without reading geometry.
-pub(crate) fn parse(source: &Arc<Source>, folder: Option<&Path>) -> Result<Description, Diagnostics> {
-    reader::parse(source, |reader, tree| Grammar { reader, folder, objects: Vec::new() }.scene(tree))
+pub(crate) fn parse(
+    source: &Arc<Source>,
+    folder: Option<&Path>,
+    origin: DVec3,
+) -> Result<Description, Diagnostics> {
+    reader::parse(source, |reader, tree| Grammar { reader, folder, origin, objects: Vec::new() }.scene(tree))
 }
 
 struct Grammar<'a, 'b> {
     reader: &'a mut Reader<'b>,
     folder: Option<&'a Path>,
-    /// Names of objects, at any depth.
-    objects: Vec<At<String>>,
+    origin: DVec3,
+    /// Names of objects, at any depth, with what is subtracted from their places: nothing within another object.
+    objects: Vec<(At<String>, DVec3)>,
 }
 
 /// A condition on a number, and its description for messages.
@@ -49,7 +56,8 @@ impl Grammar<'_, '_> {
     fn scene(mut self, tree: &Node) -> Option<Description> {
         let fields = self.reader.fields(tree, "`Scene(…)`", &[("Scene", SCENE)])?;
         let about = fields.get("about").and_then(|node| self.reader.text(node, "text"));
-        let geometry = self.reader.need(&fields, "geometry").and_then(|node| self.geometry(node));
+        let geometry =
+            self.reader.need(&fields, "geometry").and_then(|node| self.geometry(node, self.origin));
         let camera = fields.get("camera").map(|node| self.camera(node));
         let lights = fields.get("lights").map(|node| self.lights(node)).unwrap_or_default();
         let lights_from_file = fields.get("lights_from_file").map_or(Some(true), |node| self.bool(node));
@@ -64,7 +72,7 @@ impl Grammar<'_, '_> {
         })
     }
 
-    fn geometry(&mut self, node: &Node) -> Option<Geometry> {
+    fn geometry(&mut self, node: &Node, origin: DVec3) -> Option<Geometry> {
         let (name, [item]) = (match &node.form {
             Form::Tuple(Some(name), items) => (name, items.as_slice()),
             _ => {
@@ -94,7 +102,7 @@ impl Grammar<'_, '_> {
             }
             "Objects" => {
                 let items = self.reader.list(item, "a list: [Object(…), …]");
-                Some(Geometry::Objects(items.iter().filter_map(|item| self.object(item)).collect()))
+                Some(Geometry::Objects(items.iter().filter_map(|item| self.object(item, origin)).collect()))
             }
             other => {
                 let place = Place { file: self.reader.file, start: name.start, end: name.end };
@@ -129,32 +137,34 @@ impl Grammar<'_, '_> {
         self.reader.tell(error);
     }
 
-    fn object(&mut self, node: &Node) -> Option<Object> {
+    fn object(&mut self, node: &Node, origin: DVec3) -> Option<Object> {
         let forms = [("Object", &["name", "geometry", "transform"][..])];
         let fields = self.reader.fields(node, "`Object(name: \"…\", geometry: …)`", &forms)?;
         let name = self.reader.need(&fields, "name").and_then(|node| self.text(node, "a name"));
         if let Some(name) = &name {
-            match self.objects.iter().find(|known| known.value == name.value) {
-                Some(first) => {
+            match self.objects.iter().find(|(known, _)| known.value == name.value) {
+                Some((first, _)) => {
                     let first = first.place;
                     self.reader.duplicate(&format!("the object `{}`", name.value), name.place, first);
                 }
-                None => self.objects.push(name.clone()),
+                None => self.objects.push((name.clone(), origin)),
             }
         }
-        let geometry = self.reader.need(&fields, "geometry").and_then(|node| self.geometry(node));
-        let transform =
-            fields.get("transform").map_or(Some(Transform::default()), |node| self.transform(node));
+        let geometry = self.reader.need(&fields, "geometry");
+        let geometry = geometry.and_then(|node| self.geometry(node, DVec3::ZERO));
+        let unmoved = Transform { translation: (DVec3::ZERO - origin).as_vec3(), ..Transform::default() };
+        let transform = fields.get("transform").map_or(Some(unmoved), |node| self.transform(node, origin));
         Some(Object { name: name?, geometry: geometry?, transform: transform? })
     }
 
-    fn transform(&mut self, node: &Node) -> Option<Transform> {
+    fn transform(&mut self, node: &Node, origin: DVec3) -> Option<Transform> {
         let forms = [("Transform", &["translate", "rotate_deg", "scale"][..])];
         let fields = self.reader.fields(node, TRANSFORM, &forms)?;
+        let unmoved = Some((DVec3::ZERO - origin).as_vec3());
+        let translation = fields.get("translate").map_or(unmoved, |node| self.place(node, origin));
         let mut vector = |name: &str, otherwise: Vec3| {
             fields.get(name).map_or(Some(otherwise), |node| self.finite_vector(node))
         };
-        let translation = vector("translate", Vec3::ZERO);
         let turn = vector("rotate_deg", Vec3::ZERO);
         let scale = vector("scale", Vec3::ONE);
         Some(Transform { translation: translation?, rotation: rotation(turn?), scale: scale? })
@@ -163,8 +173,8 @@ impl Grammar<'_, '_> {
     fn camera(&mut self, node: &Node) -> Option<Camera> {
         let fields =
             self.reader.fields(node, "`Camera(position: …, target: …, …)`", &[("Camera", CAMERA)])?;
-        let position = self.needed(&fields, "position", Self::finite_vector);
-        let target = self.needed(&fields, "target", Self::finite_vector);
+        let position = self.needed(&fields, "position", Self::position);
+        let target = self.needed(&fields, "target", Self::position);
         let up = fields.get("up").map_or(Some(Vec3::Y), |node| self.direction(node));
         let fov = self.needed(&fields, "vertical_fov_deg", |grammar, node| {
             grammar.number(node, ("degrees between 0 and 180", |x| x > 0.0 && x < 180.0))
@@ -172,8 +182,11 @@ impl Grammar<'_, '_> {
         let near = fields.get("near").map_or(Some(0.0), |node| {
             self.number(node, ("a distance in metres, above 0", |x| x.is_finite() && x > 0.0))
         });
+        // Two points that are one for `f32` so far from the origin may be two for another origin.
+        let exact = |name: &str| fields.get(name).and_then(numbers).map(|numbers| numbers.map(world));
         if let (Some(from), Some(to), Some(node)) = (position, target, fields.get("target"))
             && from == to
+            && exact("position") == exact("target")
         {
             let place = self.reader.place(node);
             self.reader
@@ -210,7 +223,7 @@ impl Grammar<'_, '_> {
         };
         let position = match kind {
             Some(LightKind::Directional) => Some(Vec3::ZERO),
-            _ => self.needed(&fields, "position", Self::finite_vector),
+            _ => self.needed(&fields, "position", Self::position),
         };
         let direction = match kind {
             Some(LightKind::Point) => Some(Vec3::NEG_Y),
@@ -268,41 +281,45 @@ impl Grammar<'_, '_> {
         let lights = lights.map(|(name, node)| (name, self.light_keys(node, &mut end))).collect();
         let objects = fields.get("objects").map(|node| self.named(node, "an object")).unwrap_or_default();
         for (name, _) in &objects {
-            if !self.objects.iter().any(|object| object.value == name.value) {
+            if !self.objects.iter().any(|(object, _)| object.value == name.value) {
                 let message = format!("keyframes for `{}`, but no object has this name", name.value);
                 let error = Diagnostic::new(&codes::NAME, message)
                     .label(self.reader.span(name.place), "no such object")
-                    .suggest("objects", &name.value, self.objects.iter().map(|o| o.value.as_str()));
+                    .suggest("objects", &name.value, self.objects.iter().map(|(o, _)| o.value.as_str()));
                 self.reader.tell(error);
             }
         }
-        let objects = objects.into_iter();
-        let objects = objects.map(|(name, node)| (name, self.object_keys(node, &mut end))).collect();
+        let objects = objects.into_iter().map(|(name, node)| {
+            let known = self.objects.iter().find(|(object, _)| object.value == name.value);
+            let origin = known.map_or(DVec3::ZERO, |(_, origin)| *origin);
+            (name, self.object_keys(node, origin, &mut end))
+        });
+        let objects = objects.collect();
         Some(Keyframes { frames_per_second: rate?, repeat: repeat?, end, camera, lights, objects })
     }
 
     fn camera_keys(&mut self, node: &Node, end: &mut f32) -> CameraKeys {
         let keys = self.keys(node, &["time", "position", "target"], end);
         CameraKeys {
-            position: self.channel(&keys, "position", Self::finite_vector),
-            target: self.channel(&keys, "target", Self::finite_vector),
+            position: self.channel(&keys, "position", Self::position),
+            target: self.channel(&keys, "target", Self::position),
         }
     }
 
     fn light_keys(&mut self, node: &Node, end: &mut f32) -> LightKeys {
         let keys = self.keys(node, &["time", "position", "direction", "intensity"], end);
         LightKeys {
-            position: self.channel(&keys, "position", Self::finite_vector),
+            position: self.channel(&keys, "position", Self::position),
             direction: self.channel(&keys, "direction", Self::direction),
             intensity: self.channel(&keys, "intensity", Self::power),
         }
     }
 
-    fn object_keys(&mut self, node: &Node, end: &mut f32) -> ObjectKeys {
+    fn object_keys(&mut self, node: &Node, origin: DVec3, end: &mut f32) -> ObjectKeys {
         let keys = self.keys(node, &["time", "translate", "rotate_deg", "scale"], end);
         let degrees = self.channel(&keys, "rotate_deg", Self::finite_vector);
         ObjectKeys {
-            translate: self.channel(&keys, "translate", Self::finite_vector),
+            translate: self.channel(&keys, "translate", |grammar, node| grammar.place(node, origin)),
             rotate: degrees.into_iter().map(|(time, degrees)| (time, rotation(degrees))).collect(),
             scale: self.channel(&keys, "scale", Self::finite_vector),
         }
@@ -395,14 +412,11 @@ impl Grammar<'_, '_> {
 
     /// Reads a number that satisfies the rule.
     fn number(&mut self, node: &Node, (expected, keeps): Rule) -> Option<f32> {
-        let value = match node.form {
-            Form::Number(Number::Integer(n)) => n as f32,
-            Form::Number(Number::Float(x)) => x as f32,
-            _ => {
-                self.reader.wrong(node, expected);
-                return None;
-            }
+        let Form::Number(number) = node.form else {
+            self.reader.wrong(node, expected);
+            return None;
         };
+        let value = local(number, 0.0);
         if keeps(value) {
             return Some(value);
         }
@@ -427,6 +441,18 @@ impl Grammar<'_, '_> {
 
     fn finite_vector(&mut self, node: &Node) -> Option<Vec3> {
         self.vector(node, "three numbers: (x, y, z)", (FINITE, f32::is_finite))
+    }
+
+    /// Reads a place in the world.
+    fn position(&mut self, node: &Node) -> Option<Vec3> {
+        self.place(node, self.origin)
+    }
+
+    /// Reads a place, relative to `origin`.
+    fn place(&mut self, node: &Node, origin: DVec3) -> Option<Vec3> {
+        self.finite_vector(node)?;
+        let numbers = numbers(node)?;
+        Some(Vec3::from_array(std::array::from_fn(|i| local(numbers[i], origin[i]))))
     }
 
     fn direction(&mut self, node: &Node) -> Option<Vec3> {

@@ -4,7 +4,7 @@ use super::{CameraKey, LightKey};
 use crate::description::{Keys, parse};
 use crate::error::SceneError;
 use data_file::Source;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -18,14 +18,15 @@ pub struct SceneKeys {
     pub lights: BTreeMap<String, Vec<LightKey>>,
 }
 
-/// Returns the keys of the scene file at `path`; a key has what the file sets at its time.
+/// Returns the keys of the scene file at `path`, with places relative to the [`Scene::origin`](crate::Scene::origin) of
+/// the scene that it makes; a key has what the file sets at its time.
 ///
 /// # Errors
 /// A file that cannot be read, and all that is wrong in it.
-pub fn keys_of(path: &Path) -> Result<SceneKeys, SceneError> {
+pub fn keys_of(path: &Path, origin: DVec3) -> Result<SceneKeys, SceneError> {
     let text =
         fs::read_to_string(path).map_err(|error| SceneError::Unreadable { path: path.into(), error })?;
-    let keyframes = parse(&Source::new(path.display().to_string(), text), None)?.keyframes;
+    let keyframes = parse(&Source::new(path.display().to_string(), text), None, origin)?.keyframes;
     let Some(keyframes) = keyframes else { return Ok(SceneKeys::default()) };
     let camera = keyframes.camera.map(|camera| camera.value);
     let camera = camera.map_or_else(Vec::new, |keys| {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use data_file::Diagnostic;
 use data_file::codes::scene as codes;
 use data_file::reader::{Form, Node, Reader};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::patches::{Items, Patches};
 use super::value::{Field, Value, degrees, form, number};
@@ -18,11 +18,11 @@ pub(super) fn edit(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'
     let mut items = Items::of(tree);
     if let Some(camera) = &edit.camera {
         match child(tree, "camera") {
-            Some(node) => set_fields(node, patches, &camera_fields(camera, Some(node))),
-            None => items.add(items.len(), format!("camera: {}", camera_text(camera))),
+            Some(node) => set_fields(node, patches, &camera_fields(camera, edit.origin, Some(node))),
+            None => items.add(items.len(), format!("camera: {}", camera_text(camera, edit.origin))),
         }
     }
-    edit_lights(reader, tree, patches, &edit.lights);
+    edit_lights(reader, tree, patches, edit);
     match child(tree, "keyframes") {
         Some(node) => edit_keyframes(node, patches, edit),
         None => {
@@ -75,12 +75,12 @@ fn set_fields(node: &Node, patches: &mut Patches<'_>, fields: &[Field]) {
 }
 
 /// Returns the fields of a camera, given that of the file: what follows from the scene stays out.
-fn camera_fields(camera: &Camera, file: Option<&Node>) -> Vec<Field> {
+fn camera_fields(camera: &Camera, origin: DVec3, file: Option<&Node>) -> Vec<Field> {
     let has = |name: &str| file.is_some_and(|node| child(node, name).is_some());
     let most = 180f32.next_down();
     let mut fields = vec![
-        ("position", Some(Value::Vector(camera.position))),
-        ("target", Some(Value::Vector(camera.target))),
+        ("position", Some(Value::Place { value: camera.position, origin })),
+        ("target", Some(Value::Place { value: camera.target, origin })),
     ];
     if camera.up != Vec3::Y || has("up") {
         fields.push(("up", Some(Value::Vector(camera.up))));
@@ -92,13 +92,13 @@ fn camera_fields(camera: &Camera, file: Option<&Node>) -> Vec<Field> {
     fields
 }
 
-pub(super) fn camera_text(camera: &Camera) -> String {
-    form("Camera", &camera_fields(camera, None))
+pub(super) fn camera_text(camera: &Camera, origin: DVec3) -> String {
+    form("Camera", &camera_fields(camera, origin, None))
 }
 
 /// Returns the form of a light, and its fields, given that of the file.
-fn light_fields(light: &Light, file: Option<&Node>) -> (&'static str, Vec<Field>) {
-    let position = ("position", Some(Value::Vector(light.position)));
+fn light_fields(light: &Light, origin: DVec3, file: Option<&Node>) -> (&'static str, Vec<Field>) {
+    let position = ("position", Some(Value::Place { value: light.position, origin }));
     let direction = ("direction", Some(Value::Direction(light.direction)));
     let intensity = ("intensity", Some(Value::Vector(light.intensity)));
     match light.kind {
@@ -121,13 +121,13 @@ fn light_fields(light: &Light, file: Option<&Node>) -> (&'static str, Vec<Field>
     }
 }
 
-pub(super) fn light_text(light: &Light) -> String {
-    let (name, fields) = light_fields(light, None);
+pub(super) fn light_text(light: &Light, origin: DVec3) -> String {
+    let (name, fields) = light_fields(light, origin, None);
     let text = form(name, &fields);
     text.replacen('(', &format!("(name: {:?}, ", light.name), 1)
 }
 
-fn edit_lights(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, lights: &[Light]) {
+fn edit_lights(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, edit: &SceneEdit) {
     let list = child(tree, "lights");
     let items = match list.map(|node| &node.form) {
         Some(Form::List(items)) => items.as_slice(),
@@ -140,11 +140,11 @@ fn edit_lights(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, 
     let names: Vec<String> = items.iter().enumerate().map(name).collect();
     // Of lights with the same name, the first edit is of the first, and so on.
     let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
-    for light in lights {
+    for light in &edit.lights {
         let count = seen.entry(&light.name).or_default();
         let found = names.iter().zip(items).filter(|(name, _)| **name == light.name).nth(*count);
         *count += 1;
-        let (form, Some((_, node))) = (light_fields(light, None).0, found) else {
+        let (form, Some((_, node))) = (light_fields(light, edit.origin, None).0, found) else {
             let place = list.or(child(tree, "geometry")).unwrap_or(tree);
             let error = Diagnostic::new(
                 &codes::NAME,
@@ -159,7 +159,7 @@ fn edit_lights(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, 
         };
         match &node.form {
             Form::Struct(Some(known), _) if known.text == form => {
-                let (_, fields) = light_fields(light, Some(node));
+                let (_, fields) = light_fields(light, edit.origin, Some(node));
                 set_fields(node, patches, &fields);
             }
             _ => {
@@ -172,18 +172,19 @@ fn edit_lights(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, 
     }
 }
 
-fn camera_key(key: &CameraKey) -> Vec<Field> {
+fn camera_key(key: &CameraKey, origin: DVec3) -> Vec<Field> {
+    let place = |value| Value::Place { value, origin };
     vec![
         ("time", Some(Value::Number(key.time))),
-        ("position", key.position.map(Value::Vector)),
-        ("target", key.target.map(Value::Vector)),
+        ("position", key.position.map(place)),
+        ("target", key.target.map(place)),
     ]
 }
 
-fn light_key(key: &LightKey) -> Vec<Field> {
+fn light_key(key: &LightKey, origin: DVec3) -> Vec<Field> {
     vec![
         ("time", Some(Value::Number(key.time))),
-        ("position", key.position.map(Value::Vector)),
+        ("position", key.position.map(|value| Value::Place { value, origin })),
         ("direction", key.direction.map(Value::Direction)),
         ("intensity", key.intensity.map(Value::Vector)),
     ]
@@ -193,11 +194,13 @@ fn light_key(key: &LightKey) -> Vec<Field> {
 type KeyFields = Vec<Vec<Field>>;
 
 fn camera_keys(edit: &SceneEdit) -> Option<KeyFields> {
-    edit.camera_keys.as_ref().map(|keys| keys.iter().map(camera_key).collect())
+    let fields = |key| camera_key(key, edit.origin);
+    edit.camera_keys.as_ref().map(|keys| keys.iter().map(fields).collect())
 }
 
 fn light_keys(edit: &SceneEdit) -> impl Iterator<Item = (&str, KeyFields)> {
-    edit.light_keys.iter().map(|(name, keys)| (name.as_str(), keys.iter().map(light_key).collect()))
+    let fields = |key| light_key(key, edit.origin);
+    edit.light_keys.iter().map(move |(name, keys)| (name.as_str(), keys.iter().map(fields).collect()))
 }
 
 fn edit_keyframes(node: &Node, patches: &mut Patches<'_>, edit: &SceneEdit) {

@@ -1,15 +1,27 @@
 //! The values that an edit writes: whether they differ from what a file has, and how they are written.
 
-use data_file::reader::{Form, Node, Number};
-use glam::Vec3;
+use data_file::reader::{Form, Node};
+use glam::{DVec3, Vec3};
 
 use super::patches::Patches;
+use crate::description::numbers;
+use crate::origin::{kept, local, written};
 
 /// The value of a field.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Value {
     Number(f32),
     Vector(Vec3),
+    /// One coordinate of a place.
+    Coordinate {
+        value: f32,
+        origin: f64,
+    },
+    /// A place relative to an origin; the file has it in the world.
+    Place {
+        value: Vec3,
+        origin: DVec3,
+    },
     /// A vector of which only the direction matters.
     Direction(Vec3),
     /// In radians, written in degrees, of which there are at most so many.
@@ -34,6 +46,11 @@ impl Value {
                     Value::Number(value).write(item, patches);
                 }
             }
+            (Value::Place { value, origin }, Form::Tuple(None, items)) => {
+                for (item, (value, origin)) in items.iter().zip(coordinates(value, origin)) {
+                    Value::Coordinate { value, origin }.write(item, patches);
+                }
+            }
             _ => patches.replace(node, self.text()),
         }
     }
@@ -43,6 +60,14 @@ impl Value {
         match self {
             Value::Number(value) => number(node) == Some(value),
             Value::Vector(value) => vector(node) == Some(value),
+            Value::Coordinate { value, origin } => {
+                let Form::Number(number) = node.form else { return false };
+                local(number, origin) == kept(value, origin)
+            }
+            Value::Place { value, origin } => numbers(node).is_some_and(|numbers| {
+                let mut pairs = numbers.into_iter().zip(coordinates(value, origin));
+                pairs.all(|(number, (value, origin))| local(number, origin) == kept(value, origin))
+            }),
             Value::Direction(value) => {
                 vector(node).is_some_and(|known| known == value || known.normalize_or_zero() == value)
             }
@@ -59,24 +84,28 @@ impl Value {
             Value::Vector(Vec3 { x, y, z }) | Value::Direction(Vec3 { x, y, z }) => {
                 format!("({x:?}, {y:?}, {z:?})")
             }
+            Value::Coordinate { value, origin } => written(value, origin),
+            Value::Place { value, origin } => {
+                let [x, y, z] = coordinates(value, origin).map(|(value, origin)| written(value, origin));
+                format!("({x}, {y}, {z})")
+            }
             Value::Angle { radians, most } => format!("{:?}", degrees(radians).min(most)),
         }
     }
 }
 
+/// Returns the coordinates of a place, each with that of the origin.
+fn coordinates(place: Vec3, origin: DVec3) -> [(f32, f64); 3] {
+    std::array::from_fn(|axis| (place[axis], origin[axis]))
+}
+
 /// Returns the number of a node, as the grammar reads it.
 pub(super) fn number(node: &Node) -> Option<f32> {
-    match node.form {
-        Form::Number(Number::Integer(n)) => Some(n as f32),
-        Form::Number(Number::Float(x)) => Some(x as f32),
-        _ => None,
-    }
+    if let Form::Number(number) = node.form { Some(local(number, 0.0)) } else { None }
 }
 
 fn vector(node: &Node) -> Option<Vec3> {
-    let Form::Tuple(None, items) = &node.form else { return None };
-    let [x, y, z] = items.as_slice() else { return None };
-    Some(Vec3::new(number(x)?, number(y)?, number(z)?))
+    numbers(node).map(|numbers| numbers.map(|number| local(number, 0.0)).into())
 }
 
 /// Returns the degrees that are read as an angle \[rad\], with as few digits as possible. Not every angle can be

@@ -239,8 +239,9 @@ pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> 
     load(path.to_str().expect("UTF-8"), &InMemory(BTreeMap::new()))
 }
 
+/// The place of a vertex in the world of the scene's file.
 pub(crate) fn position(scene: &Scene, vertex: usize) -> Vec3 {
-    scene.vertices[vertex].position.into()
+    (scene.origin + Vec3::from(scene.vertices[vertex].position).as_dvec3()).as_vec3()
 }
 
 pub(crate) fn normal(scene: &Scene, vertex: usize) -> Vec3 {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use data_file::{Files, Source};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use proptest::option::of as some;
 use proptest::prelude::*;
 use scene::{
@@ -141,7 +141,13 @@ fn make(scene: &Scene, draw: &Draw, whole: bool) -> SceneEdit {
         });
         Some((light.name.clone(), keys.collect()))
     });
-    SceneEdit { camera, lights: lights.collect(), camera_keys, light_keys: light_keys.collect() }
+    SceneEdit {
+        camera,
+        lights: lights.collect(),
+        camera_keys,
+        light_keys: light_keys.collect(),
+        origin: scene.origin,
+    }
 }
 
 fn near(a: f32, b: f32) -> bool {
@@ -305,6 +311,7 @@ fn what_is_missing_is_added_in_the_style_of_its_neighbours() {
         lights: vec![key],
         camera_keys: Some(vec![CameraKey { time: 0.0, position: Some(Vec3::X), target: None }]),
         light_keys: BTreeMap::from([("key".to_owned(), keys)]),
+        origin: DVec3::ZERO,
     };
     let result = edit_text(text, &edit);
     assert_eq!(
@@ -463,7 +470,7 @@ fn keys_are_those_that_were_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.ron");
     std::fs::write(&path, "Scene(geometry: BuiltIn(\"cube\"))").unwrap();
-    assert_eq!(scene::keys_of(&path).unwrap(), scene::SceneKeys::default());
+    assert_eq!(scene::keys_of(&path, DVec3::ZERO).unwrap(), scene::SceneKeys::default());
     let key = |time: f32| CameraKey {
         time,
         position: Some(Vec3::new(time, 1.0, 2.0)),
@@ -471,6 +478,6 @@ fn keys_are_those_that_were_written() {
     };
     let edit = SceneEdit { camera_keys: Some(vec![key(0.0), key(1.5)]), ..SceneEdit::default() };
     scene::save(&path, &edit).unwrap();
-    assert_eq!(scene::keys_of(&path).unwrap().camera, [key(0.0), key(1.5)]);
-    assert!(scene::keys_of(&folder.path().join("none.ron")).is_err());
+    assert_eq!(scene::keys_of(&path, DVec3::ZERO).unwrap().camera, [key(0.0), key(1.5)]);
+    assert!(scene::keys_of(&folder.path().join("none.ron"), DVec3::ZERO).is_err());
 }

@@ -4,7 +4,7 @@ use crate::action::Action;
 use crate::app::App;
 use crate::engine::Published;
 use eframe::egui::{DragValue, Grid, Response, ScrollArea, Slider, Ui};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use scene::{Camera, CameraKey, Light, LightKey, LightKind, SceneEdit, SceneKeys};
 
 /// Keys that are edited, on top of those of the scene's file.
@@ -17,9 +17,12 @@ pub(crate) struct ScenePanel {
 impl ScenePanel {
     /// The keys as they are edited: those of the file at first.
     fn keys(&mut self, now: &Published) -> &mut SceneKeys {
-        let file = now.scene.as_ref().and_then(|scene| scene.file.clone());
-        // A file with errors has been told of when it was loaded.
-        self.keys.get_or_insert_with(|| file.and_then(|file| scene::keys_of(&file).ok()).unwrap_or_default())
+        let of_file = || {
+            let view = now.scene.as_ref()?;
+            // A file with errors has been told of when it was loaded.
+            scene::keys_of(view.file.as_ref()?, view.scene.origin).ok()
+        };
+        self.keys.get_or_insert_with(|| of_file().unwrap_or_default())
     }
 
     /// Forgets the keys, which are in the file now.
@@ -90,6 +93,7 @@ impl ScenePanel {
             lights: lights.collect(),
             camera_keys: keys.as_ref().map(|keys| keys.camera.clone()).filter(|keys| !keys.is_empty()),
             light_keys: keys.map_or_else(Default::default, |keys| keys.lights),
+            origin: own.map_or(DVec3::ZERO, |scene| scene.origin),
         }
     }
 }
