@@ -51,7 +51,8 @@ pub struct Provenance {
     pub time: Option<f32>,
 }
 
-/// A [`Camera`] in a record.
+/// A [`Camera`] in a record: its places are relative to the [`Scene::origin`](scene::Scene::origin) of the scene, which
+/// is part of [`Provenance::scene_hash`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedCamera {
@@ -67,7 +68,7 @@ pub struct RecordedCamera {
     pub near: f32,
 }
 
-/// A [`Light`] in a record.
+/// A [`Light`] in a record: its place is relative to the [`Scene::origin`](scene::Scene::origin) of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedLight {

@@ -135,6 +135,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
 fn camera(app: &mut App, ui: &mut Ui) {
     let Some(before) = app.pilot.camera().or(app.now.camera) else { return };
     let mut camera = before;
+    let origin = app.now.scene.as_ref().map_or(DVec3::ZERO, |view| view.scene.origin);
     let context = ui.ctx().clone();
     ui.horizontal(|ui| {
         ui.strong("Camera");
@@ -146,8 +147,8 @@ fn camera(app: &mut App, ui: &mut Ui) {
     });
     Grid::new("camera").num_columns(2).show(ui, |ui| {
         let speed = 0.01 * (before.position - before.target).length().max(1e-3);
-        row(ui, "position", |ui| vector(ui, "Camera position", &mut camera.position, speed));
-        row(ui, "target", |ui| vector(ui, "Camera target", &mut camera.target, speed));
+        row(ui, "position", |ui| place(ui, "Camera position", &mut camera.position, origin, speed));
+        row(ui, "target", |ui| place(ui, "Camera target", &mut camera.target, origin, speed));
         row(ui, "field of view", |ui| {
             let mut degrees = camera.vertical_fov.to_degrees();
             if ui.add(Slider::new(&mut degrees, 5.0..=150.0).suffix("°").text("high")).changed() {
@@ -184,6 +185,7 @@ fn lights(app: &mut App, ui: &mut Ui) {
         let (min, max) = view.scene.bounds();
         (max - min).length().max(1e-3)
     });
+    let origin = app.now.scene.as_ref().map_or(DVec3::ZERO, |view| view.scene.origin);
     for (i, light) in lights.iter_mut().enumerate() {
         ui.push_id(i, |ui| {
             ui.horizontal(|ui| {
@@ -197,7 +199,7 @@ fn lights(app: &mut App, ui: &mut Ui) {
                     record = Some(i);
                 }
             });
-            one_light(ui, light, extent);
+            one_light(ui, light, origin, extent);
         });
     }
     if let Some(light) = record.map(|i| lights[i].clone()) {
@@ -209,12 +211,12 @@ fn lights(app: &mut App, ui: &mut Ui) {
     }
 }
 
-fn one_light(ui: &mut Ui, light: &mut Light, extent: f32) {
+fn one_light(ui: &mut Ui, light: &mut Light, origin: DVec3, extent: f32) {
     let name = light.name.clone();
     Grid::new("light").num_columns(2).show(ui, |ui| {
         if light.kind != LightKind::Directional {
             row(ui, "position", |ui| {
-                vector(ui, &format!("Position of {name}"), &mut light.position, 0.003 * extent);
+                place(ui, &format!("Position of {name}"), &mut light.position, origin, 0.003 * extent);
             });
         }
         if light.kind != LightKind::Point {
@@ -299,8 +301,20 @@ fn row(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
 
 /// Three numbers, each with a name for those who cannot see the label.
 fn vector(ui: &mut Ui, name: &str, value: &mut Vec3, speed: f32) {
-    for (axis, number) in ["x", "y", "z"].into_iter().zip(value.as_mut()) {
-        let response: Response = ui.add(DragValue::new(number).speed(speed).max_decimals(4));
+    place(ui, name, value, DVec3::ZERO, speed);
+}
+
+/// The coordinates of a place relative to an origin, as the scene's file has them.
+fn place(ui: &mut Ui, name: &str, value: &mut Vec3, origin: DVec3, speed: f32) {
+    let axes = ["x", "y", "z"].into_iter().zip(value.as_mut());
+    for ((axis, number), origin) in axes.zip(origin.to_array()) {
+        let world = |set: Option<f64>| {
+            if let Some(set) = set {
+                *number = (set - origin) as f32;
+            }
+            origin + f64::from(*number)
+        };
+        let response: Response = ui.add(DragValue::from_get_set(world).speed(speed).max_decimals(4));
         response.widget_info(|| {
             eframe::egui::WidgetInfo::labeled(eframe::egui::Role::SpinButton, true, format!("{name} {axis}"))
         });
