@@ -90,7 +90,8 @@ impl Assembly {
             skin.joints.iter_mut().for_each(|joint| *joint += first_node);
             skin
         }));
-        let worlds = Motion { nodes: self.nodes.clone(), ..Motion::default() }.worlds(0.0);
+        let far = self.origin != DVec3::ZERO;
+        let worlds = Motion { nodes: self.nodes.clone(), far, ..Motion::default() }.worlds(0.0);
         for camera in model.cameras {
             let node = first_node + camera.node;
             let placed = camera_at_node(&worlds[node], camera.vertical_fov, camera.near);
@@ -122,7 +123,8 @@ impl Assembly {
     /// Returns the vertices of the scene as they are at 0 s, and what is needed to finish it.
     pub(crate) fn flatten(mut self) -> Result<Flattened, SceneError> {
         let nodes = std::mem::take(&mut self.nodes);
-        let mut motion = Motion { nodes, skins: std::mem::take(&mut self.skins), ..Motion::default() };
+        let (far, skins) = (self.origin != DVec3::ZERO, std::mem::take(&mut self.skins));
+        let mut motion = Motion { nodes, far, skins, ..Motion::default() };
         let worlds = motion.worlds(0.0);
         let mut flat = Flat::default();
         for placed in std::mem::take(&mut self.placed) {

@@ -22,7 +22,7 @@ pub(crate) fn scene(scene: &Scene) -> u128 {
     hash.list(&scene.lights, Hash::light);
     hash.camera(&scene.camera);
     hash.value(scene.frames_per_second);
-    let Motion { nodes, camera, lights, skins, meshes } = &scene.motion;
+    let Motion { nodes, far: _, camera, lights, skins, meshes } = &scene.motion;
     hash.list(nodes, Hash::node);
     hash.driver(camera);
     hash.list(lights, Hash::driver);

@@ -6,7 +6,7 @@
 //! moves with it.
 
 use data_file::reader::Number;
-use glam::{DVec3, Vec3};
+use glam::{Affine3A, DVec3, Mat3, Vec3};
 
 use crate::assemble::Flattened;
 use crate::error::SceneError;
@@ -14,7 +14,8 @@ use crate::model::{Node, NodeAnimation};
 use crate::scene::Scene;
 
 /// How many of its extents the centre of a scene may lie from (0, 0, 0). There, positions are rounded by up to 2⁻²⁰
-/// extents; farther out it would be by more than the 10⁻⁶ extents by which shaders keep rays off surfaces.
+/// extents; farther out it would be by more than the 10⁻⁶ extents nearer than which shaders let rays hit nothing. Rays
+/// that begin 2⁻¹⁶ of a position off its surface begin up to 2⁻¹² extents off.
 const FARTHEST: f64 = 16.0;
 
 /// How often an origin gives way to a better one. The first is as precise as `f32` is at the geometry; where the
@@ -85,6 +86,14 @@ pub(crate) fn written(coordinate: f32, origin: f64) -> String {
     let (world, same) = (origin + f64::from(coordinate), kept(coordinate, origin));
     let reads = |text: &String| text.parse().is_ok_and(|x| local(Number::Float(x), origin) == same);
     (1..=20).map(|digits| format!("{world:.digits$}")).find(reads).unwrap_or_else(|| format!("{world:?}"))
+}
+
+/// Returns the transform of a node to the space of a far scene, given that of its parent. Where both lie far out and
+/// all but cancel, nothing of their difference is lost.
+pub(crate) fn below(parent: &Affine3A, local: &Affine3A) -> Affine3A {
+    let [from, to] = [parent.translation, local.translation].map(|at| Vec3::from(at).as_dvec3());
+    let translation = from + Mat3::from(parent.matrix3).as_dmat3() * to;
+    Affine3A { matrix3: parent.matrix3 * local.matrix3, translation: translation.as_vec3().into() }
 }
 
 impl Node {

@@ -13,6 +13,7 @@ use crate::emitters::cumulative;
 use crate::light::{Light, LightKind};
 use crate::material::{Material, Texture};
 use crate::model::{Node, Skin};
+use crate::origin::below;
 use crate::shape::{Placement, Shape, usable};
 
 /// A vertex in the layout of the GPU: 48 bytes, in world space. It belongs to one instance and one material.
@@ -100,6 +101,8 @@ pub struct Scene {
 pub(crate) struct Motion {
     /// The nodes, with parents before children.
     pub(crate) nodes: Vec<Node>,
+    /// Whether the scene lies far from the origin of its files.
+    pub(crate) far: bool,
     pub(crate) camera: Driver,
     /// One per light.
     pub(crate) lights: Vec<Driver>,
@@ -407,7 +410,11 @@ impl Motion {
         worlds.clear();
         for node in &self.nodes {
             let local = node.local(time);
-            worlds.push(node.parent.map_or(local, |parent| worlds[parent] * local));
+            worlds.push(match node.parent {
+                Some(parent) if self.far => below(&worlds[parent], &local),
+                Some(parent) => worlds[parent] * local,
+                None => local,
+            });
         }
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use data_file::{Files, Source};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use scene::{Camera, CameraKey, LightKey, Pose, Scene, SceneEdit, built_in_names, keys_of, scene_file_for};
 use serde_json::json;
 
@@ -212,6 +212,30 @@ fn the_roots_of_a_gltf_file_far_out_keep_what_is_below_them() {
     {
         let scene = model(offset).load().expect("a good file");
         assert_moved(&scene, &near, offset);
+    }
+}
+
+#[test]
+fn nodes_below_a_turned_root_keep_their_distances() {
+    let turned = |offset: f32| {
+        let mut glb = Glb::square();
+        let turn = Quat::from_axis_angle(Vec3::new(0.6, 0.8, 0.0), 0.7).to_array();
+        let at = |x: f32, y: f32| json!([offset + x, -offset, offset + y]);
+        glb.json["nodes"][0] = json!({ "mesh": 0, "translation": at(0.0, 0.0) });
+        let children: Vec<usize> = (0..8)
+            .map(|i| {
+                let (x, y) = (i as f32 * 0.25, (i * i) as f32 * 0.125);
+                glb.push("nodes", json!({ "mesh": 0, "translation": at(x, y), "scale": [0.1, 0.1, 0.1] }))
+            })
+            .collect();
+        let children = [vec![0], children].concat();
+        glb.push("nodes", json!({ "children": children, "rotation": turn }));
+        let scene = glb.load().expect("a good file");
+        let first = Vec3::from(scene.vertices[0].position);
+        scene.vertices.iter().map(|vertex| Vec3::from(vertex.position) - first).collect::<Vec<_>>()
+    };
+    for (found, known) in turned(1e6).into_iter().zip(turned(0.0)) {
+        assert!(found.abs_diff_eq(known, 1e-5), "{found}, not {known}");
     }
 }
 
