@@ -1,6 +1,7 @@
 //! The command line as a user types it.
 
 use crate::adapter::{gpu, root};
+use metrics::Image;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -39,7 +40,7 @@ fn renders_in_any_folder_and_says_where() {
         let path = Path::new(said.lines().last().unwrap());
         assert!(path.is_absolute() && path.is_file(), "{said}");
     }
-    let image = metrics::Image::read(folder.path().join("deep/box.exr")).unwrap();
+    let image = Image::read(folder.path().join("deep/box.exr")).unwrap();
     assert_eq!((image.width(), image.height()), (24, 16));
     assert!(image.pixels().iter().any(|pixel| pixel[0] > 0.0));
 }
@@ -61,6 +62,57 @@ fn a_picture_can_be_made_again_from_itself() {
     assert_eq!(json["ssim"], 1.0, "{json}");
     std::fs::write(folder.path().join("c.png"), b"no picture").unwrap();
     assert_eq!(run_in(folder.path(), &["rerun", "c.png"]).status.code(), Some(1));
+}
+
+#[test]
+fn display_light_is_made_again_as_it_was_shown() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let shown: [&[&str]; 3] = [&[], &["--tonemap", "aces", "--exposure", "2"], &["--output", "display"]];
+    for (i, more) in shown.into_iter().enumerate() {
+        let (first, second) = (format!("{i}.png"), format!("{i}-again.png"));
+        assert!(render(folder.path(), "ism", &first, more).status.success());
+        let again = run_in(folder.path(), &["rerun", &first, "-o", &second]);
+        assert!(out(&again).contains("the same picture, in 8 bits"), "{}{}", out(&again), err(&again));
+        let [a, b] = [first, second].map(|name| Image::read(folder.path().join(name)).unwrap());
+        assert_eq!(a.pixels(), b.pixels(), "{more:?}");
+    }
+    // What differs is told: another exposure than that of the record.
+    let text = metrics::read_provenance(folder.path().join("1.png")).unwrap().unwrap();
+    let picture = Image::read(folder.path().join("0.png")).unwrap();
+    picture.write(folder.path().join("mixed.png"), metrics::Display::AS_IS, Some(&text)).unwrap();
+    let told = out(&run_in(folder.path(), &["rerun", "mixed.png"]));
+    assert!(told.contains("the largest difference of a channel"), "{told}");
+}
+
+#[test]
+fn several_outputs_of_one_run_are_files_of_their_own() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let both = ["--output", "image", "--output", "indirect", "--output", "view.depth"];
+    let done = render(folder.path(), "ism", "box.exr", &both);
+    assert!(done.status.success(), "{}", err(&done));
+    for output in ["image", "indirect", "view.depth"] {
+        let one = render(folder.path(), "ism", "one.exr", &["--output", output]);
+        assert!(one.status.success(), "{}", err(&one));
+        let [a, b] = [format!("box-{output}.exr"), "one.exr".to_owned()]
+            .map(|name| Image::read(folder.path().join(name)).unwrap());
+        assert_eq!(a.pixels(), b.pixels(), "{output}");
+    }
+    assert!(!folder.path().join("box.exr").exists());
+}
+
+#[test]
+fn frames_beyond_the_last_number_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let last = ["--first-frame", "4294967295"];
+    let done = render(folder.path(), "ism", "a.exr", &last);
+    assert_eq!(done.status.code(), Some(1));
+    assert!(err(&done).contains("frames have numbers up to 4294967294"), "{}", err(&done));
 }
 
 #[test]
@@ -209,7 +261,7 @@ fn the_guides_effect_is_short_and_works() {
         );
         assert!(done.status.success(), "{}", err(&done));
     }
-    let corner = |name: &str| metrics::Image::read(folder.path().join(name)).unwrap().pixels()[0][0];
+    let corner = |name: &str| Image::read(folder.path().join(name)).unwrap().pixels()[0][0];
     assert!(corner("effect.png") <= corner("plain.png"));
     let compared = lightloom(&["compare", &file("effect.png"), &file("plain.png"), "--json"]);
     let json: serde_json::Value = serde_json::from_str(&out(&compared)).unwrap();

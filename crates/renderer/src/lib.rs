@@ -24,7 +24,7 @@ mod reload;
 mod results;
 mod shared;
 
-pub use catalog::{Assets, Catalog};
+pub use catalog::{Assets, Catalog, Named};
 pub use compile::{Compiled, compile_options};
 pub use error::RenderError;
 pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, Timings, wgpu};
@@ -384,7 +384,7 @@ impl Renderer {
         let result = self.executor.frame(&self.change, self.frame_options);
         self.change.clear();
         let report = result?;
-        self.index += 1;
+        self.index = self.index.wrapping_add(1);
         Ok(report)
     }
 

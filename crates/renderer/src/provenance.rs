@@ -2,9 +2,11 @@
 
 use crate::{Clock, RenderError, Renderer};
 use frame_graph::{Overrides, Value};
+use metrics::{Display, FileFormat};
 use scene::{Camera, Light, LightKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// The record kept with every picture, as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -49,6 +51,9 @@ pub struct Provenance {
     /// The time \[s\], where an application set it: else it follows the number of the frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f32>,
+    /// How linear light became display light, in a file that holds display light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub display: Option<Display>,
 }
 
 /// A [`Camera`] in a record: its places are relative to the [`Scene::origin`](scene::Scene::origin) of the scene, which
@@ -180,7 +185,15 @@ impl Provenance {
                 Clock::At(time) => Some(time),
                 Clock::Scene | Clock::Step(_) => None,
             },
+            display: None,
         }
+    }
+
+    /// Records how the picture goes into a file: by `display` where the file holds display light, else as it is.
+    #[must_use]
+    pub fn written_to(mut self, path: &Path, display: Display) -> Provenance {
+        self.display = FileFormat::of(path).filter(|format| format.is_display_referred()).map(|_| display);
+        self
     }
 
     /// Gives a renderer the camera, the lights and the time of the record, where it has them.

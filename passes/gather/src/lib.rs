@@ -37,12 +37,12 @@ pass::choice! {
 pass::settings! {
     /// The settings of the pass type `gather` that are not the shader's alone.
     pub struct GatherSettings {
-        /// Number of sub-images along a row. Each pixel takes one of interleave_x · interleave_y subsets of
-        /// the lights. More: less time, but more noise for a filter to remove. With 1 × 1 each pixel takes
+        /// Number of sub-images along a row, at most one per pixel. Each pixel takes one of interleave_x ·
+        /// interleave_y subsets of the lights. More: less time, but more noise for a filter to remove. With 1 × 1 each pixel takes
         /// all lights. ISM Tab. 1 uses 4 and 8.
         interleave_x: u32 = 4, min: 1, max: 16;
-        /// Number of sub-images along a column. Each pixel takes one of interleave_x · interleave_y subsets
-        /// of the lights. More: less time, but more noise for a filter to remove. With 1 × 1 each pixel takes
+        /// Number of sub-images along a column, at most one per pixel. Each pixel takes one of interleave_x ·
+        /// interleave_y subsets of the lights. More: less time, but more noise for a filter to remove. With 1 × 1 each pixel takes
         /// all lights. ISM Tab. 1 uses 4 and 8.
         interleave_y: u32 = 4, min: 1, max: 16;
         /// Which lights form a subset. runs: consecutive lights. strides: every (n·m)-th light. Consecutive
@@ -108,7 +108,8 @@ impl Pass for Gather {
         use_cx: &UseContext<'_>,
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let settings = GatherSettings::read(cx.settings);
+        let (width, height) = cx.input("view").and_then(|view| view.size()).unwrap_or(cx.frame);
+        let settings = settings_for(cx.settings, (width, height));
         let mut irradiance = OutputDesc::one(
             "irradiance",
             ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("view")),
@@ -123,7 +124,6 @@ impl Pass for Gather {
         let iterations = cx.fact("visibility", visibility::LOOP_ITERATIONS).unwrap_or(0);
         let span = use_cx.constant(SHADER, SPAN)?;
         if parts(&settings, span, cx.fact("lights", virtual_lights::COUNT)?, iterations).len() > 1 {
-            let (width, height) = cx.input("view").and_then(|view| view.size()).unwrap_or(cx.frame);
             let bytes = u64::from(width) * u64::from(height) * 16;
             outputs.push(OutputDesc::scratch("sums", ResourceDesc::buffer(bytes)));
         }
@@ -132,7 +132,7 @@ impl Pass for Gather {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let size = cx.size("view");
-        let settings = GatherSettings::read(cx.settings);
+        let settings = settings_for(cx.settings, size);
         let (n, m) = (settings.interleave_x, settings.interleave_y);
         let use_cx = cx.use_context();
         let constant = |name| use_cx.constant(SHADER, name);
@@ -152,12 +152,25 @@ impl Pass for Gather {
         let runs = u32::from(settings.subsets == Subsets::Runs);
         let gather = |part: Part| {
             Compute::new(shader.clone(), "gather", Threads::Grid(grid))
+                .value("interleave_x", Value::U32(n))
+                .value("interleave_y", Value::U32(m))
                 .value("runs", Value::U32(runs))
                 .value("begin", Value::U32(part.begin))
                 .value("end", Value::U32(part.end))
                 .value("last", Value::U32(u32::from(part.last)))
         };
         Ok(Recording::of(parts.map(gather)))
+    }
+}
+
+/// The settings for a frame: a block of interleaving is no larger than the frame, whose pixels would else not have all lights
+/// among them.
+fn settings_for(settings: &Settings, (width, height): (u32, u32)) -> GatherSettings {
+    let given = GatherSettings::read(settings);
+    GatherSettings {
+        interleave_x: given.interleave_x.min(width),
+        interleave_y: given.interleave_y.min(height),
+        ..given
     }
 }
 

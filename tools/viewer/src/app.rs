@@ -1,7 +1,7 @@
 //! The application: what the window shows, and what becomes of input.
 
 use crate::action::{Action, Tab, View, table};
-use crate::engine::{Command, Engine, Look, Measures, Published, SideId, Start};
+use crate::engine::{Command, Engine, Look, Measures, Published, SceneView, SideId, Start};
 use crate::palette::Palette;
 use crate::panel;
 use crate::panel::look::Inspector;
@@ -113,6 +113,11 @@ pub(crate) struct App {
     pub(crate) writing: panel::write::Writing,
     /// A file that is to be named: what is saved, and the name so far.
     pub(crate) saving: Option<panel::save::Saving>,
+    /// Whether camera and lights are held as they were written into the scene's file: the scene's own are shown as soon as it
+    /// is read again, so that the next change of the file is seen.
+    pub(crate) holds_what_is_saved: bool,
+    /// When the window was opened.
+    pub(crate) begun: Instant,
     /// Milliseconds that the interface took, averaged.
     pub(crate) interface_ms: f32,
     /// Pipelines and scenes there are, with a line about each.
@@ -162,6 +167,8 @@ impl App {
             scene_panel: panel::scene::ScenePanel::default(),
             writing: panel::write::Writing::default(),
             saving: None,
+            holds_what_is_saved: false,
+            begun: Instant::now(),
             interface_ms: 0.0,
             library,
             measures: None,
@@ -174,7 +181,9 @@ impl App {
     pub(crate) fn show(&mut self, ui: &mut Ui) {
         let _span = tracing::trace_span!(target: "frame", "interface").entered();
         let begun = Instant::now();
-        self.now = self.engine.published().clone();
+        let now = self.engine.published().clone();
+        let before = std::mem::replace(&mut self.now, now);
+        self.take_scene(before.scene.as_ref());
         self.pilot.time.take_if(|time| *time == self.now.time || self.now.playing);
         if let Some(dark) = self.remembered.dark {
             ui.ctx().set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
@@ -210,6 +219,24 @@ impl App {
         self.interface_ms += (ms - self.interface_ms) * 0.1;
     }
 
+    /// Follows a scene that was read again.
+    fn take_scene(&mut self, before: Option<&SceneView>) {
+        let (Some(before), Some(now)) = (before, &self.now.scene) else { return };
+        if Arc::ptr_eq(&before.scene, &now.scene) {
+            return;
+        }
+        if std::mem::take(&mut self.holds_what_is_saved) {
+            self.pilot.release(&self.engine);
+            self.pilot.release_lights(&self.engine);
+        }
+        if before.scene.spec == now.scene.spec && before.scene.origin != now.scene.origin {
+            // What was moved by hand stays where it is in the file's space.
+            let by = (before.scene.origin - now.scene.origin).as_vec3();
+            self.pilot.shift(&self.engine, by);
+            self.scene_panel.saved();
+        }
+    }
+
     /// Tells the engine what the interface wants to know, where it differs from before.
     fn tell_engine(&mut self) {
         let comparing = self.now.sides.len() > 1;
@@ -236,7 +263,7 @@ impl App {
 
     fn take_shortcuts(&mut self, context: &Context) {
         // A widget that has the focus is told of plain keys first.
-        let typing = context.memory(|memory| memory.focused().is_some()) || self.palette.is_some();
+        let typing = context.memory(|memory| memory.focused().is_some()) || self.asks();
         let entries = table();
         let taken: Vec<Action> = context.input_mut(|input| {
             let takes = |entry: &&crate::action::Entry| {
@@ -250,6 +277,11 @@ impl App {
         for action in taken {
             self.act(action, context);
         }
+    }
+
+    /// Whether something is asked for over the window, which keys go to.
+    pub(crate) fn asks(&self) -> bool {
+        self.palette.is_some() || self.saving.is_some()
     }
 
     /// Does what an action says.
@@ -283,8 +315,7 @@ impl App {
                 self.remembered.camera = None;
             }
             Action::SceneLights => {
-                self.pilot.lights = None;
-                self.engine.send(Command::Lights(None));
+                self.pilot.release_lights(&self.engine);
             }
             Action::Key => {
                 if let Some(camera) = self.pilot.camera().or(self.now.camera) {

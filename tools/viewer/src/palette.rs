@@ -150,21 +150,24 @@ pub(crate) fn show(app: &mut App, context: &Context) {
         if response.changed() {
             palette.chosen = 0;
         }
-        ScrollArea::vertical().max_height(380.0).auto_shrink([false, true]).show(ui, |ui| {
-            for (i, item) in found.iter().enumerate() {
-                ui.horizontal(|ui| {
-                    ui.weak(RichText::new(format!("{:>12}", item.kind)).monospace());
-                    let response = ui.selectable_label(i == palette.chosen, &item.name);
-                    if i == palette.chosen && (up || down) {
-                        response.scroll_to_me(None);
-                    }
-                    if response.clicked() {
-                        done = Some(item.clone());
-                    }
-                    ui.weak(&item.about);
-                });
-            }
-        });
+        ScrollArea::vertical().max_height(380.0).min_scrolled_height(380.0).auto_shrink([false, false]).show(
+            ui,
+            |ui| {
+                for (i, item) in found.iter().enumerate() {
+                    ui.horizontal(|ui| {
+                        ui.weak(RichText::new(format!("{:>12}", item.kind)).monospace());
+                        let response = ui.selectable_label(i == palette.chosen, &item.name);
+                        if i == palette.chosen && (up || down) {
+                            response.scroll_to_me(None);
+                        }
+                        if response.clicked() {
+                            done = Some(item.clone());
+                        }
+                        ui.add(egui::Label::new(RichText::new(&item.about).weak()).truncate());
+                    });
+                }
+            },
+        );
     });
     let ends = escape || modal.should_close() || done.is_some();
     if !ends {

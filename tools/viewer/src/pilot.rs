@@ -2,6 +2,7 @@
 
 use crate::camera::between;
 use crate::engine::{Command, Engine};
+use glam::Vec3;
 use scene::{Camera, Light};
 use std::time::{Duration, Instant};
 
@@ -54,6 +55,24 @@ impl Pilot {
     pub(crate) fn release(&mut self, engine: &Engine) {
         (self.camera, self.flight) = (None, None);
         engine.send(Command::Camera(None, true));
+    }
+
+    /// Gives the lights back to the scene.
+    pub(crate) fn release_lights(&mut self, engine: &Engine) {
+        self.lights = None;
+        engine.send(Command::Lights(None));
+    }
+
+    /// Moves camera and lights, where the user has any, by as much.
+    pub(crate) fn shift(&mut self, engine: &Engine, by: Vec3) {
+        if let Some(mut camera) = self.camera {
+            (camera.position, camera.target) = (camera.position + by, camera.target + by);
+            self.take(engine, camera, false);
+        }
+        if let Some(mut lights) = self.lights.take() {
+            lights.iter_mut().for_each(|light| light.position += by);
+            self.set_lights(engine, lights);
+        }
     }
 
     /// Moves the lights.

@@ -22,6 +22,13 @@ fn few() -> Overrides {
 
 /// The window with a pipeline and scene, as soon as there is a picture; `None` where there is no adapter.
 fn window(pipeline: &str, scene: &str) -> Option<Harness<'static, App>> {
+    let mut harness = opened(pipeline, scene)?;
+    pump(&mut harness, shows_a_picture);
+    Some(harness)
+}
+
+/// The window as it is opened; `None` where there is no adapter.
+fn opened(pipeline: &str, scene: &str) -> Option<Harness<'static, App>> {
     if Gpu::adapters().is_empty() {
         eprintln!("skipped: no graphics adapter");
         return None;
@@ -36,12 +43,12 @@ fn window(pipeline: &str, scene: &str) -> Option<Harness<'static, App>> {
         seed: 0,
     };
     let remembered = Remembered { resolution: 0.125, ..Remembered::default() };
-    let mut harness = Harness::builder()
-        .with_size([1500.0, 1000.0])
-        .with_step_dt(1.0 / 30.0)
-        .build_eframe(|context| App::new(&context.egui_ctx, start, remembered));
-    pump(&mut harness, |app| app.now.side(SideId::A).is_some_and(|side| side.picture.is_some()));
-    Some(harness)
+    let builder = Harness::builder().with_size([1500.0, 1000.0]).with_step_dt(1.0 / 30.0);
+    Some(builder.build_eframe(|context| App::new(&context.egui_ctx, start, remembered)))
+}
+
+fn shows_a_picture(app: &App) -> bool {
+    app.now.side(SideId::A).is_some_and(|side| side.picture.is_some())
 }
 
 /// Draws until something holds; panics after a minute.
@@ -180,6 +187,30 @@ fn a_still_scene_is_idle_and_a_reference_converges_beside_it() {
     let before = std::cell::Cell::new(step(harness.state()));
     harness.state().engine.send(Command::Camera(Some(moved), false));
     pump(&mut harness, |app| app.now.camera == Some(moved) && step(app) < before.replace(step(app)));
+}
+
+#[test]
+fn a_scene_that_is_not_there_at_the_start_is_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("late.ron");
+    let Some(mut harness) = opened("ism-invtm", &file.display().to_string()) else { return };
+    pump(&mut harness, |app| app.now.troubles.iter().any(|trouble| trouble.of == "scene"));
+    std::fs::write(&file, "Scene(geometry: BuiltIn(\"plane\"), lights: [").unwrap();
+    pump(&mut harness, |app| app.now.troubles.iter().any(|trouble| trouble.text.contains("late.ron:1")));
+    std::fs::write(&file, "Scene(geometry: BuiltIn(\"plane\"))").unwrap();
+    pump(&mut harness, |app| shows_a_picture(app) && app.now.troubles.is_empty());
+    let scene = harness.state().now.scene.clone().unwrap();
+    assert_eq!(scene.scene.name, "late");
+}
+
+#[test]
+fn another_scene_can_be_opened_in_place_of_one_that_is_not_there() {
+    let Some(mut harness) = opened("ism-invtm", "gone") else { return };
+    pump(&mut harness, |app| app.now.troubles.iter().any(|trouble| trouble.of == "scene"));
+    harness.state_mut().open_pipeline(SideId::A, "ism-uniform");
+    harness.state_mut().open_scene("plane");
+    pump(&mut harness, |app| shows_a_picture(app) && app.now.troubles.is_empty());
+    assert_eq!(harness.state().now.side(SideId::A).unwrap().name, "ism-uniform");
 }
 
 #[test]

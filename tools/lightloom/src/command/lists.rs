@@ -4,9 +4,8 @@ use super::passes::{setting_json, setting_text};
 use crate::context::Context;
 use crate::output::{self, say};
 use anyhow::{Result, bail};
-use catalog::Named;
 use frame_graph::{Overrides, resolve};
-use renderer::Gpu;
+use renderer::{Gpu, Named};
 use serde_json::{Value, json};
 
 /// Takes nothing but the options of all commands.

@@ -79,6 +79,14 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    if args.first_frame.checked_add(args.frames).is_none() {
+        bail!(
+            "--first-frame {} with --frames {}: frames have numbers up to {}",
+            args.first_frame,
+            args.frames,
+            u32::MAX - 1
+        );
+    }
     let out = Sequence::new(&args.out, args.frames)?;
     let catalog = match args.thread_order {
         Some(seed) => Arc::new(Catalog::with_thread_order(context.catalog.assets().clone(), seed)),
@@ -150,11 +158,11 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
                 let picture = renderer.picture(output, args.layer)?;
                 drop(reading);
                 let writing = tracing::info_span!(target: "phase", "encoded and written").entered();
-                let provenance =
-                    Provenance::new(renderer, &args.scene, (output, args.layer), args.first_frame);
-                let path = out
-                    .path(args.first_frame.saturating_add(frame), (args.output.len() > 1).then_some(output));
-                write(&picture, &path, output, args, &provenance.to_json())?;
+                let path = out.path(args.first_frame + frame, (args.output.len() > 1).then_some(output));
+                let display = Display { tonemap: args.tonemap, exposure: args.exposure };
+                let display = Display::of_output(output, display);
+                let record = Provenance::new(renderer, &args.scene, (output, args.layer), args.first_frame);
+                write(&picture, &path, display, &record.written_to(&path, display).to_json())?;
                 drop(writing);
                 written.push(path);
                 first_picture = first_picture.or_else(|| context.phases.first_picture());
@@ -169,10 +177,8 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
     report(context, args, renderer, &written, &times, start.elapsed().as_secs_f64(), first_picture)
 }
 
-/// Writes a picture beside its place and moves it there, so that whoever reads it finds a whole one. What is encoded
-/// for a screen already goes into PNG as it is.
-fn write(picture: &Image, path: &Path, output: &str, args: &Args, provenance: &str) -> Result<()> {
-    let display = Display::of_output(output, Display { tonemap: args.tonemap, exposure: args.exposure });
+/// Writes a picture beside its place and moves it there, so that whoever reads it finds a whole one.
+fn write(picture: &Image, path: &Path, display: Display, provenance: &str) -> Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let beside = path.with_file_name(format!(".{}.{name}", std::process::id()));
     let written = picture.write(&beside, display, Some(provenance)).map_err(anyhow::Error::from);

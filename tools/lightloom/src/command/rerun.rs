@@ -42,31 +42,28 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let now = Provenance::new(&renderer, &record.scene, (&record.output, record.layer), record.first_frame);
     let mut differences = record.differences(&now);
     differences.extend(pipeline_differences(context, &record.resolved, &now.resolved));
-    // Only linear files hold every bit to compare.
-    let largest = if metrics::FileFormat::of(&args.file).is_some_and(|format| !format.is_display_referred()) {
-        let before = Image::read(&args.file)?;
-        let largest = Pair::new(&picture, &before)?.max_abs_difference();
-        if largest > 0.0 {
-            differences.push(format!("picture: the largest difference of a channel is {largest:e}"));
-        }
-        Some(largest)
+    let display = record.display.unwrap_or(Display::of_output(&record.output, Display::default()));
+    let (largest, same) = if metrics::FileFormat::of(&args.file).is_some_and(|f| f.is_display_referred()) {
+        // Compared as files have it: in 8 bits.
+        let again = tempfile::Builder::new().suffix(".png").tempfile()?;
+        picture.write(again.path(), display, None)?;
+        (
+            Pair::new(&Image::read(again.path())?, &Image::read(&args.file)?)?.max_abs_difference(),
+            "the same picture, in 8 bits",
+        )
     } else {
-        None
+        (Pair::new(&picture, &Image::read(&args.file)?)?.max_abs_difference(), "the same, bit for bit")
     };
+    if largest > 0.0 {
+        differences.push(format!("picture: the largest difference of a channel is {largest:e}"));
+    }
     if let Some(out) = &args.out {
-        picture.write(out, Display::of_output(&record.output, Display::default()), Some(&now.to_json()))?;
+        picture.write(out, display, Some(&now.written_to(out, display).to_json()))?;
     }
     if context.json {
         output::json(&json!({ "differences": differences, "largest_difference": largest }));
     } else if differences.is_empty() {
-        say!(
-            "{}",
-            if largest.is_some() {
-                "the same, bit for bit"
-            } else {
-                "the same pipeline, shaders, scene and adapter"
-            }
-        );
+        say!("{same}");
     } else {
         differences.iter().for_each(|line| say!("{line}"));
     }

@@ -9,6 +9,7 @@ use renderer::Provenance;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Something to write or to send.
 #[derive(Clone, Debug)]
@@ -66,7 +67,12 @@ impl Job {
 }
 
 /// Does a job; returns a line for the user. `stage` is told how far it is.
-pub(super) fn run(job: &Job, side: &mut Side, mut stage: impl FnMut(String)) -> Result<String> {
+pub(super) fn run(
+    job: &Job,
+    side: &mut Side,
+    quits: &AtomicBool,
+    mut stage: impl FnMut(String),
+) -> Result<String> {
     match job {
         Job::Picture { output, layer, path, .. } => {
             let picture = side.renderer.picture(output, *layer)?;
@@ -89,9 +95,9 @@ pub(super) fn run(job: &Job, side: &mut Side, mut stage: impl FnMut(String)) -> 
         Job::Sequence { path, frames, .. } => {
             let told = |frame: u32| format!("Writing {}: frame {frame} of {frames}", path.display());
             if is_video(path) {
-                video(side, path, *frames, |frame| stage(told(frame)))
+                video(side, path, *frames, quits, |frame| stage(told(frame)))
             } else {
-                sequence(side, path, *frames, |frame| stage(told(frame)))
+                sequence(side, path, *frames, quits, |frame| stage(told(frame)))
             }
         }
     }
@@ -111,18 +117,18 @@ fn write(side: &Side, picture: &Image, shown: (&str, u32), path: &Path) -> Resul
     }
     folder_of(path)?;
     let display = Display::of_output(shown.0, Display::default());
-    picture.write(path, display, Some(&record(side, shown)))?;
+    picture.write(path, display, Some(&record(side, shown).written_to(path, display).to_json()))?;
     Ok(())
 }
 
 /// How a picture was made. Frames before this one count where history buffers hold what they left.
-fn record(side: &Side, shown: (&str, u32)) -> String {
+fn record(side: &Side, shown: (&str, u32)) -> Provenance {
     let mut record = Provenance::new(&side.renderer, &side.renderer.scene().spec, shown, 0);
     let remembers = side.renderer.plan().is_some_and(|plan| !plan.histories.is_empty());
     if !remembers || side.has_progress() {
         record.first_frame = record.frame;
     }
-    record.to_json()
+    record
 }
 
 fn folder_of(path: &Path) -> Result<()> {
@@ -137,11 +143,15 @@ fn folder_of(path: &Path) -> Result<()> {
 fn play(
     side: &mut Side,
     frames: u32,
+    quits: &AtomicBool,
     mut told: impl FnMut(u32),
     mut take: impl FnMut(&Side, u32) -> Result<()>,
 ) -> Result<()> {
     let rate = side.renderer.scene().frames_per_second;
     for frame in 0..frames {
+        if quits.load(Ordering::Acquire) {
+            bail!("the window was closed after {frame} of {frames} frames");
+        }
         told(frame + 1);
         side.renderer.set_time(Some(frame as f32 / rate));
         loop {
@@ -155,7 +165,13 @@ fn play(
     Ok(())
 }
 
-fn sequence(side: &mut Side, pattern: &Path, frames: u32, told: impl FnMut(u32)) -> Result<String> {
+fn sequence(
+    side: &mut Side,
+    pattern: &Path,
+    frames: u32,
+    quits: &AtomicBool,
+    told: impl FnMut(u32),
+) -> Result<String> {
     let text = pattern.to_string_lossy().into_owned();
     let Some(first) = text.find('#') else {
         bail!(
@@ -171,14 +187,20 @@ fn sequence(side: &mut Side, pattern: &Path, frames: u32, told: impl FnMut(u32))
         }
         _ => "image",
     };
-    play(side, frames, told, |side, frame| {
+    play(side, frames, quits, told, |side, frame| {
         write(side, &side.renderer.output(output)?, (output, 0), &path(frame))
     })?;
     Ok(format!("wrote {frames} pictures, the last {}", shown(&path(frames.saturating_sub(1)))))
 }
 
 /// Encodes by ffmpeg, which reads raw pixels.
-fn video(side: &mut Side, path: &Path, frames: u32, told: impl FnMut(u32)) -> Result<String> {
+fn video(
+    side: &mut Side,
+    path: &Path,
+    frames: u32,
+    quits: &AtomicBool,
+    told: impl FnMut(u32),
+) -> Result<String> {
     folder_of(path)?;
     let (width, height) = side.renderer.size();
     let rate = side.renderer.scene().frames_per_second;
@@ -186,7 +208,7 @@ fn video(side: &mut Side, path: &Path, frames: u32, told: impl FnMut(u32)) -> Re
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     // Finished videos only: the name is given at the end.
     let beside = path.with_file_name(format!(".{}.{name}.{ending}", std::process::id()));
-    let record = record(side, ("display", 0));
+    let record = record(side, ("display", 0)).to_json();
     let mut ffmpeg = Process::new("ffmpeg")
         .args(["-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
         .args(["-s", &format!("{width}x{height}"), "-r", &rate.to_string(), "-i", "-"])
@@ -200,7 +222,7 @@ fn video(side: &mut Side, path: &Path, frames: u32, told: impl FnMut(u32)) -> Re
             "videos are encoded by ffmpeg, which cannot be run; a name with #### writes pictures instead",
         )?;
     let mut pipe = ffmpeg.stdin.take().context("ffmpeg takes no pictures")?;
-    let played = play(side, frames, told, |side, _| {
+    let played = play(side, frames, quits, told, |side, _| {
         let picture = side.picture().context("there is no picture")?;
         let bytes: Vec<u8> = picture.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b()]).collect();
         pipe.write_all(&bytes).context("ffmpeg takes no more pictures")

@@ -23,6 +23,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How long a window that is closed waits for the engine.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// What a session begins with.
 #[derive(Clone, Debug)]
@@ -46,6 +50,8 @@ pub(crate) struct Engine {
     commands: Sender<Command>,
     /// Set while a command waits.
     waits: Arc<AtomicBool>,
+    /// Set once the window is closed.
+    quits: Arc<AtomicBool>,
     published: Arc<Mutex<Published>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -58,11 +64,13 @@ impl Engine {
         let shared = Arc::clone(&published);
         let waits = Arc::new(AtomicBool::new(false));
         let waiting = Arc::clone(&waits);
+        let quits = Arc::new(AtomicBool::new(false));
+        let quitting = Arc::clone(&quits);
         let thread = std::thread::Builder::new().name("engine".to_owned()).spawn(move || {
             give_way();
             let publisher = Publisher { published: shared, repaint: Box::new(repaint) };
             match Session::open(start, &publisher) {
-                Ok(session) => session.run(&received, &waiting, &publisher),
+                Ok(session) => session.run(&received, (&waiting, &quitting), &publisher),
                 Err(error) => publisher.with(|published| {
                     eprintln!("error: {error}");
                     published.stage = None;
@@ -70,7 +78,7 @@ impl Engine {
                 }),
             }
         });
-        Engine { commands, waits, published, thread: thread.ok() }
+        Engine { commands, waits, quits, published, thread: thread.ok() }
     }
 
     /// Sends a command. It is carried out before the next frame.
@@ -96,11 +104,19 @@ fn give_way() {
 
 impl Drop for Engine {
     fn drop(&mut self) {
+        self.quits.store(true, Ordering::Release);
         self.send(Command::Quit);
-        if let Some(thread) = self.thread.take() {
-            // A panic of the engine has been printed.
-            let _ = thread.join();
+        let Some(thread) = self.thread.take() else { return };
+        let begun = Instant::now();
+        while !thread.is_finished() {
+            if begun.elapsed() > PATIENCE {
+                // It is in a frame that takes long, and holds nothing that is lost with it.
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(5));
         }
+        // A panic of the engine has been printed.
+        let _ = thread.join();
     }
 }
 

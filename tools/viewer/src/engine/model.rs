@@ -13,7 +13,7 @@ use renderer::Progress;
 use scene::{Camera, Light};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// One of the pipelines that render the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -143,8 +143,6 @@ impl Trouble {
 /// Something that happened.
 #[derive(Clone, Debug)]
 pub(crate) struct Message {
-    /// Time since the session began.
-    pub(crate) at: Duration,
     /// When it was told.
     pub(crate) told: Instant,
     /// One line, or an error of several.
@@ -270,11 +268,11 @@ impl Published {
     }
 
     /// Adds a message, and forgets the oldest.
-    pub(crate) fn say(&mut self, at: Duration, text: String, error: bool) {
+    pub(crate) fn say(&mut self, text: String, error: bool) {
         let messages = Arc::make_mut(&mut self.messages);
         if messages.len() == MOST_MESSAGES {
             messages.pop_front();
         }
-        messages.push_back(Message { at, told: Instant::now(), text, error });
+        messages.push_back(Message { told: Instant::now(), text, error });
     }
 }

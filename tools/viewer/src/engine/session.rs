@@ -39,7 +39,6 @@ const REFUSED: Duration = Duration::from_secs(8);
 
 pub(super) struct Session {
     catalog: Arc<Catalog>,
-    begun: Instant,
     scene: SharedScene,
     /// The scene that was asked for, where it could not be loaded: whenever a file changes it is tried again.
     wanted_scene: Option<String>,
@@ -97,7 +96,6 @@ impl Session {
         let now = Instant::now();
         let mut session = Session {
             catalog,
-            begun: now,
             scene: shared,
             wanted_scene: wrong.is_some().then_some(scene),
             sides: Vec::new(),
@@ -139,8 +137,14 @@ impl Session {
 
     /// Renders until the interface ends.
     ///
-    /// `waits` is set while a command waits: sides that only compare give way to it.
-    pub(super) fn run(mut self, commands: &Receiver<Command>, waits: &AtomicBool, publisher: &Publisher) {
+    /// `waits` is set while a command waits: sides that only compare give way to it. `quits` is set once the window is
+    /// closed: what writes many frames ends then.
+    pub(super) fn run(
+        mut self,
+        commands: &Receiver<Command>,
+        (waits, quits): (&AtomicBool, &AtomicBool),
+        publisher: &Publisher,
+    ) {
         loop {
             let wait = if self.busy() { self.due.saturating_duration_since(Instant::now()) } else { NAP };
             let first = match commands.recv_timeout(wait) {
@@ -155,7 +159,7 @@ impl Session {
                 if batch.iter().any(|later| later.supersedes(&command)) {
                     continue;
                 }
-                if let Next::Quit = self.obey(command, publisher) {
+                if let Next::Quit = self.obey(command, quits, publisher) {
                     return;
                 }
             }
@@ -187,7 +191,7 @@ impl Session {
         self.sides.iter_mut().for_each(|(_, side)| side.wake());
     }
 
-    fn obey(&mut self, command: Command, publisher: &Publisher) -> Next {
+    fn obey(&mut self, command: Command, quits: &AtomicBool, publisher: &Publisher) -> Next {
         match command {
             Command::Quit => return Next::Quit,
             Command::Pipeline(side, name, overrides) => self.set_pipeline(side, &name, &overrides, publisher),
@@ -213,7 +217,7 @@ impl Session {
                 self.lights.clone_from(&lights);
                 for (_, side) in &mut self.sides {
                     if let Err(error) = side.renderer.set_lights(lights.clone()) {
-                        report(publisher, self.begun, &error.to_string(), true);
+                        report(publisher, &error.to_string(), true);
                     }
                     side.loaded(&self.catalog);
                 }
@@ -243,7 +247,7 @@ impl Session {
                 self.timed = timed;
                 self.sides.iter_mut().for_each(|(_, side)| side.time(timed));
             }
-            Command::Job(job) => self.run_job(&job, publisher),
+            Command::Job(job) => self.run_job(&job, quits, publisher),
         }
         Next::GoOn
     }
@@ -289,7 +293,7 @@ impl Session {
             return;
         }
         self.add_side(id);
-        let (catalog, begun) = (Arc::clone(&self.catalog), self.begun);
+        let catalog = Arc::clone(&self.catalog);
         let Some(side) = self.side(id) else { return };
         let before = side.renderer.keep_only([]);
         match before.and_then(|()| side.renderer.set_pipeline(name, overrides)) {
@@ -304,7 +308,7 @@ impl Session {
                     load.pipelines
                 );
                 self.clear(id.name(), publisher);
-                report(publisher, begun, &told, false);
+                report(publisher, &told, false);
                 // Its settings and its graph are there before its first picture, which may take long.
                 publisher.with(|published| self.publish_side(published, id));
             }
@@ -320,7 +324,7 @@ impl Session {
     }
 
     fn set_values(&mut self, id: SideId, publisher: &Publisher, change: impl FnOnce(&mut Overrides)) {
-        let (catalog, begun) = (Arc::clone(&self.catalog), self.begun);
+        let catalog = Arc::clone(&self.catalog);
         let Some(side) = self.side(id) else { return };
         let mut overrides = side.overrides();
         change(&mut overrides);
@@ -331,7 +335,7 @@ impl Session {
                 side.loaded(&catalog);
                 self.clear(id.name(), publisher);
                 if structure {
-                    report(publisher, begun, &told, false);
+                    report(publisher, &told, false);
                 }
             }
             Err(error) => {
@@ -356,7 +360,7 @@ impl Session {
                     let _ = side.renderer.set_lights(None);
                     match side.renderer.set_shared_scene(&scene) {
                         Ok(_) => side.loaded(&self.catalog),
-                        Err(error) => report(publisher, self.begun, &format!("{}: {error}", id.name()), true),
+                        Err(error) => report(publisher, &format!("{}: {error}", id.name()), true),
                     }
                 }
                 (self.scene, self.wanted_scene) = (scene, None);
@@ -378,7 +382,7 @@ impl Session {
         self.size = size;
         for (id, side) in &mut self.sides {
             if let Err(error) = side.renderer.set_size(size) {
-                report(publisher, self.begun, &format!("{}: {error}", id.name()), true);
+                report(publisher, &format!("{}: {error}", id.name()), true);
             }
             side.loaded(&self.catalog);
         }
@@ -419,14 +423,14 @@ impl Session {
         self.each(|renderer| renderer.set_time(Some(time)));
     }
 
-    fn run_job(&mut self, job: &jobs::Job, publisher: &Publisher) {
+    fn run_job(&mut self, job: &jobs::Job, quits: &AtomicBool, publisher: &Publisher) {
         publisher.stage(Some(job.describe()));
         let Some((_, side)) = self.sides.iter_mut().find(|(id, _)| *id == job.side()) else { return };
-        let done = jobs::run(job, side, |stage| publisher.stage(Some(stage)));
+        let done = jobs::run(job, side, quits, |stage| publisher.stage(Some(stage)));
         side.loaded(&self.catalog);
         match done {
-            Ok(line) => report(publisher, self.begun, &line, false),
-            Err(error) => report(publisher, self.begun, &format!("{error:#}"), true),
+            Ok(line) => report(publisher, &line, false),
+            Err(error) => report(publisher, &format!("{error:#}"), true),
         }
         let time = self.time;
         self.each(|renderer| renderer.set_time(Some(time)));
@@ -438,7 +442,7 @@ impl Session {
     fn tell_scene(&self, publisher: &Publisher) {
         let scene = self.scene.scene();
         for repair in &scene.repairs {
-            report(publisher, self.begun, &format!("note: {repair}"), false);
+            report(publisher, &format!("note: {repair}"), false);
         }
         let file = scene.files.iter().find(|file| file.extension().is_some_and(|ending| ending == "ron"));
         let view = SceneView { scene: Arc::clone(scene), file: file.cloned() };
@@ -470,7 +474,7 @@ impl Session {
             }
             published.troubles.retain(|trouble| trouble.of != of);
             published.troubles.push(Trouble { of, text: text.clone(), until });
-            published.say(self.begun.elapsed(), text.clone(), true);
+            published.say(text.clone(), true);
         });
         // What fails in every frame is told once.
         if !again {
@@ -484,9 +488,9 @@ impl Session {
 }
 
 /// Adds a message, in the terminal too if it is an error.
-fn report(publisher: &Publisher, begun: Instant, text: &str, error: bool) {
+fn report(publisher: &Publisher, text: &str, error: bool) {
     if error {
         eprintln!("{text}");
     }
-    publisher.with(|published: &mut Published| published.say(begun.elapsed(), text.to_owned(), error));
+    publisher.with(|published: &mut Published| published.say(text.to_owned(), error));
 }

@@ -3,8 +3,8 @@
 use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::{Command, SideId};
-use catalog::Named;
 use eframe::egui::{self, ComboBox, Slider, Ui};
+use renderer::Named;
 
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {

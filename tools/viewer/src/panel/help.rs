@@ -2,10 +2,11 @@
 
 use crate::action::{IN_THE_PICTURE, table};
 use crate::app::App;
-use eframe::egui::{Context, Grid, RichText, ScrollArea, Window};
+use eframe::egui::{Context, Grid, Key, Modifiers, RichText, ScrollArea, Window};
 
 pub(crate) fn show(app: &mut App, context: &Context) {
-    let mut open = app.help;
+    let mut open =
+        app.help && !context.input_mut(|input| app.help && input.consume_key(Modifiers::NONE, Key::Escape));
     Window::new("Keys").open(&mut open).collapsible(false).default_size([470.0, 620.0]).show(context, |ui| {
         ScrollArea::vertical().max_height(context.content_rect().height() * 0.75).show(ui, |ui| {
             ui.strong("In the picture");

@@ -1,8 +1,7 @@
 //! The pipelines and scenes there are.
 
-use catalog::Named;
 use eframe::egui::Context;
-use renderer::Catalog;
+use renderer::{Catalog, Named};
 use std::sync::{Arc, OnceLock};
 
 /// Pipelines and scenes, which are read on a thread of their own.

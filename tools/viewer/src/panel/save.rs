@@ -63,7 +63,7 @@ impl Saving {
         match &self.what {
             What::Variant(side) => {
                 let side = app.now.side(*side).context("no pipeline is loaded")?;
-                if path.extension().is_none_or(|ending| ending != "ron") {
+                if path.file_name().is_some() && path.extension().is_none_or(|ending| ending != "ron") {
                     bail!("{}: expected a name that ends in .ron", path.display());
                 }
                 let text = self.variant_text(app, side)?;
@@ -118,7 +118,13 @@ fn write_new(path: &Path, text: &str) -> Result<()> {
     if path.exists() {
         bail!("{} exists already; choose another name", path.display());
     }
+    if path.file_name().is_none() {
+        bail!("a file needs a name");
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        bail!("there is no folder {}", folder.display());
+    }
     let written = || -> Result<()> {
         let mut builder = tempfile::Builder::new();
         // As any new file: what others may do with it is the user's umask.
@@ -168,15 +174,12 @@ pub(crate) fn show(app: &mut App, context: &Context) {
             if ui.button("Save").clicked() || enter {
                 match saving.write(app) {
                     Ok(line) => {
-                        if let What::Scene(edit) = &saving.what {
+                        if let What::Scene(_) = saving.what {
                             app.scene_panel.saved();
-                            if edit.camera_keys.is_some() {
-                                // They play: the camera is the scene's again.
-                                app.pilot.release(&app.engine);
-                            }
+                            app.holds_what_is_saved = true;
                         }
                         println!("{line}");
-                        app.engine.published().say(std::time::Duration::ZERO, line, false);
+                        app.engine.published().say(line, false);
                         done = true;
                     }
                     Err(error) => {

@@ -338,11 +338,11 @@ fn pick(app: &App, origin: Vec3, direction: Vec3) -> Option<Vec3> {
 }
 
 fn by_keys(app: &App, ui: &Ui, camera: Camera) -> Camera {
-    if ui.memory(|memory| memory.focused().is_some()) || app.palette.is_some() {
+    if ui.memory(|memory| memory.focused().is_some()) || app.asks() {
         return camera;
     }
     let by = ui.input(|input| {
-        if input.modifiers.command {
+        if input.modifiers.command || input.modifiers.ctrl {
             return Vec3::ZERO;
         }
         let axis = |up: Key, down: Key| f32::from(input.key_down(up)) - f32::from(input.key_down(down));

@@ -3,7 +3,6 @@
 use super::table::{Goal, Row, Section, Spread};
 use super::{Bench, Figure};
 use anyhow::Result;
-use frame_graph::resolve::Files as _;
 use frame_graph::{
     CompileOptions, Description, Graph, LinkContext, Overrides, Plan, Resolved, Source, compile, link, parse,
     resolve, resolve_description,
@@ -96,13 +95,10 @@ pub(super) fn memory(bench: &Bench<'_>) -> Result<Section> {
     let context = LinkContext { frame, traits: renderer::load_scene(bench.catalog, "cornell-box")?.traits() };
     let files = bench.catalog.pipelines();
     let mut rows = Vec::new();
-    for path in files.list() {
-        let resolved = resolve(&path, files, &Overrides::default())?;
-        if resolved.is_part() {
-            continue;
-        }
+    for renderer::Named { name, .. } in bench.catalog.list_pipelines() {
+        let resolved = resolve(&name, files, &Overrides::default())?;
         let plan = compile(&link(&resolved, &**bench.catalog, &context)?, &options())?;
-        let (name, memory, reachable) = (path.trim_end_matches(".ron"), plan.memory, reachable_bound(&plan));
+        let (memory, reachable) = (plan.memory, reachable_bound(&plan));
         let over =
             |bound: u64| Spread::exact(if bound == 0 { 1.0 } else { memory.shared as f64 / bound as f64 });
         let counts = vec![

@@ -79,7 +79,7 @@ impl Session {
         );
         println!("{line}");
         publisher.with(|published| published.reload_ms = since_save.map(|ms| ms as f32));
-        report(publisher, self.begun, &line, false);
+        report(publisher, &line, false);
     }
 
     /// Returns the path in the tree of a file that is gone, where one is built into the program that takes its place.
@@ -104,7 +104,7 @@ impl Session {
         folders.extend(scenes.filter(|_| self.wanted_scene.is_some()));
         folders.retain(|folder| folder.is_dir());
         if let Err(error) = self.files.watch(folders) {
-            report(publisher, self.begun, &format!("changes of files are not seen: {error}"), true);
+            report(publisher, &format!("changes of files are not seen: {error}"), true);
         }
     }
 }
