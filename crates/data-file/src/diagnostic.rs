@@ -1,11 +1,30 @@
 //! Errors as part of the product: what was wrong, where, what was expected, the nearest name.
 
 use crate::codes::Code;
+use crate::excerpt::Excerpts;
 use codespan_reporting::diagnostic as codespan;
-use codespan_reporting::files::SimpleFiles;
 use codespan_reporting::term;
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
+
+/// The most errors that are shown of a file, and that its text is read on for: more than anyone mends at a time.
+pub(crate) const MAX_ERRORS: usize = 100;
+
+/// The most lines over which a place is marked; of one that has more, the first is shown.
+const MAX_LINES: usize = 100;
+
+/// The longest name that is compared with others, in characters: the time grows with the square.
+const MAX_COMPARED: usize = 200;
+
+/// The most names that one that is wrong is compared with: a file may have many of both.
+const MAX_KNOWN: usize = 4096;
+
+/// The most characters of a name or a text that stand in a message.
+pub(crate) const MAX_QUOTED: usize = 80;
+
+/// The most characters of a message or a note that are shown, whatever names they hold.
+const MAX_MESSAGE: usize = 4000;
 
 /// A file's name and text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -107,22 +126,27 @@ impl Diagnostic {
         known: impl IntoIterator<Item = &'a str>,
     ) -> Diagnostic {
         let mut known: Vec<&str> = known.into_iter().collect();
+        if known.is_empty() {
+            self.notes.push(format!("there are no {what}"));
+            return self;
+        }
+        let (all, shown) = (known.len(), 12);
+        known.truncate(MAX_KNOWN);
         if let Some(near) = nearest(wrong, known.iter().copied()) {
             self.notes.push(format!("did you mean `{near}`?"));
         }
-        let shown = 12;
-        if known.is_empty() {
-            self.notes.push(format!("there are no {what}"));
-        } else {
-            let more = known.len().saturating_sub(shown);
-            if more > 0 {
-                let likeness = |name: &str| strsim::jaro_winkler(wrong, name);
-                known.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
-            }
-            known.truncate(shown);
-            let rest = if more > 0 { format!(", and {more} more") } else { String::new() };
-            self.notes.push(format!("{what}: {}{rest}", known.join(", ")));
+        if all > shown {
+            let likeness = |name: &str| match is_comparable(wrong) && is_comparable(name) {
+                true => strsim::jaro_winkler(wrong, name),
+                false => 0.0,
+            };
+            let mut likely: Vec<_> = known.iter().map(|name| (likeness(name), *name)).collect();
+            likely.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+            known = likely.into_iter().take(shown).map(|(_, name)| name).collect();
         }
+        let rest = if all > shown { format!(", and {} more", all - shown) } else { String::new() };
+        let known: Vec<_> = known.into_iter().map(|name| shortened(name, MAX_QUOTED)).collect();
+        self.notes.push(format!("{what}: {}{rest}", known.join(", ")));
         self
     }
 }
@@ -134,13 +158,32 @@ pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         0 | 1 => 0,
         count => (count / 3).max(1),
     };
+    if !is_comparable(wrong) {
+        return None;
+    }
     let lower = wrong.to_lowercase();
     let distance = |name: &str| {
+        if !is_comparable(name) {
+            return None;
+        }
         let edits = strsim::damerau_levenshtein(&lower, &name.to_lowercase());
         let part = lower.len() >= 3 && (name.contains(wrong) || (name.len() >= 3 && wrong.contains(name)));
         if edits <= limit { Some((0, edits)) } else { part.then_some((1, edits)) }
     };
     known.into_iter().filter_map(|name| Some((distance(name)?, name))).min_by_key(|(d, _)| *d).map(|(_, n)| n)
+}
+
+/// Whether a name is short enough to be compared with others.
+fn is_comparable(name: &str) -> bool {
+    name.len() <= MAX_COMPARED
+}
+
+/// Returns the first `most` characters of a text, with `…` behind them where there are more.
+pub(crate) fn shortened(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
 }
 
 impl Diagnostics {
@@ -150,33 +193,38 @@ impl Diagnostics {
         let mut out =
             if color { term::termcolor::Buffer::ansi() } else { term::termcolor::Buffer::no_color() };
         let config = term::Config::default();
-        for diagnostic in &self.0 {
-            let mut files = SimpleFiles::new();
-            let mut known: Vec<(&Arc<Source>, usize)> = Vec::new();
+        let mut files = Excerpts::default();
+        for diagnostic in self.0.iter().take(MAX_ERRORS) {
             let mut labels = Vec::with_capacity(diagnostic.labels.len());
             for (i, label) in diagnostic.labels.iter().enumerate() {
-                let source = &label.span.source;
-                let id = known.iter().find(|(s, _)| *s == source).map(|(_, id)| *id).unwrap_or_else(|| {
-                    let id = files.add(source.name.as_str(), source.text.as_str());
-                    known.push((source, id));
-                    id
-                });
+                let id = files.add(&label.span.source);
                 let style =
                     if i == 0 { codespan::LabelStyle::Primary } else { codespan::LabelStyle::Secondary };
                 let range = label.span.start as usize..label.span.end as usize;
-                labels.push(codespan::Label::new(style, id, range).with_message(&label.message));
+                let range = files.clipped(id, range, MAX_LINES);
+                labels.push(
+                    codespan::Label::new(style, id, range)
+                        .with_message(shortened(&label.message, MAX_MESSAGE)),
+                );
             }
             let shown = codespan::Diagnostic::error()
                 .with_code(diagnostic.code)
-                .with_message(&diagnostic.message)
+                .with_message(shortened(&diagnostic.message, MAX_MESSAGE))
                 .with_labels(labels)
-                .with_notes(diagnostic.notes.clone());
+                .with_notes(
+                    diagnostic.notes.iter().map(|n| shortened(n, MAX_MESSAGE).into_owned()).collect(),
+                );
             // Writing to memory does not fail, and every label is within its file.
             if term::emit_to_write_style(&mut out, &config, &files, &shown).is_err() {
                 return self.0.iter().map(|d| format!("error[{}]: {}\n", d.code, d.message)).collect();
             }
         }
-        String::from_utf8_lossy(out.as_slice()).trim_end().to_owned()
+        let mut text = String::from_utf8_lossy(out.as_slice()).trim_end().to_owned();
+        let more = self.0.len().saturating_sub(MAX_ERRORS);
+        if more > 0 {
+            text.push_str(&format!("\n\nand {more} more errors"));
+        }
+        text
     }
 
     /// Sorts by place, and drops what is said twice.

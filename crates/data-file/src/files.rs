@@ -1,7 +1,13 @@
 //! Where files come from.
 
 use crate::Source;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
 use std::sync::Arc;
+
+/// The longest text that is read, in bytes: a hundred times the longest scene that anyone wrote, and parsed in a second.
+pub const MAX_TEXT: usize = 16 << 20;
 
 /// The files of one sort, such as pipelines, scenes or shaders: on disk, embedded in a program, or both.
 pub trait Files {
@@ -10,4 +16,19 @@ pub trait Files {
 
     /// Returns the paths of all files: for lists, and for errors that offer the nearest.
     fn list(&self) -> Vec<String>;
+}
+
+/// Reads a text. Of one longer than [`MAX_TEXT`], as that of a device can be, it reads no more than shows that it is;
+/// its parser then refuses it. Bytes that are not UTF-8 become the replacement character, which the parser refuses at
+/// its place.
+///
+/// # Errors
+/// Those of the system.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes)?;
+    Ok(match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => String::from_utf8_lossy(error.as_bytes()).into_owned(),
+    })
 }

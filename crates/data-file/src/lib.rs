@@ -6,6 +6,7 @@
 
 pub mod codes;
 pub mod diagnostic;
+mod excerpt;
 mod files;
 mod name;
 pub mod reader;
@@ -13,6 +14,6 @@ pub mod value;
 
 pub use codes::Code;
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Place, Source, Sources, Span, nearest};
-pub use files::Files;
+pub use files::{Files, MAX_TEXT, read_text};
 pub use name::Name;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

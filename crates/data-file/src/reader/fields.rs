@@ -1,8 +1,9 @@
 //! Forms and their fields: what every grammar over the tree asks.
 
-use super::tree::{self, Form, Node, Number, read};
+use super::tree::{self, Form, MAX_DEPTH, Node, Number, read};
 use crate::codes::{self, Code};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Span};
+use crate::diagnostic::{Diagnostic, Diagnostics, MAX_ERRORS, MAX_QUOTED, Place, Source, Span, shortened};
+use crate::files::MAX_TEXT;
 use std::sync::Arc;
 
 /// Reads a file by a grammar: a function from its tree to what it describes, which tells the reader what is wrong
@@ -24,8 +25,9 @@ pub fn read_as<T>(
     grammar: impl FnOnce(&mut Reader<'_>, &Node) -> Option<T>,
 ) -> Result<T, Diagnostics> {
     let mut reader = Reader { source, file, errors: Vec::new() };
-    if source.text.len() >= u32::MAX as usize {
-        reader.error(&codes::SYNTAX, Place { file, start: 0, end: 0 }, "the file is larger than 4 GiB");
+    if source.text.len() > MAX_TEXT {
+        let message = format!("the file is larger than {} MiB", MAX_TEXT >> 20);
+        reader.error(&codes::SYNTAX, Place { file, start: 0, end: 0 }, message);
         return Err(Diagnostics::sorted(reader.errors));
     }
     let (tree, complaints) = read(&source.text);
@@ -39,12 +41,14 @@ pub fn read_as<T>(
         }
     }
     if let Some((start, end)) = complaints.depth {
-        reader.error(&codes::NESTING, Place { file, start, end }, "values are nested too deeply here");
+        let message = format!("values are nested deeper than {MAX_DEPTH}");
+        reader.error(&codes::NESTING, Place { file, start, end }, message);
     }
     let found = grammar(&mut reader, &tree);
     if broken {
         // What is missing may stand in what could not be read.
-        let line = |e: &Diagnostic| e.labels[0].span.line_column().0;
+        let ends: Vec<usize> = source.text.match_indices('\n').map(|(at, _)| at).collect();
+        let line = |e: &Diagnostic| ends.partition_point(|end| *end < e.labels[0].span.start as usize);
         let lines: Vec<usize> =
             reader.errors.iter().filter(|e| e.code == codes::SYNTAX.code).map(line).collect();
         reader.errors.retain(|e| {
@@ -123,12 +127,13 @@ impl Reader<'_> {
         place: Place,
         message: impl Into<String>,
     ) -> &mut Diagnostic {
-        self.errors.push(Diagnostic::new(code, message).label(self.span(place), ""));
+        self.tell(Diagnostic::new(code, message).label(self.span(place), ""));
         self.errors.last_mut().expect("just pushed")
     }
 
-    /// Adds an error of the grammar.
+    /// Adds an error of the grammar. Of more than a reader of errors would look at, only the last is kept.
     pub fn tell(&mut self, error: Diagnostic) {
+        self.errors.truncate(MAX_ERRORS * 10 - 1);
         self.errors.push(error);
     }
 
@@ -152,10 +157,12 @@ impl Reader<'_> {
             Form::Number(Number::Integer(n)) => format!("the number {n}"),
             Form::Number(Number::Float(x)) => format!("the number {x:?}"),
             Form::Char(_) => "a character".to_owned(),
-            Form::Text(text, _) => format!("the text {text:?}"),
+            Form::Text(text, _) => format!("the text {:?}", shortened(text, MAX_QUOTED)),
             Form::Bytes(_) => "bytes".to_owned(),
-            Form::Word(word) => format!("`{word}`"),
-            Form::Struct(Some(name), _) | Form::Tuple(Some(name), _) => format!("`{}(…)`", name.text),
+            Form::Word(word) => format!("`{}`", shortened(word, MAX_QUOTED)),
+            Form::Struct(Some(name), _) | Form::Tuple(Some(name), _) => {
+                format!("`{}(…)`", shortened(&name.text, MAX_QUOTED))
+            }
             Form::Struct(None, _) | Form::Tuple(None, _) => "`(…)`".to_owned(),
             Form::List(_) => "a list".to_owned(),
             Form::Map(_) => "a map".to_owned(),
@@ -191,36 +198,38 @@ impl Reader<'_> {
                 Some(form) => *form,
                 None => {
                     let place = Place { file: self.file, start: name.start, end: name.end };
-                    let message = format!("`{}` is not known here: expected {expected}", name.text);
+                    let message = format!(
+                        "`{}` is not known here: expected {expected}",
+                        shortened(&name.text, MAX_QUOTED)
+                    );
                     let error = Diagnostic::new(&codes::UNKNOWN_FORM, message)
                         .label(self.span(place), "")
                         .suggest("forms", &name.text, forms.iter().map(|(form, _)| *form));
-                    self.errors.push(error);
+                    self.tell(error);
                     return None;
                 }
             },
         };
-        let mut found: Vec<(&str, &Node)> = Vec::with_capacity(fields.len());
+        let mut found: Vec<&tree::Field> = Vec::with_capacity(form.1.len().min(fields.len()));
         for field in fields {
             let place = Place { file: self.file, start: field.name.start, end: field.name.end };
             if !form.1.contains(&field.name.text.as_str()) {
                 let error = Diagnostic::new(
                     &codes::UNKNOWN_FIELD,
-                    format!("`{}` has no field `{}`", form.0, field.name.text),
+                    format!("`{}` has no field `{}`", form.0, shortened(&field.name.text, MAX_QUOTED)),
                 )
                 .label(self.span(place), "")
                 .suggest("fields", &field.name.text, form.1.iter().copied());
-                self.errors.push(error);
-            } else if let Some(first) =
-                fields.iter().find(|f| f.name.text == field.name.text && f.name.start < place.start)
-            {
+                self.tell(error);
+            } else if let Some(first) = found.iter().find(|first| first.name.text == field.name.text) {
                 let first = Place { file: self.file, start: first.name.start, end: first.name.end };
                 self.duplicate(&format!("field `{}`", field.name.text), place, first);
             } else {
-                found.push((&field.name.text, &field.value));
+                found.push(field);
             }
         }
-        Some(Fields { form: form.0, place: self.head(node), fields: found })
+        let fields = found.into_iter().map(|field| (field.name.text.as_str(), &field.value)).collect();
+        Some(Fields { form: form.0, place: self.head(node), fields })
     }
 
     /// Tells that a name or field is given twice.

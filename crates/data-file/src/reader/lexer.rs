@@ -1,6 +1,7 @@
 //! Cuts RON text into tokens.
 
 use super::tree::Number;
+use crate::diagnostic::{MAX_ERRORS, MAX_QUOTED, shortened};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Token {
@@ -41,7 +42,11 @@ struct Lexer<'a> {
     complaints: Vec<Complaint>,
 }
 
-/// All tokens of `text`, closed by [`Token::End`], and what could not be read.
+/// The longest `#![enable(…)]` that is looked for: where brackets are missing, each `#!` would search all that follows.
+const MAX_ATTRIBUTE: usize = 1024;
+
+/// All tokens of `text`, closed by [`Token::End`], and what could not be read; nothing behind the
+/// [`MAX_ERRORS`]-th error is looked at.
 pub(super) fn lex(text: &str) -> (Vec<Lexeme>, Vec<Complaint>) {
     let mut lexer = Lexer { text, at: 0, complaints: Vec::new() };
     let mut tokens = Vec::new();
@@ -49,7 +54,8 @@ pub(super) fn lex(text: &str) -> (Vec<Lexeme>, Vec<Complaint>) {
         lexer.skip_blanks();
         let start = lexer.at as u32;
         let token = lexer.token();
-        let done = token == Token::End;
+        let done = token == Token::End || lexer.complaints.len() >= MAX_ERRORS;
+        let token = if done { Token::End } else { token };
         tokens.push(Lexeme { token, start, end: lexer.at as u32 });
         if done {
             return (tokens, lexer.complaints);
@@ -194,7 +200,8 @@ impl Lexer<'_> {
                 }
             }
             _ => {
-                self.bump();
+                // A row of the same is one error: a file of zeros has millions of them.
+                self.eat_while(|next| next == c);
                 self.complain(start, format!("`{}` has no meaning here", c.escape_debug()));
                 Token::Bad
             }
@@ -210,8 +217,9 @@ impl Lexer<'_> {
 
     fn attribute(&mut self) -> Token {
         let start = self.at;
-        let end = self.rest().find(']');
-        self.at += end.map_or_else(|| self.rest().find('\n').unwrap_or(self.rest().len()), |end| end + 1);
+        let rest = &self.rest()[..self.rest().floor_char_boundary(MAX_ATTRIBUTE)];
+        let end = rest.find(']').map(|end| end + 1).or_else(|| rest.find('\n'));
+        self.at += end.unwrap_or(rest.len());
         let inside: String = self.text[start..self.at].chars().filter(|c| !is_blank(*c)).collect();
         let known = |name: &str| {
             matches!(
@@ -444,7 +452,10 @@ impl Lexer<'_> {
 
     fn bad_number(&mut self, start: usize) -> Token {
         self.eat_while(|c| is_ident(c) || c == '.');
-        self.complain(start, format!("`{}` is not a number", &self.text[start..self.at]));
+        self.complain(
+            start,
+            format!("`{}` is not a number", shortened(&self.text[start..self.at], MAX_QUOTED)),
+        );
         Token::Bad
     }
 }

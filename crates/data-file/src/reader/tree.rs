@@ -1,9 +1,10 @@
 //! The tree of a RON file.
 
 use super::lexer::{Complaint, Lexeme, Token, Verbatim, lex};
+use crate::diagnostic::MAX_ERRORS;
 
 /// Deepest nesting of values: far beyond any pipeline, far below the stack.
-const MAX_DEPTH: u32 = 64;
+pub(super) const MAX_DEPTH: u32 = 64;
 
 /// A value, with the bytes it covers.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,13 +86,9 @@ pub(crate) struct Complaints {
 pub(crate) fn read(text: &str) -> (Node, Complaints) {
     let (tokens, syntax) = lex(text);
     let cut = syntax.iter().any(|(_, _, message)| message.ends_with("is not closed"));
-    let mut parser = Parser {
-        tokens,
-        at: 0,
-        complaints: Complaints { syntax, ..Complaints::default() },
-        lost: false,
-        cut,
-    };
+    let lost = syntax.len() >= MAX_ERRORS;
+    let mut parser =
+        Parser { tokens, at: 0, complaints: Complaints { syntax, ..Complaints::default() }, lost, cut };
     while parser.peek() == &Token::Attribute {
         parser.at += 1;
     }
@@ -107,7 +104,7 @@ struct Parser {
     tokens: Vec<Lexeme>,
     at: usize,
     complaints: Complaints,
-    /// Set when brackets no longer match: what follows would only be noise.
+    /// Set when brackets no longer match, or all is wrong: what follows would only be noise.
     lost: bool,
     /// Set when text or a comment runs to the end of the file: brackets that then seem open are not at fault.
     cut: bool,
@@ -134,14 +131,16 @@ impl Parser {
         let at_end = self.cut && self.peek() == &Token::End;
         if !self.lost && !at_end {
             self.complaints.syntax.push((start, end, message.into()));
+            self.lost = self.complaints.syntax.len() >= MAX_ERRORS;
         }
     }
 
     fn value(&mut self, depth: u32) -> Node {
         let Lexeme { token, start, end } = self.next();
-        if depth > MAX_DEPTH && matches!(token, Token::Open(_)) {
+        let named = matches!(token, Token::Ident(_)) && self.peek() == &Token::Open('(');
+        if depth > MAX_DEPTH && (named || matches!(token, Token::Open(_))) {
             self.complaints.depth.get_or_insert((start, end));
-            self.at -= 1;
+            self.at -= usize::from(!named);
             self.skip();
             return Node { start, end, form: Form::Bad };
         }
@@ -150,7 +149,7 @@ impl Parser {
             Token::Char(c) => Form::Char(c),
             Token::Text(text, Verbatim(content)) => Form::Text(text, content),
             Token::Bytes(bytes) => Form::Bytes(bytes),
-            Token::Ident(word) if self.peek() == &Token::Open('(') => {
+            Token::Ident(word) if named => {
                 let open = self.next().start;
                 self.parens(Some(Word { text: word, start, end }), open, depth)
             }

@@ -1,6 +1,7 @@
 //! Reads a description from the syntax tree of a scene file: every value is checked at its place, and all
 //! errors are reported at once.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -38,15 +39,17 @@ pub(crate) fn parse(
     folder: Option<&Path>,
     origin: DVec3,
 ) -> Result<Description, Diagnostics> {
-    reader::parse(source, |reader, tree| Grammar { reader, folder, origin, objects: Vec::new() }.scene(tree))
+    let objects = BTreeMap::new();
+    reader::parse(source, |reader, tree| Grammar { reader, folder, origin, objects }.scene(tree))
 }
 
 struct Grammar<'a, 'b> {
     reader: &'a mut Reader<'b>,
     folder: Option<&'a Path>,
     origin: DVec3,
-    /// Names of objects, at any depth, with what is subtracted from their places: nothing within another object.
-    objects: Vec<(At<String>, DVec3)>,
+    /// Names of objects, at any depth: where they stand, and what is subtracted from their places, which is nothing
+    /// within another object.
+    objects: BTreeMap<String, (Place, DVec3)>,
 }
 
 /// A condition on a number, and its description for messages.
@@ -142,12 +145,13 @@ impl Grammar<'_, '_> {
         let fields = self.reader.fields(node, "`Object(name: \"…\", geometry: …)`", &forms)?;
         let name = self.reader.need(&fields, "name").and_then(|node| self.text(node, "a name"));
         if let Some(name) = &name {
-            match self.objects.iter().find(|(known, _)| known.value == name.value) {
+            match self.objects.get(&name.value) {
                 Some((first, _)) => {
-                    let first = first.place;
-                    self.reader.duplicate(&format!("the object `{}`", name.value), name.place, first);
+                    self.reader.duplicate(&format!("the object `{}`", name.value), name.place, *first);
                 }
-                None => self.objects.push((name.clone(), origin)),
+                None => {
+                    self.objects.insert(name.value.clone(), (name.place, origin));
+                }
             }
         }
         let geometry = self.reader.need(&fields, "geometry");
@@ -281,17 +285,16 @@ impl Grammar<'_, '_> {
         let lights = lights.map(|(name, node)| (name, self.light_keys(node, &mut end))).collect();
         let objects = fields.get("objects").map(|node| self.named(node, "an object")).unwrap_or_default();
         for (name, _) in &objects {
-            if !self.objects.iter().any(|(object, _)| object.value == name.value) {
+            if !self.objects.contains_key(&name.value) {
                 let message = format!("keyframes for `{}`, but no object has this name", name.value);
                 let error = Diagnostic::new(&codes::NAME, message)
                     .label(self.reader.span(name.place), "no such object")
-                    .suggest("objects", &name.value, self.objects.iter().map(|(o, _)| o.value.as_str()));
+                    .suggest("objects", &name.value, self.objects.keys().map(String::as_str));
                 self.reader.tell(error);
             }
         }
         let objects = objects.into_iter().map(|(name, node)| {
-            let known = self.objects.iter().find(|(object, _)| object.value == name.value);
-            let origin = known.map_or(DVec3::ZERO, |(_, origin)| *origin);
+            let origin = self.objects.get(&name.value).map_or(DVec3::ZERO, |(_, origin)| *origin);
             (name, self.object_keys(node, origin, &mut end))
         });
         let objects = objects.collect();
@@ -332,13 +335,15 @@ impl Grammar<'_, '_> {
             return Vec::new();
         };
         let mut found: Vec<(At<String>, &Node)> = Vec::new();
+        let mut places = BTreeMap::new();
         for (key, value) in entries {
             let Some(name) = self.text(key, &format!("the name of {what}")) else { continue };
-            match found.iter().find(|(known, _)| known.value == name.value) {
-                Some((first, _)) => {
-                    self.reader.duplicate(&format!("`{}`", name.value), name.place, first.place);
+            match places.get(&name.value) {
+                Some(first) => self.reader.duplicate(&format!("`{}`", name.value), name.place, *first),
+                None => {
+                    places.insert(name.value.clone(), name.place);
+                    found.push((name, value));
                 }
-                None => found.push((name, value)),
             }
         }
         found

@@ -11,6 +11,7 @@ use crate::record::AxisValue;
 use frame_graph::codes::{Code, study as codes};
 use frame_graph::reader::{Fields, Form, Node, Number, Reader, parse};
 use frame_graph::{Diagnostic, Diagnostics, Source, Span};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 const STUDY: &[&str] = &[
@@ -134,14 +135,18 @@ impl Grammar<'_, '_> {
             return Vec::new();
         };
         let mut found: Vec<(At<String>, &Node)> = Vec::new();
+        let mut spans = BTreeMap::new();
         for (key, value) in entries {
             let Some(name) = self.text_at(key, "a name in quotes") else { continue };
-            match found.iter().find(|(at, _)| at.value == name.value) {
-                Some((first, _)) => {
-                    let error = twice(&format!("`{}`", name.value), &name.span, &first.span);
+            match spans.get(&name.value) {
+                Some(first) => {
+                    let error = twice(&format!("`{}`", name.value), &name.span, first);
                     self.reader.tell(error);
                 }
-                None => found.push((name, value)),
+                None => {
+                    spans.insert(name.value.clone(), name.span.clone());
+                    found.push((name, value));
+                }
             }
         }
         found

@@ -1,0 +1,4 @@
+//! The crate as those who read files with it see it.
+
+mod codes;
+mod extremes;
