@@ -100,6 +100,7 @@ pub mod shader {
         WGSL = "S010": "The WGSL does not parse, or its types are wrong.";
         INVALID = "S011": "The WGSL parses, but is not valid.";
         COMPILER = "S012": "naga itself failed: a bug in naga.";
+        EXTENT = "S013": "A shader is too long, or has too much in each other, for the compiler.";
         SETTING = "S020": "The declaration of a setting cannot be read.";
         ATTRIBUTE = "S021": "An attribute of a function or a global cannot be read.";
         LAYOUT = "S030": "Rust declares a struct differently from the shader.";

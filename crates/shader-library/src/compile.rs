@@ -1,6 +1,7 @@
 //! naga: parsing, binding by name, validation, and its errors in words of WGSL.
 
 use crate::composed::Composed;
+use crate::extent;
 use crate::reflect::resources;
 use crate::scan::unclosed_brace;
 use data_file::codes::shader as codes;
@@ -14,10 +15,36 @@ use naga::valid::{
 use naga::{Module, ResourceBinding, Scalar, TypeInner, VectorSize, WithSpan};
 use std::error::Error;
 use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::thread::{self, ScopedJoinHandle};
+
+/// The stack of the thread on which naga runs, in bytes: eight times what it takes for the deepest text that is let
+/// through. Whoever loads a shader may have less left than naga asks for.
+const STACK: usize = 16 << 20;
 
 /// Parses, binds by name in group 0, and validates.
 pub(crate) fn compile(
+    composed: &Composed,
+    capabilities: Capabilities,
+) -> Result<(Module, ModuleInfo), Diagnostics> {
+    if let Some((place, message)) = extent::exceeded(&composed.text) {
+        return Err(composed.diagnostic(&codes::EXTENT, message, [(place, String::new())], []).into());
+    }
+    thread::scope(|scope| {
+        let naga = || compile_here(composed, capabilities);
+        let thread = thread::Builder::new().name("naga".into()).stack_size(STACK).spawn_scoped(scope, naga);
+        match thread.map(ScopedJoinHandle::join) {
+            Ok(Ok(result)) => result,
+            Ok(Err(panic)) => resume_unwind(panic),
+            Err(error) => {
+                let message = format!("no thread can be started to compile it: {error}");
+                Err(composed.diagnostic(&codes::COMPILER, message, [], []).into())
+            }
+        }
+    })
+}
+
+fn compile_here(
     composed: &Composed,
     capabilities: Capabilities,
 ) -> Result<(Module, ModuleInfo), Diagnostics> {

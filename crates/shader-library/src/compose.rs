@@ -12,8 +12,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Longer than any shader, and far from where 32-bit places end.
-const MAX_BYTES: usize = 64 << 20;
+/// The longest shader with all that it imports, in bytes: fifty times the longest of this tree, and compiled in seconds
+/// however it is made.
+const MAX_BYTES: usize = 4 << 20;
+
+/// The most options of a shader, and the most values that one lists; sixty-four variants are more than can be checked.
+const MAX_CHOICES: usize = 256;
+
+/// The most errors that are told of one shader: where all lines are wrong, each would be looked up among all files.
+const MAX_ERRORS: usize = 100;
 
 /// Deeper than any library, and far from the end of the stack.
 const MAX_DEPTH: usize = 64;
@@ -36,6 +43,7 @@ pub(crate) fn compose(
         outline: Outline::default(),
         origins: BTreeMap::new(),
         touched: BTreeSet::new(),
+        read: BTreeMap::new(),
         errors: Vec::new(),
         enables: Vec::new(),
         depth: 0,
@@ -72,6 +80,8 @@ struct Composer<'a> {
     outline: Outline,
     origins: BTreeMap<String, Option<Import>>,
     touched: BTreeSet<String>,
+    /// What each path gave that was looked for: a file can be imported by many lines.
+    read: BTreeMap<String, Option<Arc<Source>>>,
     errors: Vec<Diagnostic>,
     /// `enable` lines of all files.
     enables: Vec<(Arc<Source>, Range<usize>)>,
@@ -153,9 +163,10 @@ impl Composer<'_> {
     fn enable(&mut self) {
         let mut head = String::new();
         let mut copies = Vec::new();
+        let mut lines = BTreeSet::new();
         for (source, range) in std::mem::take(&mut self.enables) {
             let line = source.text[range.clone()].trim_end();
-            if !head.lines().any(|other| other == line) {
+            if lines.insert(line.to_owned()) {
                 head += &format!("{line}\n");
                 copies.push((line.len() + 1, source.clone(), range));
             }
@@ -180,7 +191,7 @@ impl Composer<'_> {
         self.outline.files.push(source.name.clone());
         if source.text.len() > MAX_BYTES.saturating_sub(self.text.len()) {
             let message = format!("the shader is longer than {} MiB", MAX_BYTES >> 20);
-            return self.fail(source, Fault::new(&codes::WGSL, 0..0, message));
+            return self.fail(source, Fault::new(&codes::EXTENT, 0..0, message));
         }
         if self.depth == MAX_DEPTH {
             let message = format!("imports are nested more than {MAX_DEPTH} deep");
@@ -193,6 +204,9 @@ impl Composer<'_> {
         // A byte order mark is not WGSL.
         let mut copied = if source.text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         for line in source.text.split_inclusive('\n') {
+            if self.errors.len() >= MAX_ERRORS {
+                break;
+            }
             let start = at;
             at += line.len();
             let active = branches.last().is_none_or(|branch| branch.active);
@@ -235,7 +249,9 @@ impl Composer<'_> {
         if branches.last().is_none_or(|branch| branch.active) {
             self.copy(source, copied..at);
         }
-        for branch in branches {
+        self.depth -= 1;
+        let open = MAX_ERRORS - self.errors.len().min(MAX_ERRORS);
+        for branch in branches.into_iter().take(open) {
             self.fail(source, Fault::new(&codes::UNBALANCED, branch.opened, "this `#if` has no `#endif`"));
         }
         if let Some(&open) = comments.open.first() {
@@ -245,7 +261,6 @@ impl Composer<'_> {
                     .note("block comments nest: each `/*` wants its own `*/`"),
             );
         }
-        self.depth -= 1;
     }
 
     /// Appends a range of a file, and a newline where it ends without.
@@ -397,6 +412,14 @@ impl Composer<'_> {
             )
             .note(format!("first declared at {}", other.place)));
         }
+        if self.outline.options.len() >= MAX_CHOICES || one_of.len() > MAX_CHOICES {
+            let what = if one_of.len() > MAX_CHOICES { "values of an option" } else { "options" };
+            return Err(Fault::new(
+                &codes::EXTENT,
+                line,
+                format!("there are more than {MAX_CHOICES} {what}"),
+            ));
+        }
         let place = span(source, line.clone());
         let compared = BTreeSet::new();
         let given = self.request.defines.get(&name.value);
@@ -467,15 +490,15 @@ impl Composer<'_> {
     fn find(&mut self, folder: &str, path: &str) -> Option<Arc<Source>> {
         let folders = std::iter::once(folder).chain(self.roots.iter().map(String::as_str));
         for candidate in folders.filter_map(|folder| files::join(folder, path)) {
-            let found = self.files.read(&candidate);
             self.touched.insert(candidate.clone());
-            if let Some(source) = found {
+            let files = self.files;
+            let found = self.read.entry(candidate).or_insert_with_key(|path| {
+                let source = files.read(path)?;
                 // One name for one file, however it was requested; imports are relative to it.
-                return Some(if source.name == candidate {
-                    source
-                } else {
-                    Source::new(candidate, source.text.as_str())
-                });
+                Some(if source.name == *path { source } else { Source::new(path, source.text.as_str()) })
+            });
+            if let Some(source) = found {
+                return Some(source.clone());
             }
         }
         None

@@ -15,6 +15,7 @@ mod composed;
 pub mod decode;
 mod directive;
 mod doc_reader;
+mod extent;
 mod files;
 mod interface;
 mod layout;

@@ -49,14 +49,14 @@ impl Doc {
 
 /// What a scan looks at.
 #[derive(Debug, PartialEq)]
-enum Lexeme<'a> {
+pub(crate) enum Lexeme<'a> {
     Word(&'a str),
     Doc(&'a str),
     Symbol(char),
 }
 
 /// The text's words, symbols and doc comments, without other comments and space, with their places.
-fn lexemes(text: &str) -> impl Iterator<Item = (Lexeme<'_>, usize)> {
+pub(crate) fn lexemes(text: &str) -> impl Iterator<Item = (Lexeme<'_>, usize)> {
     let mut at = 0;
     std::iter::from_fn(move || {
         loop {

@@ -13,9 +13,13 @@ use crate::layout::StructLayout;
 use crate::scan::{FoundMember, find_struct};
 use data_file::codes::shader as codes;
 use data_file::{Diagnostic, Diagnostics, Setting, Value, ValueType, nearest};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 const KEYS: [&str; 6] = ["default", "min", "max", "unit", "one_of", "bool"];
+
+/// The most settings of a shader: each is a control of the window and a row of the reference.
+const MAX_SETTINGS: usize = 256;
 
 /// The struct whose members can be settings.
 pub(crate) const STRUCT: &str = "Settings";
@@ -25,12 +29,19 @@ pub(crate) fn read(composed: &Composed, layout: Option<&StructLayout>) -> Result
     let Some(found) = find_struct(&composed.text, STRUCT) else { return Ok(Vec::new()) };
     let mut declared = Vec::new();
     let mut errors: Vec<Diagnostic> = Vec::new();
+    let types = |layout: &'_ StructLayout| -> BTreeMap<String, String> {
+        layout.members.iter().map(|member| (member.name.clone(), member.ty.clone())).collect()
+    };
+    let types = layout.map(types);
     for member in &found.members {
-        let laid_out = |layout: &'_ StructLayout| {
-            layout.members.iter().find(|m| m.name == member.name).map(|m| m.ty.clone())
-        };
-        let Some(ty) = layout.map_or_else(|| Some(member.ty.clone()), laid_out) else { continue };
-        let ty = ty.as_str();
+        let ty = types.as_ref().map_or(Some(&member.ty), |types| types.get(&member.name));
+        let Some(ty) = ty.map(String::as_str) else { continue };
+        if declared.len() + errors.len() >= MAX_SETTINGS {
+            let message = format!("there are more than {MAX_SETTINGS} settings");
+            let place = member.range.start as u32..member.range.end as u32;
+            errors.push(composed.diagnostic(&codes::EXTENT, message, [(place, String::new())], []));
+            break;
+        }
         match declaration(member, ty) {
             Ok(setting) => declared.extend(setting.map(|setting| {
                 let place = composed.map.span(member.range.start as u32..member.range.end as u32);

@@ -3,6 +3,7 @@
 mod composing;
 mod decoding;
 mod errors;
+mod extremes;
 mod layouts;
 mod random;
 mod reflecting;
