@@ -1,12 +1,13 @@
 //! Image files. A new file is complete or absent: it is written under a temporary name, and then renamed.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write};
+use std::io::{BufWriter, Cursor, Write};
 use std::path::Path;
 
 use exr::prelude as exr;
 use serde::{Deserialize, Serialize};
 
+use crate::decode::{self, guarded};
 use crate::image::is_finite;
 use crate::{Display, Image, ImageError, linear_from_srgb, pfm, srgb_from_linear};
 
@@ -14,8 +15,8 @@ use crate::{Display, Image, ImageError, linear_from_srgb, pfm, srgb_from_linear}
 /// keyword of an iTXt chunk in PNG.
 pub const PROVENANCE_KEY: &str = "lightloom";
 
-/// A damaged header can state any size; more pixels than this are refused before memory is allocated.
-const MOST_PIXELS: usize = 1 << 28;
+/// The longest provenance that is unpacked, in bytes; records of whole sequences have a thousandth of it.
+const MAX_PROVENANCE: usize = 16 << 20;
 
 /// The image formats, determined by the ending of the file name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -119,7 +120,7 @@ pub fn read_provenance(path: impl AsRef<Path>) -> Result<Option<String>, ImageEr
     let path = path.as_ref();
     match FileFormat::of(path) {
         Some(FileFormat::Exr) => {
-            let meta = exr_meta(path)?;
+            let meta = exr_meta(path, &read_bytes(path)?)?;
             // An attribute that is not part of the format counts as an attribute of the layer.
             let attributes = meta.headers.iter().map(|header| &header.own_attributes.other);
             let mut values = attributes.flat_map(|other| other.get(PROVENANCE_KEY.as_bytes()));
@@ -132,11 +133,20 @@ pub fn read_provenance(path: impl AsRef<Path>) -> Result<Option<String>, ImageEr
             }
         }
         Some(FileFormat::Png) => {
-            let wrong = |e: png::DecodingError| malformed(path, "a PNG picture", e.to_string());
-            let reader = png::Decoder::new(BufReader::new(open(path)?)).read_info().map_err(wrong)?;
-            let mut chunks = reader.info().utf8_text.iter();
-            let chunk = chunks.find(|chunk| chunk.keyword == PROVENANCE_KEY);
-            chunk.map(png::text_metadata::ITXtChunk::get_text).transpose().map_err(wrong)
+            let bytes = read_bytes(path)?;
+            let read = || {
+                let reader = png::Decoder::new(Cursor::new(&bytes)).read_info()?;
+                let mut chunks = reader.info().utf8_text.iter();
+                let chunk = chunks.find(|chunk| chunk.keyword == PROVENANCE_KEY).cloned();
+                chunk
+                    .map(|mut chunk| {
+                        chunk.decompress_text_with_limit(MAX_PROVENANCE)?;
+                        chunk.get_text()
+                    })
+                    .transpose()
+            };
+            let found = guarded(|| read().map_err(|error: png::DecodingError| error.to_string()));
+            found.map_err(|found| malformed(path, "a PNG picture", found))
         }
         Some(FileFormat::Pfm | FileFormat::Hdr) => Ok(None),
         None => Err(ImageError::UnknownFormat {
@@ -236,34 +246,43 @@ fn replace(
 }
 
 fn read_exr(path: &Path) -> Result<Image, ImageError> {
-    let meta = exr_meta(path)?;
-    if let Some(header) =
-        meta.headers.iter().find(|h| h.layer_size.0.saturating_mul(h.layer_size.1) > MOST_PIXELS)
-    {
-        let (width, height) = (header.layer_size.0, header.layer_size.1);
-        return Err(malformed(path, "at most 2^28 pixels", format!("the header says {width} x {height}")));
+    let bytes = read_bytes(path)?;
+    let meta = exr_meta(path, &bytes)?;
+    for header in &meta.headers {
+        let (width, height) = (header.layer_size.0 as u64, header.layer_size.1 as u64);
+        decode::check_size(width, height, bytes.len() as u64)
+            .map_err(|found| malformed(path, "an EXR picture", found))?;
     }
-    let file = exr::read_first_rgba_layer_from_file(
-        path,
-        |size, _| (size.0, vec![[0.0_f32; 4]; size.0 * size.1]),
-        |(width, pixels): &mut (usize, Vec<[f32; 4]>), at, (r, g, b, a): (f32, f32, f32, f32)| {
-            pixels[at.1 * *width + at.0] = [r, g, b, a];
-        },
-    )
-    .map_err(|e| malformed(path, "an EXR picture with the channels R, G and B", e.to_string()))?;
+    let file = guarded(|| {
+        use exr::{ReadChannels as _, ReadLayers as _};
+        let layers = exr::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .rgba_channels(
+                |size: exr::Vec2<usize>, _: &exr::RgbaChannels| (size.0, vec![[0.0_f32; 4]; size.0 * size.1]),
+                |(width, pixels): &mut (usize, Vec<[f32; 4]>), at, (r, g, b, a): (f32, f32, f32, f32)| {
+                    pixels[at.1 * *width + at.0] = [r, g, b, a];
+                },
+            )
+            .first_valid_layer()
+            .all_attributes();
+        // On this thread: a panic on those of the decoder's own pool would end the program.
+        layers.non_parallel().from_buffered(Cursor::new(&bytes)).map_err(|error| error.to_string())
+    })
+    .map_err(|found| malformed(path, "an EXR picture with the channels R, G and B", found))?;
     let size = file.layer_data.size;
     Image::new(size.0, size.1, file.layer_data.channel_data.pixels.1)
         .map_err(|e| malformed(path, "an EXR picture", e.to_string()))
 }
 
-fn exr_meta(path: &Path) -> Result<::exr::meta::MetaData, ImageError> {
-    ::exr::meta::MetaData::read_from_unbuffered(open(path)?, false)
-        .map_err(|e| malformed(path, "an EXR picture", e.to_string()))
+fn exr_meta(path: &Path, bytes: &[u8]) -> Result<::exr::meta::MetaData, ImageError> {
+    guarded(|| ::exr::meta::MetaData::read_from_buffered(bytes, false).map_err(|error| error.to_string()))
+        .map_err(|found| malformed(path, "an EXR picture", found))
 }
 
 fn decode(path: &Path, format: image::ImageFormat, expected: &'static str) -> Result<Image, ImageError> {
-    let decoded = image::load_from_memory_with_format(&read_bytes(path)?, format)
-        .map_err(|e| malformed(path, expected, e.to_string()))?
+    let decoded = decode::picture(&read_bytes(path)?, Some(format))
+        .map_err(|found| malformed(path, expected, found))?
         .into_rgba32f();
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
     let pixels = decoded.pixels().map(|pixel| pixel.0).collect();
@@ -274,12 +293,8 @@ fn has_alpha(image: &Image) -> bool {
     image.pixels().iter().any(|rgba| rgba[3] != 1.0)
 }
 
-fn open(path: &Path) -> Result<File, ImageError> {
-    File::open(path).map_err(io(path, "cannot open"))
-}
-
 fn read_bytes(path: &Path) -> Result<Vec<u8>, ImageError> {
-    std::fs::read(path).map_err(io(path, "cannot read"))
+    decode::read_file(path).map_err(io(path, "cannot read"))
 }
 
 fn io(path: &Path, action: &'static str) -> impl Fn(std::io::Error) -> ImageError {

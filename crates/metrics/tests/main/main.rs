@@ -1,5 +1,6 @@
 //! Measures against other implementations and by their properties, and files.
 
+mod extremes;
 mod files;
 mod flip;
 mod patterns;
