@@ -18,7 +18,7 @@ const MAX_LINES: usize = 100;
 const MAX_COMPARED: usize = 200;
 
 /// The most names that one that is wrong is compared with: a file may have many of both.
-const MAX_KNOWN: usize = 4096;
+const MAX_KNOWN: usize = 1024;
 
 /// The most characters of a name or a text that stand in a message.
 pub(crate) const MAX_QUOTED: usize = 80;

@@ -19,16 +19,25 @@ pub trait Files {
 }
 
 /// Reads a text. Of one longer than [`MAX_TEXT`], as that of a device can be, it reads no more than shows that it is;
-/// its parser then refuses it. Bytes that are not UTF-8 become the replacement character, which the parser refuses at
-/// its place.
+/// its parser then refuses it.
+///
+/// # Errors
+/// Those of the system; and where it is not UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    let bytes = read_text_bytes(path)?;
+    if bytes.len() > MAX_TEXT {
+        // Its end may be within a character.
+        return Ok(String::from_utf8_lossy(&bytes).into_owned());
+    }
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+}
+
+/// Reads the bytes of a text, as [`read_text`] does.
 ///
 /// # Errors
 /// Those of the system.
-pub fn read_text(path: &Path) -> io::Result<String> {
+pub fn read_text_bytes(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes)?;
-    Ok(match String::from_utf8(bytes) {
-        Ok(text) => text,
-        Err(error) => String::from_utf8_lossy(error.as_bytes()).into_owned(),
-    })
+    Ok(bytes)
 }

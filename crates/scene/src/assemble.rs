@@ -1,11 +1,14 @@
 //! Combines models, lights and a camera into a flat [`Scene`] around an origin.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use glam::{Affine3A, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::animation::Track;
+use crate::budget::Budget;
 use crate::camera::Camera;
 use crate::error::SceneError;
 use crate::hash;
@@ -13,7 +16,7 @@ use crate::light::Light;
 use crate::material::{Material, Texture};
 use crate::model::{Mesh, Model, Morph, Node, NodeAnimation, Skin};
 use crate::scene::{
-    Driver, Instance, Motion, MovingMesh, Scene, Vertex, camera_at_node, place_and_direction,
+    Driver, Instance, Motion, MovingMesh, Scene, Vertex, camera_at_node, extend_worlds, place_and_direction,
 };
 use crate::shape::{Shape, usable};
 
@@ -43,6 +46,9 @@ pub(crate) struct Assembly {
     pub(crate) files: Vec<PathBuf>,
     /// Whether a scene without triangles is valid.
     pub(crate) may_be_empty: bool,
+    pub(crate) budget: Rc<Budget>,
+    /// The transforms of the first nodes at the start.
+    worlds: Vec<Affine3A>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     skins: Vec<Skin>,
@@ -59,12 +65,24 @@ struct Placed {
 }
 
 impl Assembly {
-    pub(crate) fn new(name: String, spec: &str, origin: DVec3) -> Assembly {
-        Assembly { name, spec: spec.to_owned(), origin, ..Assembly::default() }
+    pub(crate) fn new(name: String, spec: &str, origin: DVec3, budget: &Rc<Budget>) -> Assembly {
+        budget.restart();
+        Assembly { name, spec: spec.to_owned(), origin, budget: Rc::clone(budget), ..Assembly::default() }
     }
 
     /// Adds a model below `parent`, or in the world, with its cameras, and with its lights if `with_lights` is set.
-    pub(crate) fn place(&mut self, model: Model, parent: Option<usize>, with_lights: bool) {
+    ///
+    /// # Errors
+    /// Where the scene becomes too large for its files.
+    pub(crate) fn place(
+        &mut self,
+        model: Cow<'_, Model>,
+        parent: Option<usize>,
+        with_lights: bool,
+    ) -> Result<(), SceneError> {
+        let too_large = |problem| SceneError::TooLarge { file: self.name.clone(), problem };
+        self.budget.take(1, model.bytes()).map_err(too_large)?;
+        let model = model.into_owned();
         let (first_node, first_material) = (self.nodes.len(), self.materials.len() as u32);
         let (first_texture, first_skin) = (self.textures.len() as u32, self.skins.len());
         self.textures.extend(model.textures);
@@ -90,8 +108,8 @@ impl Assembly {
             skin.joints.iter_mut().for_each(|joint| *joint += first_node);
             skin
         }));
-        let far = self.origin != DVec3::ZERO;
-        let worlds = Motion { nodes: self.nodes.clone(), far, ..Motion::default() }.worlds(0.0);
+        extend_worlds(&self.nodes, self.origin != DVec3::ZERO, 0.0, &mut self.worlds);
+        let worlds = &self.worlds;
         for camera in model.cameras {
             let node = first_node + camera.node;
             let placed = camera_at_node(&worlds[node], camera.vertical_fov, camera.near);
@@ -118,6 +136,7 @@ impl Assembly {
         }
         self.repairs.extend(model.repairs);
         self.may_be_empty |= model.may_be_empty;
+        Ok(())
     }
 
     /// Returns the vertices of the scene as they are at 0 s, and what is needed to finish it.

@@ -15,14 +15,16 @@ mod nodes;
 
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use data_file::paths::{OUTSIDE, may_name};
 use gltf::buffer;
 use gltf::json::{self, Root};
+use metrics::decode::read_file;
 
 use self::materials::Materials;
+use crate::budget::Budget;
 use crate::error::SceneError;
 use crate::model::Model;
 
@@ -42,18 +44,28 @@ pub(crate) struct Imported {
 }
 
 /// Reads a `.glb` or `.gltf` file, with the buffers and images that it names.
-pub(crate) fn import(path: &Path) -> Result<Imported, SceneError> {
-    let bytes = fs::read(path).map_err(|error| match error.kind() {
+///
+/// What it becomes is counted in `budget`; its files are in its own folder or in `roots`.
+pub(crate) fn import(path: &Path, roots: &[PathBuf], budget: &Budget) -> Result<Imported, SceneError> {
+    let bytes = read_file(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => {
             SceneError::NotFound { spec: path.display().to_string(), nearest: None, known: Vec::new() }
         }
         _ => SceneError::Unreadable { path: path.into(), error },
     })?;
+    budget.file(path, bytes.len());
     let (json, blob) = split(path, &bytes)?;
     let root: Root = json::deserialize::from_slice(&json)
         .map_err(|e| wrong(path, "JSON", format!("{e}; expected a glTF 2.0 document")))?;
-    let mut importer =
-        Importer { path, root: &root, buffers: Vec::new(), files: Vec::new(), repairs: Vec::new() };
+    let mut importer = Importer {
+        path,
+        roots,
+        root: &root,
+        budget,
+        buffers: Vec::new(),
+        files: Vec::new(),
+        repairs: Vec::new(),
+    };
     importer.check_extensions()?;
     importer.read_buffers(blob)?;
     let Materials { materials, textures, uv_sets } = importer.materials()?;
@@ -92,7 +104,9 @@ fn wrong(path: &Path, place: impl Into<String>, problem: impl Display) -> SceneE
 /// A file that is being read.
 pub(super) struct Importer<'a> {
     path: &'a Path,
+    roots: &'a [PathBuf],
     root: &'a Root,
+    budget: &'a Budget,
     buffers: Vec<Vec<u8>>,
     files: Vec<PathBuf>,
     repairs: Vec<String>,
@@ -145,18 +159,35 @@ impl<'a> Importer<'a> {
         Ok(())
     }
 
+    /// Counts what is about to be made.
+    fn take(&self, count: u64, size: usize, place: &str) -> Result<(), SceneError> {
+        let count = usize::try_from(count).unwrap_or(usize::MAX);
+        self.budget.take(count, size).map_err(|problem| self.wrong(place, problem))
+    }
+
     /// Returns the content behind a URI of the file: embedded data, or another file.
     fn fetch(&mut self, uri: &str) -> Result<Vec<u8>, String> {
         let shown: String = uri.chars().take(80).collect();
-        // The `gltf` crate panics on escapes that are not valid UTF-8.
-        let file = unescaped(uri).ok_or_else(|| format!("its URI `{shown}` is not UTF-8"))?;
-        let base = self.path.parent().unwrap_or(Path::new(""));
-        let data = buffer::Data::from_source(buffer::Source::Uri(uri), Some(base))
-            .map_err(|error| format!("`{shown}` cannot be read: {error}"))?;
-        if !uri.starts_with("data:") {
-            self.files.push(base.join(file));
+        if uri.starts_with("data:") {
+            let data = buffer::Data::from_source(buffer::Source::Uri(uri), None);
+            return data.map(|data| data.0).map_err(|error| format!("`{shown}` cannot be read: {error}"));
         }
-        Ok(data.0)
+        let file = unescaped(uri).ok_or_else(|| format!("its URI `{shown}` is not UTF-8"))?;
+        let file = match file.split_once(':') {
+            None => file.as_str(),
+            Some(("file", path)) => path.strip_prefix("//").unwrap_or(path),
+            Some(_) => return Err(format!("`{shown}` cannot be read: expected a path, `file:` or `data:`")),
+        };
+        let path = self.path.parent().unwrap_or(Path::new("")).join(file);
+        if !may_name(self.path, &path, self.roots) {
+            return Err(format!("`{shown}` {OUTSIDE}"));
+        }
+        let cannot = |error: io::Error| format!("`{shown}` cannot be read: {error}");
+        let bytes = read_file(&path).map_err(cannot)?;
+        self.budget.file(&path, bytes.len());
+        self.budget.take(bytes.len(), 1)?;
+        self.files.push(path);
+        Ok(bytes)
     }
 
     /// Returns the bytes of a buffer view.
@@ -182,6 +213,14 @@ impl<'a> Importer<'a> {
             )),
         }
     }
+}
+
+/// The longest name that is kept, in characters: what is told of a mesh or a material names it each time.
+const MAX_NAME: usize = 200;
+
+/// Returns the name that the document gives, without what is beyond the length of names.
+fn named(told: &Option<String>) -> Option<String> {
+    told.as_ref().map(|name| name.chars().take(MAX_NAME).collect())
 }
 
 /// Returns a URI with its `%xx` escapes replaced, if the result is UTF-8.

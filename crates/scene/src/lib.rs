@@ -18,6 +18,7 @@
 
 mod animation;
 mod assemble;
+mod budget;
 mod built_in;
 mod camera;
 mod description;

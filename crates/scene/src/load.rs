@@ -1,18 +1,20 @@
 //! Loads a [`Scene`] by name or path.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 
 use data_file::codes::scene as codes;
-use data_file::{Diagnostic, Diagnostics, Place, Source, Span, nearest};
+use data_file::{Diagnostic, Diagnostics, Place, Source, Span, nearest, read_text};
 use glam::DVec3;
 
 use crate::animation::{Animated, Between, Outside, Track};
 use crate::assemble::{Assembly, Flattened};
+use crate::budget::Budget;
 use crate::built_in;
 use crate::description::{Description, Geometry, Keyframes, Keys, parse};
 use crate::error::SceneError;
@@ -30,23 +32,26 @@ use crate::scene::{Driver, Scene};
 pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let path = Path::new(spec);
     let name = path.file_stem().map_or(spec.into(), |stem| stem.to_string_lossy().into_owned());
+    let (roots, budget) = (files.roots(), Rc::new(Budget::default()));
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("glb" | "gltf") => settle(|origin| {
-            let mut assembly = Assembly::new(name.clone(), spec, origin);
-            let model = import(path)?;
+            let mut assembly = Assembly::new(name.clone(), spec, origin, &budget);
+            let model = import(path, &roots, &budget)?;
             assembly.files.push(path.into());
             assembly.files.extend(model.files);
-            assembly.place(model.model, None, true);
+            assembly.place(Cow::Owned(model.model), None, true)?;
             assembly.flatten()
         }),
         _ => {
             let (source, folder, on_disk) = find(spec, files)?;
+            budget.text(source.text.len());
             let mut models = BTreeMap::new();
             settle(|origin| {
-                let description = parse(&source, Some(&folder), origin)?;
-                let loader =
-                    Loader { source: &source, folder: &folder, models: &mut models, errors: Vec::new() };
-                loader.assemble(Assembly::new(name.clone(), spec, origin), description, on_disk.clone())
+                let description = parse(&source, Some((&folder, &roots)), origin)?;
+                let (source, models) = (&source, &mut models);
+                let loader = Loader { source, folder: &folder, roots: &roots, models, errors: Vec::new() };
+                let assembly = Assembly::new(name.clone(), spec, origin, &budget);
+                loader.assemble(assembly, description, on_disk.clone())
             })
         }
     }
@@ -64,7 +69,7 @@ pub fn about(spec: &str, files: &dyn SceneFiles) -> Result<String, SceneError> {
 fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Option<PathBuf>), SceneError> {
     let path = Path::new(spec);
     if path.extension().is_some_and(|e| e == "ron") {
-        match fs::read_to_string(path) {
+        match read_text(path) {
             Ok(text) => {
                 let folder = path.parent().map(PathBuf::from).unwrap_or_default();
                 return Ok((Arc::new(Source { name: spec.into(), text }), folder, Some(path.into())));
@@ -88,6 +93,9 @@ fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Opt
     })
 }
 
+/// The most errors that are told of a description once its geometry is known.
+const MAX_ERRORS: usize = 1000;
+
 /// Named objects: their nodes, and their transforms if nothing moves them.
 type Objects = BTreeMap<String, (usize, Transform)>;
 
@@ -95,7 +103,9 @@ type Objects = BTreeMap<String, (usize, Transform)>;
 struct Loader<'a> {
     source: &'a Arc<Source>,
     folder: &'a Path,
-    /// Geometry that was read before, by its path.
+    /// Where geometry files may be, beside the folder of the scene.
+    roots: &'a [PathBuf],
+    /// Geometry that was read or made before, by its path or name.
     models: &'a mut BTreeMap<PathBuf, Imported>,
     /// Errors that can be found only with the geometry.
     errors: Vec<Diagnostic>,
@@ -135,20 +145,31 @@ impl Loader<'_> {
         match geometry {
             // Names that are not built in were reported by the grammar.
             Geometry::BuiltIn(name) => {
-                let model = built_in::make(&name.value).unwrap_or_default();
-                assembly.place(model, parent, with_lights);
+                let made =
+                    self.models.entry(format!("built in: {}", name.value).into()).or_insert_with(|| {
+                        let model = built_in::make(&name.value).unwrap_or_default();
+                        assembly.budget.grant(model.bytes() as u64);
+                        Imported { model, files: Vec::new() }
+                    });
+                assembly.place(Cow::Borrowed(&made.model), parent, with_lights)?;
             }
             Geometry::File(file) => {
                 let path = self.folder.join(&file.value);
-                let imported = match self.models.entry(path.clone()) {
+                // However it is written, a file is read once.
+                let key = path.canonicalize().unwrap_or_else(|_| path.clone());
+                let imported = match self.models.entry(key) {
                     Entry::Occupied(known) => known.into_mut(),
-                    Entry::Vacant(new) => new.insert(import(&path)?),
+                    Entry::Vacant(new) => {
+                        let roots = [self.roots, &[self.folder.to_owned()]].concat();
+                        let Imported { model, mut files } = import(&path, &roots, &assembly.budget)?;
+                        files.insert(0, path);
+                        new.insert(Imported { model, files })
+                    }
                 };
-                if !assembly.files.contains(&path) {
-                    assembly.files.push(path);
+                if !imported.files.first().is_some_and(|file| assembly.files.contains(file)) {
                     assembly.files.extend(imported.files.iter().cloned());
                 }
-                assembly.place(imported.model.clone(), parent, with_lights);
+                assembly.place(Cow::Borrowed(&imported.model), parent, with_lights)?;
             }
             Geometry::Objects(list) => {
                 for object in list {
@@ -175,10 +196,16 @@ impl Loader<'_> {
                 ..Driver::default()
             };
         }
+        let names: Vec<String> = assembly.lights.iter().map(|(light, _)| light.name.clone()).collect();
+        // Of several lights of one name, the first.
+        let numbers: BTreeMap<&str, usize> =
+            names.iter().enumerate().rev().map(|(i, name)| (name.as_str(), i)).collect();
         for (name, keys) in keyframes.lights {
-            let names: Vec<String> = assembly.lights.iter().map(|(light, _)| light.name.clone()).collect();
-            let found = assembly.lights.iter_mut().find(|(light, _)| light.name == name.value);
+            let found = numbers.get(name.value.as_str()).map(|i| &mut assembly.lights[*i]);
             let Some((_, driver)) = found else {
+                if self.errors.len() >= MAX_ERRORS {
+                    continue;
+                }
                 let message = format!("keyframes for `{}`, but no light has this name", name.value);
                 let error = Diagnostic::new(&codes::NAME, message)
                     .label(self.span(name.place), "no such light")

@@ -7,6 +7,7 @@ use crate::animation::Track;
 use crate::hash::Hash;
 use crate::light::LightKind;
 use crate::material::{Material, Texture};
+use crate::scene::Vertex;
 
 /// Geometry with materials, in its own space, and a tree of nodes.
 #[derive(Clone, Debug, Default)]
@@ -48,7 +49,33 @@ pub(crate) struct Primitive {
     pub(crate) influences: Influences,
 }
 
+impl Model {
+    /// Returns the bytes that it takes when it is placed.
+    pub(crate) fn bytes(&self) -> usize {
+        let textures: usize = self.textures.iter().map(|texture| texture.pixels.len()).sum();
+        let nodes = self.nodes.len() * size_of::<Node>() + self.materials.len() * size_of::<Material>();
+        let meshes = self.nodes.iter().filter_map(|node| Some(self.meshes[node.mesh?].bytes()));
+        textures.saturating_add(nodes).saturating_add(meshes.fold(0, usize::saturating_add))
+    }
+}
+
+impl Mesh {
+    /// Returns the bytes that it takes at each node.
+    fn bytes(&self) -> usize {
+        let parts = self.primitives.iter();
+        let parts = parts.map(|part| part.positions.len() * part.corner_bytes() + part.indices.len() * 8);
+        parts.fold(0, usize::saturating_add)
+    }
+}
+
 impl Primitive {
+    /// Returns the bytes that a vertex takes: here, and in the scene.
+    pub(crate) fn corner_bytes(&self) -> usize {
+        let influences = if self.is_bound() { 4 * size_of::<Influence>() } else { 0 };
+        let targets = self.targets.len() * 2 * size_of::<Vec3>();
+        2 * size_of::<Vec3>() + size_of::<Vec2>() + size_of::<Vertex>() + influences + targets
+    }
+
     /// Returns whether every vertex has joints to follow.
     pub(crate) fn is_bound(&self) -> bool {
         self.influences.len() == self.positions.len()

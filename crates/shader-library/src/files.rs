@@ -1,6 +1,6 @@
 //! Where WGSL comes from: folders on disk, texts in memory, and one laid over the other.
 
-use data_file::{Files, Source, read_text};
+use data_file::{Files, Source, read_text_bytes};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -74,8 +74,8 @@ impl DiskFiles {
 impl Files for DiskFiles {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         let inside = normalise(path).filter(|inside| inside == path && !inside.starts_with('/'))?;
-        let text = read_text(&self.root.join(&inside)).ok()?;
-        Some(Source::new(inside, text))
+        let bytes = read_text_bytes(&self.root.join(&inside)).ok()?;
+        Some(Source::new(inside, String::from_utf8_lossy(&bytes)))
     }
 
     /// Hidden folders and `target` are left out.

@@ -131,9 +131,17 @@ impl Reader<'_> {
         self.errors.last_mut().expect("just pushed")
     }
 
+    /// Returns whether there are so many errors that no more are kept. Where each is compared with all names of the
+    /// file, a grammar does not look for more.
+    pub fn is_full(&self) -> bool {
+        self.errors.len() >= MAX_ERRORS * 10
+    }
+
     /// Adds an error of the grammar. Of more than a reader of errors would look at, only the last is kept.
     pub fn tell(&mut self, error: Diagnostic) {
-        self.errors.truncate(MAX_ERRORS * 10 - 1);
+        if self.is_full() {
+            self.errors.pop();
+        }
         self.errors.push(error);
     }
 

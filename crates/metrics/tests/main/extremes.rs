@@ -5,6 +5,7 @@ use metrics::{Display, Image, ImageError, PROVENANCE_KEY, decode, read_provenanc
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 use std::time::Duration;
 
 const LIMIT: Duration = Duration::from_secs(20);
@@ -161,7 +162,7 @@ fn what_is_no_file_is_not_read() {
 }
 
 /// Good files: of each format, with and without alpha and provenance.
-fn good() -> Vec<(&'static str, Vec<u8>)> {
+static GOOD: LazyLock<Vec<(&'static str, Vec<u8>)>> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let image = Image::from_fn(9, 7, |x, y| [x as f32, y as f32 * 0.1, 0.5, 1.0]).unwrap();
     let alpha = Image::from_fn(40, 33, |x, y| [x as f32, y as f32, 0.25, 0.5]).unwrap();
@@ -187,15 +188,15 @@ fn good() -> Vec<(&'static str, Vec<u8>)> {
         .unwrap();
     files.push(("a.jpg", jpeg.into_inner()));
     files
-}
+});
 
 #[test]
 fn the_good_files_are_good() {
-    for (name, bytes) in good() {
-        if name == "a.jpg" {
-            decode::picture(&bytes, None).expect("a picture");
+    for (name, bytes) in &*GOOD {
+        if *name == "a.jpg" {
+            decode::picture(bytes, None).expect("a picture");
         } else {
-            read(name, &bytes).unwrap_or_else(|error| panic!("{error}"));
+            read(name, bytes).unwrap_or_else(|error| panic!("{error}"));
         }
     }
 }
@@ -231,8 +232,8 @@ proptest! {
     #![proptest_config(mutation::config(600))]
 
     #[test]
-    fn pictures_with_edits(which in 0..8_usize, bytes in mutation::bytes(good().into_iter().map(|(_, bytes)| bytes)), sums in any::<bool>()) {
-        let name = good()[which].0;
+    fn pictures_with_edits(which in 0..8_usize, bytes in mutation::bytes(GOOD.iter().map(|(_, bytes)| bytes.clone())), sums in any::<bool>()) {
+        let name = GOOD[which].0;
         let bytes = if sums { with_checksums(&bytes) } else { bytes };
         for error in mutation::within(LIMIT, move || decode_all(name, &bytes)) {
             prop_assert!(!error.is_empty() && error.len() < 2000, "{error}");
@@ -241,7 +242,7 @@ proptest! {
 
     #[test]
     fn pictures_with_edits_under_their_own_names(which in 0..8_usize, seed in any::<prop::sample::Selector>(), at in any::<prop::sample::Index>(), byte in any::<u8>(), cut in 0..20_usize) {
-        let (name, mut bytes) = good().swap_remove(which);
+        let (name, mut bytes) = GOOD[which].clone();
         // Among the first bytes, where headers are, more often than elsewhere.
         let near = seed.select([bytes.len(), bytes.len().min(400), bytes.len().min(64)]);
         let at = at.index(near);

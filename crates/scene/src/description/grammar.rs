@@ -2,10 +2,11 @@
 //! errors are reported at once.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use data_file::codes::scene as codes;
+use data_file::paths::{OUTSIDE, may_name};
 use data_file::reader::{self, Fields, Form, Node, Reader};
 use data_file::{Diagnostic, Diagnostics, Place, Source};
 use glam::{DVec3, Vec3};
@@ -29,14 +30,14 @@ const GEOMETRY: &str = "`BuiltIn(\"name\")`, `File(\"model.glb\")` or `Objects([
 const TRANSFORM: &str = "`Transform(translate: (x, y, z), rotate_deg: (x, y, z), scale: (x, y, z))`";
 const FINITE: &str = "a finite number";
 
-/// Reads a scene file, with its places in the world relative to `origin`. Geometry files are looked up in
-/// `folder`, if one is given.
+/// Reads a scene file, with its places in the world relative to `origin`. Geometry files are looked up in a `folder`, if
+/// one is given; they may also be in the folders given with it.
 ///
 /// # Errors
 /// All errors of the file that can be found without reading geometry.
 pub(crate) fn parse(
     source: &Arc<Source>,
-    folder: Option<&Path>,
+    folder: Option<(&Path, &[PathBuf])>,
     origin: DVec3,
 ) -> Result<Description, Diagnostics> {
     let objects = BTreeMap::new();
@@ -45,7 +46,7 @@ pub(crate) fn parse(
 
 struct Grammar<'a, 'b> {
     reader: &'a mut Reader<'b>,
-    folder: Option<&'a Path>,
+    folder: Option<(&'a Path, &'a [PathBuf])>,
     origin: DVec3,
     /// Names of objects, at any depth: where they stand, and what is subtracted from their places, which is nothing
     /// within another object.
@@ -122,8 +123,15 @@ impl Grammar<'_, '_> {
     }
 
     fn file_is_there(&mut self, file: &At<String>) {
-        let Some(folder) = self.folder else { return };
+        let Some((folder, roots)) = self.folder else { return };
         let path = folder.join(&file.value);
+        let scene = folder.join("scene");
+        if !may_name(&scene, &path, roots) {
+            let error = Diagnostic::new(&codes::NAME, format!("the file {} {OUTSIDE}", path.display()))
+                .label(self.reader.span(file.place), "outside");
+            self.reader.tell(error);
+            return;
+        }
         if path.exists() {
             return;
         }
@@ -285,7 +293,7 @@ impl Grammar<'_, '_> {
         let lights = lights.map(|(name, node)| (name, self.light_keys(node, &mut end))).collect();
         let objects = fields.get("objects").map(|node| self.named(node, "an object")).unwrap_or_default();
         for (name, _) in &objects {
-            if !self.objects.contains_key(&name.value) {
+            if !self.objects.contains_key(&name.value) && !self.reader.is_full() {
                 let message = format!("keyframes for `{}`, but no object has this name", name.value);
                 let error = Diagnostic::new(&codes::NAME, message)
                     .label(self.reader.span(name.place), "no such object")

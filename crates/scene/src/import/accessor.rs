@@ -6,9 +6,6 @@ use gltf::json::validation::Checked;
 use super::Importer;
 use crate::error::SceneError;
 
-/// The greatest number of elements without a buffer (of a sparse accessor without a base).
-const MAX_ZEROS: u64 = 1 << 24;
-
 /// The elements of an accessor, packed.
 struct Elements {
     bytes: Vec<u8>,
@@ -48,6 +45,9 @@ impl Importer<'_> {
             );
             return Err(self.wrong(format!("accessor {index}"), problem));
         }
+        // Each can be a corner of three triangles, of a strip.
+        let place = format!("accessor {index}");
+        self.take((elements.bytes.len() / elements.component.size()) as u64, 12, &place)?;
         Ok(unsigned_integers(&elements.bytes, elements.component))
     }
 
@@ -91,16 +91,15 @@ impl Importer<'_> {
         };
         let size = component.0.size() * kind.multiplicity();
         let count = accessor.count.0;
+        // As they are in the file, and as the numbers that they become.
+        let asked = size + 4 * kind.multiplicity();
+        self.take(count, asked, &place)?;
         let mut bytes = match accessor.buffer_view {
             Some(view) => {
                 self.packed(view.value(), accessor.byte_offset.unwrap_or_default().0, count, size, &place)?
             }
-            None if count <= MAX_ZEROS => vec![0; count as usize * size],
-            None => {
-                let problem =
-                    format!("{count} elements without a buffer view; at most {MAX_ZEROS} are allowed");
-                return Err(self.wrong(place, problem));
-            }
+            // The base of a sparse accessor.
+            None => vec![0; count as usize * size],
         };
         if let Some(sparse) = &accessor.sparse {
             let Checked::Valid(index_type) = sparse.indices.component_type else {
@@ -108,6 +107,7 @@ impl Importer<'_> {
             };
             let (indices, values) = (&sparse.indices, &sparse.values);
             let n = sparse.count.0;
+            self.take(n, asked + 8, &place)?;
             let offset = indices.byte_offset.0;
             let at = self.packed(indices.buffer_view.value(), offset, n, index_type.0.size(), &place)?;
             let values = self.packed(values.buffer_view.value(), values.byte_offset.0, n, size, &place)?;

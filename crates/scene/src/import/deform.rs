@@ -6,7 +6,7 @@ use gltf::json::scene;
 use gltf::json::validation::Checked;
 use gltf::mesh::Semantic;
 
-use super::Importer;
+use super::{Importer, named};
 use crate::error::SceneError;
 use crate::model::{Influence, Influences, Mesh, Model, Morph, MorphTarget, Skin};
 
@@ -108,6 +108,7 @@ impl Importer<'_> {
         let Some(mesh) = json.mesh.map(|mesh| mesh.value()) else { return Ok(Morph::default()) };
         let own = &self.get(&self.root.meshes, mesh, "mesh", place)?.weights;
         let count = targets_of(&model.meshes[mesh]);
+        self.take(count as u64, 4, place)?;
         let Some(told) = json.weights.as_ref().or(own.as_ref()) else {
             return Ok(Morph { rest: vec![0.0; count], tracks: Vec::new() });
         };
@@ -171,7 +172,7 @@ impl Importer<'_> {
     /// Returns a skin of the document, or `None` if some of its joints are not in the scene.
     fn skin(&self, index: usize, placed: &[Option<usize>]) -> Result<Option<Skin>, SceneError> {
         let json = self.get(&self.root.skins, index, "skin", "skins")?;
-        let place = match &json.name {
+        let place = match &named(&json.name) {
             Some(name) => format!("skin {index} `{name}`"),
             None => format!("skin {index}"),
         };

@@ -6,15 +6,13 @@ use glam::{Vec3, Vec4};
 use gltf::json::material::AlphaMode;
 use gltf::json::texture::{Sampler, WrappingMode};
 use gltf::json::validation::Checked;
-use image::{ImageReader, Limits};
+use image::DynamicImage;
+use metrics::decode;
 use rayon::prelude::*;
 
-use super::Importer;
+use super::{Importer, named};
 use crate::error::SceneError;
 use crate::material::{Encoding, Material, Texture, Wrap};
-
-/// Greatest width and height of images: GPUs guarantee no more.
-const MAX_IMAGE_SIZE: u32 = 16384;
 
 /// A texture of the document, with the encoding in which a material uses it.
 type Key = (usize, Encoding);
@@ -41,7 +39,7 @@ impl Importer<'_> {
     pub(super) fn materials(&mut self) -> Result<Materials, SceneError> {
         let (mut materials, mut uses, mut uv_sets) = (Vec::new(), Vec::new(), Vec::new());
         for (index, material) in self.root.materials.iter().enumerate() {
-            let name = material.name.clone().unwrap_or_else(|| format!("material {index}"));
+            let name = named(&material.name).unwrap_or_else(|| format!("material {index}"));
             let pbr = &material.pbr_metallic_roughness;
             let extensions = material.extensions.as_ref();
             let strength =
@@ -164,7 +162,20 @@ impl Importer<'_> {
                 }
             }
         }
-        let decoded: Vec<_> = encoded.into_par_iter().map(|(image, bytes)| (image, decode(&bytes))).collect();
+        let mut checked = Vec::new();
+        for (image, bytes) in encoded {
+            match decode::size(&bytes, None).and_then(|size| within(size).map(|()| size)) {
+                Ok((width, height)) => {
+                    self.take(u64::from(width) * u64::from(height), 4, &format!("image {image}"))?;
+                    checked.push((image, bytes));
+                }
+                Err(problem) => self.without(image, &problem),
+            }
+        }
+        let decoded: Vec<_> = checked
+            .into_par_iter()
+            .map(|(image, bytes)| (image, decode::picture(&bytes, None).map(DynamicImage::into_rgba8)))
+            .collect();
         let mut pixels = BTreeMap::new();
         for (image, result) in decoded {
             match result {
@@ -178,6 +189,7 @@ impl Importer<'_> {
         for (key, (image, wrap)) in sources {
             let Some(decoded) = pixels.get(&image) else { continue };
             indices.insert(key, textures.len() as u32);
+            self.take(decoded.as_raw().len() as u64, 1, &format!("texture {}", key.0))?;
             textures.push(Texture {
                 name: self.image_name(image),
                 width: decoded.width(),
@@ -192,9 +204,9 @@ impl Importer<'_> {
 
     fn image_name(&self, image: usize) -> String {
         let json = self.root.images.get(image);
-        let named =
-            json.and_then(|i| i.name.clone().or_else(|| i.uri.clone().filter(|u| !u.starts_with("data:"))));
-        named.unwrap_or_else(|| format!("image {image}"))
+        let file = |uri: &String| !uri.starts_with("data:");
+        let told = json.and_then(|i| named(&i.name).or_else(|| named(&i.uri).filter(file)));
+        told.unwrap_or_else(|| format!("image {image}"))
     }
 
     fn without(&mut self, image: usize, problem: &str) {
@@ -206,7 +218,10 @@ impl Importer<'_> {
     fn encoded_image(&mut self, index: usize, place: &str) -> Result<Result<Vec<u8>, String>, SceneError> {
         let image = self.get(&self.root.images, index, "image", place)?;
         if let Some(view) = image.buffer_view {
-            return Ok(Ok(self.view(view.value(), &format!("image {index}"))?.to_vec()));
+            let place = format!("image {index}");
+            let bytes = self.view(view.value(), &place)?;
+            self.take(bytes.len() as u64, 1, &place)?;
+            return Ok(Ok(bytes.to_vec()));
         }
         Ok(match &image.uri {
             Some(uri) => self.fetch(uri),
@@ -215,16 +230,10 @@ impl Importer<'_> {
     }
 }
 
-fn decode(bytes: &[u8]) -> Result<image::RgbaImage, String> {
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_IMAGE_SIZE);
-    limits.max_image_height = Some(MAX_IMAGE_SIZE);
-    let mut reader =
-        ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
-    reader.limits(limits);
-    let decoded = reader.decode().map_err(|e| e.to_string())?;
-    if decoded.width() == 0 || decoded.height() == 0 {
-        return Err("it has no pixels".into());
+/// Checks the size of an image against what GPUs guarantee.
+fn within((width, height): (u32, u32)) -> Result<(), String> {
+    if width.max(height) <= decode::MAX_SIDE {
+        return Ok(());
     }
-    Ok(decoded.into_rgba8())
+    Err(format!("it has {width} x {height} pixels; at most {} each way are allowed", decode::MAX_SIDE))
 }

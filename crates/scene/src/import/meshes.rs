@@ -5,7 +5,7 @@ use gltf::json::mesh;
 use gltf::json::validation::Checked;
 use gltf::mesh::{Mode, Semantic};
 
-use super::Importer;
+use super::{Importer, named};
 use crate::error::SceneError;
 use crate::material::Material;
 use crate::model::{Influences, Mesh, MorphTarget, Primitive};
@@ -21,7 +21,7 @@ impl Importer<'_> {
         let mut default_material = None;
         let mut meshes = Vec::new();
         for (index, json) in self.root.meshes.iter().enumerate() {
-            let name = json.name.clone().unwrap_or_else(|| format!("mesh {index}"));
+            let name = named(&json.name).unwrap_or_else(|| format!("mesh {index}"));
             let mut primitives = Vec::new();
             for (number, primitive) in json.primitives.iter().enumerate() {
                 let place = format!("mesh {index} `{name}`, primitive {number}");
@@ -87,7 +87,10 @@ impl Importer<'_> {
 
         let corners: Vec<u32> = match json.indices {
             Some(index) => self.indices(index.value(), place)?,
-            None => (0..count as u32).collect(),
+            None => {
+                self.take(count as u64, 16, place)?;
+                (0..count as u32).collect()
+            }
         };
         if let Some((i, index)) = corners.iter().enumerate().find(|(_, index)| **index as usize >= count) {
             let problem = format!("index number {i} is {index}, but there are only {count} vertices");
@@ -110,6 +113,7 @@ impl Importer<'_> {
         Ok(Some(match normals {
             Some(normals) => self.with_normals(primitive, normals, place),
             None => {
+                self.take(primitive.indices.len() as u64, primitive.corner_bytes(), place)?;
                 self.repairs.push(format!("{place} has no normals: its triangles are shaded flat"));
                 flat(&primitive)
             }

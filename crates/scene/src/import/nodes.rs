@@ -8,8 +8,8 @@ use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use gltf::json::scene;
 use gltf::json::validation::Checked;
 
-use super::Importer;
 use super::deform::targets_of;
+use super::{Importer, named};
 use crate::animation::{Animated, Between, Outside, Track};
 use crate::error::SceneError;
 use crate::light::LightKind;
@@ -30,7 +30,7 @@ impl Importer<'_> {
             self.roots()?.into_iter().rev().map(|i| (i, None)).collect();
         while let Some((index, parent)) = open.pop() {
             let json = self.get(&self.root.nodes, index, "node", "nodes")?;
-            let name = json.name.clone().unwrap_or_else(|| format!("node {index}"));
+            let name = named(&json.name).unwrap_or_else(|| format!("node {index}"));
             let place = format!("node {index} `{name}`");
             if placed[index].replace(model.nodes.len()).is_some() {
                 return Err(self.wrong(place, "it is reached twice: nodes must form a tree"));
@@ -86,7 +86,7 @@ impl Importer<'_> {
     ) -> Result<(), SceneError> {
         let Some(index) = json.camera else { return Ok(()) };
         let camera = self.get(&self.root.cameras, index.value(), "camera", place)?;
-        let name = camera.name.clone().unwrap_or_else(|| node_name.to_string());
+        let name = named(&camera.name).unwrap_or_else(|| node_name.to_string());
         let Some(perspective) = &camera.perspective else {
             self.repairs.push(format!("camera `{name}` is left out: it is orthographic"));
             return Ok(());
@@ -121,7 +121,7 @@ impl Importer<'_> {
         let index = index.light.value();
         let lights = self.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
         let light: &Light = self.get(lights.map_or(&[][..], |l| &l.lights), index, "light", place)?;
-        let name = light.name.clone().unwrap_or_else(|| node_name.to_string());
+        let name = named(&light.name).unwrap_or_else(|| node_name.to_string());
         let place = format!("light {index} `{name}`");
         let kind = match light.type_ {
             Checked::Valid(Type::Point) => LightKind::Point,
@@ -162,7 +162,7 @@ impl Importer<'_> {
         placed: &[Option<usize>],
         model: &mut Model,
     ) -> Result<(), SceneError> {
-        let clip = animation.name.clone().unwrap_or_else(|| "0".into());
+        let clip = named(&animation.name).unwrap_or_else(|| "0".into());
         let others = self.root.animations.len() - 1;
         if others > 0 {
             self.repairs.push(format!("of {} animations the first, `{clip}`, plays", others + 1));

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use crate::common::{Glb, InMemory, load_bytes, load_text};
 
 /// A small file that has one of everything.
-fn sample() -> Glb {
+pub(crate) fn sample() -> Glb {
     let mut glb = Glb::square();
     let uvs = glb.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uvs);
@@ -69,7 +69,7 @@ fn sample() -> Glb {
 }
 
 /// Whatever comes of it must hold together.
-fn assert_sound(result: Result<Scene, SceneError>) -> Result<(), TestCaseError> {
+pub(crate) fn assert_sound(result: Result<Scene, SceneError>) -> Result<(), TestCaseError> {
     let scene = match result {
         Ok(scene) => scene,
         Err(error) => {

@@ -8,6 +8,7 @@ mod common;
 mod deformation;
 mod description;
 mod editing;
+mod extremes;
 mod far;
 mod gltf;
 mod movement;
