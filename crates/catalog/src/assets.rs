@@ -1,5 +1,6 @@
 //! Files by their path from the root of the tree: on disk first, then those embedded in the program.
 
+use data_file::read_text;
 use frame_graph::Source;
 use frame_graph::resolve::Files;
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,19 +43,22 @@ impl Assets {
         start.ancestors().find(|folder| is_root(folder)).map(Path::to_path_buf)
     }
 
+    /// Returns the folder on disk as the only one, for [`Files::roots`].
+    fn roots(&self) -> Vec<PathBuf> {
+        self.root.iter().cloned().collect()
+    }
+
     /// Returns the text of a file; `None` where there is none. Paths that leave the root are not followed, absolute
-    /// ones and those from the working folder are read as they stand when `root` has no such file.
+    /// ones and those from the working folder are read as they stand when `root` has no such file. Whoever found a path
+    /// in a file asks [`may_name`](data_file::paths::may_name) first.
     pub fn text(&self, path: &str) -> Option<String> {
         let below_root =
             !path.is_empty() && !Path::new(path).is_absolute() && !path.split('/').any(|part| part == "..");
-        let on_disk = self
-            .root
-            .as_ref()
-            .filter(|_| below_root)
-            .and_then(|root| std::fs::read_to_string(root.join(path)).ok());
+        let on_disk =
+            self.root.as_ref().filter(|_| below_root).and_then(|root| read_text(&root.join(path)).ok());
         on_disk
             .or_else(|| self.embedded.get(path).map(|text| (*text).to_owned()))
-            .or_else(|| std::fs::read_to_string(path).ok())
+            .or_else(|| read_text(Path::new(path)).ok())
     }
 
     /// Paths of all files below a folder of the root, embedded or on disk, with that extension; sorted.
@@ -104,6 +108,10 @@ impl Files for PipelineFiles {
         let strip = |path: String| path.trim_start_matches("pipelines/").to_owned();
         self.0.list("pipelines", "ron").into_iter().map(strip).collect()
     }
+
+    fn roots(&self) -> Vec<PathBuf> {
+        self.0.roots()
+    }
 }
 
 /// WGSL by path from the root: `shaders/camera.wgsl`, `passes/gather/gather.wgsl`.
@@ -118,6 +126,10 @@ impl Files for ShaderAssets {
 
     fn list(&self) -> Vec<String> {
         ["shaders", "interfaces", "passes", "pipelines"].map(|folder| self.0.list(folder, "wgsl")).concat()
+    }
+
+    fn roots(&self) -> Vec<PathBuf> {
+        self.0.roots()
     }
 }
 
@@ -138,6 +150,10 @@ impl Files for SceneAssets {
             .into_iter()
             .map(|path| path.trim_start_matches("scenes/").to_owned())
             .collect()
+    }
+
+    fn roots(&self) -> Vec<PathBuf> {
+        self.0.roots()
     }
 }
 

@@ -30,7 +30,7 @@ codes! {
     DUPLICATE = "E006": "A name or field is given twice.";
     BAD_NAME = "E007": "A name holds a character that names may not have, or a link has too many parts.";
     UNKNOWN_FORM = "E008": "A form of that name is not known here.";
-    NO_FILE = "E010": "A file that `extends`, `Sub` or the command line names does not exist.";
+    NO_FILE = "E010": "A file that `extends`, `Sub` or the command line names does not exist, or is outside of the folders whose files may be named.";
     EXTENDS_LOOP = "E011": "A file extends itself, directly or through others.";
     SUB_LOOP = "E012": "A sub-graph contains itself, directly or through others.";
     TOO_LARGE = "E013": "Files are nested too deeply, or the flattened pipeline has too many passes.";

@@ -3,7 +3,7 @@
 use crate::Source;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The longest text that is read, in bytes: a hundred times the longest scene that anyone wrote, and parsed in a second.
@@ -16,6 +16,12 @@ pub trait Files {
 
     /// Returns the paths of all files: for lists, and for errors that offer the nearest.
     fn list(&self) -> Vec<String>;
+
+    /// Returns the folders on disk in which files may be that a file names, beside its own folder and the working folder;
+    /// see [`paths`](crate::paths). There are none where nothing is on disk.
+    fn roots(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
 }
 
 /// Reads a text. Of one longer than [`MAX_TEXT`], as that of a device can be, it reads no more than shows that it is;

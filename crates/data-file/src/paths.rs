@@ -2,9 +2,10 @@
 //!
 //! Pipelines, shaders, scenes, models and studies are passed on and tried out by people who have not read them, so none of
 //! them names files all over the disk: a file may name those of its own folder, of the working folder, and of the roots
-//! that the user gave, with all that is below. What the user names on the command line is not asked about. Paths are
-//! compared as they are written: a link that leads elsewhere was made by the user.
+//! that the user gave, with all that is below. What the user names on the command line is not asked about. A link
+//! inside that leads elsewhere was made by the user.
 
+use std::cell::LazyCell;
 use std::path::{Component, Path, PathBuf, absolute};
 
 /// What is said of a path for which [`may_name`] is false, behind the path.
@@ -15,11 +16,15 @@ pub const OUTSIDE: &str = "is neither in the folder of the file that names it, n
 /// folder, or in one of `roots`. Paths that are not absolute are from the working folder.
 pub fn may_name(by: &Path, path: &Path, roots: &[PathBuf]) -> bool {
     let Some(path) = plain(path) else { return false };
-    let inside = |folder: &Path| plain(folder).is_some_and(|folder| path.starts_with(folder));
+    // A folder can have two names, such as `/var` and `/private/var`: what is the same file is inside under either.
+    let linked = LazyCell::new(|| path.canonicalize().ok());
+    let inside = |folder: &Path| {
+        let Some(folder) = plain(folder) else { return false };
+        let same = |path: &PathBuf| folder.canonicalize().is_ok_and(|folder| path.starts_with(folder));
+        path.starts_with(&folder) || linked.as_ref().is_some_and(same)
+    };
     let own = plain(by).and_then(|by| Some(by.parent()?.to_owned()));
-    own.is_some_and(|own| path.starts_with(own))
-        || inside(Path::new("."))
-        || roots.iter().any(|root| inside(root))
+    own.is_some_and(|own| inside(&own)) || inside(Path::new(".")) || roots.iter().any(|root| inside(root))
 }
 
 /// Returns a path from the root of the disk, without `.` and `..`; `None` where there is no working folder.

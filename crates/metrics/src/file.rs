@@ -294,7 +294,7 @@ fn has_alpha(image: &Image) -> bool {
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>, ImageError> {
-    decode::read_file(path).map_err(io(path, "cannot read"))
+    decode::read_file(path).map_err(io(path, "cannot open"))
 }
 
 fn io(path: &Path, action: &'static str) -> impl Fn(std::io::Error) -> ImageError {

@@ -10,10 +10,4 @@ pub trait SceneFiles: Files {
     fn folder(&self) -> PathBuf {
         PathBuf::new()
     }
-
-    /// Returns the folders in which files may be that scenes and models name, beside the folder of the file that names
-    /// them and the working folder. The default is the folder of the scenes.
-    fn roots(&self) -> Vec<PathBuf> {
-        vec![self.folder()]
-    }
 }

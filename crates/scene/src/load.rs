@@ -32,7 +32,7 @@ use crate::scene::{Driver, Scene};
 pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let path = Path::new(spec);
     let name = path.file_stem().map_or(spec.into(), |stem| stem.to_string_lossy().into_owned());
-    let (roots, budget) = (files.roots(), Rc::new(Budget::default()));
+    let (roots, budget) = (roots(files), Rc::new(Budget::default()));
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("glb" | "gltf") => settle(|origin| {
             let mut assembly = Assembly::new(name.clone(), spec, origin, &budget);
@@ -55,6 +55,13 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
             })
         }
     }
+}
+
+/// Returns the folders in which files may be that scenes and models name.
+fn roots(files: &dyn SceneFiles) -> Vec<PathBuf> {
+    let mut roots = files.roots();
+    roots.push(files.folder());
+    roots
 }
 
 /// Returns the `about` line of a scene file, without loading its geometry: for lists of scenes.

@@ -7,9 +7,11 @@ use crate::library::Request;
 use crate::line_map::{LineMap, span};
 use crate::scan::Comments;
 use data_file::codes::shader as codes;
+use data_file::paths::{OUTSIDE, may_name};
 use data_file::{Diagnostic, Diagnostics, Label, Source, nearest};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 /// The longest shader with all that it imports, in bytes: fifty times the longest of this tree, and compiled in seconds
@@ -324,6 +326,7 @@ impl Composer<'_> {
             Directive::Endif => branches.pop().map(|_| ()).ok_or_else(|| unbalanced("endif")),
             _ if !active => Ok(()),
             Directive::Import(path) => {
+                self.inside(source, &path)?;
                 let found = self.find(files::folder(&source.name), &path.value).ok_or_else(|| {
                     let mut fault = Fault::new(
                         &codes::MISSING_FILE,
@@ -341,6 +344,18 @@ impl Composer<'_> {
                 self.option(name, default, one_of, doc, source, line)
             }
         }
+    }
+
+    /// Checks that an import leads to a file that the importing one may name.
+    fn inside(&self, source: &Arc<Source>, path: &Placed<String>) -> Result<(), Fault> {
+        let by = Path::new(&source.name);
+        let outside = files::join(files::folder(&source.name), &path.value)
+            .is_some_and(|imported| !may_name(by, Path::new(&imported), &self.files.roots()));
+        if !outside {
+            return Ok(());
+        }
+        let message = format!("the file `{}` {OUTSIDE}", path.value);
+        Err(Fault::new(&codes::MISSING_FILE, path.range.clone(), message).label("outside"))
     }
 
     fn interface(

@@ -90,6 +90,10 @@ impl Files for DiskFiles {
         paths.sort();
         paths
     }
+
+    fn roots(&self) -> Vec<PathBuf> {
+        vec![self.root.clone()]
+    }
 }
 
 /// All files under `root`, without hidden folders and `target`, in no order. Links are not followed.
@@ -120,6 +124,10 @@ impl Files for Overlay {
 
     fn list(&self) -> Vec<String> {
         self.0.iter().flat_map(|files| files.list()).collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    fn roots(&self) -> Vec<PathBuf> {
+        self.0.iter().flat_map(|files| files.roots()).collect()
     }
 }
 

@@ -6,6 +6,7 @@ use metrics::Image;
 use metrics::temporal::Pinhole;
 use metrics::virtual_lights::VirtualLight;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// Describes the scenes and pipelines that can be studied, before anything runs. It needs no GPU.
 pub trait Registry {
@@ -30,6 +31,12 @@ pub trait Registry {
     /// Returns the differences between two pipelines, each with values by path: the lines of `lightloom
     /// diff`.
     fn differences(&self, first: (&str, &Values), second: (&str, &Values)) -> Vec<String>;
+
+    /// Returns the folders on disk in which files may be that a study names, beside its own folder and the working
+    /// folder. The default is that there are none.
+    fn roots(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
 }
 
 /// Values by path, applied in order.

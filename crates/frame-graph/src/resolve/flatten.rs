@@ -11,7 +11,9 @@ use crate::description::{
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
 use crate::value::{Misfit, Setting, Value};
 use data_file::Name;
+use data_file::paths::{OUTSIDE, may_name};
 use rustc_hash::FxHashMap;
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -77,10 +79,24 @@ impl<'a> Resolver<'a> {
         }
     }
 
+    /// Tells where the file that is named at `place` is none that its file may name.
+    fn may_name(&mut self, path: &str, place: Place) -> bool {
+        let span = self.sources.span(place);
+        let inside = may_name(Path::new(&span.source.name), Path::new(path), &self.files.roots());
+        if !inside {
+            let message = format!("the file `{path}` {OUTSIDE}");
+            self.errors.push(Diagnostic::new(&codes::NO_FILE, message).label(span, "outside"));
+        }
+        inside
+    }
+
     /// Reads a file that is named at `place`, once.
     pub(super) fn load(&mut self, path: &str, place: Place) -> Option<Rc<Description>> {
         if let Some(loaded) = self.loaded.get(path) {
             return loaded.clone();
+        }
+        if !self.may_name(path, place) {
+            return None;
         }
         let found = match self.files.read(path) {
             Some(source) => {
@@ -233,6 +249,9 @@ impl<'a> Resolver<'a> {
                     }
                     None => decl.set.push(set),
                 }
+            }
+            if let Body::Pass { shader: Some(shader), .. } = &decl.body {
+                self.may_name(&shader.value, shader.place);
             }
             self.nodes.push(Node { name: full, place: name.place, parent, decl });
         }

@@ -2,6 +2,7 @@ mod asked;
 mod broken;
 mod continued;
 mod drawing;
+mod extremes;
 mod formulas;
 mod handed;
 mod inherit;

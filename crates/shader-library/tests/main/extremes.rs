@@ -211,3 +211,27 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn shaders_import_no_files_outside_of_their_folders() {
+    let load = |import: &str| {
+        let main = format!("#import \"{import}\"\n{}", entry(""));
+        let files = [
+            ("/elsewhere/mine/main.wgsl", main.as_str()),
+            ("/elsewhere/mine/b.wgsl", ""),
+            ("/elsewhere/b.wgsl", ""),
+            ("/etc/b.wgsl", ""),
+            ("shaders/c.wgsl", ""),
+        ];
+        let loaded = library(&files).load(&Request::new("/elsewhere/mine/main.wgsl"));
+        loaded.err().map_or_else(String::new, |errors| errors.to_string())
+    };
+    for good in ["b.wgsl", "./b.wgsl", "x/../b.wgsl", "/elsewhere/mine/b.wgsl", "c.wgsl"] {
+        assert_eq!(load(good), "", "{good}");
+    }
+    for bad in ["../b.wgsl", "/elsewhere/b.wgsl", "/etc/b.wgsl", "x/../../../etc/b.wgsl"] {
+        let errors = load(bad);
+        assert!(errors.contains("error[S001]: the file `") && errors.contains("`--root`"), "{bad}: {errors}");
+        assert!(errors.contains("main.wgsl:1:9"), "{bad}: {errors}");
+    }
+}

@@ -8,8 +8,10 @@ use crate::description::{
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
 use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
+use data_file::paths::{OUTSIDE, may_name};
 use frame_graph::codes::{Code, study as codes};
 use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, ValueType};
+use std::path::Path;
 
 pub(super) struct Checker<'a> {
     study: &'a Study,
@@ -29,6 +31,9 @@ impl<'a> Checker<'a> {
     pub(super) fn scenes(&mut self) -> Vec<(String, SceneFacts)> {
         let mut found = Vec::new();
         for scene in &self.study.scenes {
+            if !self.may_name(&codes::SCENE, scene) {
+                continue;
+            }
             match self.registry.scene(&scene.value) {
                 Ok(mut facts) => {
                     facts.record.name.clone_from(&scene.value);
@@ -44,7 +49,23 @@ impl<'a> Checker<'a> {
         found
     }
 
+    /// Tells where a path of the study leads to a file that it may not name. What the command line gives has its own
+    /// source, whose name is the option.
+    fn may_name(&mut self, code: &'static Code, path: &At<String>) -> bool {
+        let by = &path.span.source.name;
+        let inside =
+            by.starts_with("--") || may_name(Path::new(by), Path::new(&path.value), &self.registry.roots());
+        if !inside {
+            let message = format!("the file `{}` {OUTSIDE}", path.value);
+            self.errors.push(Diagnostic::new(code, message).label(path.span.clone(), "outside"));
+        }
+        inside
+    }
+
     fn facts(&mut self, name: &At<String>) -> Option<PipelineFacts> {
+        if !self.may_name(&codes::PIPELINE, name) {
+            return None;
+        }
         match self.registry.pipeline(&name.value) {
             Ok(facts) => Some(facts),
             Err(why) => {
@@ -217,6 +238,9 @@ impl<'a> Checker<'a> {
         match &self.study.reference {
             Reference::None => None,
             Reference::Pictures(files) => {
+                for (_, file) in files {
+                    self.may_name(&codes::REFERENCE, file);
+                }
                 for (name, _) in scenes {
                     let of = |at: &Option<At<String>>| at.as_ref().is_none_or(|scene| scene.value == *name);
                     if !files.iter().any(|(scene, _)| of(scene)) {

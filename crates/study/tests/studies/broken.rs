@@ -6,6 +6,7 @@ use frame_graph::{Diagnostics, Source};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use study::{Plan, parse};
 
 fn folder() -> PathBuf {
@@ -44,6 +45,82 @@ const GOOD: &str = include_str!("good.ron");
 #[test]
 fn the_good_file_is_good() {
     check(Source::new("good.ron", GOOD)).unwrap_or_else(|errors| panic!("{errors}"));
+}
+
+const LIMIT: Duration = Duration::from_secs(20);
+
+#[test]
+fn large_studies_of_one_piece_and_of_many_names_are_refused_fast() {
+    let mut texts: Vec<String> =
+        mutation::large(1 << 20).into_iter().map(|(_, text)| text.to_string()).collect();
+    texts.push("Study(a: ".repeat(50_000));
+    let names = |of: &str| (0..20_000).map(|i| format!("\"{of}{i}\", ")).collect::<String>();
+    texts.push(format!("Study(scenes: [{}], pipelines: [\"fast\"], measures: [\"rmse\"])", names("s")));
+    texts.push(format!("Study(scenes: [\"box\"], pipelines: [{}], measures: [\"rmse\"])", names("p")));
+    texts.push(format!("Study(scenes: [\"box\"], pipelines: [\"fast\"], measures: [{}])", names("m")));
+    let axis: String = (0..20_000).map(|i| format!("\"a{i}\": [1, 2], ")).collect();
+    texts.push(format!(
+        "Study(scenes: [\"box\"], pipelines: [\"fast\"], vary: {{{axis}}}, measures: [\"rmse\"])"
+    ));
+    let values: String = (1..20_000).map(|i| format!("{i}, ")).collect();
+    texts.push(format!("Study(scenes: [\"box\"], pipelines: [\"fast\"], vary: {{\"lights\": [{values}]}}, measures: [\"rmse\"])"));
+    for text in texts {
+        let start: String = text.chars().take(60).collect();
+        let told = mutation::within(LIMIT, move || {
+            check(Source::new("x.ron", text)).err().map(|errors| errors.to_string())
+        });
+        let told = told.unwrap_or_else(|| panic!("{start:?} is not broken"));
+        assert!(told.contains("x.ron:") && told.len() < 300_000, "{start:?}: {} bytes", told.len());
+    }
+}
+
+#[test]
+fn studies_name_no_files_outside_of_their_folders() {
+    for (scene, pipeline, picture, code) in [
+        ("/etc/passwd", "fast", "a.exr", "T001"),
+        ("../../../../../../../../../../scenes/box.ron", "fast", "a.exr", "T001"),
+        ("box", "/home/other/x.ron", "a.exr", "T002"),
+        ("box", "fast", "../../../../../../../../../../a.exr", "T013"),
+    ] {
+        let text = format!(
+            "Study(scenes: [\"{scene}\"], pipelines: [\"{pipeline}\"], measures: [\"rmse\"], reference: Picture(\"{picture}\"))"
+        );
+        let told = check(Source::new("x.ron", text)).expect_err("it names a file elsewhere").to_string();
+        assert!(told.contains(&format!("error[{code}]: the file `")) && told.contains("`--root`"), "{told}");
+    }
+    // What the command line gives is not asked about.
+    let mut study = parse(Source::new("good.ron", GOOD)).expect("a good study");
+    study
+        .edit(&study::Edits { scenes: vec!["/elsewhere/box.ron".to_owned()], ..Default::default() })
+        .expect("edits");
+    let told = Plan::new(study, &Shelf).expect_err("there is no such scene").to_string();
+    assert!(told.contains("/elsewhere/box.ron") && !told.contains("`--root`"), "{told}");
+}
+
+/// The studies of this tree, and the good one.
+fn good() -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
+    let paths = std::fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path());
+    let mut texts: Vec<String> = paths
+        .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
+        .map(|path| std::fs::read_to_string(path).unwrap())
+        .collect();
+    texts.sort();
+    // More often than the others, since the names in it are known.
+    texts.extend(std::iter::repeat_n(GOOD.to_owned(), 10));
+    texts
+}
+
+proptest! {
+    #![proptest_config(mutation::config(400))]
+
+    #[test]
+    fn studies_with_edits(text in mutation::texts(good())) {
+        let told = mutation::within(LIMIT, move || {
+            check(Source::new("x.ron", text)).err().map(|errors| errors.to_string())
+        });
+        prop_assert!(told.is_none_or(|told| !told.is_empty()));
+    }
 }
 
 proptest! {

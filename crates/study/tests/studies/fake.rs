@@ -5,7 +5,7 @@ use metrics::Image;
 use metrics::temporal::Pinhole;
 use metrics::virtual_lights::VirtualLight;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use study::{
     AxisValue, CellRun, Event, Identity, Laboratory, Memory, Observed, Occluded, PipelineFacts, Plan, Ran,
     Registry, RunOptions, RunRequest, SceneFacts, SceneRecord, Study, StudyError, Values,
@@ -38,6 +38,10 @@ fn whole(name: &str, default: u32, one_of: &[u32]) -> Settable {
 impl Registry for Shelf {
     fn scenes(&self) -> Vec<String> {
         vec!["box".to_owned(), "walk".to_owned()]
+    }
+
+    fn roots(&self) -> Vec<PathBuf> {
+        vec![std::env::temp_dir()]
     }
 
     fn scene(&self, name: &str) -> Result<SceneFacts, String> {

@@ -1,9 +1,10 @@
 //! What there is to study: the catalog's pipelines and scenes.
 
-use frame_graph::resolve::diff;
+use frame_graph::resolve::{Files as _, diff};
 use frame_graph::{Overrides, Resolved, Value, resolve};
 use renderer::{Catalog, load_scene};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 use study::{PipelineFacts, Registry, SceneFacts, SceneRecord, Values};
 
@@ -49,6 +50,10 @@ impl Registry for CatalogRegistry {
                 triangles: scene.triangles(),
             },
         })
+    }
+
+    fn roots(&self) -> Vec<PathBuf> {
+        self.catalog.pipelines().roots()
     }
 
     fn pipelines(&self) -> Vec<String> {

@@ -1,0 +1,56 @@
+//! Which files a file may name.
+
+use data_file::paths::may_name;
+use std::path::{Path, PathBuf};
+
+#[test]
+fn a_file_names_files_of_its_folder_of_the_working_folder_and_of_the_roots() {
+    let roots = [PathBuf::from("/trees/lightloom")];
+    let may = |by: &str, path: &str| may_name(Path::new(by), Path::new(path), &roots);
+    let here = std::env::current_dir().expect("a working folder");
+    let inside = here.join("deep/../x.wgsl");
+    let good = [
+        ("/home/u/a.ron", "/home/u/b.ron"),
+        ("/home/u/a.ron", "/home/u/parts/b.ron"),
+        ("/home/u/a.ron", "/home/u/parts/../b.ron"),
+        ("/home/u/a.ron", "/trees/lightloom/shaders/b.wgsl"),
+        ("/home/u/a.ron", "parts/b.ron"),
+        ("/home/u/a.ron", "ism"),
+        ("/home/u/a.ron", inside.to_str().expect("UTF-8")),
+        ("pipelines/a.ron", "./b.ron"),
+        ("a.ron", "c/../b.ron"),
+    ];
+    for (by, path) in good {
+        assert!(may(by, path), "{path} in {by}");
+    }
+    let bad = [
+        ("/home/u/a.ron", "/etc/passwd"),
+        ("/home/u/a.ron", "/home/user/b.ron"),
+        ("/home/u/a.ron", "/home/u/../b.ron"),
+        ("/home/u/a.ron", "/home/u/parts/../../b.ron"),
+        ("/home/u/a.ron", "/trees/lightloom/../other/b.ron"),
+        ("/home/u/a.ron", "/trees/lightloom-2/b.ron"),
+        ("/home/u/a.ron", "../../../../../../../../../../etc/passwd"),
+        ("pipelines/a.ron", "../b.ron"),
+        ("a.ron", "c/../../b.ron"),
+    ];
+    for (by, path) in bad {
+        assert!(!may(by, path), "{path} in {by}");
+    }
+    assert!(!may_name(Path::new("/home/u/a.ron"), Path::new("/trees/lightloom/b.ron"), &[]));
+    assert!(may_name(Path::new("/home/u/a.ron"), Path::new("x"), &[PathBuf::new()]), "no folder is this one");
+}
+
+#[cfg(unix)]
+#[test]
+fn links_lead_where_the_user_made_them_lead() {
+    let folder = std::env::temp_dir().join(format!("lightloom-paths-{}", std::process::id()));
+    let at = |name: &str| folder.join(name);
+    std::fs::create_dir_all(at("real/inner")).expect("folders");
+    std::fs::write(at("real/inner/b.ron"), "").expect("a file");
+    std::os::unix::fs::symlink(at("real"), at("other")).expect("a link");
+    let may = |by: &str, path: &str| may_name(&at(by), &at(path), &[]);
+    assert!(may("real/a.ron", "other/inner/b.ron"), "it is the same folder by another name");
+    assert!(!may("real/inner/a.ron", "other/a.ron"), "the folder around it is not");
+    std::fs::remove_dir_all(folder).expect("removed");
+}
