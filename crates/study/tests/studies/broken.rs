@@ -79,7 +79,7 @@ fn studies_name_no_files_outside_of_their_folders() {
     for (scene, pipeline, picture, code) in [
         ("/etc/passwd", "fast", "a.exr", "T001"),
         ("../../../../../../../../../../scenes/box.ron", "fast", "a.exr", "T001"),
-        ("box", "/home/other/x.ron", "a.exr", "T002"),
+        ("box", "/other/x.ron", "a.exr", "T002"),
         ("box", "fast", "../../../../../../../../../../a.exr", "T013"),
     ] {
         let text = format!(
