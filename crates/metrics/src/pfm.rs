@@ -16,6 +16,11 @@ pub(crate) fn write(image: &Image, out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
+/// Returns the beginning of a word: without blanks, a whole file is one.
+fn quoted(word: &str) -> String {
+    word.chars().take(16).collect()
+}
+
 /// Reads RGB (`PF`) or grey (`Pf`) of either byte order. The error says what was found instead.
 pub(crate) fn read(bytes: &[u8]) -> Result<Image, String> {
     let mut rest = bytes;
@@ -30,11 +35,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Image, String> {
     let channels = match word()? {
         "PF" => 3,
         "Pf" => 1,
-        other => return Err(format!("the file begins with `{}`", other.chars().take(8).collect::<String>())),
+        other => return Err(format!("the file begins with `{}`", quoted(other))),
     };
     let mut number = |what: &str| -> Result<f64, String> {
         let text = word()?;
-        text.parse().map_err(|_| format!("{what} is `{text}`"))
+        text.parse().map_err(|_| format!("{what} is `{}`", quoted(text)))
     };
     let (width, height, scale) = (number("the width")?, number("the height")?, number("the scale")?);
     let whole = |side: f64| side.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&side);

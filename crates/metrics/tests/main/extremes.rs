@@ -121,6 +121,14 @@ fn a_header_that_states_more_than_the_file_can_hold_is_refused() {
 }
 
 #[test]
+fn a_header_of_one_long_word_is_quoted_in_part() {
+    for start in ["PF\n", "PF\n8 ", ""] {
+        let error = refused("a.pfm", format!("{start}{}\n", "(".repeat(100_000)).as_bytes());
+        assert!(error.contains("`((((") && error.len() < 500, "{} bytes", error.len());
+    }
+}
+
+#[test]
 fn what_a_file_can_hold_grows_with_it() {
     assert!(decode::check_size(8192, 4096, 0).is_ok());
     assert!(decode::check_size(8192, 4097, 0).is_err());
