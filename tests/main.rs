@@ -19,6 +19,7 @@ mod points;
 mod reference;
 mod reload;
 mod sequential;
+mod stress;
 mod study;
 mod surface_lights;
 mod trace;
