@@ -14,7 +14,7 @@ use window_test::Button;
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How long a picture must stay the same before it counts as the last one.
-const STILL: Duration = Duration::from_millis(900);
+const STILL: Duration = Duration::from_millis(2_000);
 
 /// The window of most tests \[pixels\].
 const SIZE: (u16, u16) = (480, 320);

@@ -390,3 +390,67 @@ fn directional_layer(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> LightLa
         kind: 2,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spot(position: Vec3, direction: Vec3, outer: f32) -> Light {
+        let kind = LightKind::Spot { inner: outer, outer };
+        Light { name: String::new(), kind, position, direction: direction.normalize(), intensity: Vec3::ONE }
+    }
+
+    #[test]
+    fn caps_of_narrow_cones_keep_their_digits() {
+        for angle in [1e-6f32, 1e-4, 0.01, 0.5, PI / 2.0, PI] {
+            // 1 − cos x = x²/2 − x⁴/24 for narrow ones.
+            let x = f64::from(angle);
+            let exact = if x < 0.01 { x * x / 2.0 * (1.0 - x * x / 12.0) } else { 1.0 - x.cos() };
+            assert!(
+                (f64::from(cap(angle)) / exact - 1.0).abs() < 1e-6,
+                "{angle}: {} for {exact}",
+                cap(angle)
+            );
+        }
+    }
+
+    /// Of a light far away, the map shows the whole scene and not much else.
+    #[test]
+    fn the_map_of_a_light_outside_holds_the_scene() {
+        let bounds = (Vec3::new(-1.0, -2.0, 0.0), Vec3::new(3.0, 1.0, 2.0));
+        let centre = 0.5 * (bounds.0 + bounds.1);
+        let corners = (0..8).map(|i| {
+            let pick = |bit: u32, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
+            Vec3::new(
+                pick(0, bounds.0.x, bounds.1.x),
+                pick(1, bounds.0.y, bounds.1.y),
+                pick(2, bounds.0.z, bounds.1.z),
+            )
+        });
+        let corners: Vec<Vec3> = corners.collect();
+        for distance in [5.0f32, 100.0, 1e4, 1e6] {
+            let position = centre + distance * Vec3::new(1.0, 2.0, -2.0) / 3.0;
+            let light = spot(position, centre - position, 0.7);
+            let half = half_angle(&light, 0.7, bounds);
+            let seen = corners.iter().map(|corner| {
+                let way = (*corner - position).as_dvec3();
+                way.angle_between(light.direction.as_dvec3())
+            });
+            let widest = seen.fold(0.0, f64::max);
+            // Where positions are rounded by as much as the scene is wide, so are angles.
+            let rounding = f64::from(distance * f32::EPSILON) / f64::from(distance);
+            assert!(f64::from(half) >= widest - rounding, "{distance} m: {half} for {widest}");
+            assert!(
+                half <= 0.7 && f64::from(half) < 2.0 * widest + 0.01,
+                "{distance} m: {half} for {widest}"
+            );
+        }
+        // Within the scene, and where the cone is narrower, the cone counts.
+        let inside = spot(centre, Vec3::X, 0.7);
+        assert_eq!(half_angle(&inside, 0.7, bounds), 0.7);
+        let narrow = spot(centre - 100.0 * Vec3::X, Vec3::X, 0.001);
+        assert_eq!(half_angle(&narrow, 0.001, bounds), 0.001);
+        let aside = spot(centre - 100.0 * Vec3::X, Vec3::Z, 0.3);
+        assert_eq!(half_angle(&aside, 0.3, bounds), 0.3);
+    }
+}
