@@ -6,6 +6,7 @@ use std::path::Path;
 
 use exr::prelude as exr;
 use serde::{Deserialize, Serialize};
+use whole_file::Part;
 
 use crate::decode::{self, guarded};
 use crate::image::is_finite;
@@ -230,18 +231,12 @@ fn replace(
     if !folder.is_dir() {
         return Err(ImageError::NoFolder { path: path.into(), folder: folder.into() });
     }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".lightloom-").suffix(".part");
-    // Pictures can be read by everyone, as any new file (minus the umask).
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder).map_err(io(folder, "cannot make a file in this folder"))?;
-    let mut out = BufWriter::with_capacity(1 << 16, file.as_file());
+    let part = Part::of(path).map_err(io(folder, "cannot make a file in this folder"))?;
+    let mut out = BufWriter::with_capacity(1 << 16, part.file());
     write(&mut out)?;
     out.flush().map_err(io(path, "cannot write the picture"))?;
     drop(out);
-    file.as_file().sync_all().map_err(io(path, "cannot write the picture"))?;
-    file.persist(path).map_err(|e| io(path, "cannot put the finished picture in its place")(e.error))?;
+    part.finish().map_err(io(path, "cannot put the finished picture in its place"))?;
     Ok(())
 }
 

@@ -351,19 +351,24 @@ fn infinite_reverse_z(tan: f32, near: f32) -> Mat4 {
     )
 }
 
-/// Returns an orthographic layer around the bounding box, as small as the box allows, with a small margin.
-fn directional_layer(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> LightLayer {
-    let direction = light.direction;
-    let right = direction.any_orthonormal_vector();
-    let up = right.cross(direction);
-    let corners = (0..8).map(|i| {
+/// The eight corners of a box.
+fn corners(bounds: (Vec3, Vec3)) -> impl Iterator<Item = Vec3> {
+    (0..8).map(move |i| {
         let pick = |bit: u32, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
         Vec3::new(
             pick(0, bounds.0.x, bounds.1.x),
             pick(1, bounds.0.y, bounds.1.y),
             pick(2, bounds.0.z, bounds.1.z),
         )
-    });
+    })
+}
+
+/// Returns an orthographic layer around the bounding box, as small as the box allows, with a small margin.
+fn directional_layer(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> LightLayer {
+    let direction = light.direction;
+    let right = direction.any_orthonormal_vector();
+    let up = right.cross(direction);
+    let corners = corners(bounds);
     let local = |p: Vec3| Vec3::new(p.dot(right), p.dot(up), p.dot(direction));
     let (low, high) = corners
         .map(local)
@@ -419,21 +424,12 @@ mod tests {
     fn the_map_of_a_light_outside_holds_the_scene() {
         let bounds = (Vec3::new(-1.0, -2.0, 0.0), Vec3::new(3.0, 1.0, 2.0));
         let centre = 0.5 * (bounds.0 + bounds.1);
-        let corners = (0..8).map(|i| {
-            let pick = |bit: u32, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
-            Vec3::new(
-                pick(0, bounds.0.x, bounds.1.x),
-                pick(1, bounds.0.y, bounds.1.y),
-                pick(2, bounds.0.z, bounds.1.z),
-            )
-        });
-        let corners: Vec<Vec3> = corners.collect();
         for distance in [5.0f32, 100.0, 1e4, 1e6] {
             let position = centre + distance * Vec3::new(1.0, 2.0, -2.0) / 3.0;
             let light = spot(position, centre - position, 0.7);
             let half = half_angle(&light, 0.7, bounds);
-            let seen = corners.iter().map(|corner| {
-                let way = (*corner - position).as_dvec3();
+            let seen = corners(bounds).map(|corner| {
+                let way = (corner - position).as_dvec3();
                 way.angle_between(light.direction.as_dvec3())
             });
             let widest = seen.fold(0.0, f64::max);

@@ -17,6 +17,7 @@ use data_file::codes::scene as codes;
 use data_file::reader::{self, Form, Node};
 use data_file::{Diagnostic, Diagnostics, Source, Span};
 use glam::{DVec3, Vec3};
+use whole_file::Part;
 
 use crate::camera::Camera;
 use crate::description::{Description, Keys, parse};
@@ -109,14 +110,10 @@ pub fn save(path: &Path, edit: &SceneEdit) -> Result<(), SceneError> {
     if permissions.readonly() {
         return Err(unwritable(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only")));
     }
-    let folder = file.parent().unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    let mut new = builder.prefix(".lightloom-").suffix(".part").tempfile_in(folder).map_err(unwritable)?;
-    new.write_all(text.as_bytes()).map_err(unwritable)?;
-    new.as_file().set_permissions(permissions).map_err(unwritable)?;
-    new.as_file().sync_all().map_err(unwritable)?;
-    new.persist(&file).map_err(|error| unwritable(error.error))?;
-    Ok(())
+    let new = Part::of(&file).map_err(unwritable)?;
+    new.file().write_all(text.as_bytes()).map_err(unwritable)?;
+    new.set_permissions(permissions).map_err(unwritable)?;
+    new.finish().map_err(unwritable)
 }
 
 /// Returns a new scene file for a scene that is a bare glTF file, at the path `geometry` from the folder of the new

@@ -20,9 +20,6 @@ const INDEX: &str = "index.json";
 pub(crate) const CELLS: &str = "cells";
 pub(crate) const IMAGES: &str = "images";
 pub(crate) const REFERENCES: &str = "references";
-/// Beginning and end of the names of files that are still being written.
-const PART: (&str, &str) = (".lightloom-", ".part");
-
 /// A folder, locked by this process.
 #[derive(Debug)]
 pub(crate) struct Folder {
@@ -78,15 +75,7 @@ impl Folder {
     /// Removes files that an interrupted run left half written.
     fn sweep(&self) {
         for part in ["", CELLS, IMAGES, REFERENCES] {
-            let entries = std::fs::read_dir(self.path.join(part)).into_iter().flatten().flatten();
-            for entry in entries {
-                let name = entry.file_name();
-                let name = name.to_string_lossy();
-                if name.starts_with(PART.0) && name.ends_with(PART.1) {
-                    // A file that cannot be removed does no harm.
-                    let _ = std::fs::remove_file(entry.path());
-                }
-            }
+            whole_file::sweep(&self.path.join(part));
         }
     }
 
@@ -165,18 +154,9 @@ pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, StudyErro
     })
 }
 
-/// Writes a file under a temporary name and renames it once it is complete on disk.
+/// Writes a file that is whole or absent.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PART.0).suffix(PART.1);
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(io(path, "cannot write"))?;
-    file.write_all(bytes).map_err(io(path, "cannot write"))?;
-    file.as_file().sync_all().map_err(io(path, "cannot write"))?;
-    file.persist(path).map_err(|error| io(path, "cannot write")(error.error))?;
-    Ok(())
+    whole_file::write(path, bytes).map_err(io(path, "cannot write"))
 }
 
 /// Copies a file in the same way, and creates missing folders.

@@ -47,10 +47,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         Some("txt") => plan.to_text(),
         _ => bail!("{}: expected a name that ends in .svg, .dot, .json or .txt", out.display()),
     };
-    let temporary = out.with_extension("part");
-    std::fs::write(&temporary, text)
-        .and_then(|()| std::fs::rename(&temporary, out))
-        .with_context(|| format!("{} was not written", out.display()))?;
+    whole_file::write(out, text).with_context(|| format!("{} was not written", out.display()))?;
     say!("{}", out.display());
     Ok(())
 }

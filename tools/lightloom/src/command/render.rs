@@ -7,7 +7,7 @@ use crate::output::{self, progress, say};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{CompileOptions, Figure, LinkContext, human_bytes};
 use metrics::statistics::median;
-use metrics::{Display, FileFormat, Image, Tonemap};
+use metrics::{Display, FileFormat, Tonemap};
 use renderer::{Catalog, Compiled, FrameOptions, Gpu, PortFigures, Provenance, Renderer, compile_options};
 use serde_json::json;
 use std::ops::ControlFlow;
@@ -162,7 +162,10 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
                 let display = Display { tonemap: args.tonemap, exposure: args.exposure };
                 let display = Display::of_output(output, display);
                 let record = Provenance::new(renderer, &args.scene, (output, args.layer), args.first_frame);
-                write(&picture, &path, display, &record.written_to(&path, display).to_json())?;
+                let record = record.written_to(&path, display).to_json();
+                picture
+                    .write(&path, display, Some(&record))
+                    .with_context(|| format!("the picture {} was not written", path.display()))?;
                 drop(writing);
                 written.push(path);
                 first_picture = first_picture.or_else(|| context.phases.first_picture());
@@ -175,19 +178,6 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
     bar.finish_and_clear();
     let first_picture = first_picture.filter(|_| args.time);
     report(context, args, renderer, &written, &times, start.elapsed().as_secs_f64(), first_picture)
-}
-
-/// Writes a picture beside its place and moves it there, so that whoever reads it finds a whole one.
-fn write(picture: &Image, path: &Path, display: Display, provenance: &str) -> Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let beside = path.with_file_name(format!(".{}.{name}", std::process::id()));
-    let written = picture.write(&beside, display, Some(provenance)).map_err(anyhow::Error::from);
-    let moved = written.and_then(|()| Ok(std::fs::rename(&beside, path)?));
-    if moved.is_err() {
-        // What is left of it helps nobody; that it cannot be removed either is no further news.
-        let _ = std::fs::remove_file(&beside);
-    }
-    moved.with_context(|| format!("the picture {} was not written", path.display()))
 }
 
 /// Where pictures go.

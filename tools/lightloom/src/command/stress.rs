@@ -126,12 +126,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Writes a file beside its place and moves it there.
 fn write(path: &Path, text: &str) -> Result<()> {
-    let part = path.with_extension("part");
-    std::fs::write(&part, text)
-        .and_then(|()| std::fs::rename(&part, path))
-        .with_context(|| format!("{} was not written", path.display()))
+    whole_file::write(path, text).with_context(|| format!("{} was not written", path.display()))
 }
 
 /// The cases of these names; all where there are none. `far*` is all that begin with `far`.

@@ -7,7 +7,6 @@ use data_file::Source;
 use eframe::egui::{Context, Id, Key, Modal, TextEdit};
 use frame_graph::{Overrides, resolve, variant};
 use scene::SceneEdit;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -125,17 +124,7 @@ fn write_new(path: &Path, text: &str) -> Result<()> {
     if !folder.is_dir() {
         bail!("there is no folder {}", folder.display());
     }
-    let written = || -> Result<()> {
-        let mut builder = tempfile::Builder::new();
-        // As any new file: what others may do with it is the user's umask.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.prefix(".lightloom-").suffix(".part").tempfile_in(folder)?;
-        file.write_all(text.as_bytes())?;
-        file.persist_noclobber(path)?;
-        Ok(())
-    };
-    written().with_context(|| format!("{} was not written", path.display()))
+    whole_file::write_new(path, text).with_context(|| format!("{} was not written", path.display()))
 }
 
 /// Asks for the name where something is about to be saved.
