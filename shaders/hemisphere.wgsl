@@ -2,11 +2,11 @@
 
 #import "color.wgsl"
 
-/// The direction at that cosine to z, turned about it by a number of turns.
-fn direction_about_z(cosine: f32, turns: f32) -> vec3<f32> {
-    let radius = sqrt(max(1.0 - cosine * cosine, 0.0));
+/// The direction about z at that 1 - cos to it, which keeps its digits near z, turned about it by a number of turns.
+fn direction_about_z(cap: f32, turns: f32) -> vec3<f32> {
+    let radius = sqrt(max(cap * (2.0 - cap), 0.0));
     let angle = 2.0 * PI * turns;
-    return vec3(radius * cos(angle), radius * sin(angle), cosine);
+    return vec3(radius * cos(angle), radius * sin(angle), 1.0 - cap);
 }
 
 /// Distributed by the cosine to z: by area in the unit disc below.

@@ -10,7 +10,7 @@ fn measure_of(light: Light) -> f32 {
         let half_extent = scene_light_layers[light.first_layer].half_extent;
         return 4.0 * half_extent.x * half_extent.y;
     }
-    return 2.0 * PI * light.cap_outer;
+    return 2.0 * PI * light.cap_sampled;
 }
 
 /// Of the power of lights, more counts as this much, so that their sum is finite: it does nothing but share out paths.

@@ -20,8 +20,10 @@ struct Light {
     cap_inner: f32,
     first_layer: u32,
     layers: u32,
+    /// The same of a half angle that holds all that a spot sends to the scene, for sampling: of a light far away, few directions
+    /// of its cone meet the scene.
+    cap_sampled: f32,
     pad0: u32,
-    pad1: u32,
 }
 
 /// One map of a light: one for a spot or a directional light, six for a point light and for a spot of more than 75° to each side.

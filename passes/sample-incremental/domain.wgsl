@@ -34,8 +34,7 @@ fn place_of(light: Light, square: vec2<f32>) -> vec3<f32> {
         let half_extent = scene_light_layers[light.first_layer].half_extent;
         return vec3((2.0 * square - 1.0) * (half_extent / unit_across(light)), 0.0);
     }
-    let cosine = 1.0 - square.x * light.cap_outer;
-    return frame_from_normal(light.direction) * direction_about_z(cosine, square.y);
+    return frame_from_normal(light.direction) * direction_about_z(square.x * light.cap_sampled, square.y);
 }
 
 /// The place from which light comes to a point in world space.
@@ -56,8 +55,8 @@ fn is_in_domain(light: Light, place: vec3<f32>) -> bool {
         let sides = scene_light_layers[light.first_layer].half_extent / unit_across(light);
         return all(abs(place.xy) <= sides * 1.0001);
     }
-    let slack = 1e-6 + 1e-4 * light.cap_outer;
-    return dot(place, place) > 0.5 && cap_of(light, place) <= light.cap_outer + slack;
+    let slack = 1e-6 + 1e-4 * light.cap_sampled;
+    return dot(place, place) > 0.5 && cap_of(light, place) <= light.cap_sampled + slack;
 }
 
 /// The ray of a place.

@@ -55,8 +55,7 @@ fn emitted(light: Light, square: vec2<f32>) -> Emission {
         let at = (layer.world_from_layer * vec4(plane, 0.0, 1.0)).xyz;
         return Emission(at, light.direction, light.intensity * measure_of(light));
     }
-    let cosine = 1.0 - square.x * light.cap_outer;
-    let direction = frame_from_normal(light.direction) * direction_about_z(cosine, square.y);
+    let direction = frame_from_normal(light.direction) * direction_about_z(square.x * light.cap_sampled, square.y);
     return Emission(light.position, direction, light_intensity(light, direction) * measure_of(light));
 }
 

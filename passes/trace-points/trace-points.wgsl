@@ -26,7 +26,7 @@ fn direction_of(square: vec2<f32>) -> vec3<f32> {
 #if DIRECTIONS == cosine
     return by_cosine(square);
 #else
-    return direction_about_z(1.0 - square.x, square.y);
+    return direction_about_z(square.x, square.y);
 #endif
 }
 

@@ -82,8 +82,8 @@ pub(crate) struct GpuLight {
     cap_inner: f32,
     first_layer: u32,
     layers: u32,
+    cap_sampled: f32,
     pad0: u32,
-    pad1: u32,
 }
 
 /// `LightLayer` of shaders/lights.wgsl.
@@ -154,8 +154,8 @@ pub fn layouts() -> Vec<StructLayout> {
                 cap_inner: "f32",
                 first_layer: "u32",
                 layers: "u32",
+                cap_sampled: "f32",
                 pad0: "u32",
-                pad1: "u32",
             }),
             "Light",
         ),
@@ -263,8 +263,8 @@ pub(crate) fn lights(lights: &[Light], bounds: (Vec3, Vec3)) -> (Vec<u8>, Vec<Li
             cap_inner: cap(inner),
             first_layer,
             layers: layers.len() as u32 - first_layer,
+            cap_sampled: cap(half_angle(light, outer, bounds)),
             pad0: 0,
-            pad1: 0,
         });
     }
     let header = [rows.len() as u32, layers.len() as u32, 0, 0];
@@ -285,9 +285,12 @@ fn cap(angle: f32) -> f32 {
     (2.0 * sine * sine) as f32
 }
 
-/// Half the angle \[rad\] about a spot's axis that holds its cone or, where that is less, the scene: the map of a light far
-/// away would show the scene in no texel.
+/// Half the angle \[rad\] about a spot's axis that holds its cone or, where that is less, the scene: of a light far away, the
+/// map would show the scene in no texel, and no path of a cone would meet it.
 fn half_angle(light: &Light, outer: f32, bounds: (Vec3, Vec3)) -> f32 {
+    if !matches!(light.kind, LightKind::Spot { .. }) {
+        return outer;
+    }
     let to_centre = (0.5 * (bounds.0 + bounds.1) - light.position).as_dvec3();
     let (distance, radius) = (to_centre.length(), 0.5 * (bounds.1 - bounds.0).as_dvec3().length());
     if distance <= radius || radius == 0.0 {

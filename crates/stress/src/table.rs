@@ -279,7 +279,9 @@ fn frames() -> Vec<Case> {
         Case::new("frame", "frame-257x1", "The frame is one pixel high.", Expect::Finite).size(257, 1),
         Case::new("frame", "lights-1", "There is one virtual light.", Expect::Finite).set("lights", 1),
         plain("map-1", "Shadow maps are of one texel.").set("map", 1),
-        plain("rsm-1", "The reflective shadow map is of one texel.").set("rsm.size", 1),
+        // One point of all that the light sees stands for it.
+        Case::new("frame", "rsm-1", "The reflective shadow map is of one texel.", Expect::Finite)
+            .set("rsm.size", 1),
         plain("still-100", "A hundred frames in which nothing moves.").frames(100),
     ]
 }
