@@ -2,6 +2,7 @@
 
 use crate::case::Expect;
 use crate::child::{Ended, Ran};
+use crate::table::PLAIN;
 use metrics::{Epsilon, Image, Pair, luminance};
 use serde::{Deserialize, Serialize};
 
@@ -36,11 +37,6 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Whether this is a defect. Taking long is told, and is none.
-    pub fn is_defect(self) -> bool {
-        !matches!(self, Verdict::Held | Verdict::Refused | Verdict::TimedOut)
-    }
-
     /// The word in tables.
     pub fn word(self) -> &'static str {
         match self {
@@ -91,6 +87,17 @@ pub struct Cell {
     pub seconds: f64,
     /// The command that renders it again.
     pub command: String,
+}
+
+impl Cell {
+    /// Whether this is a defect. Taking long is told and is none, nor is a refusal, but of the plain scene.
+    pub fn is_defect(&self) -> bool {
+        match self.verdict {
+            Verdict::Held | Verdict::TimedOut => false,
+            Verdict::Refused => self.case == PLAIN,
+            Verdict::Off | Verdict::Negative | Verdict::NotFinite | Verdict::Crashed => true,
+        }
+    }
 }
 
 /// A picture that was read, by what is looked at first.
@@ -273,6 +280,10 @@ mod tests {
         };
         assert_eq!(end(Ended::Exit(1), "error: too large\n").verdict, Verdict::Refused);
         assert_eq!(end(Ended::Exit(1), "error: too large\n").message, "error: too large");
+        assert!(!end(Ended::Exit(1), "error: too large\n").is_defect());
+        let plain =
+            judge(("ism", PLAIN, Expect::Truth), &ran(Ended::Exit(1), "error"), None, Known::default());
+        assert!(plain.is_defect(), "{plain:?}");
         assert_eq!(end(Ended::Exit(101), "thread 'main' panicked at src/main.rs").verdict, Verdict::Crashed);
         assert_eq!(end(Ended::Signal(6), "").verdict, Verdict::Crashed);
         assert_eq!(end(Ended::TimedOut, "").verdict, Verdict::TimedOut);

@@ -21,6 +21,6 @@ pub use case::{Case, Expect};
 pub use cell::{Cell, Guard, Known, Picture, Verdict, judge};
 pub use child::{Child, Ended, Program, Ran};
 pub use report::{html, json};
-pub use run::{Event, Options, StressError, Subject, run};
+pub use run::{Event, Options, REFERENCE, StressError, Subject, run};
 pub use settings::{of_pairs, of_settings};
 pub use table::cases;

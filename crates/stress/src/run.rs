@@ -63,6 +63,9 @@ pub enum Event<'a> {
     Done(&'a Cell),
 }
 
+/// The pipeline that others are measured by.
+pub const REFERENCE: &str = "reference";
+
 /// A picture by the path tracer, by scene, size and bounces; `None` where there is none.
 type References = HashMap<(String, (u32, u32), u32), Option<Picture>>;
 
@@ -169,7 +172,7 @@ impl Bench<'_> {
         let mut given = vec![format!("bounces={}", subject.bounces)];
         given.extend(self.options.set_reference.iter().map(|(path, value)| format!("{path}={value}")));
         let still = Case { frames: 1, ..case.clone() };
-        let (_, pictures) = self.picture("reference", &still, &given)?;
+        let (_, pictures) = self.picture(REFERENCE, &still, &given)?;
         let picture = pictures.map(|(indirect, _)| indirect).filter(|picture| picture.not_finite == 0);
         self.references.insert(key, picture.clone());
         Ok(picture)
@@ -205,7 +208,7 @@ impl Bench<'_> {
 
     /// Keeps the picture of a defect.
     fn keep_picture(&self, cell: &Cell) {
-        if !cell.verdict.is_defect() || cell.verdict == Verdict::Crashed {
+        if !cell.is_defect() || matches!(cell.verdict, Verdict::Crashed | Verdict::Refused) {
             return;
         }
         let folder = self.options.folder.join("pictures");

@@ -4,13 +4,15 @@ use crate::case::{Case, Expect};
 use crate::room::{Lamp, Room, SPOT};
 use crate::triangles::{Look, degenerate, gltf, open_box};
 
+/// The name of the plain scene.
+pub(crate) const PLAIN: &str = "plain";
+
 /// Width and height of the room \[m\].
 const SIZE: f64 = 0.55;
 
 /// Returns all cases. The first is the plain scene, which others are measured by.
 pub fn cases() -> Vec<Case> {
-    let plain =
-        Case::new("plain", "plain", "The Cornell box with a spot: nothing is extreme.", Expect::Truth);
+    let plain = Case::new("plain", PLAIN, "The Cornell box with a spot: nothing is extreme.", Expect::Truth);
     let mut all = vec![plain];
     all.extend(units());
     all.extend(lights());

@@ -8,7 +8,7 @@ use renderer::{Compiled, compile_options};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use stress::{Case, Child, Event, Options, Subject, Verdict};
+use stress::{Case, Child, Event, Options, REFERENCE, Subject, Verdict};
 
 /// Render extremes by every pipeline, and say what becomes of them.
 ///
@@ -88,7 +88,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         Event::Done(cell) => {
             bar.set_message(format!("{} {}", cell.pipeline, cell.case));
             bar.inc(1);
-            if cell.verdict.is_defect() && !context.json {
+            if cell.is_defect() && !context.json {
                 bar.suspend(|| say!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case));
             }
         }
@@ -106,7 +106,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let page = args.out.join("report.html");
     write(&args.out.join("cells.json"), &format!("{record:#}\n"))?;
     write(&page, &stress::html(&cells, &cases, &about))?;
-    let defects = cells.iter().filter(|cell| cell.verdict.is_defect()).count();
+    let defects = cells.iter().filter(|cell| cell.is_defect()).count();
     if context.json {
         output::json(&json!({ "report": page, "verdicts": record["verdicts"], "cells": record["cells"] }));
     } else {
@@ -163,36 +163,39 @@ fn list(context: &Context, cases: &[Case]) -> Result<()> {
     Ok(())
 }
 
-/// The pipelines, with what can be set in each.
+/// The pipelines, with what can be set in each. Without names, all that output indirect light and are not the reference.
 fn subjects(context: &Context, args: &Args) -> Result<Vec<Subject>> {
-    let names = match args.pipeline.is_empty() {
-        true => {
-            let all = context.catalog.list_pipelines().into_iter().map(|named| named.name);
-            all.filter(|name| name != "reference").collect()
+    if !args.pipeline.is_empty() {
+        let subjects = args.pipeline.iter().map(|name| Ok(subject(context, args, name)?.0));
+        return subjects.collect();
+    }
+    let mut all = Vec::new();
+    for named in context.catalog.list_pipelines().iter().filter(|named| named.name != REFERENCE) {
+        let (subject, has_indirect) = subject(context, args, &named.name)?;
+        if has_indirect {
+            all.push(subject);
         }
-        false => args.pipeline.clone(),
+    }
+    Ok(all)
+}
+
+/// A pipeline, and whether it outputs indirect light.
+fn subject(context: &Context, args: &Args, name: &str) -> Result<(Subject, bool)> {
+    let link = LinkContext { frame: args.size, traits: context.traits(None)? };
+    let compiled = Compiled::new(&context.catalog, name, &Overrides::default(), &link, &compile_options())
+        .map_err(|errors| anyhow::anyhow!("{errors}"))?;
+    let settable = compiled.resolved.settable(&*context.catalog);
+    let bounces = settable.iter().find(|settable| settable.path == "bounces");
+    let mut cases = if args.settings { stress::of_settings(&settable) } else { Vec::new() };
+    cases.extend(stress::of_pairs(&settable, args.pairs, args.seed));
+    let subject = Subject {
+        bounces: match bounces.map(|settable| &settable.value) {
+            Some(Value::U32(bounces)) => *bounces,
+            _ => 1,
+        },
+        settable: settable.into_iter().map(|settable| settable.path).collect(),
+        name: name.to_owned(),
+        cases,
     };
-    let traits = context.traits(None)?;
-    names
-        .into_iter()
-        .map(|name| {
-            let link = LinkContext { frame: args.size, traits: traits.clone() };
-            let compiled =
-                Compiled::new(&context.catalog, &name, &Overrides::default(), &link, &compile_options())
-                    .map_err(|errors| anyhow::anyhow!("{errors}"))?;
-            let settable = compiled.resolved.settable(&*context.catalog);
-            let bounces = settable.iter().find(|settable| settable.path == "bounces");
-            let mut cases = if args.settings { stress::of_settings(&settable) } else { Vec::new() };
-            cases.extend(stress::of_pairs(&settable, args.pairs, args.seed));
-            Ok(Subject {
-                bounces: match bounces.map(|settable| &settable.value) {
-                    Some(Value::U32(bounces)) => *bounces,
-                    _ => 1,
-                },
-                settable: settable.into_iter().map(|settable| settable.path).collect(),
-                name,
-                cases,
-            })
-        })
-        .collect()
+    Ok((subject, compiled.plan.output("indirect").is_some()))
 }
