@@ -137,14 +137,29 @@ fn link_all(
             Err(found) => errors.extend(found),
         }
     }
-    // A broken module is found once for each pass that imports it; it is reported once.
+    if errors.is_empty() { Ok(steps) } else { Err(Diagnostics(each_once(errors))) }
+}
+
+/// The errors of several passes: one in a module that they import was found by each, and is told once, with all that is
+/// said to it.
+fn each_once(errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut told: Vec<Diagnostic> = Vec::new();
     for error in errors {
-        if !told.contains(&error) {
-            told.push(error);
+        let same = |known: &&mut Diagnostic| {
+            known.code == error.code && known.message == error.message && known.labels == error.labels
+        };
+        match told.iter_mut().find(same) {
+            None => told.push(error),
+            Some(known) => {
+                for note in error.notes {
+                    if !known.notes.contains(&note) {
+                        known.notes.push(note);
+                    }
+                }
+            }
         }
     }
-    if told.is_empty() { Ok(steps) } else { Err(Diagnostics(told)) }
+    told
 }
 
 /// Adds the place of the pass in its pipeline to an error that is the pass's own; errors in the text of a shader
@@ -154,5 +169,32 @@ fn at_pass(error: Diagnostic, resolved: &Resolved, pass: &str) -> Diagnostic {
     match resolved.pass_span(pass) {
         Some(span) if own => error.label(span, "in this pass"),
         _ => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frame_graph::{Source, Span};
+
+    #[test]
+    fn an_error_of_a_module_is_told_once_for_all_that_import_it() {
+        let source = Source::new("shaders/random.wgsl", "let x = nosuch;");
+        let error = |at: u32, notes: &[&str]| {
+            let span = Span { source: source.clone(), start: at, end: at + 1 };
+            let mut error = Diagnostic::new(&codes::CODES[0], "no definition").label(span, "unknown");
+            error.notes = notes.iter().map(|note| (*note).to_owned()).collect();
+            error
+        };
+        let told = each_once(vec![
+            error(8, &["imported by a"]),
+            error(8, &["imported by b", "in a variant"]),
+            error(8, &["imported by a"]),
+            error(4, &["imported by a"]),
+        ]);
+        assert_eq!(
+            told,
+            [error(8, &["imported by a", "imported by b", "in a variant"]), error(4, &["imported by a"])]
+        );
     }
 }
