@@ -12,8 +12,8 @@ var<uniform> settings: Settings;
 
 struct Seen {
     @builtin(position) clip: vec4<f32>,
-    /// From the layer's origin, in world space [m].
-    @location(0) offset: vec3<f32>,
+    /// [m]; not from the light, which may be so far away that places in the scene would all be rounded to one.
+    @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
     @location(2) uv: vec2<f32>,
     @location(3) @interpolate(flat) material: u32,
@@ -28,8 +28,7 @@ struct Texel {
 @vertex
 fn project(vertex: Attributes) -> Seen {
     let clip = scene_light_layers[settings.layer].clip_from_world * vec4(vertex.position, 1.0);
-    let offset = vertex.position - scene_light_layers[settings.layer].world_from_layer[3].xyz;
-    return Seen(clip, offset, vertex.normal, vertex.uv, vertex.material);
+    return Seen(clip, vertex.position, vertex.normal, vertex.uv, vertex.material);
 }
 
 @fragment
@@ -43,8 +42,8 @@ fn surfaces(seen: Seen) -> Texel {
     let towards = cross(change.position_y, change.position_x);
     let normal = shading_normal(seen.material, seen.normal, towards, seen.uv, change);
     let world_from_layer = scene_light_layers[settings.layer].world_from_layer;
-    let along = -dot(seen.offset, world_from_layer[2].xyz);
-    return Texel(vec4(world_from_layer[3].xyz + seen.offset, along), vec4(normal, 0.0), vec4(at.albedo, 1.0));
+    let along = -dot(seen.position - world_from_layer[3].xyz, world_from_layer[2].xyz);
+    return Texel(vec4(seen.position, along), vec4(normal, 0.0), vec4(at.albedo, 1.0));
 }
 
 @fragment
@@ -58,5 +57,5 @@ fn specular(seen: Seen) -> @location(0) vec4<f32> {
 }
 
 fn change_of(seen: Seen) -> Change {
-    return Change(dpdx(seen.offset), dpdy(seen.offset), dpdx(seen.uv), dpdy(seen.uv));
+    return Change(dpdx(seen.position), dpdy(seen.position), dpdx(seen.uv), dpdy(seen.uv));
 }
