@@ -1,7 +1,7 @@
 //! What became of one case by one pipeline.
 
 use crate::case::Expect;
-use crate::child::{Ended, Ran};
+use crate::child::{Ended, Guard, Ran};
 use crate::table::PLAIN;
 use metrics::{Epsilon, Image, Pair, luminance};
 use serde::{Deserialize, Serialize};
@@ -49,15 +49,6 @@ impl Verdict {
             Verdict::Crashed => "crashed",
         }
     }
-}
-
-/// Something that acted where a value would have been too large, too small or not there.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Guard {
-    /// What acted.
-    pub name: String,
-    /// How much: a share, a count, or a sentence.
-    pub value: String,
 }
 
 /// One case by one pipeline.

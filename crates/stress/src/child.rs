@@ -1,6 +1,6 @@
 //! The program that renders, as a process of its own.
 
-use crate::cell::Guard;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
 use std::path::PathBuf;
@@ -34,6 +34,15 @@ pub struct Ran {
     pub seconds: f64,
     /// The command, as a user types it.
     pub command: String,
+}
+
+/// Something that acted where a value would have been too large, too small or not there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Guard {
+    /// What acted.
+    pub name: String,
+    /// How much: a share, a count, or a sentence.
+    pub value: String,
 }
 
 impl Ran {

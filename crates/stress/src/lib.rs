@@ -18,8 +18,8 @@ mod table;
 mod triangles;
 
 pub use case::{Case, Expect};
-pub use cell::{Cell, Guard, Known, Picture, Verdict, judge};
-pub use child::{Child, Ended, Program, Ran};
+pub use cell::{Cell, Known, Picture, Verdict, judge};
+pub use child::{Child, Ended, Guard, Program, Ran};
 pub use report::{html, json};
 pub use run::{Event, Options, REFERENCE, StressError, Subject, run};
 pub use settings::{of_pairs, of_settings};
