@@ -9,7 +9,7 @@ use crate::panel::settings::Controls;
 use crate::pilot::Pilot;
 use crate::textures::Textures;
 use crate::viewport;
-use eframe::egui::{self, CentralPanel, Context, FontDefinitions, FontFamily, Panel, Ui};
+use eframe::egui::{self, CentralPanel, Context, FontDefinitions, FontFamily, Panel, ScrollArea, Ui};
 use frame_graph::Overrides;
 use renderer::{Catalog, RecordedCamera};
 use serde::{Deserialize, Serialize};
@@ -203,8 +203,12 @@ impl App {
             if self.remembered.panels {
                 let panel = Panel::right("panels").default_size(400.0).size_range(220.0..=1400.0);
                 panel.show(ui, |ui| {
-                    ui.set_max_width(ui.available_width());
-                    panel::show(self, ui);
+                    // What does not wrap is scrolled to.
+                    let width = ui.available_width();
+                    ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
+                        ui.set_max_width(width);
+                        panel::show(self, ui);
+                    });
                 });
             }
         }

@@ -177,16 +177,16 @@ fn a_still_scene_is_idle_and_a_reference_converges_beside_it() {
         let side = app.now.side(SideId::Reference)?;
         Some(side.progress?.step)
     };
-    pump(&mut harness, |app| step(app).is_some_and(|step| step > 2));
+    // So many that it is seen when they begin again.
+    pump(&mut harness, |app| step(app).is_some_and(|step| step > 200));
     pump(&mut harness, |app| app.now.measured.as_ref().is_some_and(|measured| !measured.errors.is_empty()));
     let errors = harness.state().now.measured.clone().unwrap().errors[0];
     assert!((errors.of, errors.to) == (SideId::A, SideId::Reference) && errors.flip < 0.5, "{errors:?}");
     // Movement stops it, and it begins again.
     let camera = harness.state().now.camera.unwrap();
     let moved = crate::camera::orbit(&camera, 0.2, 0.0);
-    let before = std::cell::Cell::new(step(harness.state()));
     harness.state().engine.send(Command::Camera(Some(moved), false));
-    pump(&mut harness, |app| app.now.camera == Some(moved) && step(app) < before.replace(step(app)));
+    pump(&mut harness, |app| app.now.camera == Some(moved) && step(app).is_some_and(|step| step < 150));
 }
 
 #[test]

@@ -234,15 +234,16 @@ fn controls(inspector: &mut Inspector, ui: &mut Ui, size: (u32, u32)) {
             },
         );
         ui.checkbox(&mut coloring.auto, "Fit range").on_hover_text("From the least to the greatest value");
-        if !coloring.auto {
-            ui.add(Slider::new(&mut coloring.exposure, -16.0..=16.0).text("Exposure").suffix(" EV"));
-        }
     });
+    // Sliders do not wrap with others in a row.
+    if !coloring.auto {
+        ui.add(Slider::new(&mut coloring.exposure, -16.0..=16.0).text("Exposure").suffix(" EV"));
+    }
+    if inspector.over_picture {
+        ui.add(Slider::new(&mut inspector.opacity, 0.0..=1.0).text("Opacity"));
+    }
     ui.horizontal_wrapped(|ui| {
         ui.checkbox(&mut inspector.over_picture, "Over the picture");
-        if inspector.over_picture {
-            ui.add(Slider::new(&mut inspector.opacity, 0.0..=1.0).text("Opacity"));
-        }
         let most = size.0.min(size.1);
         let response =
             ui.add(DragValue::new(&mut inspector.tile).range(0..=most).prefix("tile ").suffix(" px"));
