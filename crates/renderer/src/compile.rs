@@ -182,7 +182,7 @@ mod tests {
         let source = Source::new("shaders/random.wgsl", "let x = nosuch;");
         let error = |at: u32, notes: &[&str]| {
             let span = Span { source: source.clone(), start: at, end: at + 1 };
-            let mut error = Diagnostic::new(&codes::CODES[0], "no definition").label(span, "unknown");
+            let mut error = Diagnostic::new(codes::CODES[0], "no definition").label(span, "unknown");
             error.notes = notes.iter().map(|note| (*note).to_owned()).collect();
             error
         };
