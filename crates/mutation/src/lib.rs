@@ -2,14 +2,14 @@
 //!
 //! Noise is refused at its first byte; a good file with a few edits gets far into a program. [`texts`] and [`bytes`] are
 //! strategies of proptest that make such edits, [`within`] bounds the time of a case, and [`config`] says how many cases
-//! there are: few in a test run, as many as `PROPTEST_CASES` says where it is set. The seeds of cases that failed are
-//! kept beside the test, in a file `….regressions`, and are run first.
+//! there are: few in a test run, which are the same in every run; as many others as `PROPTEST_CASES` says where it is
+//! set. The seeds of cases that failed are kept beside the test, in a file `….regressions`, and are run first.
 
 mod edit;
 
 use edit::{Edit, Seeds};
 use proptest::prelude::*;
-use proptest::test_runner::{Config, FileFailurePersistence};
+use proptest::test_runner::{Config, FileFailurePersistence, RngSeed};
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread::Builder;
@@ -18,7 +18,8 @@ use std::time::Duration;
 /// The stack of the thread that runs a case: that of any thread which Rust starts.
 const STACK: usize = 2 << 20;
 
-/// Returns a configuration of so many cases, unless `PROPTEST_CASES` says how many.
+/// Returns a configuration of so many cases, the same in every run; of as many as `PROPTEST_CASES` says, and others in each run,
+/// where that is set.
 pub fn config(cases: u32) -> Config {
     let told = std::env::var_os("PROPTEST_CASES").is_some();
     let config = if told { Config::default() } else { Config::with_cases(cases) };
@@ -26,6 +27,8 @@ pub fn config(cases: u32) -> Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
         // A case that takes its whole time would be shrunk for hours.
         max_shrink_iters: 200,
+        // What a test run says of a change must not be chance.
+        rng_seed: if told { config.rng_seed } else { RngSeed::Fixed(0) },
         ..config
     }
 }
