@@ -214,6 +214,18 @@ fn another_scene_can_be_opened_in_place_of_one_that_is_not_there() {
 }
 
 #[test]
+fn a_scene_that_is_not_there_leaves_the_one_before_to_work_on() {
+    let Some(mut harness) = window("ism-invtm", "plane") else { return };
+    harness.state_mut().open_scene("gone");
+    pump(&mut harness, |app| app.now.troubles.iter().any(|trouble| trouble.of == "scene"));
+    harness.state_mut().open_pipeline(SideId::A, "ism-uniform");
+    pump(&mut harness, |app| {
+        app.now.side(SideId::A).is_some_and(|side| side.name == "ism-uniform" && side.frames > 0)
+    });
+    assert_eq!(harness.state().now.scene.as_ref().unwrap().scene.name, "plane");
+}
+
+#[test]
 fn what_plays_goes_on_until_it_is_stopped() {
     let Some(mut harness) = window("ism-invtm", "cornell-box-moving") else { return };
     let context = harness.ctx.clone();

@@ -42,6 +42,8 @@ pub(super) struct Session {
     scene: SharedScene,
     /// The scene that was asked for, where it could not be loaded: whenever a file changes it is tried again.
     wanted_scene: Option<String>,
+    /// Whether there has been no scene yet that could be loaded: pipelines wait for one.
+    waits_for_scene: bool,
     sides: Vec<(SideId, Side)>,
     files: Files,
     size: (u32, u32),
@@ -97,6 +99,7 @@ impl Session {
         let mut session = Session {
             catalog,
             scene: shared,
+            waits_for_scene: wrong.is_some(),
             wanted_scene: wrong.is_some().then_some(scene),
             sides: Vec::new(),
             files: Files::new(),
@@ -286,7 +289,7 @@ impl Session {
 
     fn set_pipeline(&mut self, id: SideId, name: &str, overrides: &Overrides, publisher: &Publisher) {
         publisher.stage(Some(format!("Loading {name}")));
-        if self.wanted_scene.is_some() {
+        if self.waits_for_scene {
             // It is loaded as soon as there is a scene.
             self.add_side(id).wanted = Some((name.to_owned(), overrides.clone()));
             publisher.stage(None);
@@ -363,7 +366,7 @@ impl Session {
                         Err(error) => report(publisher, &format!("{}: {error}", id.name()), true),
                     }
                 }
-                (self.scene, self.wanted_scene) = (scene, None);
+                (self.scene, self.wanted_scene, self.waits_for_scene) = (scene, None, false);
                 self.clear("scene", publisher);
                 self.tell_scene(publisher);
                 self.try_wanted(publisher);

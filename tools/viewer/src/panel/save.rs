@@ -165,7 +165,8 @@ pub(crate) fn show(app: &mut App, context: &Context) {
                     Ok(line) => {
                         if let What::Scene(_) = saving.what {
                             app.scene_panel.saved();
-                            app.holds_what_is_saved = true;
+                            let file = app.now.scene.as_ref().and_then(|view| view.file.as_deref());
+                            app.holds_what_is_saved = file == Some(Path::new(saving.path.trim()));
                         }
                         println!("{line}");
                         app.engine.published().say(line, false);

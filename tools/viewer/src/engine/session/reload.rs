@@ -16,9 +16,8 @@ impl Session {
         let began = Instant::now();
         if let Some(spec) = self.wanted_scene.clone() {
             self.set_scene(&spec, publisher);
-        } else {
-            self.try_wanted(publisher);
         }
+        self.try_wanted(publisher);
         let stands = self.sides.first().map(|(_, side)| side.renderer.shared_scene().clone());
         let renderers = self.sides.iter_mut().map(|(_, side)| &mut side.renderer);
         let results = reload_all(renderers, &saved.files);
