@@ -81,7 +81,7 @@ pub fn run(
     tell: &mut dyn FnMut(Event<'_>),
 ) -> Result<Vec<Cell>, StressError> {
     let mut bench = Bench { program, options, references: References::new() };
-    let plain = Case { expect: Expect::Truth, ..crate::table::cases().swap_remove(0) };
+    let plain = crate::table::plain();
     let mut cells = Vec::new();
     for subject in subjects {
         bench.write(&plain)?;

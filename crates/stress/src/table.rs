@@ -12,14 +12,18 @@ const SIZE: f64 = 0.55;
 
 /// Returns all cases. The first is the plain scene, which others are measured by.
 pub fn cases() -> Vec<Case> {
-    let plain = Case::new("plain", PLAIN, "The Cornell box with a spot: nothing is extreme.", Expect::Truth);
-    let mut all = vec![plain];
+    let mut all = vec![plain()];
     all.extend(units());
     all.extend(lights());
     all.extend(cameras());
     all.extend(geometry());
     all.extend(frames());
     all
+}
+
+/// The plain scene.
+pub(crate) fn plain() -> Case {
+    Case::new("plain", PLAIN, "The Cornell box with a spot: nothing is extreme.", Expect::Truth)
 }
 
 /// A case of a changed room.
@@ -271,19 +275,19 @@ fn geometry() -> Vec<Case> {
 }
 
 fn frames() -> Vec<Case> {
-    let plain = |name: &str, about: &str| Case::new("frame", name, about, Expect::Truth);
+    let frame = |name: &str, about: &str| Case::new("frame", name, about, Expect::Truth);
     vec![
-        plain("frame-1x1", "The frame is of one pixel.").size(1, 1),
-        plain("frame-2x2", "The frame is smaller than the blocks of interleaving.").size(2, 2),
-        plain("frame-3x5", "The frame is of odd sides, smaller than the blocks.").size(3, 5),
-        plain("frame-17x9", "The frame is of odd sides.").size(17, 9),
-        plain("frame-1x65", "The frame is one pixel wide.").size(1, 65),
+        frame("frame-1x1", "The frame is of one pixel.").size(1, 1),
+        frame("frame-2x2", "The frame is smaller than the blocks of interleaving.").size(2, 2),
+        frame("frame-3x5", "The frame is of odd sides, smaller than the blocks.").size(3, 5),
+        frame("frame-17x9", "The frame is of odd sides.").size(17, 9),
+        frame("frame-1x65", "The frame is one pixel wide.").size(1, 65),
         Case::new("frame", "frame-257x1", "The frame is one pixel high.", Expect::Finite).size(257, 1),
         Case::new("frame", "lights-1", "There is one virtual light.", Expect::Finite).set("lights", 1),
-        plain("map-1", "Shadow maps are of one texel.").set("map", 1),
+        frame("map-1", "Shadow maps are of one texel.").set("map", 1),
         // One point of all that the light sees stands for it.
         Case::new("frame", "rsm-1", "The reflective shadow map is of one texel.", Expect::Finite)
             .set("rsm.size", 1),
-        plain("still-100", "A hundred frames in which nothing moves.").frames(100),
+        frame("still-100", "A hundred frames in which nothing moves.").frames(100),
     ]
 }

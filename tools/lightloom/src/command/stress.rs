@@ -165,13 +165,14 @@ fn list(context: &Context, cases: &[Case]) -> Result<()> {
 
 /// The pipelines, with what can be set in each. Without names, all that output indirect light and are not the reference.
 fn subjects(context: &Context, args: &Args) -> Result<Vec<Subject>> {
+    let link = LinkContext { frame: args.size, traits: context.traits(None)? };
     if !args.pipeline.is_empty() {
-        let subjects = args.pipeline.iter().map(|name| Ok(subject(context, args, name)?.0));
+        let subjects = args.pipeline.iter().map(|name| Ok(subject(context, args, &link, name)?.0));
         return subjects.collect();
     }
     let mut all = Vec::new();
     for named in context.catalog.list_pipelines().iter().filter(|named| named.name != REFERENCE) {
-        let (subject, has_indirect) = subject(context, args, &named.name)?;
+        let (subject, has_indirect) = subject(context, args, &link, &named.name)?;
         if has_indirect {
             all.push(subject);
         }
@@ -180,9 +181,8 @@ fn subjects(context: &Context, args: &Args) -> Result<Vec<Subject>> {
 }
 
 /// A pipeline, and whether it outputs indirect light.
-fn subject(context: &Context, args: &Args, name: &str) -> Result<(Subject, bool)> {
-    let link = LinkContext { frame: args.size, traits: context.traits(None)? };
-    let compiled = Compiled::new(&context.catalog, name, &Overrides::default(), &link, &compile_options())
+fn subject(context: &Context, args: &Args, link: &LinkContext, name: &str) -> Result<(Subject, bool)> {
+    let compiled = Compiled::new(&context.catalog, name, &Overrides::default(), link, &compile_options())
         .map_err(|errors| anyhow::anyhow!("{errors}"))?;
     let settable = compiled.resolved.settable(&*context.catalog);
     let bounces = settable.iter().find(|settable| settable.path == "bounces");
