@@ -13,7 +13,31 @@ pub struct Gpu {
     pub queue: Queue,
     /// The adapter's name, driver and type.
     pub info: AdapterInfo,
+    /// Where the device was opened here: it counts the objects.
+    instance: Option<Instance>,
     faults: Arc<Mutex<Option<String>>>,
+}
+
+/// How many objects of each kind there are, of all devices that were opened with the same instance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Objects {
+    /// Buffers.
+    pub buffers: usize,
+    /// Textures, and views of them.
+    pub textures: usize,
+    /// Bind groups.
+    pub bind_groups: usize,
+    /// Pipelines and shader modules.
+    pub pipelines: usize,
+    /// Command encoders and buffers, and sets of queries.
+    pub commands: usize,
+}
+
+impl Objects {
+    /// Returns how many there are of all kinds.
+    pub fn count(&self) -> usize {
+        self.buffers + self.textures + self.bind_groups + self.pipelines + self.commands
+    }
 }
 
 impl Gpu {
@@ -35,10 +59,10 @@ impl Gpu {
 
     /// Returns the adapters, with the one that [`Gpu::open`] chooses first.
     pub fn adapters() -> Vec<AdapterInfo> {
-        pollster::block_on(Self::sorted_adapters()).iter().map(Adapter::get_info).collect()
+        pollster::block_on(Self::sorted_adapters()).1.iter().map(Adapter::get_info).collect()
     }
 
-    async fn sorted_adapters() -> Vec<Adapter> {
+    async fn sorted_adapters() -> (Instance, Vec<Adapter>) {
         let instance = Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let backends = Backends::from_env().unwrap_or(Backends::PRIMARY);
         let mut adapters: Vec<Adapter> = instance.enumerate_adapters(backends).await;
@@ -53,17 +77,17 @@ impl Gpu {
             wgpu::DeviceType::Cpu => 3,
             wgpu::DeviceType::Other => 4,
         });
-        adapters
+        (instance, adapters)
     }
 
     async fn open_async() -> Result<Gpu, ExecutorError> {
-        let adapters = Self::sorted_adapters().await;
+        let (instance, adapters) = Self::sorted_adapters().await;
         let adapter = adapters.first().ok_or(ExecutorError::NoAdapter)?;
         let (device, queue) =
             adapter.request_device(&Self::device_descriptor(adapter)).await.map_err(|error| {
                 ExecutorError::Device { adapter: adapter.get_info().name, message: error.to_string() }
             })?;
-        Ok(Gpu::from_device(device, queue, adapter.get_info()))
+        Ok(Gpu { instance: Some(instance), ..Gpu::from_device(device, queue, adapter.get_info()) })
     }
 
     /// Describes the device that Lightloom requests: all limits of the adapter, and the optional features that it has.
@@ -93,7 +117,7 @@ impl Gpu {
                 first.get_or_insert_with(|| format!("the device was lost: {message}"));
             }
         });
-        Gpu { device, queue, info, faults }
+        Gpu { device, queue, info, instance: None, faults }
     }
 
     /// Returns the first error since the last call, if there was one.
@@ -101,9 +125,39 @@ impl Gpu {
         self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
     }
 
+    /// Returns how many objects there are, as wgpu counts them; `None` where an application opened the device.
+    pub fn objects(&self) -> Option<Objects> {
+        let hub = self.instance.as_ref()?.generate_report()?.hub;
+        let count = |kinds: &[usize]| kinds.iter().sum();
+        Some(Objects {
+            buffers: hub.buffers.num_allocated,
+            textures: count(&[hub.textures.num_allocated, hub.texture_views.num_allocated]),
+            bind_groups: hub.bind_groups.num_allocated,
+            pipelines: count(&[
+                hub.render_pipelines.num_allocated,
+                hub.compute_pipelines.num_allocated,
+                hub.shader_modules.num_allocated,
+            ]),
+            commands: count(&[
+                hub.command_encoders.num_allocated,
+                hub.command_buffers.num_allocated,
+                hub.query_sets.num_allocated,
+            ]),
+        })
+    }
+
     /// Returns the limits of the device.
     pub fn limits(&self) -> Limits {
         self.device.limits()
+    }
+
+    /// Returns whether shaders should read what is uniform from storage buffers. The lavapipe of Mesa 22 compiles a shader
+    /// anew in each frame where values of a uniform buffer decide branches or loops that make up half of it, and keeps
+    /// every version until the device is dropped.
+    pub(crate) fn recompiles_by_uniforms(&self) -> bool {
+        let mesa = self.info.driver_info.strip_prefix("Mesa ").and_then(|version| version.split('.').next());
+        let before = mesa.and_then(|major| major.parse::<u32>().ok()).is_some_and(|major| major < 23);
+        self.info.driver == "llvmpipe" && before
     }
 
     /// Returns whether passes can be timed on the GPU.

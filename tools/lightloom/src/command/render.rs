@@ -1,5 +1,6 @@
 //! `lightloom render`: headless pictures and sequences, also again at every save.
 
+mod log;
 mod watch;
 
 use crate::context::{Context, overrides, parse_size};
@@ -57,6 +58,10 @@ pub(crate) struct Args {
     /// print where the time went from the start of the process to the first picture
     #[arg(long)]
     pub(crate) time: bool,
+    /// Write to FILE a line of JSON for each frame: its number and seconds, the memory of the program, the objects on the
+    /// device, and of each output a hash and the mean luminance
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
     /// Tone-mapping of PNG files: reinhard, reinhard:WHITE, clamp, aces
     #[arg(long, default_value = "reinhard")]
     tonemap: Tonemap,
@@ -136,6 +141,7 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
     let progressive = frames == 1 && renderer.plan().is_some_and(|plan| plan.output("progress").is_some());
     let bar = progress(if progressive { u64::MAX } else { u64::from(frames) }, "rendering");
     let start = Instant::now();
+    let mut log = args.log.as_deref().map(log::FrameLog::new).transpose()?;
     let mut times: Vec<Vec<f64>> = Vec::new();
     let (mut written, mut first_picture) = (Vec::new(), None);
     for frame in 0..frames {
@@ -143,6 +149,7 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
             renderer.run_everything();
         }
         let running = tracing::info_span!(target: "phase", "frames").entered();
+        let begun = Instant::now();
         renderer.frame_until_done(|report, progress| {
             times.push(report.times.clone());
             if let Some(progress) = progress.filter(|_| progressive) {
@@ -152,6 +159,11 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
             ControlFlow::Continue(())
         })?;
         drop(running);
+        if let Some(log) = &mut log {
+            renderer.gpu().wait()?;
+            let seconds = begun.elapsed().as_secs_f64();
+            log.add(renderer, args.first_frame + frame, seconds, &args.output)?;
+        }
         if out.wants(frame, frames) {
             for output in &args.output {
                 let reading = tracing::info_span!(target: "phase", "read back").entered();
