@@ -21,6 +21,9 @@ pub enum StressError {
         #[source]
         error: io::Error,
     },
+    /// The program that renders could not write its pictures: what became of the case is not known.
+    #[error("a picture could not be written: {0}")]
+    Picture(String),
     /// The program could not be started.
     #[error("the program that renders cannot be started: {0}")]
     Start(#[source] io::Error),
@@ -141,7 +144,7 @@ impl Bench<'_> {
             .map_err(|error| StressError::Write { path: folder.to_owned(), error })?;
         let beside = case.files.iter().map(|(name, text)| (folder.join(name), text));
         for (path, text) in beside.chain([(scene.clone(), &case.scene)]) {
-            std::fs::write(&path, text).map_err(|error| StressError::Write { path, error })?;
+            whole_file::write(&path, text).map_err(|error| StressError::Write { path, error })?;
         }
         Ok(())
     }
@@ -198,6 +201,9 @@ impl Bench<'_> {
         }
         arguments.extend(set.iter().flat_map(|set| ["--set".to_owned(), set.clone()]));
         let ran = self.program.run(&arguments, self.options.limit).map_err(StressError::Start)?;
+        if let Some(why) = ran.unwritten() {
+            return Err(StressError::Picture(why));
+        }
         let read = |path: &PathBuf| Image::read(path).ok().map(Picture::new);
         let pictures = match ran.ended {
             Ended::Exit(0) => read(&files[0]).zip(read(&files[1])),
