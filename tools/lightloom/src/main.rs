@@ -12,7 +12,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use tracing_chrome::FlushGuard;
+use trace::Trace;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
@@ -82,13 +82,25 @@ fn quieten_mesa() {
     }
 }
 
-/// Prints what is logged, and records phases and a trace where they are wanted. The trace is complete once what is
-/// returned is dropped.
-fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<FlushGuard>> {
+/// A write beyond the limit on the size of files is an error like any other, of which a message tells, and does not end the
+/// program with half a file.
+#[cfg(unix)]
+fn survive_large_files() {
+    #[expect(unsafe_code, reason = "the standard library has no signals")]
+    // SAFETY: no handler is installed; the signal is ignored.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+    }
+}
+
+/// Prints what is logged, and records phases and a trace where they are wanted.
+fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<Trace>> {
     let logged = EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into());
-    let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(logged);
+    let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    // It would be told by `eprintln!`, which panics where standard error is what cannot be written.
+    let print = print.log_internal_errors(false).with_filter(logged);
     let of_phases = Targets::new().with_target(start::TARGET, LevelFilter::INFO);
-    let (file, flush) = trace.map(trace::to_file).transpose()?.unzip();
+    let (file, trace) = trace.map(trace::to_file).transpose()?.unzip();
     let registry = tracing_subscriber::registry()
         .with(print)
         .with(phases.map(|phases| phases.with_filter(of_phases)))
@@ -96,16 +108,17 @@ fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<
     #[cfg(feature = "tracy")]
     let registry = registry.with(trace::to_tracy());
     registry.init();
-    Ok(flush)
+    Ok(trace)
 }
 
 fn main() -> ExitCode {
     quieten_mesa();
+    #[cfg(unix)]
+    survive_large_files();
     let phases = start::Phases::begin();
     let cli = Cli::parse();
     let timed = matches!(&cli.command, Command::Render(args) if args.time);
-    // Dropped at the end of `main`, which returns and never exits.
-    let _trace = match record(timed.then(|| phases.clone()), cli.trace.as_deref()) {
+    let trace = match record(timed.then(|| phases.clone()), cli.trace.as_deref()) {
         Ok(trace) => trace,
         Err(error) => {
             output::failure(&error);
@@ -131,11 +144,11 @@ fn main() -> ExitCode {
         Command::Scenes(_) => command::lists::scenes(&context),
         Command::Adapters(_) => command::lists::adapters(&context),
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            output::failure(&error);
-            ExitCode::FAILURE
-        }
+    let traced = trace.map_or(Ok(()), Trace::finish);
+    let mut code = ExitCode::SUCCESS;
+    for error in [done, traced].into_iter().filter_map(Result::err) {
+        output::failure(&error);
+        code = ExitCode::FAILURE;
     }
+    code
 }

@@ -4,7 +4,7 @@ mod log;
 mod watch;
 
 use crate::context::{Context, overrides, parse_size};
-use crate::output::{self, progress, say};
+use crate::output::{self, progress, say, tell};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{CompileOptions, Figure, LinkContext, human_bytes};
 use metrics::statistics::median;
@@ -111,7 +111,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     });
     let (gpu, scene) = (gpu.unwrap_or_else(|panic| std::panic::resume_unwind(panic)), scene?);
     for repair in &scene.repairs {
-        eprintln!("note: {repair}");
+        tell!("note: {repair}");
     }
     let mut renderer = Renderer::new(gpu?, catalog, scene, args.size)?;
     renderer.set_seed(args.seed);
@@ -209,7 +209,7 @@ impl Sequence {
         }
         let numbered = pattern.to_string_lossy().contains('#');
         if numbered && frames == 1 {
-            eprintln!(
+            tell!(
                 "note: {} is numbered, and one frame is rendered; --frames N makes a sequence",
                 pattern.display()
             );

@@ -1,5 +1,6 @@
 //! What a study tells while it runs: a bar on a terminal, lines elsewhere; on standard error.
 
+use crate::output::tell;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal as _, stderr};
 use study::{Event, Outcome, name_of};
@@ -39,7 +40,7 @@ impl Progress {
             }
             Event::Reference { name } => match &self.bar {
                 Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
-                None => eprintln!("reference of {name}"),
+                None => tell!("reference of {name}"),
             },
             Event::Cell { name } => {
                 if let Some(bar) = &self.bar {
@@ -64,12 +65,7 @@ impl Progress {
                         self.left = format!("{left}: ");
                     }
                     None => {
-                        eprintln!(
-                            "{ended}/{} {} in {:.1} s, {left}",
-                            self.cells,
-                            name_of(cell),
-                            cell.seconds
-                        );
+                        tell!("{ended}/{} {} in {:.1} s, {left}", self.cells, name_of(cell), cell.seconds);
                     }
                 }
             }
@@ -86,8 +82,8 @@ impl Progress {
     /// A line that stays.
     fn line(&self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.suspend(|| tell!("{text}")),
+            None => tell!("{text}"),
         }
     }
 }
