@@ -1,7 +1,8 @@
 //! The device: opened here, or passed in by an application.
 
 use crate::error::ExecutorError;
-use std::sync::{Arc, Mutex};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::{Adapter, AdapterInfo, Backends, Device, Features, Instance, Limits, Queue};
 
 /// A device with its queue, and the first error that it reported.
@@ -15,7 +16,16 @@ pub struct Gpu {
     pub info: AdapterInfo,
     /// Where the device was opened here: it counts the objects.
     instance: Option<Instance>,
-    faults: Arc<Mutex<Option<String>>>,
+    faults: Arc<Faults>,
+}
+
+/// What a device has reported outside of the calls that caused it.
+#[derive(Debug, Default)]
+struct Faults {
+    /// The first error that nobody has taken.
+    first: Mutex<Option<String>>,
+    /// Why the device is gone. It never comes back.
+    lost: OnceLock<String>,
 }
 
 /// How many objects of each kind there are, of all devices that were opened with the same instance.
@@ -104,25 +114,43 @@ impl Gpu {
 
     /// Uses a device that an application has opened. From now on, [`Gpu::take_fault`] returns its uncaptured errors.
     pub fn from_device(device: Device, queue: Queue, info: AdapterInfo) -> Gpu {
-        let faults = Arc::new(Mutex::new(None));
+        let faults = Arc::new(Faults::default());
         let sink = Arc::clone(&faults);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            let mut first = sink.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            first.get_or_insert_with(|| error.to_string());
+            let mut first = sink.first.lock().unwrap_or_else(PoisonError::into_inner);
+            first.get_or_insert_with(|| match &error {
+                // Its own text does not say which object it is about.
+                wgpu::Error::OutOfMemory { source } => format!("out of memory: {source}"),
+                _ => error.to_string(),
+            });
         }));
         let sink = Arc::clone(&faults);
         device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                let mut first = sink.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                first.get_or_insert_with(|| format!("the device was lost: {message}"));
-            }
+            // wgpu reports nothing else of a device that is gone: what is asked of it does nothing, without an error.
+            let _ = sink.lost.set(match reason {
+                wgpu::DeviceLostReason::Destroyed => "it was destroyed".to_owned(),
+                wgpu::DeviceLostReason::Unknown => message,
+            });
         });
         Gpu { device, queue, info, instance: None, faults }
     }
 
-    /// Returns the first error since the last call, if there was one.
+    /// Returns the first error since the last call, if there was one. A device that is gone has one in every call.
     pub fn take_fault(&self) -> Option<String> {
-        self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
+        let first = self.faults.first.lock().unwrap_or_else(PoisonError::into_inner).take();
+        self.check().err().map(|lost| lost.to_string()).or(first)
+    }
+
+    /// Checks that the device is there, as far as it is known without a wait: one that an application has destroyed is
+    /// found to be gone when it is next waited for.
+    ///
+    /// # Errors
+    /// [`ExecutorError::Lost`] where the device is gone.
+    pub fn check(&self) -> Result<(), ExecutorError> {
+        match self.faults.lost.get() {
+            Some(message) => Err(ExecutorError::Lost { message: message.clone() }),
+            None => Ok(()),
+        }
     }
 
     /// Returns how many objects there are, as wgpu counts them; `None` where an application opened the device.
@@ -208,10 +236,23 @@ impl Gpu {
     /// # Errors
     /// [`ExecutorError::Lost`] where the device is gone.
     pub fn wait(&self) -> Result<(), ExecutorError> {
-        self.device
-            .poll(wgpu::PollType::Wait { submission_index: None, timeout: None })
-            .map(|_| ())
-            .map_err(|error| ExecutorError::Lost { message: error.to_string() })
+        self.poll(wgpu::PollType::Wait { submission_index: None, timeout: None })
+    }
+
+    /// Calls back whoever waits for work that is done.
+    ///
+    /// # Errors
+    /// [`ExecutorError::Lost`] where the device is gone.
+    pub(crate) fn poll(&self, how: wgpu::PollType) -> Result<(), ExecutorError> {
+        // wgpu 30 panics where the driver loses the device in a poll; it holds no lock then.
+        let polled = catch_unwind(AssertUnwindSafe(|| self.device.poll(how)));
+        self.check()?;
+        let lost = |message| Err(ExecutorError::Lost { message });
+        match polled {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(error)) => lost(error.to_string()),
+            Err(_) => lost("the driver failed while it was waited for".to_owned()),
+        }
     }
 }
 
