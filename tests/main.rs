@@ -9,6 +9,7 @@ mod bench;
 mod cli;
 mod clusters;
 mod direct;
+mod faults;
 mod flux;
 mod frames;
 mod incremental;
