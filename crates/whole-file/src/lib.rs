@@ -70,6 +70,15 @@ impl Part {
         }
     }
 
+    /// Returns the path of the file that is written into, for another program that writes it; `None` where it has none
+    /// because it is for a device or pipe.
+    pub fn beside(&self) -> Option<&Path> {
+        match &self.written {
+            Written::Beside(file) => Some(file.path()),
+            Written::Elsewhere(_) => None,
+        }
+    }
+
     /// Gives the file its name, once it is on disk. A file of that name is replaced.
     ///
     /// # Errors
