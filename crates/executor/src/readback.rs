@@ -21,9 +21,24 @@ pub(crate) fn map(gpu: &Gpu, buffer: &wgpu::Buffer, name: &str) -> Result<Vec<u8
         Ok(Err(refused)) => return Err(error(gpu.take_fault().unwrap_or_else(|| refused.to_string()))),
         Err(_) => return Err(error("the device did not answer".to_owned())),
     }
-    let bytes = buffer.get_mapped_range(..).map_err(|refused| error(refused.to_string()))?.to_vec();
+    let mut bytes = room(name, buffer.size())?;
+    bytes.extend_from_slice(&buffer.get_mapped_range(..).map_err(|refused| error(refused.to_string()))?);
     buffer.unmap();
     Ok(bytes)
+}
+
+/// Returns an empty vector for this many bytes: a picture may be larger than the memory, which is an error.
+fn room(name: &str, size: u64) -> Result<Vec<u8>, ExecutorError> {
+    let mut bytes = Vec::new();
+    match usize::try_from(size).map(|size| bytes.try_reserve_exact(size)) {
+        Ok(Ok(())) => Ok(bytes),
+        _ => Err(no_memory(name, size)),
+    }
+}
+
+fn no_memory(name: &str, size: u64) -> ExecutorError {
+    let message = format!("out of memory: the copy needs {size} bytes");
+    ExecutorError::ReadBack { resource: name.to_owned(), message }
 }
 
 /// The bytes of an object, row by row and layer by layer, without padding.
@@ -42,10 +57,7 @@ pub(crate) fn read(
             mapped_at_creation: false,
         });
         match pollster::block_on(memory.pop()) {
-            Some(_) => Err(ExecutorError::ReadBack {
-                resource: name.to_owned(),
-                message: format!("out of memory: the copy needs {size} bytes"),
-            }),
+            Some(_) => Err(no_memory(name, size)),
             None => Ok(buffer),
         }
     };
@@ -81,11 +93,11 @@ pub(crate) fn read(
             );
             gpu.submit(Some(encoder.finish()));
             let bytes = map(gpu, &target, name)?;
-            Ok(bytes
-                .chunks_exact(padded as usize)
-                .flat_map(|padded_row| &padded_row[..row as usize])
-                .copied()
-                .collect())
+            let mut dense = room(name, row * rows)?;
+            for padded_row in bytes.chunks_exact(padded as usize) {
+                dense.extend_from_slice(&padded_row[..row as usize]);
+            }
+            Ok(dense)
         }
         _ => Err(ExecutorError::ReadBack {
             resource: name.to_owned(),
