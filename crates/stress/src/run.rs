@@ -3,6 +3,7 @@
 use crate::case::{Case, Expect};
 use crate::cell::{Cell, Known, Picture, Verdict, judge};
 use crate::child::{Ended, Program, Ran};
+use crate::long::{self, Line};
 use metrics::Image;
 use std::collections::HashMap;
 use std::io;
@@ -53,7 +54,7 @@ pub struct Options {
     pub set: Vec<(String, String)>,
     /// Values for the path tracer.
     pub set_reference: Vec<(String, String)>,
-    /// How long one run may take.
+    /// How long one picture may take; a long run that long for each 200 frames.
     pub limit: Duration,
 }
 
@@ -68,6 +69,9 @@ pub enum Event<'a> {
 
 /// The pipeline that others are measured by.
 pub const REFERENCE: &str = "reference";
+
+/// A long run may take as long as a picture for each so many frames.
+const FRAMES_IN_LIMIT: u32 = 200;
 
 /// A picture by the path tracer, by scene, size and bounces; `None` where there is none.
 type References = HashMap<(String, (u32, u32), u32), Option<Picture>>;
@@ -95,6 +99,7 @@ pub fn run(
             plain: plain_picture.as_ref(),
             plain_truth: plain_truth.as_ref(),
             truth: plain_truth.as_ref(),
+            lines: &[],
         };
         for case in cases.iter().chain(&subject.cases) {
             let identity = (subject.name.as_str(), case.name.as_str(), case.expect);
@@ -107,7 +112,12 @@ pub fn run(
                     Expect::Truth => bench.reference(subject, case, tell)?,
                     _ => None,
                 };
-                judge(identity, &ran, both(&pictures), Known { truth: truth.as_ref(), ..plain_known })
+                let lines = match case.expect {
+                    Expect::Steady(_) => bench.log(),
+                    _ => Vec::new(),
+                };
+                let known = Known { truth: truth.as_ref(), lines: &lines, ..plain_known };
+                judge(identity, &ran, both(&pictures), known)
             };
             bench.keep_picture(&cell);
             tell(Event::Done(&cell));
@@ -181,12 +191,21 @@ impl Bench<'_> {
         Ok(picture)
     }
 
+    fn log_file(&self) -> PathBuf {
+        self.options.folder.join("frames.jsonl")
+    }
+
+    /// The frames of the long run that was just made.
+    fn log(&self) -> Vec<Line> {
+        long::lines(&std::fs::read_to_string(self.log_file()).unwrap_or_default())
+    }
+
     fn picture(&self, pipeline: &str, case: &Case, set: &[String]) -> Result<(Ran, Pictures), StressError> {
         let (width, height) = case.size.unwrap_or(self.options.size);
         let out = self.options.folder.join("picture.exr");
         let files =
             ["indirect", "image"].map(|output| self.options.folder.join(format!("picture-{output}.exr")));
-        for file in &files {
+        for file in files.iter().chain([&self.log_file()]) {
             // That of the case before must not pass for this one's.
             let _ = std::fs::remove_file(file);
         }
@@ -199,8 +218,13 @@ impl Bench<'_> {
         if case.frames > 1 {
             arguments.extend(["--frames".to_owned(), case.frames.to_string()]);
         }
+        let mut limit = self.options.limit;
+        if let Expect::Steady(_) = case.expect {
+            arguments.extend(["--log".to_owned(), self.log_file().display().to_string()]);
+            limit *= case.frames.div_ceil(FRAMES_IN_LIMIT);
+        }
         arguments.extend(set.iter().flat_map(|set| ["--set".to_owned(), set.clone()]));
-        let ran = self.program.run(&arguments, self.options.limit).map_err(StressError::Start)?;
+        let ran = self.program.run(&arguments, limit).map_err(StressError::Start)?;
         if let Some(why) = ran.unwritten() {
             return Err(StressError::Picture(why));
         }
