@@ -10,8 +10,11 @@ const PERIOD: u32 = 50;
 /// The shortest run that can be judged: its tenths hold whole rounds of the light.
 pub const SHORTEST: u32 = 10 * PERIOD;
 
-/// The most by which the mean of the last tenth may differ from that of the second.
+/// The most by which the mean of the last tenth may differ from that of the second, where rounds differ by less.
 const DRIFT: f64 = 0.02;
+
+/// Standard errors of that difference within which it is chance.
+const CHANCE: f64 = 4.0;
 
 /// Bytes of growth that are none: what a program puts aside now and then.
 const SLACK: f64 = 4.0 * 1024.0 * 1024.0;
@@ -157,8 +160,9 @@ pub(crate) fn judge(steady: Steady, lines: &[Line]) -> Option<Long> {
             long.wrong.push(what);
         }
     };
+    let allowed = DRIFT.max(CHANCE * error_of_ratio(&lines[tenth..], tenth));
     wrong(
-        !((1.0 - DRIFT)..=(1.0 + DRIFT)).contains(&long.energy),
+        !((1.0 - allowed)..=(1.0 + allowed)).contains(&long.energy),
         format!("the last tenth has {:.3} of the energy of the second", long.energy),
     );
     let allowed = SLACK + LEFT_BEHIND * (lines.len() - 2 * tenth) as f64;
@@ -180,6 +184,21 @@ pub(crate) fn judge(steady: Steady, lines: &[Line]) -> Option<Long> {
         },
     );
     Some(long)
+}
+
+fn mean(lines: &[Line]) -> f64 {
+    lines.iter().map(|line| line.outputs.indirect.mean).sum::<f64>() / lines.len() as f64
+}
+
+/// The standard error of the ratio of the means of two parts of so many lines, from how rounds differ from the one before.
+/// That a slow drift makes neighbours differ little is why these are compared, and not all with their mean.
+fn error_of_ratio(lines: &[Line], part: usize) -> f64 {
+    let rounds: Vec<f64> = lines.chunks_exact(PERIOD as usize).map(mean).collect();
+    let steps: f64 = rounds.windows(2).map(|two| (two[1] - two[0]).powi(2)).sum();
+    // Half the mean square of the steps is the variance of a round; a part is the mean of several rounds.
+    let variance = steps / (2.0 * rounds.len().saturating_sub(1).max(1) as f64);
+    let in_part = part as f64 / f64::from(PERIOD);
+    (2.0 * variance / in_part).sqrt() / mean(lines)
 }
 
 #[cfg(test)]
@@ -225,6 +244,15 @@ mod tests {
         assert!(told.contains("took"), "{told}");
         let told = wrong(Steady::Still, |i| (1.0 + 1e-9 * (i % 2) as f64, 0, 0, 0.01));
         assert!(told.contains("differ"), "{told}");
+    }
+
+    #[test]
+    fn differences_that_are_chance_are_none() {
+        // Rounds that differ by 3 % at random: the tenth has two.
+        let noise = |i: usize| ((i / PERIOD as usize) as u32).wrapping_mul(0x9e37_79b9) >> 16;
+        let of = |i: usize| (1.0 + 0.1 * (f64::from(noise(i)) / 65536.0 - 0.5), 0, 0, 0.01);
+        let long = judge(Steady::Moving, &run(1000, of)).unwrap();
+        assert!(long.wrong.is_empty(), "{long:?}");
     }
 
     #[test]
