@@ -13,6 +13,8 @@ pub enum Expect {
     Black,
     /// A finite picture that is nowhere negative: nothing else is known.
     Finite,
+    /// No picture: the program says why.
+    Refused,
     /// A long run that neither drifts nor grows.
     Steady(Steady),
 }

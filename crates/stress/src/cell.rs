@@ -214,6 +214,7 @@ pub fn judge(
         }
         Expect::Black => indirect.mean <= NOTHING * known.plain.map_or(1.0, |plain| plain.mean),
         Expect::Finite => true,
+        Expect::Refused => false,
         Expect::Steady(steady) => {
             let most = |of: fn(&Seen) -> usize| {
                 let of_line = |line: &Line| of(&line.outputs.indirect).max(of(&line.outputs.image));
@@ -282,6 +283,7 @@ mod tests {
         assert_eq!(verdict(Expect::Truth, 0.3, plain).0, Verdict::Off);
         assert_eq!(verdict(Expect::Black, 0.0, plain).0, Verdict::Held);
         assert_eq!(verdict(Expect::Black, 0.01, plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Refused, 0.01, plain).0, Verdict::Off);
     }
 
     #[test]

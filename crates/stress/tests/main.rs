@@ -37,13 +37,18 @@ fn names_are_unique_and_the_plain_scene_is_first() {
 #[test]
 fn the_scene_of_every_case_loads() {
     let folder = tempfile::tempdir().unwrap();
-    for case in cases() {
+    // Gigabytes are for `lightloom stress`.
+    for case in cases().into_iter().filter(|case| case.name != "triangles-1e7") {
         for (name, text) in &case.files {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         let path = folder.path().join(format!("{}.ron", case.name));
         std::fs::write(&path, &case.scene).unwrap();
         let loaded = scene::load(&path.display().to_string(), &Nothing);
+        if case.expect == Expect::Refused {
+            assert!(loaded.is_err(), "{} is not refused", case.name);
+            continue;
+        }
         let scene = loaded.unwrap_or_else(|error| panic!("{}: {error}", case.name));
         assert!(scene.about.len() > 10, "{}", case.name);
     }
