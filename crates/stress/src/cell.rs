@@ -174,7 +174,11 @@ pub fn judge(
         seconds: ran.seconds,
         command: ran.command.clone(),
     };
-    let Some((indirect, whole)) = pictures.filter(|_| ran.ended == Ended::Exit(0)) else {
+    let is_told = |(indirect, whole): &(&Picture, &Picture)| {
+        ran.ended == Ended::Exit(0)
+            || (ran.ended == Ended::Exit(1) && indirect.not_finite + whole.not_finite > 0)
+    };
+    let Some((indirect, whole)) = pictures.filter(is_told) else {
         cell.verdict = match ran.ended {
             Ended::TimedOut => Verdict::TimedOut,
             // An error that is told has its word; a panic has not.

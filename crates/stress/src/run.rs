@@ -229,8 +229,9 @@ impl Bench<'_> {
             return Err(StressError::Picture(why));
         }
         let read = |path: &PathBuf| Image::read(path).ok().map(Picture::new);
+        // A run whose picture is not finite writes it, and fails.
         let pictures = match ran.ended {
-            Ended::Exit(0) => read(&files[0]).zip(read(&files[1])),
+            Ended::Exit(0 | 1) => read(&files[0]).zip(read(&files[1])),
             _ => None,
         };
         Ok((ran, pictures))

@@ -24,7 +24,7 @@ use tracing_subscriber::{EnvFilter, Layer as _};
 struct Cli {
     /// Folder whose pipelines, shaders and scenes take precedence over the built-in ones [default: the Lightloom tree
     /// around the working folder]
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(long, global = true, value_name = "DIR", value_parser = folder)]
     root: Option<PathBuf>,
     /// Print JSON on standard output, for other programs
     #[arg(long, global = true)]
@@ -69,6 +69,11 @@ enum Command {
     Scenes(command::lists::Args),
     /// List the graphics adapters; fails where there is none
     Adapters(command::lists::Args),
+}
+
+fn folder(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.is_dir() { Ok(path) } else { Err("there is no such folder".to_owned()) }
 }
 
 /// Mesa's layer that chooses a device asks the desktop, and complains on stderr where there is none.

@@ -51,7 +51,7 @@ pub(crate) struct Args {
     #[arg(long, default_value = "64x64", value_parser = parse_size)]
     size: (u32, u32),
     /// A value for all pipelines that have the name, where a case sets no other. Any number of times
-    #[arg(long, value_name = "NAME=VALUE", default_values = ["lights=256", "map=32", "rsm.size=64"])]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set, default_values = ["lights=256", "map=32", "rsm.size=64"])]
     set: Vec<String>,
     /// Samples per pixel of the path tracer
     #[arg(long, default_value_t = 256)]

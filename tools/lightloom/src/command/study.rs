@@ -48,10 +48,10 @@ pub(crate) struct Args {
     size: Option<(u32, u32)>,
     /// A value for all pipelines that have the name, in place of the study's; an axis of that name takes this value
     /// only. Any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set: Vec<String>,
     /// A value for the pipeline that makes the references. Any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set_reference: Vec<String>,
     /// A scene in place of the study's. Any number of times
     #[arg(long)]
