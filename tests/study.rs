@@ -214,6 +214,11 @@ fn cells_that_fail_leave_the_others() {
         failed[0].contains("E039") && failed[2] == "192 of 192 pixels of frame 1 are NaN or infinite",
         "{json}"
     );
+    assert!(
+        text(&done).contains("error: 4 cells failed; the same command tries them again"),
+        "{}",
+        text(&done)
+    );
     let table = fs::read_to_string(folder.path().join("out/cells.csv")).unwrap();
     let timed = table.lines().filter(|line| line.contains("nan") && line.contains(",gpu-ms,")).count();
     assert_eq!(timed, 2, "what is not a matter of pixels is measured: {table}");

@@ -130,7 +130,7 @@ pub use edit::Edits;
 pub use error::StudyError;
 pub use interval::Interval;
 pub use laboratory::{
-    CellRun, Identity, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts,
+    CellRun, Identity, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts, Step,
     Values,
 };
 pub use measure::Measure;

@@ -155,9 +155,17 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         ran.context("the study stopped; what is finished is kept, and the same command goes on from there")?;
     tell(context, &ran.results, out, Some(ran.run))?;
     if ran.failed > 0 {
-        bail!("{} cells failed; the same command tries them again", ran.failed);
+        bail!("{}", failed(ran.failed));
     }
     Ok(())
+}
+
+/// What is said at the end of a run with failed cells.
+fn failed(count: usize) -> String {
+    match count {
+        1 => "1 cell failed; the same command tries it again".to_owned(),
+        count => format!("{count} cells failed; the same command tries them again"),
+    }
 }
 
 /// A study by name or path.
@@ -253,4 +261,15 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
         say!("{}", page.display());
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::failed;
+
+    #[test]
+    fn one_cell_is_one_cell() {
+        assert_eq!(failed(1), "1 cell failed; the same command tries it again");
+        assert_eq!(failed(2), "2 cells failed; the same command tries them again");
+    }
 }
