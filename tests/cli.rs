@@ -333,7 +333,13 @@ fn graphs_lists_and_differences_are_printed() {
     assert!(out(&lightloom(&["diff", "ism", "ism-invtm"])).contains("importance"));
     assert!(out(&lightloom(&["diff", "ism", "ism"])).contains("no difference"));
     assert!(out(&lightloom(&["resolve", "ism-invtm"])).contains("pipelines/ism.ron:"));
-    for (command, word) in [("pipelines", "ism-invtm"), ("scenes", "cornell-box"), ("passes", "gather")] {
+    let listed = [
+        ("pipelines", "ism-invtm"),
+        ("scenes", "cornell-box"),
+        ("passes", "gather"),
+        ("measures", "rel-mse"),
+    ];
+    for (command, word) in listed {
         assert!(out(&lightloom(&[command])).contains(word));
         let json: serde_json::Value = serde_json::from_str(&out(&lightloom(&[command, "--json"]))).unwrap();
         assert!(!json.as_array().unwrap().is_empty());

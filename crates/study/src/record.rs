@@ -141,6 +141,18 @@ pub enum Better {
     Neither,
 }
 
+impl Better {
+    /// Returns it as a word for tables: "lower", "nearer to 1".
+    pub fn word(self) -> &'static str {
+        match self {
+            Better::Lower => "lower",
+            Better::Higher => "higher",
+            Better::One => "nearer to 1",
+            Better::Neither => "neither",
+        }
+    }
+}
+
 /// The description of a measure for tables and charts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasureInfo {

@@ -67,6 +67,8 @@ enum Command {
     Pipelines(command::lists::PipelinesArgs),
     /// List the scenes
     Scenes(command::lists::Args),
+    /// List the measures of studies
+    Measures(command::lists::Args),
     /// List the graphics adapters; fails where there is none
     Adapters(command::lists::Args),
 }
@@ -147,6 +149,10 @@ fn main() -> ExitCode {
         Command::Passes(args) => command::passes::run(&context, args),
         Command::Pipelines(args) => command::lists::pipelines(&context, args),
         Command::Scenes(_) => command::lists::scenes(&context),
+        Command::Measures(_) => {
+            command::lists::measures(&context);
+            Ok(())
+        }
         Command::Adapters(_) => command::lists::adapters(&context),
     };
     let traced = trace.map_or(Ok(()), Trace::finish);

@@ -420,7 +420,8 @@ impl Grammar<'_, '_> {
             let Some(measure) = Measure::find(&name.value) else {
                 let error = Diagnostic::new(&codes::MEASURE, format!("there is no measure `{}`", name.value))
                     .label(name.span.clone(), "")
-                    .suggest("measures", &name.value, Measure::all().map(Measure::key));
+                    .suggest("measures", &name.value, Measure::all().map(Measure::key))
+                    .note("`lightloom measures` says what each of them is");
                 self.reader.tell(error);
                 continue;
             };
