@@ -63,6 +63,18 @@ pub struct StudyRecord {
     pub claims: Vec<ClaimRecord>,
 }
 
+/// The measure in which the noise of references is estimated.
+const NOISE: &str = "rel-mse";
+
+impl StudyRecord {
+    /// Returns the error of the reference of a scene itself, of the worst one if there are several; `None` for other
+    /// measures than that of [`ReferenceRecord::noise`], and if it is unknown. Errors below it are alike.
+    pub fn noise(&self, scene: &str, measure: &str) -> Option<f64> {
+        let references = self.references.iter().filter(|r| measure == NOISE && r.scene == scene);
+        references.filter_map(|r| r.noise).filter(|noise| noise.is_finite() && *noise > 0.0).reduce(f64::max)
+    }
+}
+
 /// A scene of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
