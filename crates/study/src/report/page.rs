@@ -235,11 +235,12 @@ fn chooser(names: &[&str], figures: &[&Figure], none: &str) -> String {
             out,
             "<figure class=choice data-choice=\"{}\">\n<div class=drawing>{}</div>\n\
              <figcaption>{} <button type=button class=save data-file=\"{file}\">Save SVG</button> \
-             <code>figures/{file}</code></figcaption>\n</figure>",
+             <code>figures/{file}</code>, <code>{pdf}</code></figcaption>\n</figure>",
             html(&json(&figure.choice)),
-            figure.svg,
+            figure.drawing.svg(),
             html(&figure.caption),
             file = html(&figure.file),
+            pdf = html(&figure.pdf_file()),
         );
     }
     out + "</div>\n"
