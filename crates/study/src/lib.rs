@@ -33,6 +33,8 @@
 //!     figures: { "name": "pass.port.figure" * }?,   // what passes tell of a frame: the measure `figure:name`
 //!     reference: REFERENCE?,                // the default is None
 //!     claims: [CLAIM *]?,                   // the claims of the paper about the measures
+//!     crops: [(0.4, 0.1, 0.2, 0.2) *]?,     // parts of pictures that the report enlarges: left, top, width and height in
+//!                                           // shares of the sides; also as figures/*.png
 //! )
 //! ```
 //!

@@ -61,6 +61,9 @@ pub struct StudyRecord {
     /// The claims of the paper, in order.
     #[serde(default)]
     pub claims: Vec<ClaimRecord>,
+    /// Parts of pictures that the report enlarges, in shares of the sides: left, top, width, height.
+    #[serde(default)]
+    pub crops: Vec<[f64; 4]>,
 }
 
 /// The measure in which the noise of references is estimated.

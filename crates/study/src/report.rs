@@ -25,7 +25,7 @@ const FIGURES: &str = "figures";
 const TABLES: &str = "tables";
 
 /// Writes a report into the study's folder, which holds the pictures that `results` names: `report.html`, a
-/// single file that needs no other files and no network; its charts as `figures/*.svg` and `*.pdf`; its tables as
+/// single file that needs no other files and no network; its charts as `figures/*.svg` and `*.pdf`, the crops that the study declares as `figures/*.png`; its tables as
 /// `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is always complete or
 /// absent, also while it replaces another. Returns the files that were written, the page first.
 ///
@@ -47,6 +47,7 @@ pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyErr
         files.push((Path::new(FIGURES).join(&figure.file), figure.drawing.svg().into_bytes()));
         files.push((Path::new(FIGURES).join(figure.pdf_file()), figure.drawing.pdf()));
     }
+    files.extend(pictures.insets.into_iter().map(|(name, bytes)| (Path::new(FIGURES).join(name), bytes)));
     let mut taken = BTreeSet::new();
     for table in tables.iter().chain(&claims) {
         let name = figures::unique(&mut taken, &format!("{}.md", escape::file_name(&table.name)));

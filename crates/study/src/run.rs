@@ -228,6 +228,7 @@ impl Session<'_> {
             started: begun.unwrap_or_else(clock::now),
             command: options.command.clone(),
             claims: study.claims.iter().map(Claim::record).collect(),
+            crops: study.crops.clone(),
         }
     }
 

@@ -81,6 +81,26 @@ fn each_figure_has_a_pdf() {
 }
 
 #[test]
+fn crops_are_files_for_papers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = sample::with_pictures(folder.path());
+    study::report(&results, folder.path()).expect("a report");
+    let files = contents(folder.path());
+    let crops: Vec<&String> =
+        files.keys().filter(|name| name.starts_with("figures/") && name.ends_with(".png")).collect();
+    // Two crops of each reference, and of the first seed of each combination.
+    assert_eq!(crops.len(), 2 * 2 * (1 + 18), "{crops:?}");
+    let read =
+        |name: &str| metrics::Image::read(folder.path().join("figures").join(name)).expect("a picture");
+    let crop = read("cornell-box-crop-1-reference.png");
+    // 6 by 8 pixels, 48 times.
+    assert_eq!((crop.width(), crop.height()), (288, 384));
+    let method = read("cornell-box-crop-1-sequential-lights-64-gather.filter-false.png");
+    assert_eq!((method.width(), method.height()), (288, 384));
+    assert!(method.pixels() != crop.pixels());
+}
+
+#[test]
 fn the_order_of_the_cells_does_not_matter() {
     let mut results = sample::results();
     let folders = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
