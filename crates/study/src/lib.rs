@@ -88,7 +88,7 @@
 //! measured. A claim that does not hold is a result, not a failure.
 //!
 //! **Keys.** The key of a cell is a hash of its plan, shaders, scene, values, size, seed, frames, budget,
-//! measures, phases, reference, adapter and version, but not of claims. So a study continues where it
+//! measures, phases, reference, adapter and version, but not of claims and crops. So a study continues where it
 //! stopped, and after a change of the file only the affected cells run again; the records of the others stay
 //! in the folder and are not reported. Failed cells run again.
 //!

@@ -168,7 +168,7 @@ impl<'a> Checker<'a> {
         let verb = if lacking.len() == 1 { "has" } else { "have" };
         let message = format!("{} {verb} no output `{}`", lacking.join(", "), output.value);
         let error = Diagnostic::new(&codes::OUTPUT, message).label(output.span.clone(), "");
-        let error = error.suggest(what, &output.value, names.into_iter());
+        let error = error.suggest(what, &output.value, names);
         let text = output.span.source.text.get(output.span.start as usize..output.span.end as usize);
         let is_stated = text.is_some_and(|text| text.contains('"'));
         Some(if is_stated { error } else { error.note("a study without `output:` measures `indirect`") })

@@ -168,7 +168,8 @@ function makeViewer() {
     const end = Number(differenceEnd().toPrecision(3));
     find("#difference-low").textContent = `−${end}`;
     find("#difference-high").textContent = `+${end}`;
-    find("#difference-of").textContent = `luminance of ${nameOf(cell)} − ${other().name}: blue is too dark, red too bright`;
+    const signs = other().name === "reference" ? "blue is too dark, red too bright" : "blue is darker, red brighter";
+    find("#difference-of").textContent = `luminance of ${nameOf(cell)} − ${other().name}: ${signs}`;
     find("#picture-note").textContent = cell.missing || note;
     exposure.value = exposureNumber.value = chosenExposure().toFixed(2);
     find("#picture-facts").replaceChildren(...cell.facts.map(([label, value]) => {

@@ -233,6 +233,11 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
     if context.json {
         let failures: Vec<_> =
             failures.map(|(cell, error)| json!({ "cell": cell, "error": error })).collect();
+        let pictures: Vec<_> = results
+            .cells
+            .iter()
+            .map(|cell| json!({ "cell": study::name_of(cell), "key": cell.key, "images": cell.images }))
+            .collect();
         output::json(&json!({
             "study": results.study.name,
             "report": page,
@@ -240,6 +245,7 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
             "missing": missing,
             "run": run,
             "failed": failures,
+            "pictures": pictures,
             "claims": { "hold": hold, "fail": fail, "undecided": undecided, "not_measured": not_measured },
             "findings": findings,
         }));
