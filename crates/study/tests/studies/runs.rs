@@ -310,3 +310,12 @@ fn a_reference_tells_how_far_it_is() {
     );
     assert!(!lines[4..].iter().any(|line| line.starts_with("step")), "cells do not: {lines:?}");
 }
+
+#[test]
+fn crops_are_recorded_and_run_nothing_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |crops: &str| plan(study(&format!("measures: [\"gpu-ms\"]{crops}")));
+    assert_eq!(run(&with(""), &mut Fake::default(), folder.path()).unwrap().run, 1);
+    let ran = run(&with(", crops: [(0.25, 0, 0.5, 1)]"), &mut Fake::default(), folder.path()).unwrap();
+    assert_eq!((ran.run, ran.results.study.crops), (0, vec![[0.25, 0.0, 0.5, 1.0]]));
+}
