@@ -19,6 +19,7 @@ mod pictures;
 mod points;
 mod reference;
 mod reload;
+mod rendered;
 mod sequential;
 mod stress;
 mod study;

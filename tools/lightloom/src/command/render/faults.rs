@@ -54,16 +54,28 @@ pub(super) fn tell_of_black(renderer: &Renderer, picture: &Image, output: &str) 
         let at = at.as_dvec3() + origin;
         format!("({}, {}, {})", at.x, at.y, at.z)
     };
-    if scene.is_in_view(pose, width as f32 / height as f32) {
+    let (low, high) = scene.bounds();
+    // A scene as small as this is seen by no pixel's centre, or by chance.
+    let corners = (0..8u32).map(|i| {
+        let take = |axis: u32| i >> axis & 1 == 1;
+        let corner = glam::BVec3::new(take(0), take(1), take(2));
+        pose.camera.project(glam::Vec3::select(corner, high, low), [width, height])
+    });
+    let corners: Option<Vec<glam::Vec2>> = corners.collect();
+    let is_small = corners.is_some_and(|corners| {
+        let far = |from: &glam::Vec2| corners.iter().any(|to| from.distance(*to) > 1.0);
+        !corners.iter().any(far)
+    });
+    if !is_small && scene.is_in_view(pose, width as f32 / height as f32) {
         tell!("note: the picture is black: no light reaches what is seen");
     } else {
-        let (low, high) = scene.bounds();
         tell!(
-            "note: nothing is seen: the camera at {} looks at {}, and the scene lies within {} to {} m",
+            "note: nothing is seen: the camera at {} looks at {}, and the scene lies within {} to {} m{}",
             point(pose.camera.position),
             point(pose.camera.target),
             point(low),
-            point(high)
+            point(high),
+            if is_small { ", which is less than a pixel" } else { "" }
         );
     }
 }
