@@ -12,6 +12,7 @@ mod direct;
 mod faults;
 mod flux;
 mod frames;
+mod guides;
 mod incremental;
 mod linking;
 mod pairs;

@@ -1,0 +1,151 @@
+//! The guides: their files are written, their commands run, and their listings are what is printed.
+//!
+//! A block of `ron` or `wgsl` that begins with `// NAME` is the file of that name. The commands of `sh` blocks must succeed.
+//! In `console` blocks, lines behind a command (`$ …`) are what it prints; `…` stands for any lines. Numbers with a point
+//! or an exponent differ between machines, and are not compared.
+
+use crate::adapter::{gpu, root};
+use std::path::Path;
+use std::process::Command;
+
+/// Commands of `sh` blocks that are not run: windows, programs of others, and what takes minutes.
+const LEFT_OUT: &[&str] = &["view", "cargo", "git", "sponza", "study"];
+
+/// A fenced block of a page.
+struct Block<'a> {
+    language: &'a str,
+    text: &'a str,
+}
+
+fn blocks(page: &str) -> Vec<Block<'_>> {
+    let fenced = page.split("\n```").skip(1).step_by(2);
+    fenced
+        .filter_map(|block| block.split_once('\n'))
+        .map(|(language, text)| Block { language, text })
+        .collect()
+}
+
+/// A folder that has all of the tree, in which files can be made.
+fn copy_of_tree(folder: &Path) {
+    for entry in std::fs::read_dir(root()).unwrap().flatten() {
+        let name = entry.file_name();
+        if !["target", ".git", "out"].contains(&&*name.to_string_lossy()) {
+            #[cfg(unix)]
+            std::os::unix::fs::symlink(entry.path(), folder.join(name)).unwrap();
+        }
+    }
+}
+
+/// Runs a command of a page: its exit code, and what it printed on both outputs.
+fn run(folder: &Path, command: &str) -> (Option<i32>, String) {
+    let words = command.split_whitespace().map(str::to_owned);
+    let mut words: Vec<String> = words.take_while(|word| !word.starts_with('#')).collect();
+    if words[0] == "lightloom" {
+        words[0] = env!("CARGO_BIN_EXE_lightloom").to_owned();
+    }
+    let done = Command::new("sh")
+        .args(["-c", "exec 2>&1; \"$@\"", "sh"])
+        .args(&words)
+        .current_dir(folder)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    (done.status.code(), String::from_utf8_lossy(&done.stdout).into_owned())
+}
+
+/// A command that renders as many pixels and frames as show whether it works.
+fn smaller(command: &str) -> String {
+    let mut words: Vec<&str> = command.split_whitespace().collect();
+    if words.get(1) != Some(&"render") {
+        return command.to_owned();
+    }
+    for (option, value) in [("--size", "32x24"), ("--frames", "2")] {
+        match words.iter().position(|word| *word == option) {
+            Some(i) => words[i + 1] = value,
+            None if option == "--size" => words.extend([option, value]),
+            None => {}
+        }
+    }
+    words.join(" ")
+}
+
+/// A line without the numbers that differ between machines, and with single spaces.
+fn comparable(line: &str) -> String {
+    let words = line.split_whitespace().map(|word| {
+        let number = word.trim_matches(|c: char| !c.is_ascii_alphanumeric());
+        let measured = number.contains('.') && number.parse::<f64>().is_ok();
+        if measured { "#".to_owned() } else { word.to_owned() }
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// Whether the lines that are printed are those of the page, in which `…` stands for any.
+fn agrees(expected: &[String], printed: &[String]) -> bool {
+    match expected.split_first() {
+        None => printed.is_empty(),
+        Some((line, rest)) if line == "…" => (0..=printed.len()).any(|skip| agrees(rest, &printed[skip..])),
+        Some((line, rest)) => printed.first() == Some(line) && agrees(rest, &printed[1..]),
+    }
+}
+
+fn check_console(folder: &Path, text: &str, page: &str, wrong: &mut Vec<String>) {
+    for part in format!("\n{text}").split("\n$ ").skip(1) {
+        let (command, expected) = part.split_once('\n').unwrap_or((part, ""));
+        if command.starts_with("lightloom study") {
+            continue;
+        }
+        let (_, printed) = run(folder, command);
+        let lines = |text: &str| -> Vec<String> {
+            text.lines().map(comparable).filter(|line| !line.is_empty()).collect()
+        };
+        if !agrees(&lines(expected), &lines(&printed)) {
+            wrong.push(format!("{page}: `{command}` prints\n{printed}and the page says\n{expected}"));
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(not(unix), ignore = "the tree is linked into a folder")]
+fn files_commands_and_listings_of_the_guides_are_right() {
+    if gpu().is_none() {
+        return;
+    }
+    let mut wrong = Vec::new();
+    let mut commands = 0;
+    for page in ["docs/guide.md", "docs/first-pipeline.md", "docs/first-pass.md", "docs/first-study.md"] {
+        let folder = tempfile::tempdir().unwrap();
+        copy_of_tree(folder.path());
+        let text = std::fs::read_to_string(root().join(page)).unwrap();
+        for Block { language, text } in blocks(&text) {
+            match language {
+                "ron" | "wgsl" => {
+                    let name = text.lines().next().and_then(|line| line.strip_prefix("// "));
+                    let name = name.and_then(|line| line.split([':', ' ']).next());
+                    let is_file = |name: &&str| name.ends_with(".ron") || name.ends_with(".wgsl");
+                    if let Some(name) = name.filter(is_file) {
+                        std::fs::write(folder.path().join(name), text).unwrap();
+                    }
+                }
+                "sh" => {
+                    for line in text.lines().filter(|line| !line.trim().is_empty()) {
+                        if LEFT_OUT.iter().any(|word| line.contains(word)) {
+                            continue;
+                        }
+                        let (code, printed) = run(folder.path(), &smaller(line));
+                        commands += 1;
+                        if code != Some(0) {
+                            wrong.push(format!("{page}: `{line}` fails:\n{printed}"));
+                        }
+                    }
+                }
+                "console" => {
+                    commands += 1;
+                    check_console(folder.path(), text, page, &mut wrong);
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+    assert!(commands >= 12, "{commands} commands were found");
+}
