@@ -204,7 +204,8 @@ impl<'a> Linker<'a> {
         let Body::Pass { kind, .. } = &decl.body else { return };
         let setting = error.setting.as_ref().and_then(|name| decl.set.iter().find(|s| s.name.value == *name));
         let link = error.input.as_ref().and_then(|name| decl.link(name));
-        let place = setting.map(|s| s.place).or(link.map(|l| l.place));
+        let out = error.output.as_ref().and_then(|name| decl.outs.iter().find(|o| o.port.value == *name));
+        let place = setting.map(|s| s.place).or(link.map(|l| l.place)).or(out.map(|o| o.port.place));
         let mut told = Diagnostic::new(&codes::REFUSED, format!("`{}`: {}", node.name, error.message));
         told = match place {
             Some(place) => told
