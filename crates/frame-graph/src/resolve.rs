@@ -5,7 +5,9 @@ mod diff;
 mod document;
 mod figures;
 mod flatten;
+mod json;
 mod localise;
+mod lost;
 mod print;
 mod settable;
 mod variant;
@@ -146,9 +148,11 @@ impl Resolved {
         })
     }
 
-    /// Returns the names of the outputs, in the order of the file.
+    /// Returns the names of the outputs, in the order of the file; without those that are lost with a pass that was
+    /// removed.
     pub fn outputs(&self) -> impl Iterator<Item = &Name> {
-        self.outputs.iter().map(|output| &output.name.value)
+        let outputs = self.outputs.iter().filter(|output| self.removed(&output.link).is_none());
+        outputs.map(|output| &output.name.value)
     }
 
     /// Returns whether it is a sub-graph, to be used with `Sub`: it has inputs.

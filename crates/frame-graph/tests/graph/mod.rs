@@ -10,6 +10,7 @@ mod kinds;
 mod off;
 mod random;
 mod reader;
+mod removed;
 mod repeat;
 mod succession;
 mod variant_text;

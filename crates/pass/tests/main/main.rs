@@ -2,7 +2,6 @@
 
 mod contents;
 mod facts;
-
 mod modules;
 mod pass_types;
 mod settings;
