@@ -10,7 +10,7 @@ use crate::measure::Measure;
 use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord};
 use check::Checker;
 use frame_graph::{Diagnostics, Setting};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// A study with all names resolved.
 #[derive(Clone, Debug)]
@@ -81,6 +81,19 @@ pub(crate) enum Made {
 const MOST_CELLS: usize = 100_000;
 
 impl Plan {
+    /// Returns the runs of cells and of references that differ in more than their frames and seeds: in pipeline, values,
+    /// scene or size. Whatever compiles for these compiles for all.
+    pub fn distinct_runs(&self) -> Vec<&RunRequest> {
+        let references = self.references.iter().flat_map(|reference| match &reference.made {
+            Made::Run(requests) => &requests[..],
+            Made::Picture(_) => &[],
+        });
+        let mut seen = HashSet::new();
+        let all = self.cells.iter().map(|cell| &cell.request).chain(references);
+        let key = |run: &RunRequest| format!("{} {} {:?} {:?}", run.pipeline, run.scene, run.size, run.set);
+        all.filter(|run| seen.insert(key(run))).collect()
+    }
+
     /// Resolves the names of a study, and derives its cells.
     ///
     /// # Errors

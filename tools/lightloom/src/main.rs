@@ -103,12 +103,13 @@ fn main() -> ExitCode {
     quieten_mesa();
     let phases = start::Phases::begin();
     let cli = Cli::parse();
+    let json = cli.json;
     let timed = matches!(&cli.command, Command::Render(args) if args.time);
     // Dropped at the end of `main`, which returns and never exits.
     let _trace = match record(timed.then(|| phases.clone()), cli.trace.as_deref()) {
         Ok(trace) => trace,
         Err(error) => {
-            output::failure(&error);
+            output::failure(&error, json);
             return ExitCode::FAILURE;
         }
     };
@@ -134,7 +135,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            output::failure(&error);
+            output::failure(&error, json);
             ExitCode::FAILURE
         }
     }

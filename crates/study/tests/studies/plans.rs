@@ -98,3 +98,15 @@ fn the_command_line_changes_a_study() {
     let errors = study("measures: [\"gpu-ms\"], budget: Lights(8)").edit(&lights).unwrap_err().to_string();
     assert!(errors.contains("the budget sets it as well"), "{errors}");
 }
+
+#[test]
+fn runs_are_distinct_by_what_they_compile() {
+    let seeds = plan(study(&format!("vary: Grid({{ \"lights\": [16, 64] }}), seeds: 3, {MORE}")));
+    assert_eq!(seeds.cells.len(), 6);
+    let runs = |plan: &Plan| -> Vec<String> {
+        let runs = plan.distinct_runs().into_iter();
+        runs.map(|run| format!("{} {:?}", run.pipeline, run.set.last().map(|(_, value)| value.to_string())))
+            .collect()
+    };
+    assert_eq!(runs(&seeds), ["fast Some(\"16\")", "fast Some(\"64\")"]);
+}

@@ -81,7 +81,9 @@ impl Registry for CatalogRegistry {
         let resolved =
             |(name, set): (&str, &Values)| resolve(name, self.catalog.pipelines(), &overrides(set));
         match (resolved(first), resolved(second)) {
-            (Ok(first), Ok(second)) => diff(&first, &second).iter().map(ToString::to_string).collect(),
+            (Ok(first), Ok(second)) => {
+                diff(&first, &second, &*self.catalog).iter().map(ToString::to_string).collect()
+            }
             // What is wrong with either is told where it is run.
             _ => Vec::new(),
         }
