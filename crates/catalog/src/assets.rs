@@ -104,6 +104,12 @@ impl Files for PipelineFiles {
         })
     }
 
+    fn at(&self, path: &str) -> Option<Arc<Source>> {
+        let with_ending = (!path.ends_with(".ron") && !path.ends_with(".wgsl")).then(|| format!("{path}.ron"));
+        let mut names = [Some(path.to_owned()), with_ending].into_iter().flatten();
+        names.find_map(|name| self.0.text(&name).map(|text| Arc::new(Source { name, text })))
+    }
+
     fn list(&self) -> Vec<String> {
         let strip = |path: String| path.trim_start_matches("pipelines/").to_owned();
         self.0.list("pipelines", "ron").into_iter().map(strip).collect()
@@ -126,6 +132,10 @@ impl Files for ShaderAssets {
 
     fn list(&self) -> Vec<String> {
         ["shaders", "interfaces", "passes", "pipelines"].map(|folder| self.0.list(folder, "wgsl")).concat()
+    }
+
+    fn elsewhere(&self) -> Option<&'static str> {
+        Some("the working folder")
     }
 
     fn roots(&self) -> Vec<PathBuf> {

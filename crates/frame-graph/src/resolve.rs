@@ -7,6 +7,7 @@ mod figures;
 mod flatten;
 mod json;
 mod localise;
+mod locate;
 mod lost;
 mod print;
 mod settable;
@@ -40,6 +41,8 @@ pub struct Overrides(pub Vec<(String, Value)>);
 #[derive(Clone, Debug)]
 pub struct Resolved {
     pub(crate) sources: Sources,
+    /// What is no error of the files.
+    pub(crate) notes: Vec<Diagnostic>,
     pub(crate) about: Option<String>,
     pub(crate) paper: Option<String>,
     pub(crate) parameters: Vec<Parameter>,
@@ -111,6 +114,8 @@ pub fn resolve_description(
         Assignment::given(path, value.clone(), file)
     });
     let given = given.collect();
+    // By the name of its source, as those that it names.
+    let path = if description.source.name.ends_with(".ron") { &*description.source.name } else { path };
     let document = resolver.document(path, description);
     resolver.pipeline(path, document, given)
 }

@@ -58,7 +58,8 @@ impl Resolver<'_> {
         let mut chain = vec![path.to_owned()];
         let mut bases = Vec::new();
         let mut extends = description.extends.clone();
-        while let Some(At { value: base, place }) = extends {
+        while let Some(At { value: path_of_base, place }) = extends {
+            let base = self.located(&path_of_base, place);
             if chain.contains(&base) {
                 chain.push(base);
                 let error = Diagnostic::new(&codes::EXTENDS_LOOP, format!("`{path}` extends itself"))
@@ -77,7 +78,7 @@ impl Resolver<'_> {
                 return document;
             }
             // Without its base, all that a variant says would be wrong.
-            let Some(loaded) = self.load(&base, place) else { return document };
+            let Some(loaded) = self.load(&path_of_base, place) else { return document };
             extends = loaded.extends.clone();
             chain.push(base);
             bases.push(loaded);

@@ -10,10 +10,12 @@ use data_file::Name;
 const MAX_HOPS: usize = 64;
 
 impl Resolved {
-    /// Returns what is no error, and perhaps not meant: links and outputs that are lost with a pass that was removed.
+    /// Returns what is no error, and perhaps not meant: names that could mean two files, and links and outputs that are
+    /// lost with a pass that was removed.
     pub fn warnings(&self) -> Diagnostics {
         let removed = self.nodes.iter().filter(|node| matches!(node.decl.body, Body::Removed));
-        Diagnostics(removed.filter_map(|node| self.lost_with(node)).collect())
+        let lost = removed.filter_map(|node| self.lost_with(node));
+        Diagnostics(self.notes.iter().cloned().chain(lost).collect())
     }
 
     /// Tells what is lost with a pass; `None` where that is nothing, or no patch removed it.

@@ -1,4 +1,5 @@
 mod asked;
+mod beside;
 mod broken;
 mod continued;
 mod drawing;
