@@ -122,12 +122,12 @@ pub mod resource;
 pub mod succession;
 pub mod xml;
 
-pub use data_file::{codes, diagnostic, reader, value};
+pub use data_file::{codes, diagnostic, paths, reader, value};
 
 pub use compile::{CompileOptions, compile};
 pub use data_file::Name;
 pub use description::{Description, parse};
-pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity, Source, Span, nearest};
+pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity, Source, Span, nearest, nearest_of_few};
 pub use frame::{Change, FrameState, ResetCause};
 pub use interface::{Content, Fact, FactDecl, FactValue, Figure, Interface, Member, Struct};
 pub use link::{Graph, LinkContext, link};

@@ -110,3 +110,16 @@ fn runs_are_distinct_by_what_they_compile() {
     };
     assert_eq!(runs(&seeds), ["fast Some(\"16\")", "fast Some(\"64\")"]);
 }
+
+#[test]
+fn names_mean_what_is_beside_the_study_and_keep_their_words() {
+    let text = "Study(about: \"x\", scenes: [\"here\"], pipelines: [\"neighbour\"], output: \"indirect\", size: (8, 4), \
+                budget: Frames(1), measures: [\"rel-mse\"], reference: Pipeline(pipeline: \"neighbour\"))";
+    let found =
+        plan(::study::parse(Source::new("mine/a.ron", text)).unwrap_or_else(|error| panic!("{error}")));
+    for run in found.distinct_runs() {
+        assert_eq!((&*run.scene, &*run.pipeline), ("box", "fast"));
+    }
+    assert_eq!(found.pipelines[0].name, "neighbour");
+    assert_eq!(found.scenes[0].record.name, "here");
+}

@@ -1,5 +1,6 @@
 //! What there is to study: the catalog's pipelines and scenes.
 
+use frame_graph::paths::beside;
 use frame_graph::resolve::{Files as _, diff};
 use frame_graph::{Overrides, Resolved, Value, resolve};
 use renderer::{Catalog, load_scene};
@@ -50,6 +51,12 @@ impl Registry for CatalogRegistry {
                 triangles: scene.triangles(),
             },
         })
+    }
+
+    fn beside(&self, by: &str, name: &str) -> Option<String> {
+        let own = beside(by, name)?;
+        let with_ending = format!("{own}.ron");
+        [own, with_ending].into_iter().find(|path| self.catalog.assets().has(path))
     }
 
     fn roots(&self) -> Vec<PathBuf> {
