@@ -42,7 +42,7 @@ codes! {
     UNKNOWN_PARAMETER = "E018": "`$name` or a switch names a parameter that is not declared.";
     PARAMETER = "E019": "A parameter's value is of the wrong type, out of range, or not one of its choices.";
     UNKNOWN_KIND = "E020": "There is no pass type of that name.";
-    SHADER = "E021": "A pass type that takes a shader lacks one, or one is given to a pass type that takes none.";
+    SHADER = "E021": "A pass type that takes a shader lacks one, or names one that is not there, or one is given to a pass type that takes none.";
     UNKNOWN_SETTING = "E022": "The pass type has no setting of that name.";
     SETTING_TYPE = "E023": "A setting's value is of the wrong type.";
     SETTING_RANGE = "E024": "A setting's value is out of range, or not one of its choices.";

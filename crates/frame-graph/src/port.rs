@@ -372,6 +372,8 @@ pub struct PassTypeError {
     pub input: Option<String>,
     /// The output whose `out:` declaration is at fault, for the place in the file.
     pub output: Option<String>,
+    /// Whether the shader that the use names is at fault, for the place in the file.
+    pub shader: bool,
     /// What to do about it.
     pub help: Option<String>,
 }
@@ -395,6 +397,11 @@ impl PassTypeError {
     /// Creates an error of one input.
     pub fn input(name: &str, message: impl Into<String>) -> PassTypeError {
         PassTypeError { message: message.into(), input: Some(name.to_owned()), ..PassTypeError::default() }
+    }
+
+    /// Creates the error that the shader which the use names is not there.
+    pub fn shader(message: impl Into<String>) -> PassTypeError {
+        PassTypeError { message: message.into(), shader: true, ..PassTypeError::default() }
     }
 
     /// Creates an error of what the use says of one output.

@@ -50,3 +50,26 @@ var<uniform> settings: Settings;
     }
     assert!(!error.contains("wrapper.wgsl"), "{error}");
 }
+
+#[test]
+fn a_shader_that_is_not_there_is_told_where_it_is_named() {
+    let files = MemoryFiles::new([("wrapper.wgsl", WRAPPER), ("effect.wgsl", "")]);
+    let types = TestPassTypes { passes: &[&FRAGMENTS], library: Library::new(Arc::new(files)) };
+    let error = types
+        .plan(
+            "Pipeline(
+    passes: { \"darker\": Pass(kind: \"fragments\", shader: \"efect.wgsl\") },
+    outputs: { \"image\": \"darker\" },
+)",
+        )
+        .expect_err("there is no such file");
+    for part in [
+        "error[E021]: `darker`: there is no shader `efect.wgsl`",
+        "p.ron:2:57",
+        "did you mean `effect.wgsl`?",
+        "looked beside the file that names it, then in the root",
+    ] {
+        assert!(error.contains(part), "no `{part}` in\n{error}");
+    }
+    assert!(!error.contains("wrapper.wgsl:"), "{error}");
+}
