@@ -229,6 +229,20 @@ pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         0 | 1 => 0,
         count => (count / 3).max(1),
     };
+    near(wrong, known, limit)
+}
+
+/// As [`nearest`], for a name that stands alone, as one on the command line: more of it may be wrong.
+pub fn nearest_of_few<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = match wrong.chars().count() {
+        0 | 1 => 0,
+        count => count.div_ceil(3),
+    };
+    near(wrong, known, limit)
+}
+
+/// The known name that is fewest edits away; two letters that changed places are one.
+fn near<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, limit: usize) -> Option<&'a str> {
     if !is_comparable(wrong) {
         return None;
     }

@@ -83,3 +83,27 @@ fn a_path_from_the_own_folder_means_nothing_else() {
     let itself = resolved("mine/x.ron", "Pipeline(extends: \"./x.ron\")", &[]).unwrap_err();
     assert!(itself.contains("E011"), "{itself}");
 }
+
+#[test]
+fn a_name_from_outside_has_no_place_and_the_nearest_is_told() {
+    let tree = Tree(BTreeMap::from([("ism.ron", BASE), ("acrsm.ron", BASE), ("parts/isn.ron", BASE)]));
+    for name in ["ims", "imsl", "ims.ron"] {
+        let errors = resolve(name, &tree, &Overrides::default()).unwrap_err();
+        let text = errors.to_string();
+        assert!(text.starts_with(&format!("error[E010]: there is no pipeline `{name}`")), "{text}");
+        assert!(text.contains("did you mean `ism`?") && !text.contains("parts/"), "{text}");
+        assert!(errors.0[0].labels.is_empty());
+    }
+}
+
+#[test]
+fn a_paper_is_that_of_the_file_that_says_it() {
+    let tree = |variant| {
+        let base = "Pipeline(paper: \"ISM §3\", passes: { \"a\": Pass(kind: \"noise\") }, outputs: { \"a\": \"a\" })";
+        let tree = Tree(BTreeMap::from([("base.ron", base), ("x.ron", variant)]));
+        let found = resolve("x.ron", &tree, &Overrides::default()).unwrap();
+        found.paper().map(str::to_owned)
+    };
+    assert_eq!(tree("Pipeline(extends: \"base.ron\")"), None);
+    assert_eq!(tree("Pipeline(extends: \"base.ron\", paper: \"TCAS\")").as_deref(), Some("TCAS"));
+}

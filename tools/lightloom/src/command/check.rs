@@ -4,12 +4,15 @@ use crate::command::study::{self, CatalogRegistry, overrides};
 use crate::context::Context;
 use crate::output::{self, say};
 use ::study::Plan;
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use frame_graph::resolve::Files;
-use frame_graph::{Diagnostic, Diagnostics, LinkContext, Overrides, Severity, Traits, resolve};
+use frame_graph::{
+    Diagnostic, Diagnostics, LinkContext, Overrides, Severity, Traits, nearest_of_few, resolve,
+};
 use renderer::{Catalog, Compiled, load_scene};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Check pipelines, their shaders, scenes and studies.
@@ -60,7 +63,10 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         let is_study =
             (studies.contains(name) && !is_pipeline(catalog, name)) || is_file_of(catalog, name, "Study");
         let mut warnings = Diagnostics::default();
-        let result = if is_study {
+        let is_there = is_scene || is_study || is_pipeline(catalog, name);
+        let result = if !is_there {
+            Err(not_there(name, [&scenes, &pipelines, &studies]))
+        } else if is_study {
             check_study(context, name, &mut traits, &mut warnings)
         } else if is_scene {
             load_scene(catalog, name)
@@ -165,6 +171,21 @@ fn check_study(
         left => format!(", of whose pipelines {left} more are not checked"),
     };
     Ok(format!("study of {} cells, {} pipelines compiled{left}", plan.cells.len(), runs.len().min(MOST_RUNS)))
+}
+
+/// The error that a name is that of nothing that can be checked.
+fn not_there(name: &str, known: [&Vec<String>; 3]) -> anyhow::Error {
+    if Path::new(name).is_dir() {
+        return anyhow!("`{name}` is a folder: name the files in it");
+    }
+    let stem = name.strip_suffix(".ron").unwrap_or(name);
+    match nearest_of_few(stem, known.into_iter().flatten().map(String::as_str)) {
+        Some(near) => anyhow!("there is no pipeline, scene or study `{name}`; did you mean `{near}`?"),
+        None => anyhow!(
+            "there is no pipeline, scene or study `{name}`; `lightloom pipelines` and `lightloom scenes` list them, and \
+             files end in .ron, .glb or .gltf"
+        ),
+    }
 }
 
 /// Whether a `.ron` file describes a scene or a study: its first word says so.
