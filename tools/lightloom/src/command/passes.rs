@@ -74,7 +74,7 @@ fn range(setting: &Setting) -> String {
 
 /// The facts that an interface declares.
 fn facts<'a>(interfaces: &'a [Interface], name: &str) -> &'a [FactDecl] {
-    interfaces.iter().find(|interface| interface.name == name).map_or(&[], |interface| interface.facts)
+    interfaces.iter().find(|interface| interface.name == name).map_or(&[][..], |interface| interface.facts)
 }
 
 fn as_text(info: pass::Info, settings: &[Setting], ports: &Ports, interfaces: &[Interface]) -> String {
