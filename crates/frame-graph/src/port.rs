@@ -371,7 +371,7 @@ pub struct PassTypeError {
     /// The input at fault, for the place in the file.
     pub input: Option<String>,
     /// The output whose `out:` declaration is at fault, for the place in the file.
-    pub output: Option<String>,
+    pub output: Option<Box<str>>,
     /// Whether the shader that the use names is at fault, for the place in the file.
     pub shader: bool,
     /// What to do about it.
@@ -406,7 +406,7 @@ impl PassTypeError {
 
     /// Creates an error of what the use says of one output.
     pub fn output(name: &str, message: impl Into<String>) -> PassTypeError {
-        PassTypeError { message: message.into(), output: Some(name.to_owned()), ..PassTypeError::default() }
+        PassTypeError { message: message.into(), output: Some(name.into()), ..PassTypeError::default() }
     }
 
     /// Adds advice to the message.

@@ -204,7 +204,7 @@ impl<'a> Linker<'a> {
         let Body::Pass { kind, shader } = &decl.body else { return };
         let setting = error.setting.as_ref().and_then(|name| decl.set.iter().find(|s| s.name.value == *name));
         let link = error.input.as_ref().and_then(|name| decl.link(name));
-        let out = error.output.as_ref().and_then(|name| decl.outs.iter().find(|o| o.port.value == *name));
+        let out = error.output.as_ref().and_then(|name| decl.outs.iter().find(|o| o.port.value == **name));
         let place = setting.map(|s| s.place).or(link.map(|l| l.place)).or(out.map(|o| o.port.place));
         let shader = shader.as_ref().filter(|_| error.shader).map(|shader| shader.place);
         let place = place.or(shader);
