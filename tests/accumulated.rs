@@ -1,6 +1,6 @@
 //! Pictures whose frames are samples of them: what differs between frames, what they converge to, and when they begin again.
 
-use crate::adapter::{bits, done, renderer, set};
+use crate::adapter::{bits, done, renderer, root, set};
 use frame_graph::Value;
 use glam::Vec3;
 use metrics::{Epsilon, Image, Pair};
@@ -128,4 +128,30 @@ fn other_pipelines_have_the_runs_own_sample() {
     fresh.frame().unwrap();
     let [after, fresh] = [&renderer, &fresh].map(|renderer| bits(&renderer.output("image").unwrap()));
     assert!(after == fresh, "seed and place are the run's own again");
+}
+
+/// The tutorial's pass, in WGSL and RON alone: frames of a still picture are samples, and their mean converges.
+#[test]
+fn the_guides_average_converges() {
+    let page = std::fs::read_to_string(root().join("docs/first-pipeline.md")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["average.ron", "average.wgsl"] {
+        let from = page.find(&format!("// {name}")).unwrap_or_else(|| panic!("the guide has no {name}"));
+        let text = page[from..].split("```").next().unwrap();
+        let text = text.replace("\"average.wgsl\"", &format!("{:?}", folder.path().join("average.wgsl")));
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let pipeline = folder.path().join("average.ron").display().to_string();
+    let Some(mut renderer) = renderer(&pipeline, "cornell-box", SIZE, FEW) else { return };
+    let mut after = Vec::new();
+    for frame in 1..=192 {
+        renderer.frame().unwrap();
+        if [1, 2, 24, 192].contains(&frame) {
+            after.push(renderer.output("indirect").unwrap());
+        }
+    }
+    // Relative to each pixel: the square would be that of the few that lie next to a light.
+    let error = |i: usize| Pair::new(&after[i], &after[3]).unwrap().mape(Epsilon::default()).unwrap();
+    assert!(bits(&after[0]) != bits(&after[1]), "frames differ");
+    assert!(error(2) < 0.4 * error(0), "{} after one frame, {} after 24", error(0), error(2));
 }

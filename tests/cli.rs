@@ -200,10 +200,13 @@ fn the_time_to_the_first_picture_is_told() {
 /// What is wrong, the nearest name, exit code 1; wrong use, exit code 2.
 #[test]
 fn mistakes_are_told() {
-    let cases: [(&[&str], i32, &str); 9] = [
+    let cases: [(&[&str], i32, &str); 12] = [
         (&["render", "ism-invmt", "cornell-box", "-o", "x.png"], 1, "ism-invtm"),
         (&["render", "ism", "cornel-box", "-o", "x.png"], 1, "cornell-box"),
-        (&["render", "ism", "cornell-box", "-o", "x.jpg"], 1, ".png"),
+        (&["render", "ism", "cornell-box", "-o", "x.jpg"], 2, ".png"),
+        (&["render", "ism", "cornell-box", "-o", "x.png", "--set", "lights"], 2, "parameter=value"),
+        (&["render", "ism", "cornell-box", "-o", "x.png", "--exposure", "nan"], 2, "-40 to 40"),
+        (&["--root", "no/such/folder", "passes"], 2, "no such folder"),
         (&["render", "ism", "cornell-box", "-o", "x.png", "--set", "light=3"], 1, "lights"),
         (&["render", "ism", "cornell-box", "-o", "x.png", "--set", "gather.clamp=many"], 1, "gather.clamp"),
         (&["render", "ism", "cornell-box", "-o", "x.png", "--size", "0x4"], 2, "WIDTHxHEIGHT"),
@@ -333,7 +336,13 @@ fn graphs_lists_and_differences_are_printed() {
     assert!(out(&lightloom(&["diff", "ism", "ism-invtm"])).contains("importance"));
     assert!(out(&lightloom(&["diff", "ism", "ism"])).contains("no difference"));
     assert!(out(&lightloom(&["resolve", "ism-invtm"])).contains("pipelines/ism.ron:"));
-    for (command, word) in [("pipelines", "ism-invtm"), ("scenes", "cornell-box"), ("passes", "gather")] {
+    let listed = [
+        ("pipelines", "ism-invtm"),
+        ("scenes", "cornell-box"),
+        ("passes", "gather"),
+        ("measures", "rel-mse"),
+    ];
+    for (command, word) in listed {
         assert!(out(&lightloom(&[command])).contains(word));
         let json: serde_json::Value = serde_json::from_str(&out(&lightloom(&[command, "--json"]))).unwrap();
         assert!(!json.as_array().unwrap().is_empty());

@@ -214,6 +214,19 @@ fn cells_that_fail_leave_the_others() {
         failed[0].contains("E039") && failed[2] == "192 of 192 pixels of frame 1 are NaN or infinite",
         "{json}"
     );
+    let pictures = json["pictures"].as_array().unwrap();
+    assert_eq!(pictures.len(), 6, "{json}");
+    for picture in pictures {
+        if let Some(image) = picture["images"]["image"].as_str() {
+            assert_eq!(image, format!("images/{}.exr", picture["key"].as_str().unwrap()));
+            assert!(folder.path().join("out").join(image).is_file(), "{image}");
+        }
+    }
+    assert!(
+        text(&done).contains("error: 4 cells failed; the same command tries them again"),
+        "{}",
+        text(&done)
+    );
     let table = fs::read_to_string(folder.path().join("out/cells.csv")).unwrap();
     let timed = table.lines().filter(|line| line.contains("nan") && line.contains(",gpu-ms,")).count();
     assert_eq!(timed, 2, "what is not a matter of pixels is measured: {table}");

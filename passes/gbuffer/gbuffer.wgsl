@@ -48,6 +48,17 @@ fn geometry(seen: Seen) -> Texel {
     return texel;
 }
 
+/// What `geometry` writes as `specular`, for a draw of its own.
+@fragment
+fn specular(seen: Seen) -> @location(0) vec4<f32> {
+    let change = change_of(seen);
+    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
+    if !surface_exists(seen.material, at.coverage) {
+        discard;
+    }
+    return vec4(at.specular, at.roughness);
+}
+
 /// Rendered in a draw of its own: WebGPU guarantees 32 bytes per pixel for the targets of one draw, and those of
 /// `geometry` take 28.
 @fragment

@@ -1,7 +1,8 @@
 //! The device: opened here, or passed in by an application.
 
 use crate::error::ExecutorError;
-use std::sync::{Arc, Mutex};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::{Adapter, AdapterInfo, Backends, Device, Features, Instance, Limits, Queue};
 
 /// A device with its queue, and the first error that it reported.
@@ -13,7 +14,40 @@ pub struct Gpu {
     pub queue: Queue,
     /// The adapter's name, driver and type.
     pub info: AdapterInfo,
-    faults: Arc<Mutex<Option<String>>>,
+    /// Where the device was opened here: it counts the objects.
+    instance: Option<Instance>,
+    faults: Arc<Faults>,
+}
+
+/// What a device has reported outside of the calls that caused it.
+#[derive(Debug, Default)]
+struct Faults {
+    /// The first error that nobody has taken.
+    first: Mutex<Option<String>>,
+    /// Why the device is gone. It never comes back.
+    lost: OnceLock<String>,
+}
+
+/// How many objects of each kind there are, of all devices that were opened with the same instance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Objects {
+    /// Buffers.
+    pub buffers: usize,
+    /// Textures, and views of them.
+    pub textures: usize,
+    /// Bind groups.
+    pub bind_groups: usize,
+    /// Pipelines and shader modules.
+    pub pipelines: usize,
+    /// Command encoders and buffers, and sets of queries.
+    pub commands: usize,
+}
+
+impl Objects {
+    /// Returns how many there are of all kinds.
+    pub fn count(&self) -> usize {
+        self.buffers + self.textures + self.bind_groups + self.pipelines + self.commands
+    }
 }
 
 impl Gpu {
@@ -35,10 +69,10 @@ impl Gpu {
 
     /// Returns the adapters, with the one that [`Gpu::open`] chooses first.
     pub fn adapters() -> Vec<AdapterInfo> {
-        pollster::block_on(Self::sorted_adapters()).iter().map(Adapter::get_info).collect()
+        pollster::block_on(Self::sorted_adapters()).1.iter().map(Adapter::get_info).collect()
     }
 
-    async fn sorted_adapters() -> Vec<Adapter> {
+    async fn sorted_adapters() -> (Instance, Vec<Adapter>) {
         let instance = Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let backends = Backends::from_env().unwrap_or(Backends::PRIMARY);
         let mut adapters: Vec<Adapter> = instance.enumerate_adapters(backends).await;
@@ -53,17 +87,17 @@ impl Gpu {
             wgpu::DeviceType::Cpu => 3,
             wgpu::DeviceType::Other => 4,
         });
-        adapters
+        (instance, adapters)
     }
 
     async fn open_async() -> Result<Gpu, ExecutorError> {
-        let adapters = Self::sorted_adapters().await;
+        let (instance, adapters) = Self::sorted_adapters().await;
         let adapter = adapters.first().ok_or(ExecutorError::NoAdapter)?;
         let (device, queue) =
             adapter.request_device(&Self::device_descriptor(adapter)).await.map_err(|error| {
                 ExecutorError::Device { adapter: adapter.get_info().name, message: error.to_string() }
             })?;
-        Ok(Gpu::from_device(device, queue, adapter.get_info()))
+        Ok(Gpu { instance: Some(instance), ..Gpu::from_device(device, queue, adapter.get_info()) })
     }
 
     /// Describes the device that Lightloom requests: all limits of the adapter, and the optional features that it has.
@@ -80,30 +114,78 @@ impl Gpu {
 
     /// Uses a device that an application has opened. From now on, [`Gpu::take_fault`] returns its uncaptured errors.
     pub fn from_device(device: Device, queue: Queue, info: AdapterInfo) -> Gpu {
-        let faults = Arc::new(Mutex::new(None));
+        let faults = Arc::new(Faults::default());
         let sink = Arc::clone(&faults);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            let mut first = sink.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            first.get_or_insert_with(|| error.to_string());
+            let mut first = sink.first.lock().unwrap_or_else(PoisonError::into_inner);
+            first.get_or_insert_with(|| match &error {
+                // Its own text does not say which object it is about.
+                wgpu::Error::OutOfMemory { source } => format!("out of memory: {source}"),
+                _ => error.to_string(),
+            });
         }));
         let sink = Arc::clone(&faults);
         device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                let mut first = sink.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                first.get_or_insert_with(|| format!("the device was lost: {message}"));
-            }
+            // wgpu reports nothing else of a device that is gone: what is asked of it does nothing, without an error.
+            let _ = sink.lost.set(match reason {
+                wgpu::DeviceLostReason::Destroyed => "it was destroyed".to_owned(),
+                wgpu::DeviceLostReason::Unknown => message,
+            });
         });
-        Gpu { device, queue, info, faults }
+        Gpu { device, queue, info, instance: None, faults }
     }
 
-    /// Returns the first error since the last call, if there was one.
+    /// Returns the first error since the last call, if there was one. A device that is gone has one in every call.
     pub fn take_fault(&self) -> Option<String> {
-        self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
+        let first = self.faults.first.lock().unwrap_or_else(PoisonError::into_inner).take();
+        self.check().err().map(|lost| lost.to_string()).or(first)
+    }
+
+    /// Checks that the device is there, as far as it is known without a wait: one that an application has destroyed is
+    /// found to be gone when it is next waited for.
+    ///
+    /// # Errors
+    /// [`ExecutorError::Lost`] where the device is gone.
+    pub fn check(&self) -> Result<(), ExecutorError> {
+        match self.faults.lost.get() {
+            Some(message) => Err(ExecutorError::Lost { message: message.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns how many objects there are, as wgpu counts them; `None` where an application opened the device.
+    pub fn objects(&self) -> Option<Objects> {
+        let hub = self.instance.as_ref()?.generate_report()?.hub;
+        let count = |kinds: &[usize]| kinds.iter().sum();
+        Some(Objects {
+            buffers: hub.buffers.num_allocated,
+            textures: count(&[hub.textures.num_allocated, hub.texture_views.num_allocated]),
+            bind_groups: hub.bind_groups.num_allocated,
+            pipelines: count(&[
+                hub.render_pipelines.num_allocated,
+                hub.compute_pipelines.num_allocated,
+                hub.shader_modules.num_allocated,
+            ]),
+            commands: count(&[
+                hub.command_encoders.num_allocated,
+                hub.command_buffers.num_allocated,
+                hub.query_sets.num_allocated,
+            ]),
+        })
     }
 
     /// Returns the limits of the device.
     pub fn limits(&self) -> Limits {
         self.device.limits()
+    }
+
+    /// Returns whether shaders should read what is uniform from storage buffers. The lavapipe of Mesa 22 compiles a shader
+    /// anew in each frame where values of a uniform buffer decide branches or loops that make up half of it, and keeps
+    /// every version until the device is dropped.
+    pub(crate) fn recompiles_by_uniforms(&self) -> bool {
+        let mesa = self.info.driver_info.strip_prefix("Mesa ").and_then(|version| version.split('.').next());
+        let before = mesa.and_then(|major| major.parse::<u32>().ok()).is_some_and(|major| major < 23);
+        self.info.driver == "llvmpipe" && before
     }
 
     /// Returns whether passes can be timed on the GPU.
@@ -154,10 +236,23 @@ impl Gpu {
     /// # Errors
     /// [`ExecutorError::Lost`] where the device is gone.
     pub fn wait(&self) -> Result<(), ExecutorError> {
-        self.device
-            .poll(wgpu::PollType::Wait { submission_index: None, timeout: None })
-            .map(|_| ())
-            .map_err(|error| ExecutorError::Lost { message: error.to_string() })
+        self.poll(wgpu::PollType::Wait { submission_index: None, timeout: None })
+    }
+
+    /// Calls back whoever waits for work that is done.
+    ///
+    /// # Errors
+    /// [`ExecutorError::Lost`] where the device is gone.
+    pub(crate) fn poll(&self, how: wgpu::PollType) -> Result<(), ExecutorError> {
+        // wgpu 30 panics where the driver loses the device in a poll; it holds no lock then.
+        let polled = catch_unwind(AssertUnwindSafe(|| self.device.poll(how)));
+        self.check()?;
+        let lost = |message| Err(ExecutorError::Lost { message });
+        match polled {
+            Ok(Ok(_)) => Ok(()),
+            Ok(Err(error)) => lost(error.to_string()),
+            Err(_) => lost("the driver failed while it was waited for".to_owned()),
+        }
     }
 }
 

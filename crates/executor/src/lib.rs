@@ -13,12 +13,13 @@ mod pipeline;
 mod readback;
 mod run;
 mod step;
+mod stored;
 mod timing;
 mod uniforms;
 
 pub use error::ExecutorError;
 pub use format::texture_format;
-pub use gpu::Gpu;
+pub use gpu::{Gpu, Objects};
 pub use object::{Object, ObjectUsage, SceneBinding};
 pub use run::{Executor, FrameOptions, FrameReport, LoadReport};
 pub use step::Dispatch;

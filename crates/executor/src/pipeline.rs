@@ -3,6 +3,7 @@
 use crate::error::ExecutorError;
 use crate::format::{sample_type, storage_format, texture_format};
 use crate::gpu::Gpu;
+use crate::stored::{store_uniforms, uniforms_are_stored};
 use frame_graph::Format;
 use frame_graph::plan::{Plan, ResourceId};
 use frame_graph::resource::SampleKind;
@@ -132,9 +133,13 @@ fn caught<T>(gpu: &Gpu, pass: &str, create: impl FnOnce() -> T) -> Result<T, Exe
 
 fn module(gpu: &Gpu, step: &LinkedStep) -> wgpu::ShaderModule {
     let _phase = tracing::info_span!(target: "phase", "shaders in wgpu").entered();
+    let module = match uniforms_are_stored(gpu, &step.shader) {
+        true => store_uniforms(&step.shader),
+        false => step.shader.module.clone(),
+    };
     gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: step.shader.files().first().map(String::as_str),
-        source: wgpu::ShaderSource::Naga(Cow::Owned(step.shader.module.clone())),
+        source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
     })
 }
 
@@ -142,7 +147,7 @@ fn build(gpu: &Gpu, pass: &str, module: &wgpu::ShaderModule, step: &LinkedStep, 
     let _phase = tracing::info_span!(target: "phase", "GPU pipelines").entered();
     let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some(pass),
-        entries: &layout_entries(step),
+        entries: &layout_entries(gpu, step),
     });
     let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(pass),
@@ -211,7 +216,8 @@ static SCENE_VERTICES: &[Option<wgpu::VertexBufferLayout<'static>>] = &[Some(wgp
     ],
 })];
 
-fn layout_entries(step: &LinkedStep) -> Vec<wgpu::BindGroupLayoutEntry> {
+fn layout_entries(gpu: &Gpu, step: &LinkedStep) -> Vec<wgpu::BindGroupLayoutEntry> {
+    let stored = uniforms_are_stored(gpu, &step.shader);
     step.bindings
         .iter()
         .map(|bound| {
@@ -219,7 +225,7 @@ fn layout_entries(step: &LinkedStep) -> Vec<wgpu::BindGroupLayoutEntry> {
             wgpu::BindGroupLayoutEntry {
                 binding: global.binding,
                 visibility: stages(step, bound.global),
-                ty: binding_type(&global.kind),
+                ty: binding_type(&global.kind, stored),
                 count: None,
             }
         })
@@ -239,9 +245,10 @@ fn stages(step: &LinkedStep, global: usize) -> ShaderStages {
         .fold(ShaderStages::NONE, ShaderStages::union)
 }
 
-fn binding_type(kind: &GlobalKind) -> wgpu::BindingType {
+fn binding_type(kind: &GlobalKind, stored: bool) -> wgpu::BindingType {
     let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     match kind {
+        GlobalKind::Uniform { .. } if stored => buffer(wgpu::BufferBindingType::Storage { read_only: true }),
         GlobalKind::Uniform { .. } => buffer(wgpu::BufferBindingType::Uniform),
         GlobalKind::Storage { writable, .. } => {
             buffer(wgpu::BufferBindingType::Storage { read_only: !writable })

@@ -194,7 +194,7 @@ impl Timers {
             return;
         }
         // A device that is gone is told by the next frame.
-        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        let _ = gpu.poll(wgpu::PollType::Poll);
         for slot in &self.slots {
             let state = slot.state.load(Ordering::Acquire);
             if state == MAPPED {

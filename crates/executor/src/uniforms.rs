@@ -35,10 +35,12 @@ struct PlacedWord {
 impl Uniforms {
     /// Gives every uniform of the steps its place in a new buffer; `None` where there is none.
     pub(crate) fn new(gpu: &Gpu, plan: &Plan, steps: &mut [Vec<LoadedStep>]) -> Option<Uniforms> {
-        let alignment = u64::from(gpu.limits().min_uniform_buffer_offset_alignment);
+        let limits = gpu.limits();
+        let alignment =
+            limits.min_uniform_buffer_offset_alignment.max(limits.min_storage_buffer_offset_alignment);
         let mut size = 0;
         for step in steps.iter_mut().flatten() {
-            size = step.place_uniforms(size, alignment);
+            size = step.place_uniforms(size, u64::from(alignment));
         }
         if size == 0 {
             return None;
@@ -47,7 +49,9 @@ impl Uniforms {
             buffer: gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("uniforms"),
                 size,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                usage: wgpu::BufferUsages::UNIFORM
+                    | wgpu::BufferUsages::STORAGE
+                    | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
             bytes: vec![0; size as usize],

@@ -18,7 +18,7 @@ pub struct Display {
     pub exposure: f32,
 }
 
-/// Maps exposed radiance 0..∞ to linear display light 0..=1.
+/// Maps exposed radiance 0..∞ to linear display light 0..=1: the curves of `shaders/tonemap.wgsl`, by the same names.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Tonemap {
@@ -28,16 +28,49 @@ pub enum Tonemap {
         /// The smallest luminance w that maps to white (exposed radiance), above 0.
         white: Option<f32>,
     },
-    /// Only clamps to 0..=1.
-    Clamp,
     /// Narkowicz 2015, "ACES Filmic Tone Mapping Curve": x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)
     /// for each channel.
     Aces,
+    /// Hable 2010 (Uncharted 2), for each channel, scaled so that `white` becomes 1.
+    Filmic {
+        /// The exposed radiance that maps to white, above 0.
+        white: f32,
+    },
+    /// Only clamps to 0..=1.
+    Clamp,
 }
+
+/// The white point where none is given: that of the pass type `composite`.
+const WHITE: f32 = 4.0;
 
 impl Default for Tonemap {
     fn default() -> Self {
-        Self::Reinhard { white: None }
+        Self::Reinhard { white: Some(WHITE) }
+    }
+}
+
+impl Tonemap {
+    /// Returns the curve that a pass names in its setting `tonemap`, with its setting `white`.
+    pub fn of_settings(name: &str, white: f32) -> Option<Tonemap> {
+        match name {
+            "reinhard" => Some(Self::Reinhard { white: Some(white) }),
+            "reinhard-simple" => Some(Self::Reinhard { white: None }),
+            "aces" => Some(Self::Aces),
+            "filmic" => Some(Self::Filmic { white }),
+            "none" => Some(Self::Clamp),
+            _ => None,
+        }
+    }
+
+    /// Returns the name of the curve in the setting `tonemap` of a pass, and the white point where it has one.
+    pub fn to_settings(self) -> (&'static str, Option<f32>) {
+        match self {
+            Self::Reinhard { white: None } => ("reinhard-simple", None),
+            Self::Reinhard { white } => ("reinhard", white),
+            Self::Aces => ("aces", None),
+            Self::Filmic { white } => ("filmic", Some(white)),
+            Self::Clamp => ("none", None),
+        }
     }
 }
 
@@ -68,6 +101,7 @@ impl Display {
                 exposed.map(|channel| channel * gain)
             }
             Tonemap::Aces => exposed.map(|x| x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)),
+            Tonemap::Filmic { white } => exposed.map(|x| hable(x) / hable(white)),
         };
         mapped.map(|channel| channel.clamp(0.0, 1.0))
     }
@@ -78,14 +112,16 @@ impl Display {
     }
 }
 
-/// Formats `reinhard`, `reinhard:WHITE`, `clamp` or `aces`, as [`FromStr`] reads them.
+fn hable(x: f32) -> f32 {
+    (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3
+}
+
+/// Formats a curve as [`FromStr`] reads it: its name, and after a colon its white point.
 impl fmt::Display for Tonemap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Reinhard { white: None } => write!(f, "reinhard"),
-            Self::Reinhard { white: Some(white) } => write!(f, "reinhard:{white}"),
-            Self::Clamp => write!(f, "clamp"),
-            Self::Aces => write!(f, "aces"),
+        match self.to_settings() {
+            (name, Some(white)) => write!(f, "{name}:{white}"),
+            (name, None) => write!(f, "{name}"),
         }
     }
 }
@@ -94,17 +130,22 @@ impl FromStr for Tonemap {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once(':') {
-            None if text == "reinhard" => Ok(Self::default()),
-            None if text == "clamp" => Ok(Self::Clamp),
-            None if text == "aces" => Ok(Self::Aces),
-            Some(("reinhard", white)) => match white.parse() {
-                Ok(white) if white > 0.0 && f32::is_finite(white) => {
-                    Ok(Self::Reinhard { white: Some(white) })
-                }
-                _ => Err(format!("the white point of `reinhard:WHITE` is a number above 0, not `{white}`")),
-            },
-            _ => Err(format!("expected `reinhard`, `reinhard:WHITE`, `clamp` or `aces`, not `{text}`")),
+        let (name, white) = match text.split_once(':') {
+            Some((name, white)) => (name, Some(white)),
+            None => (text, None),
+        };
+        let expected = "expected `reinhard`, `reinhard:WHITE`, `reinhard-simple`, `aces`, `filmic`, `filmic:WHITE` or `none`";
+        let refused = || format!("{expected}, not `{text}`");
+        let tonemap = Self::of_settings(name, WHITE).ok_or_else(refused)?;
+        let Some(white) = white else { return Ok(tonemap) };
+        if tonemap.to_settings().1.is_none() {
+            return Err(refused());
+        }
+        match white.parse() {
+            Ok(white) if white > 0.0 && f32::is_finite(white) => {
+                Self::of_settings(name, white).ok_or_else(refused)
+            }
+            _ => Err(format!("the white point of `{name}:WHITE` is a number above 0, not `{white}`")),
         }
     }
 }

@@ -231,7 +231,7 @@ fn replace(
     if !folder.is_dir() {
         return Err(ImageError::NoFolder { path: path.into(), folder: folder.into() });
     }
-    let part = Part::of(path).map_err(io(folder, "cannot make a file in this folder"))?;
+    let part = Part::of(path).map_err(io(path, "cannot begin the picture"))?;
     let mut out = BufWriter::with_capacity(1 << 16, part.file());
     write(&mut out)?;
     out.flush().map_err(io(path, "cannot write the picture"))?;

@@ -18,7 +18,9 @@ mod outputs;
 mod shader_pass;
 mod steps;
 
-use crate::{InputPort, PassTypeError, Ports, Request, Setting, Settings, UseContext, scene_bindings};
+use crate::{
+    InputPort, PassTypeError, Ports, Request, SceneBindings, Setting, Settings, UseContext, scene_bindings,
+};
 use options::Imported;
 use outputs::Written;
 use shader_library::{Access, Attributes, Entry, GlobalKind, Shader, Stage};
@@ -87,6 +89,9 @@ impl Reflected {
             if let Some(part) = scene_bindings::of_global(&interface.globals[global].name) {
                 ports.scene_bindings = ports.scene_bindings.and(part);
             }
+        }
+        if self.shader.files().iter().any(|file| file == scene_bindings::SAMPLE_MODULE) {
+            ports.scene_bindings = ports.scene_bindings.and(SceneBindings::SAMPLE);
         }
         for port in cx.use_.inputs {
             if let Some(imported) = self.imported.iter().find(|imported| imported.port == *port) {

@@ -4,7 +4,8 @@ use catalog::Catalog;
 use frame_graph::codes::link as codes;
 use frame_graph::plan::{PassId, PlannedPass};
 use frame_graph::{
-    CompileOptions, Diagnostic, Diagnostics, LinkContext, Overrides, Plan, Resolved, compile, link, resolve,
+    CompileOptions, Diagnostic, Diagnostics, LinkContext, Overrides, Plan, Resolved, SceneBindings, compile,
+    link, resolve,
 };
 use interfaces::counters;
 use pass::{LinkedSteps, link_steps};
@@ -28,6 +29,11 @@ pub struct Compiled {
 }
 
 impl Compiled {
+    /// Returns whether frames are samples of their own: whether a pass asks for the place of a sample in the pixel.
+    pub fn is_sampled(&self) -> bool {
+        self.plan.passes.iter().any(|pass| pass.scene_bindings.contains(SceneBindings::SAMPLE))
+    }
+
     /// Returns the pipeline with other overrides, in the same context; `options` are those that it was compiled with.
     ///
     /// Where only values of settings differ, only the passes that these reach are linked again: see

@@ -199,8 +199,7 @@ impl Renderer {
         drop(uploading);
         let _phase = tracing::info_span!(target: "phase", "plan on the GPU").entered();
         let report = load(&mut self.executor, Arc::clone(&compiled.plan), compiled.steps.clone())?;
-        let sampled =
-            compiled.plan.passes.iter().any(|pass| pass.scene_bindings.contains(SceneBindings::SAMPLE));
+        let sampled = compiled.is_sampled();
         if !sampled {
             self.executor.set_seed(self.seed);
             self.view.set_jitter(Vec2::ZERO);

@@ -4,8 +4,8 @@ use crate::{Progress, RenderError, Renderer, picture};
 use executor::Object;
 use executor::wgpu;
 use frame_graph::plan::{PlannedOutput, ResourceId};
-use frame_graph::{CompileOptions, Name};
-use metrics::Image;
+use frame_graph::{CompileOptions, Name, Value};
+use metrics::{Display, Image, Tonemap};
 
 impl Renderer {
     /// Returns an output of the pipeline as a picture: the first layer of its first texture.
@@ -26,6 +26,17 @@ impl Renderer {
             return self.output(name);
         }
         self.resource_picture(self.find(name)?, layer)
+    }
+
+    /// Returns how the pipeline shows light on a screen: the last pass that has the settings `tonemap`, `white` and
+    /// `exposure`, and what they say. `None` where no pass has them.
+    pub fn display(&self) -> Option<(Name, Display)> {
+        self.plan()?.passes.iter().rev().find_map(|pass| {
+            let number = |name: &str| pass.settings.get(name).and_then(Value::as_f32);
+            let curve = pass.settings.get("tonemap").and_then(Value::as_text)?;
+            let tonemap = Tonemap::of_settings(curve, number("white")?)?;
+            Some((pass.name.clone(), Display { tonemap, exposure: number("exposure")? }))
+        })
     }
 
     /// Keeps a resource for reading back: no other resource shares its object, and the pass that writes it is not

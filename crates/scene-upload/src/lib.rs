@@ -81,8 +81,8 @@ impl SceneView {
         let storage = BufferUsages::STORAGE;
         let mut view = SceneView {
             shared,
-            camera: buffer(&device, "camera", &[], BufferUsages::UNIFORM),
-            frame: buffer(&device, "frame", &[], BufferUsages::UNIFORM),
+            camera: buffer(&device, "camera", &[], BufferUsages::UNIFORM | BufferUsages::STORAGE),
+            frame: buffer(&device, "frame", &[], BufferUsages::UNIFORM | BufferUsages::STORAGE),
             lights: buffer(&device, "scene lights", &light_bytes, storage),
             layers: buffer(&device, "scene light layers", &layer_bytes, storage),
             written_camera: None,

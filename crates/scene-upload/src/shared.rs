@@ -71,7 +71,8 @@ impl SceneOnGpu {
         let indices =
             stored("scene indices", cast_slice(&scene.indices), storage | BufferUsages::INDEX | built_from);
         let array = textures::upload(device, &gpu.queue, &scene.textures);
-        let info = stored("scene info", bytemuck::bytes_of(&info), BufferUsages::UNIFORM);
+        let info =
+            stored("scene info", bytemuck::bytes_of(&info), BufferUsages::UNIFORM | BufferUsages::STORAGE);
         let materials = stored("scene materials", cast_slice(&materials), storage);
         let table = scene.area_table();
         let guide = stored("scene area guide", cast_slice(&Scene::area_guide(&table)), storage);

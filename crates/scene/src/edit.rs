@@ -9,7 +9,6 @@ pub use keys::{SceneKeys, keys_of};
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -17,7 +16,6 @@ use data_file::codes::scene as codes;
 use data_file::reader::{self, Form, Node};
 use data_file::{Diagnostic, Diagnostics, Source, Span};
 use glam::{DVec3, Vec3};
-use whole_file::Part;
 
 use crate::camera::Camera;
 use crate::description::{Description, Keys, parse};
@@ -99,21 +97,12 @@ pub fn edited(source: &Arc<Source>, edit: &SceneEdit) -> Result<String, Diagnost
 pub fn save(path: &Path, edit: &SceneEdit) -> Result<(), SceneError> {
     let unreadable = |error| SceneError::Unreadable { path: path.into(), error };
     let unwritable = |error| SceneError::Unwritable { path: path.into(), error };
-    // The file that a link leads to is replaced, not the link.
-    let file = path.canonicalize().map_err(unreadable)?;
-    let source = Source::new(path.display().to_string(), fs::read_to_string(&file).map_err(unreadable)?);
+    let source = Source::new(path.display().to_string(), fs::read_to_string(path).map_err(unreadable)?);
     let text = edited(&source, edit)?;
     if text == source.text {
         return Ok(());
     }
-    let permissions = fs::metadata(&file).map_err(unreadable)?.permissions();
-    if permissions.readonly() {
-        return Err(unwritable(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only")));
-    }
-    let new = Part::of(&file).map_err(unwritable)?;
-    new.file().write_all(text.as_bytes()).map_err(unwritable)?;
-    new.set_permissions(permissions).map_err(unwritable)?;
-    new.finish().map_err(unwritable)
+    whole_file::write(path, text).map_err(unwritable)
 }
 
 /// Returns a new scene file for a scene that is a bare glTF file, at the path `geometry` from the folder of the new

@@ -43,7 +43,7 @@ pub use edit::{CameraKey, LightKey, SceneEdit, SceneKeys, edited, keys_of, save,
 pub use emitters::{Emitter, Emitters};
 pub use error::SceneError;
 pub use files::SceneFiles;
-pub use light::{Light, LightKind};
+pub use light::{BRIGHTEST, Light, LightKind};
 pub use load::{about, load};
 pub use material::{Encoding, Material, Texture, Wrap};
 pub use pick::Hit;

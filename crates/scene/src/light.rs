@@ -37,6 +37,10 @@ pub struct Light {
     pub intensity: Vec3,
 }
 
+/// The most that a light may send in one channel \[W/sr or W/m²\]: sums over lights and pixels, divided by densities, are then
+/// below what 32 bits hold.
+pub const BRIGHTEST: f32 = 1e30;
+
 /// Half the angle \[rad\] of the widest cone that one plane map shows well: 75°. A texel at its corner has a 30th of the solid
 /// angle of one in the middle, and at 90° the plane has no end.
 const WIDEST_PLANE: f32 = 75.0 / 180.0 * PI;

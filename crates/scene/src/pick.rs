@@ -1,6 +1,6 @@
-//! Finds what lies under the cursor: the first triangle along a ray, at one time.
+//! Finds what lies under the cursor, the first triangle along a ray, and whether anything is in view, at one time.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3, Vec4};
 
 use crate::scene::{Instance, Pose, Scene};
 
@@ -53,6 +53,29 @@ impl Scene {
             normal: normal.as_vec3(),
             triangle: index,
             instance,
+        })
+    }
+}
+
+impl Scene {
+    /// Returns whether a triangle may be in view of the camera of `pose`, which is one of this scene; `aspect` is the frame's
+    /// width divided by its height. `false` is certain: then each triangle lies beyond one side of what is seen.
+    pub fn is_in_view(&self, pose: &Pose, aspect: f32) -> bool {
+        let clip = pose.camera.projection(aspect) * pose.camera.view();
+        let near = pose.camera.near;
+        self.instances.iter().any(|instance| {
+            let position = positions(self, pose, instance);
+            let first = instance.first_index as usize;
+            let indices = self.indices.get(first..first + instance.index_count as usize).unwrap_or_default();
+            indices.chunks_exact(3).filter_map(|corners| triangle(&position, corners)).any(|corners| {
+                let corners = corners.map(|corner| clip * corner.as_vec3().extend(1.0));
+                let beyond = |side: fn(Vec4, f32) -> bool| corners.iter().all(|corner| side(*corner, near));
+                !(beyond(|c, near| c.w < near)
+                    || beyond(|c, _| c.x > c.w)
+                    || beyond(|c, _| c.x < -c.w)
+                    || beyond(|c, _| c.y > c.w)
+                    || beyond(|c, _| c.y < -c.w))
+            })
         })
     }
 }

@@ -1,5 +1,7 @@
 //! One extreme.
 
+use crate::long::Steady;
+
 /// What is expected of the indirect light of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expect {
@@ -11,6 +13,10 @@ pub enum Expect {
     Black,
     /// A finite picture that is nowhere negative: nothing else is known.
     Finite,
+    /// No picture: the program says why.
+    Refused,
+    /// A long run that neither drifts nor grows.
+    Steady(Steady),
 }
 
 /// One extreme: a scene, how it is rendered, and what is expected.

@@ -2,6 +2,7 @@
 
 use crate::case::Expect;
 use crate::child::{Ended, Guard, Ran};
+use crate::long::{self, Line, Long, Seen};
 use crate::table::PLAIN;
 use metrics::{Epsilon, Image, Pair, luminance};
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,8 @@ pub enum Verdict {
     Refused,
     /// The picture is finite, but has another energy than expected.
     Off,
+    /// A long run that drifts, grows, slows down, or changes where nothing does.
+    Unsteady,
     /// Values that are negative.
     Negative,
     /// Values that are NaN or infinite.
@@ -43,6 +46,7 @@ impl Verdict {
             Verdict::Held => "held",
             Verdict::Refused => "refused",
             Verdict::Off => "off",
+            Verdict::Unsteady => "unsteady",
             Verdict::Negative => "negative",
             Verdict::NotFinite => "not finite",
             Verdict::TimedOut => "timed out",
@@ -72,7 +76,9 @@ pub struct Cell {
     pub negative: usize,
     /// Guards that acted.
     pub guards: Vec<Guard>,
-    /// What the program said, where it failed: the first line.
+    /// What a long run came to.
+    pub long: Option<Long>,
+    /// What the program said, where it failed: the first line. Of a long run, what is not as expected.
     pub message: String,
     /// From the start of the program to its end \[s\].
     pub seconds: f64,
@@ -86,7 +92,9 @@ impl Cell {
         match self.verdict {
             Verdict::Held | Verdict::TimedOut => false,
             Verdict::Refused => self.case == PLAIN,
-            Verdict::Off | Verdict::Negative | Verdict::NotFinite | Verdict::Crashed => true,
+            Verdict::Off | Verdict::Unsteady | Verdict::Negative | Verdict::NotFinite | Verdict::Crashed => {
+                true
+            }
         }
     }
 }
@@ -139,6 +147,8 @@ pub struct Known<'a> {
     pub plain_truth: Option<&'a Picture>,
     /// The case by the path tracer.
     pub truth: Option<&'a Picture>,
+    /// The frames of a long run.
+    pub lines: &'a [Line],
 }
 
 /// Says what became of a case: from how the program ended, the indirect light and the whole picture that it wrote, and
@@ -159,11 +169,16 @@ pub fn judge(
         not_finite: 0,
         negative: 0,
         guards: ran.guards(),
+        long: None,
         message: ran.message(),
         seconds: ran.seconds,
         command: ran.command.clone(),
     };
-    let Some((indirect, whole)) = pictures.filter(|_| ran.ended == Ended::Exit(0)) else {
+    let is_told = |(indirect, whole): &(&Picture, &Picture)| {
+        ran.ended == Ended::Exit(0)
+            || (ran.ended == Ended::Exit(1) && indirect.not_finite + whole.not_finite > 0)
+    };
+    let Some((indirect, whole)) = pictures.filter(is_told) else {
         cell.verdict = match ran.ended {
             Ended::TimedOut => Verdict::TimedOut,
             // An error that is told has its word; a panic has not.
@@ -203,6 +218,22 @@ pub fn judge(
         }
         Expect::Black => indirect.mean <= NOTHING * known.plain.map_or(1.0, |plain| plain.mean),
         Expect::Finite => true,
+        Expect::Refused => false,
+        Expect::Steady(steady) => {
+            let most = |of: fn(&Seen) -> usize| {
+                let of_line = |line: &Line| of(&line.outputs.indirect).max(of(&line.outputs.image));
+                known.lines.iter().map(of_line).max().unwrap_or(0)
+            };
+            cell.not_finite = cell.not_finite.max(most(|seen| seen.not_finite));
+            cell.negative = cell.negative.max(most(|seen| seen.negative));
+            cell.long = long::judge(steady, known.lines);
+            cell.energy = cell.long.as_ref().map(|long| long.energy);
+            cell.message = cell.long.as_ref().map_or_else(
+                || format!("the log has {} frames, too few to judge", known.lines.len()),
+                |long| long.wrong.join("; "),
+            );
+            cell.message.is_empty()
+        }
     };
     cell.verdict = if cell.not_finite > 0 {
         Verdict::NotFinite
@@ -210,6 +241,8 @@ pub fn judge(
         Verdict::Negative
     } else if near {
         Verdict::Held
+    } else if matches!(expect, Expect::Steady(_)) {
+        Verdict::Unsteady
     } else {
         Verdict::Off
     };
@@ -244,7 +277,8 @@ mod tests {
     #[test]
     fn energy_is_judged_by_what_is_expected() {
         let [half, one, two] = [0.5, 1.0, 2.0].map(picture);
-        let plain = Known { plain: Some(&half), plain_truth: Some(&one), truth: Some(&two) };
+        let plain =
+            Known { plain: Some(&half), plain_truth: Some(&one), truth: Some(&two), ..Known::default() };
         assert_eq!(verdict(Expect::Plain(4.0), 2.0, plain), (Verdict::Held, Some(1.0)));
         assert_eq!(verdict(Expect::Plain(4.0), 2.2, plain).0, Verdict::Off);
         // Half the truth in the plain scene, and half of it here.
@@ -253,6 +287,7 @@ mod tests {
         assert_eq!(verdict(Expect::Truth, 0.3, plain).0, Verdict::Off);
         assert_eq!(verdict(Expect::Black, 0.0, plain).0, Verdict::Held);
         assert_eq!(verdict(Expect::Black, 0.01, plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Refused, 0.01, plain).0, Verdict::Off);
     }
 
     #[test]

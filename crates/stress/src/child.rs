@@ -55,6 +55,14 @@ impl Ran {
             .to_owned()
     }
 
+    /// Returns why it could not write a picture, if that is what it failed for.
+    pub(crate) fn unwritten(&self) -> Option<String> {
+        let mut lines = self.errors.lines().skip_while(|line| !line.ends_with("was not written"));
+        let first = lines.next().filter(|_| self.ended == Ended::Exit(1))?;
+        let reason = lines.next().map(|line| line.trim().trim_start_matches("because: "));
+        Some(reason.unwrap_or(first).to_owned())
+    }
+
     /// Returns the guards that it told of: repairs of the scene, light that clamping removed, and counters of lights that
     /// are fewer than was asked for.
     pub(crate) fn guards(&self) -> Vec<Guard> {

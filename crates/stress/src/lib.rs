@@ -10,6 +10,7 @@
 mod case;
 mod cell;
 mod child;
+mod long;
 mod report;
 mod room;
 mod run;
@@ -20,6 +21,7 @@ mod triangles;
 pub use case::{Case, Expect};
 pub use cell::{Cell, Known, Picture, Verdict, judge};
 pub use child::{Child, Ended, Guard, Program, Ran};
+pub use long::{Line, Long, Outputs, SHORTEST, Seen, Steady, long};
 pub use report::{html, json};
 pub use run::{Event, Options, REFERENCE, StressError, Subject, run};
 pub use settings::{of_pairs, of_settings};

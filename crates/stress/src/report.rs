@@ -14,11 +14,12 @@ pub fn json(cells: &[Cell]) -> serde_json::Value {
     json!({ "verdicts": verdicts, "cells": cells })
 }
 
-const ALL: [Verdict; 7] = [
+const ALL: [Verdict; 8] = [
     Verdict::Held,
     Verdict::Refused,
     Verdict::TimedOut,
     Verdict::Off,
+    Verdict::Unsteady,
     Verdict::Negative,
     Verdict::NotFinite,
     Verdict::Crashed,
@@ -64,6 +65,7 @@ pub fn html(cells: &[Cell], cases: &[Case], about: &str) -> String {
         body += "</tr>\n";
     }
     body += "</tbody>\n</table>\n";
+    body += &long_runs(cells);
     body += &own(cells, cases, &pipelines);
     body += "<h2>What did not hold</h2>\n";
     for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.verdict != Verdict::Held) {
@@ -75,6 +77,50 @@ pub fn html(cells: &[Cell], cases: &[Case], about: &str) -> String {
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
          <title>Lightloom: at the extremes</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
     )
+}
+
+/// What the long runs came to.
+fn long_runs(cells: &[Cell]) -> String {
+    let runs: Vec<_> = cells.iter().filter_map(|cell| Some((cell, cell.long.as_ref()?))).collect();
+    if runs.is_empty() {
+        return String::new();
+    }
+    let mut out =
+        "<h2>Long runs</h2>\n<p>The last tenth of the frames against the second.</p>\n<table>\n<thead><tr>"
+            .to_owned();
+    for column in [
+        "pipeline",
+        "case",
+        "frames",
+        "energy",
+        "memory",
+        "objects",
+        "time of a frame",
+        "the same from frame",
+    ] {
+        let _ = write!(out, "<th scope=\"col\">{column}</th>");
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    for (cell, long) in runs {
+        let known = |value: Option<f64>, unit: &str, digits| {
+            value.map_or_else(|| "not known".to_owned(), |value| format!("{value:+.digits$}{unit}"))
+        };
+        let _ = writeln!(
+            out,
+            "<tr><th scope=\"row\">{}</th><td class=\"{}\">{}</td><td>{}</td><td>{:.4}</td><td>{}</td><td>{}</td>\
+             <td>×{:.2}</td><td>{}</td></tr>",
+            escape(&cell.pipeline),
+            class(cell.verdict),
+            escape(&cell.case),
+            long.frames,
+            long.energy,
+            known(long.growth.map(|bytes| bytes / (1024.0 * 1024.0)), " MiB", 2),
+            known(long.objects, "", 0),
+            long.time,
+            long.same_from.map_or_else(|| "none".to_owned(), |from| from.to_string()),
+        );
+    }
+    out + "</tbody>\n</table>\n"
 }
 
 /// How many cases of its own each pipeline has, by verdict.
@@ -113,7 +159,7 @@ fn class(verdict: Verdict) -> &'static str {
 
 fn entry(cell: &Cell) -> String {
     let text = match (cell.verdict, cell.energy) {
-        (Verdict::Held | Verdict::Off, Some(energy)) => format!("{energy:.2}"),
+        (Verdict::Held | Verdict::Off | Verdict::Unsteady, Some(energy)) => format!("{energy:.2}"),
         (verdict, _) => verdict.word().to_owned(),
     };
     let error = cell.error.map_or(String::new(), |error| format!("; relMSE {error:.1e}"));

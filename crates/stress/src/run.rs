@@ -3,6 +3,7 @@
 use crate::case::{Case, Expect};
 use crate::cell::{Cell, Known, Picture, Verdict, judge};
 use crate::child::{Ended, Program, Ran};
+use crate::long::{self, Line};
 use metrics::Image;
 use std::collections::HashMap;
 use std::io;
@@ -21,6 +22,9 @@ pub enum StressError {
         #[source]
         error: io::Error,
     },
+    /// The program that renders could not write its pictures: what became of the case is not known.
+    #[error("a picture could not be written: {0}")]
+    Picture(String),
     /// The program could not be started.
     #[error("the program that renders cannot be started: {0}")]
     Start(#[source] io::Error),
@@ -50,7 +54,7 @@ pub struct Options {
     pub set: Vec<(String, String)>,
     /// Values for the path tracer.
     pub set_reference: Vec<(String, String)>,
-    /// How long one run may take.
+    /// How long one picture may take; a long run that long for each 200 frames.
     pub limit: Duration,
 }
 
@@ -65,6 +69,9 @@ pub enum Event<'a> {
 
 /// The pipeline that others are measured by.
 pub const REFERENCE: &str = "reference";
+
+/// A long run may take as long as a picture for each so many frames.
+const FRAMES_IN_LIMIT: u32 = 200;
 
 /// A picture by the path tracer, by scene, size and bounces; `None` where there is none.
 type References = HashMap<(String, (u32, u32), u32), Option<Picture>>;
@@ -92,6 +99,7 @@ pub fn run(
             plain: plain_picture.as_ref(),
             plain_truth: plain_truth.as_ref(),
             truth: plain_truth.as_ref(),
+            lines: &[],
         };
         for case in cases.iter().chain(&subject.cases) {
             let identity = (subject.name.as_str(), case.name.as_str(), case.expect);
@@ -104,7 +112,12 @@ pub fn run(
                     Expect::Truth => bench.reference(subject, case, tell)?,
                     _ => None,
                 };
-                judge(identity, &ran, both(&pictures), Known { truth: truth.as_ref(), ..plain_known })
+                let lines = match case.expect {
+                    Expect::Steady(_) => bench.log(),
+                    _ => Vec::new(),
+                };
+                let known = Known { truth: truth.as_ref(), lines: &lines, ..plain_known };
+                judge(identity, &ran, both(&pictures), known)
             };
             bench.keep_picture(&cell);
             tell(Event::Done(&cell));
@@ -141,7 +154,7 @@ impl Bench<'_> {
             .map_err(|error| StressError::Write { path: folder.to_owned(), error })?;
         let beside = case.files.iter().map(|(name, text)| (folder.join(name), text));
         for (path, text) in beside.chain([(scene.clone(), &case.scene)]) {
-            std::fs::write(&path, text).map_err(|error| StressError::Write { path, error })?;
+            whole_file::write(&path, text).map_err(|error| StressError::Write { path, error })?;
         }
         Ok(())
     }
@@ -178,12 +191,21 @@ impl Bench<'_> {
         Ok(picture)
     }
 
+    fn log_file(&self) -> PathBuf {
+        self.options.folder.join("frames.jsonl")
+    }
+
+    /// The frames of the long run that was just made.
+    fn log(&self) -> Vec<Line> {
+        long::lines(&std::fs::read_to_string(self.log_file()).unwrap_or_default())
+    }
+
     fn picture(&self, pipeline: &str, case: &Case, set: &[String]) -> Result<(Ran, Pictures), StressError> {
         let (width, height) = case.size.unwrap_or(self.options.size);
         let out = self.options.folder.join("picture.exr");
         let files =
             ["indirect", "image"].map(|output| self.options.folder.join(format!("picture-{output}.exr")));
-        for file in &files {
+        for file in files.iter().chain([&self.log_file()]) {
             // That of the case before must not pass for this one's.
             let _ = std::fs::remove_file(file);
         }
@@ -196,11 +218,20 @@ impl Bench<'_> {
         if case.frames > 1 {
             arguments.extend(["--frames".to_owned(), case.frames.to_string()]);
         }
+        let mut limit = self.options.limit;
+        if let Expect::Steady(_) = case.expect {
+            arguments.extend(["--log".to_owned(), self.log_file().display().to_string()]);
+            limit *= case.frames.div_ceil(FRAMES_IN_LIMIT);
+        }
         arguments.extend(set.iter().flat_map(|set| ["--set".to_owned(), set.clone()]));
-        let ran = self.program.run(&arguments, self.options.limit).map_err(StressError::Start)?;
+        let ran = self.program.run(&arguments, limit).map_err(StressError::Start)?;
+        if let Some(why) = ran.unwritten() {
+            return Err(StressError::Picture(why));
+        }
         let read = |path: &PathBuf| Image::read(path).ok().map(Picture::new);
+        // A run whose picture is not finite writes it, and fails.
         let pictures = match ran.ended {
-            Ended::Exit(0) => read(&files[0]).zip(read(&files[1])),
+            Ended::Exit(0 | 1) => read(&files[0]).zip(read(&files[1])),
             _ => None,
         };
         Ok((ran, pictures))

@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Expect};
 use crate::room::{Lamp, Room, SPOT};
-use crate::triangles::{Look, degenerate, gltf, open_box};
+use crate::triangles::{Look, degenerate, gltf, not_a_number, open_box, sheets};
 
 /// The name of the plain scene.
 pub(crate) const PLAIN: &str = "plain";
@@ -64,10 +64,15 @@ fn units() -> Vec<Case> {
             }
         }));
     }
-    let about = "The light at the end of what 32 bits hold.";
-    all.push(room("intensity", "intensity-1e37", about, Expect::Finite, |room| {
-        room.lights = vec![Lamp::Spot([0.13, 0.5, 0.1], [1.0, -0.75, 0.55], 1e37, 30.0)];
-    }));
+    let ends = [
+        (30, "The brightest light that is allowed.", Expect::Plain(1e30 / 0.8)),
+        (37, "A light at the end of what 32 bits hold.", Expect::Refused),
+    ];
+    for (power, about, expect) in ends {
+        all.push(room("intensity", format!("intensity-1e{power}"), about, expect, |room| {
+            room.lights = vec![Lamp::Spot([0.13, 0.5, 0.1], [1.0, -0.75, 0.55], 10f64.powi(power), 30.0)];
+        }));
+    }
     all
 }
 
@@ -253,6 +258,35 @@ fn geometry() -> Vec<Case> {
             },
         )
         .file("degenerate.gltf", gltf(&degenerate(), half)),
+        made(
+            "triangles-1e7",
+            "Ten million triangles: 41,400 instances of a sheet of 242 lie on the floor.",
+            Expect::Finite,
+            &|room| {
+                room.objects
+                    .push("Object(name: \"sheets\", geometry: File(\"triangles-1e7.gltf\"))".to_owned());
+            },
+        )
+        .file("triangles-1e7.gltf", sheets(11, 41_400)),
+        made(
+            "objects-1e5",
+            "A hundred thousand objects, each a sheet of two triangles, lie on the floor.",
+            Expect::Finite,
+            &|room| {
+                room.objects
+                    .push("Object(name: \"sheets\", geometry: File(\"objects-1e5.gltf\"))".to_owned());
+            },
+        )
+        .file("objects-1e5.gltf", sheets(1, 100_000)),
+        made(
+            "nan-normals",
+            "A sheet has normals and texture coordinates that are NaN, beneath a texture.",
+            Expect::Finite,
+            &|room| {
+                room.objects.push("Object(name: \"sheet\", geometry: File(\"nan-normals.gltf\"))".to_owned());
+            },
+        )
+        .file("nan-normals.gltf", not_a_number()),
         made("block-1e-6", "A cube a millionth of the room's size is in it.", Expect::Plain(1.0), &|room| {
             room.objects.push(
                 "Object(name: \"cube\", geometry: BuiltIn(\"cube\"), transform: Transform(translate: (0.4, 0.3, 0.2), \

@@ -3,7 +3,8 @@
 use data_file::{Setting, Value, ValueType};
 use frame_graph::resolve::Settable;
 use std::collections::HashSet;
-use stress::{Expect, cases, of_pairs, of_settings};
+use std::time::Duration;
+use stress::{Ended, Expect, Options, Program, Ran, Subject, Verdict, cases, of_pairs, of_settings};
 
 /// No files but those on disk.
 struct Nothing;
@@ -36,13 +37,18 @@ fn names_are_unique_and_the_plain_scene_is_first() {
 #[test]
 fn the_scene_of_every_case_loads() {
     let folder = tempfile::tempdir().unwrap();
-    for case in cases() {
+    // Gigabytes are for `lightloom stress`.
+    for case in cases().into_iter().filter(|case| case.name != "triangles-1e7") {
         for (name, text) in &case.files {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         let path = folder.path().join(format!("{}.ron", case.name));
         std::fs::write(&path, &case.scene).unwrap();
         let loaded = scene::load(&path.display().to_string(), &Nothing);
+        if case.expect == Expect::Refused {
+            assert!(loaded.is_err(), "{} is not refused", case.name);
+            continue;
+        }
         let scene = loaded.unwrap_or_else(|error| panic!("{}: {error}", case.name));
         assert!(scene.about.len() > 10, "{}", case.name);
     }
@@ -96,4 +102,34 @@ fn pairs_are_of_two_settings_and_the_same_for_a_seed() {
         assert_eq!(pair.set.len(), 2);
         assert_ne!(pair.set[0].0, pair.set[1].0, "{}", pair.name);
     }
+}
+
+/// A program that says the same of every picture.
+struct Says(&'static str);
+
+impl Program for Says {
+    fn run(&self, _: &[String], _: Duration) -> std::io::Result<Ran> {
+        let (output, command) = (String::new(), "lightloom render".to_owned());
+        Ok(Ran { ended: Ended::Exit(1), output, errors: self.0.to_owned(), seconds: 0.1, command })
+    }
+}
+
+/// A full disk says nothing of a pipeline.
+#[test]
+fn pictures_that_cannot_be_written_are_no_refusals() {
+    let folder = tempfile::tempdir().unwrap();
+    let subject = Subject { name: "ism".to_owned(), settable: Vec::new(), bounces: 1, cases: Vec::new() };
+    let options = Options {
+        folder: folder.path().to_owned(),
+        size: (8, 8),
+        set: Vec::new(),
+        set_reference: Vec::new(),
+        limit: Duration::from_secs(1),
+    };
+    let run = |says| stress::run(&Says(says), &[subject.clone()], &cases()[..2], &options, &mut |_| {});
+    let full = "error: the picture a.exr was not written\n  because: a.exr: No space left on device\n";
+    let told = run(full).unwrap_err().to_string();
+    assert_eq!(told, "a picture could not be written: a.exr: No space left on device");
+    let refused = run("error: the scene has no light\n").unwrap();
+    assert_eq!(refused[1].verdict, Verdict::Refused);
 }

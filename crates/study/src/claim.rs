@@ -71,11 +71,15 @@ impl Results {
             relation => relation.picks().into_iter().map(|pick| self.seeds(claim, pick, &scenes)).collect(),
         };
         let mean = |seeds: &Seeds| Interval::of(&seeds.values().copied().collect::<Vec<f64>>());
+        // An exponent is no error.
+        let is_growth = matches!(claim.relation, RelationRecord::Growth { .. });
+        let noise = scenes.iter().filter_map(|scene| self.study.noise(scene, &claim.measure));
+        let floor = noise.reduce(f64::max).filter(|_| !is_growth);
         Finding {
             claim,
             scenes,
             means: seeds.iter().map(mean).collect(),
-            verdict: verdict(&claim.relation, &seeds),
+            verdict: verdict(&claim.relation, &seeds, floor),
         }
     }
 
@@ -137,21 +141,30 @@ impl Results {
 type Seeds = BTreeMap<u32, f64>;
 
 /// Decides a claim by what it says must be above 0: the difference of two means, seed by seed, since the same seed gives
-/// pipelines the same random numbers.
-fn verdict(relation: &RelationRecord, seeds: &[Seeds]) -> Option<Verdict> {
+/// pipelines the same random numbers. Errors that are both below `floor`, that of the reference itself, decide nothing.
+fn verdict(relation: &RelationRecord, seeds: &[Seeds], floor: Option<f64>) -> Option<Verdict> {
+    let margin = |a: &Seeds, b: &Seeds, f: &dyn Fn(f64, f64) -> f64| {
+        let found = margin(a, b, f)?;
+        let is_below = |seeds: &Seeds| {
+            let mean = seeds.values().sum::<f64>() / seeds.len() as f64;
+            floor.is_some_and(|floor| mean < floor)
+        };
+        let alike = Interval { half: Some(f64::INFINITY), ..found };
+        Some(if is_below(a) && is_below(b) { alike } else { found })
+    };
     let margins: Option<Vec<Interval>> = match (relation, seeds) {
         (RelationRecord::Order(_), seeds) => {
-            seeds.windows(2).map(|pair| margin(&pair[0], &pair[1], |less, more| more - less)).collect()
+            seeds.windows(2).map(|pair| margin(&pair[0], &pair[1], &|less, more| more - less)).collect()
         }
         (RelationRecord::Ratio { at_least, at_most, .. }, [of, to]) => {
-            margin(of, to, |_, to| to).filter(|to| to.mean > 0.0)?;
-            let least = at_least.map(|least| margin(of, to, |of, to| of - least * to));
-            let most = at_most.map(|most| margin(of, to, |of, to| most * to - of));
+            margin(of, to, &|_, to| to).filter(|to| to.mean > 0.0)?;
+            let least = at_least.map(|least| margin(of, to, &|of, to| of - least * to));
+            let most = at_most.map(|most| margin(of, to, &|of, to| most * to - of));
             least.into_iter().chain(most).collect()
         }
         (RelationRecord::Growth { at_least, at_most, .. }, [upper, ..]) => {
-            let least = at_least.map(|least| margin(upper, upper, |exponent, _| exponent - least));
-            let most = at_most.map(|most| margin(upper, upper, |exponent, _| most - exponent));
+            let least = at_least.map(|least| margin(upper, upper, &|exponent, _| exponent - least));
+            let most = at_most.map(|most| margin(upper, upper, &|exponent, _| most - exponent));
             least.into_iter().chain(most).collect()
         }
         (RelationRecord::Ratio { .. } | RelationRecord::Growth { .. }, _) => None,
@@ -246,7 +259,7 @@ mod tests {
 
     fn order(less: &[f64], more: &[f64]) -> Option<Verdict> {
         let seeds = |values: &[f64]| -> Seeds { (1..).zip(values.iter().copied()).collect() };
-        verdict(&RelationRecord::Order(vec![pick(), pick()]), &[seeds(less), seeds(more)])
+        verdict(&RelationRecord::Order(vec![pick(), pick()]), &[seeds(less), seeds(more)], None)
     }
 
     #[test]
@@ -267,11 +280,23 @@ mod tests {
             let seeds = |values: &[f64]| -> Seeds { (1..).zip(values.iter().copied()).collect() };
             let relation =
                 RelationRecord::Ratio { of: pick(), to: pick(), at_least: None, at_most: Some(most) };
-            verdict(&relation, &[seeds(of), seeds(&[4.0, 4.5, 3.5])])
+            verdict(&relation, &[seeds(of), seeds(&[4.0, 4.5, 3.5])], None)
         };
         assert_eq!(ratio(&[2.0, 2.25, 1.75], 0.5), Some(Verdict::Holds), "half of each");
         assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.6), Some(Verdict::Holds));
         assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.5), Some(Verdict::Undecided));
         assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.4), Some(Verdict::Fails));
+    }
+
+    #[test]
+    fn errors_below_that_of_the_reference_decide_nothing() {
+        let order = |less: f64, more: f64| {
+            let seeds = |value: f64| Seeds::from([(1, value), (2, 1.01 * value)]);
+            let relation = RelationRecord::Order(vec![pick(), pick()]);
+            verdict(&relation, &[seeds(less), seeds(more)], Some(0.03))
+        };
+        assert_eq!(order(0.01, 0.02), Some(Verdict::Undecided));
+        assert_eq!(order(0.02, 0.01), Some(Verdict::Undecided));
+        assert_eq!(order(0.01, 0.4), Some(Verdict::Holds), "one is above");
     }
 }

@@ -63,6 +63,8 @@ pub struct Study {
     pub reference: Reference,
     /// The claims of the paper on the measures, in order.
     pub claims: Vec<Claim>,
+    /// Parts of pictures that the report enlarges, in shares of the sides: left, top, width, height.
+    pub crops: Vec<[f64; 4]>,
 }
 
 /// The pipelines of a study.

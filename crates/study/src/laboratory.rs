@@ -103,7 +103,8 @@ pub trait Laboratory {
     /// What is wrong with the pipeline, its values or the scene, for the user to read.
     fn identity(&mut self, request: &RunRequest) -> Result<Identity, String>;
 
-    /// Runs a request, and passes every measured frame to `observe`, in order.
+    /// Runs a request, and passes every measured frame to `observe`, in order. What accumulates tells `step` after each
+    /// frame how far it is.
     ///
     /// # Errors
     /// The error of the device, of the pipeline or of `observe`. Other cells still run.
@@ -111,6 +112,7 @@ pub trait Laboratory {
         &mut self,
         request: &RunRequest,
         observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+        step: &mut dyn FnMut(Step),
     ) -> Result<CellRun, String>;
 
     /// Returns a function that tests whether something lies between two points of a scene in a frame, for the
@@ -164,6 +166,17 @@ pub struct RunRequest {
 pub struct Identity {
     /// A hash of plan, shaders, scene and version: equal hashes give equal pictures.
     pub hash: u128,
+}
+
+/// How far a pipeline with an output `progress` is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Steps so far: samples, iterations, whatever the pipeline counts.
+    pub step: u32,
+    /// The greatest number of steps.
+    pub steps: u32,
+    /// Its estimate of the error that is left; `None` as long as there is none.
+    pub noise: Option<f64>,
 }
 
 /// One measured frame.

@@ -33,6 +33,8 @@
 //!     figures: { "name": "pass.port.figure" * }?,   // what passes tell of a frame: the measure `figure:name`
 //!     reference: REFERENCE?,                // the default is None
 //!     claims: [CLAIM *]?,                   // the claims of the paper about the measures
+//!     crops: [(0.4, 0.1, 0.2, 0.2) *]?,     // parts of pictures that the report enlarges: left, top, width and height in
+//!                                           // shares of the sides; also as figures/*.png
 //! )
 //! ```
 //!
@@ -86,7 +88,7 @@
 //! measured. A claim that does not hold is a result, not a failure.
 //!
 //! **Keys.** The key of a cell is a hash of its plan, shaders, scene, values, size, seed, frames, budget,
-//! measures, phases, reference, adapter and version, but not of claims. So a study continues where it
+//! measures, phases, reference, adapter and version, but not of claims and crops. So a study continues where it
 //! stopped, and after a change of the file only the affected cells run again; the records of the others stay
 //! in the folder and are not reported. Failed cells run again.
 //!
@@ -130,7 +132,7 @@ pub use edit::Edits;
 pub use error::StudyError;
 pub use interval::Interval;
 pub use laboratory::{
-    CellRun, Identity, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts,
+    CellRun, Identity, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts, Step,
     Values,
 };
 pub use measure::Measure;

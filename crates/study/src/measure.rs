@@ -372,6 +372,24 @@ impl Measure {
         self.row().needs.seeds
     }
 
+    /// Returns what a study must have for it, in words; empty if nothing.
+    pub fn needed(self) -> Vec<String> {
+        let Needs { reference, every_frame, frames, seeds, jump, timed: _, views, lights } = self.needs();
+        let mut needed = Vec::new();
+        if reference {
+            needed.push(if every_frame { "a reference of every frame" } else { "a reference" }.to_owned());
+        }
+        if frames > 1 {
+            needed.push(format!("at least {frames} frames"));
+        }
+        for (is_needed, what) in
+            [(seeds, "at least 2 seeds"), (jump, "`jump`"), (views, "a G-buffer"), (lights, "virtual lights")]
+        {
+            needed.extend(is_needed.then(|| what.to_owned()));
+        }
+        needed
+    }
+
     /// Returns its description for tables and charts.
     pub fn info(self) -> MeasureInfo {
         let row = self.row();
@@ -391,11 +409,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_a_measure_needs_is_told() {
+        assert_eq!(Measure::GpuMs.needed(), Vec::<String>::new());
+        assert_eq!(Measure::Bias2.needed(), ["a reference", "at least 2 seeds"]);
+        assert_eq!(
+            Measure::EPrime.needed(),
+            ["a reference of every frame", "at least 2 frames", "a G-buffer"]
+        );
+        assert_eq!(Measure::Lag.needed(), ["at least 3 frames", "`jump`"]);
+        assert_eq!(Measure::LightsThatReach.needed(), ["a G-buffer", "virtual lights"]);
+    }
+
+    #[test]
     fn each_measure_has_its_own_row() {
         for (index, row) in ROWS.iter().enumerate() {
             assert_eq!(row.measure as usize, index, "{}", row.key);
             assert_eq!(Measure::find(row.key), Some(row.measure));
         }
+        assert!(Measure::all().all(|measure| !measure.info().doc.is_empty()));
         assert_eq!(ROWS.last().map(|row| row.measure), Some(Measure::ClampedEnergy));
     }
 }

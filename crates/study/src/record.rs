@@ -61,6 +61,21 @@ pub struct StudyRecord {
     /// The claims of the paper, in order.
     #[serde(default)]
     pub claims: Vec<ClaimRecord>,
+    /// Parts of pictures that the report enlarges, in shares of the sides: left, top, width, height.
+    #[serde(default)]
+    pub crops: Vec<[f64; 4]>,
+}
+
+/// The measure in which the noise of references is estimated.
+const NOISE: &str = "rel-mse";
+
+impl StudyRecord {
+    /// Returns the error of the reference of a scene itself, of the worst one if there are several; `None` for other
+    /// measures than that of [`ReferenceRecord::noise`], and if it is unknown. Errors below it are alike.
+    pub fn noise(&self, scene: &str, measure: &str) -> Option<f64> {
+        let references = self.references.iter().filter(|r| measure == NOISE && r.scene == scene);
+        references.filter_map(|r| r.noise).filter(|noise| noise.is_finite() && *noise > 0.0).reduce(f64::max)
+    }
 }
 
 /// A scene of a study.
@@ -139,6 +154,18 @@ pub enum Better {
     One,
     /// No value is better than another.
     Neither,
+}
+
+impl Better {
+    /// Returns it as a word for tables: "lower", "nearer to 1".
+    pub fn word(self) -> &'static str {
+        match self {
+            Better::Lower => "lower",
+            Better::Higher => "higher",
+            Better::One => "nearer to 1",
+            Better::Neither => "neither",
+        }
+    }
 }
 
 /// The description of a measure for tables and charts.

@@ -4,7 +4,7 @@
 use crate::error::StudyError;
 use crate::folder::{Folder, REFERENCES, read_json};
 use crate::key::{self, Key};
-use crate::laboratory::{Laboratory, RunRequest};
+use crate::laboratory::{Laboratory, Observed, RunRequest, Step};
 use crate::plan::{Made, PlannedReference};
 use crate::record::ReferenceRecord;
 use metrics::Image;
@@ -34,6 +34,15 @@ pub(crate) struct References<'a> {
     known: Vec<Option<Result<Kept, String>>>,
     /// A folder in which references of other studies are looked up and stored as well.
     shared: Option<PathBuf>,
+}
+
+/// The frame of a reference that is being rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// From 1.
+    pub(crate) frame: usize,
+    /// Number of frames: 1 unless every frame has a reference of its own.
+    pub(crate) frames: usize,
 }
 
 /// The reference pictures of a cell.
@@ -104,16 +113,17 @@ impl<'a> References<'a> {
     }
 
     /// Returns the pictures of a reference, which is rendered if it is missing, or the reason why there are
-    /// none. An error of the folder ends the study.
+    /// none. An error of the folder ends the study. While it is rendered, `step` is told how far each of its frames is.
     pub(crate) fn get(
         &mut self,
         index: usize,
         folder: &Folder,
         lab: &mut dyn Laboratory,
+        step: &mut dyn FnMut(Part, Step),
     ) -> Result<Result<Truth, String>, StudyError> {
         if self.known[index].is_none() {
             let made = match &self.keys[index] {
-                Ok(key) => self.make(index, &key.clone(), folder, lab)?,
+                Ok(key) => self.make(index, &key.clone(), folder, lab, step)?,
                 Err(why) => Err(why.clone()),
             };
             self.known[index] = Some(made);
@@ -135,6 +145,7 @@ impl<'a> References<'a> {
         key: &Key,
         folder: &Folder,
         lab: &mut dyn Laboratory,
+        step: &mut dyn FnMut(Part, Step),
     ) -> Result<Result<Kept, String>, StudyError> {
         if let Some(shared) = &self.shared
             && let Some(kept) = recall(shared, key)
@@ -170,8 +181,10 @@ impl<'a> References<'a> {
                 kept.images.push(name);
             }
             Made::Run(requests) => {
-                for request in requests {
-                    if let Err(why) = run(request, key, &mut kept, folder, lab)? {
+                for (number, request) in (1..).zip(requests) {
+                    let part = Part { frame: number, frames: requests.len() };
+                    let step = &mut |progress| step(part, progress);
+                    if let Err(why) = run(request, key, &mut kept, folder, lab, step)? {
                         return Ok(Err(why));
                     }
                 }
@@ -234,11 +247,12 @@ fn run(
     kept: &mut Kept,
     folder: &Folder,
     lab: &mut dyn Laboratory,
+    step: &mut dyn FnMut(Step),
 ) -> Result<Result<(), String>, StudyError> {
     // An error of the folder is stored separately: it ends the study, not only the reference.
     let mut disk = None;
     let images = &mut kept.images;
-    let done = lab.run(request, &mut |frame| {
+    let mut keep = |frame: Observed| {
         sound(&frame.image, request.size).map_err(|why| format!("frame {}: {why}", frame.frame))?;
         let name = format!("{REFERENCES}/{key}-{:04}.exr", frame.frame);
         match folder.write_image(&name, &frame.image, None) {
@@ -250,7 +264,8 @@ fn run(
             }
         }
         Ok(())
-    });
+    };
+    let done = lab.run(request, &mut keep, step);
     if let Some(error) = disk {
         return Err(error);
     }

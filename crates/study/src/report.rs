@@ -1,5 +1,6 @@
 //! The report of a study: one page, figures and tables, generated from the study's results.
 
+mod best;
 mod chart;
 mod digest;
 mod escape;
@@ -24,7 +25,7 @@ const FIGURES: &str = "figures";
 const TABLES: &str = "tables";
 
 /// Writes a report into the study's folder, which holds the pictures that `results` names: `report.html`, a
-/// single file that needs no other files and no network; its charts as `figures/*.svg`; its tables as
+/// single file that needs no other files and no network; its charts as `figures/*.svg` and `*.pdf`, the crops that the study declares as `figures/*.png`; its tables as
 /// `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is always complete or
 /// absent, also while it replaces another. Returns the files that were written, the page first.
 ///
@@ -40,27 +41,27 @@ pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyErr
     let claims = Table::of_claims(&digest);
     let pictures = Pictures::new(&digest, folder);
 
-    let mut files = vec![(
-        PathBuf::from("report.html"),
-        page::page(&digest, &figures, (&tables, claims.as_ref()), &pictures),
-    )];
+    let page = page::page(&digest, &figures, (&tables, claims.as_ref()), &pictures);
+    let mut files = vec![(PathBuf::from("report.html"), page.into_bytes())];
     for figure in figures.all {
-        files.push((Path::new(FIGURES).join(&figure.file), figure.svg));
+        files.push((Path::new(FIGURES).join(&figure.file), figure.drawing.svg().into_bytes()));
+        files.push((Path::new(FIGURES).join(figure.pdf_file()), figure.drawing.pdf()));
     }
+    files.extend(pictures.insets.into_iter().map(|(name, bytes)| (Path::new(FIGURES).join(name), bytes)));
     let mut taken = BTreeSet::new();
     for table in tables.iter().chain(&claims) {
         let name = figures::unique(&mut taken, &format!("{}.md", escape::file_name(&table.name)));
         let path = Path::new(TABLES).join(name);
-        files.push((path.with_extension("tex"), table.latex()));
-        files.push((path, table.markdown()));
+        files.push((path.with_extension("tex"), table.latex().into_bytes()));
+        files.push((path, table.markdown().into_bytes()));
     }
     for part in [FIGURES, TABLES] {
         let part = folder.join(part);
         std::fs::create_dir_all(&part).map_err(io(&part, "cannot make the folder"))?;
     }
-    let write = |(name, text): (PathBuf, String)| {
+    let write = |(name, bytes): (PathBuf, Vec<u8>)| {
         let path = folder.join(name);
-        folder::write(&path, text.as_bytes())?;
+        folder::write(&path, &bytes)?;
         Ok(path)
     };
     files.into_iter().map(write).collect()

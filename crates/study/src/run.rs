@@ -7,10 +7,10 @@ use crate::error::StudyError;
 use crate::evaluator::{Evaluator, Verdict};
 use crate::folder::{Folder, IMAGES, Index, read_study};
 use crate::key::{self, Taken};
-use crate::laboratory::{CellRun, Laboratory, RunRequest};
+use crate::laboratory::{CellRun, Laboratory, Observed, RunRequest, Step};
 use crate::plan::{Plan, PlannedCell, Search};
 use crate::record::{AxisValue, Cell, CellImages, FrameSeries, Memory, Outcome, Results, StudyRecord};
-use crate::reference::{References, Truth};
+use crate::reference::{Part, References, Truth};
 use crate::remaining::Remaining;
 use metrics::statistics::median;
 use std::collections::{BTreeMap, HashMap};
@@ -72,6 +72,17 @@ pub enum Event<'a> {
     Reference {
         /// A description of the reference.
         name: String,
+    },
+    /// A frame of the reference that is being rendered has come further.
+    Step {
+        /// A description of the reference.
+        name: &'a str,
+        /// The frame, from 1, of `frames`; a scene that stands still has one for all.
+        frame: usize,
+        /// Number of frames that have a reference of their own.
+        frames: usize,
+        /// How far the frame is.
+        step: Step,
     },
     /// A cell is being rendered.
     Cell {
@@ -217,6 +228,7 @@ impl Session<'_> {
             started: begun.unwrap_or_else(clock::now),
             command: options.command.clone(),
             claims: study.claims.iter().map(Claim::record).collect(),
+            crops: study.crops.clone(),
         }
     }
 
@@ -292,7 +304,8 @@ impl Session<'_> {
         if !self.references.is_known(reference) {
             tell(Event::Reference { name: name.clone() });
         }
-        match self.references.get(reference, &self.folder, self.lab)? {
+        let step = &mut |Part { frame, frames }, step| tell(Event::Step { name: &name, frame, frames, step });
+        match self.references.get(reference, &self.folder, self.lab, step)? {
             Ok(truth) => Ok(Ok(Some(truth))),
             Err(why) => {
                 let why = format!("the reference of {name} failed: {why}");
@@ -325,7 +338,7 @@ impl Session<'_> {
             plan.study.jump.as_ref().and_then(|jump| jump.value.checked_sub(first)).map(|jump| jump as usize);
         let mut judge =
             Evaluator::new((&plan.measures, &plan.study.phases, &plan.study.figures), facts, jump, truth);
-        let run = self.lab.run(&request, &mut |frame| judge.observe(frame))?;
+        let run = self.lab.run(&request, &mut |frame| judge.observe(frame), &mut |_| {})?;
         if judge.frames == 0 {
             return Err("no frame was measured".to_owned());
         }
@@ -388,10 +401,11 @@ impl Session<'_> {
                 ..request.clone()
             };
             let mut totals = Vec::new();
-            self.lab.run(&probe, &mut |frame| {
+            let mut time = |frame: Observed| {
                 totals.push(frame.passes.iter().map(|(_, ms)| ms).sum::<f64>());
                 Ok(())
-            })?;
+            };
+            self.lab.run(&probe, &mut time, &mut |_| {})?;
             median(&mut totals)
                 .filter(|ms| *ms > 0.0)
                 .ok_or_else(|| "this adapter cannot time passes, which a budget of time needs".to_owned())

@@ -57,14 +57,33 @@ pub fn write(results: &Results, folder: &Path) -> Result<(), StudyError> {
     write_file(&folder.join("frames.csv"), frames(results).as_bytes())
 }
 
-/// Formats one row per cell and measure; the GPU time of each pass is the measure `gpu-ms/PASS`.
+/// Formats one row per cell and measure; the GPU time of each pass is the measure `gpu-ms/PASS`. The record of a cell
+/// is `cells/KEY.json`; its pictures are `image`,
+/// `reference` and `flip`, relative to the folder.
 fn cells(results: &Results) -> String {
-    let mut lines = Lines::new(results, &["seed", "measure", "value", "unit", "outcome", "chosen", "note"]);
+    let columns = [
+        "seed",
+        "measure",
+        "value",
+        "unit",
+        "outcome",
+        "chosen",
+        "note",
+        "key",
+        "image",
+        "reference",
+        "flip",
+    ];
+    let mut lines = Lines::new(results, &columns);
     for cell in &results.cells {
+        // The rest of a diagnostic is in the cell's own file.
         let outcome = match &cell.outcome {
             Outcome::Done => "done".to_owned(),
-            Outcome::Failed { error } => format!("failed: {error}"),
+            Outcome::Failed { error } => format!("failed: {}", error.lines().next().unwrap_or_default()),
         };
+        let images = &cell.images;
+        let [image, reference, flip] =
+            [&images.image, &images.reference, &images.flip].map(|path| path.as_deref().unwrap_or(""));
         let chosen: Vec<String> = cell.chosen.iter().map(|(name, value)| format!("{name}={value}")).collect();
         let (seed, chosen, note) = (cell.seed.to_string(), chosen.join(" "), cell.notes.join("; "));
         let measures = results.study.measures.iter().map(|info| {
@@ -75,7 +94,11 @@ fn cells(results: &Results) -> String {
             cell.passes.iter().map(|time| (format!("gpu-ms/{}", time.pass), Some(time.gpu_ms), "ms"));
         for (measure, value, unit) in measures.chain(passes) {
             let value = value.map(|value| value.to_string()).unwrap_or_default();
-            lines.push(cell, &[&seed, &measure, &value, unit, &outcome, &chosen, &note]);
+            let own = [cell.key.as_str(), image, reference, flip];
+            lines.push(
+                cell,
+                &[[&seed, &measure, &value, unit, &outcome, &chosen, &note].as_slice(), &own].concat(),
+            );
         }
     }
     lines.text

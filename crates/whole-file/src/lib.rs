@@ -4,9 +4,12 @@
 //! What a killed program leaves half written is removed by the next that writes into the folder: a file that is being
 //! written is locked by its writer, and the system ends that lock with the process.
 
+mod place;
+
+use place::Place;
 use std::collections::HashSet;
-use std::fs::{File, Permissions};
-use std::io::{self, Write as _};
+use std::fs::{File, TryLockError};
+use std::io::{self, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::NamedTempFile;
@@ -14,43 +17,66 @@ use tempfile::NamedTempFile;
 /// Beginning and end of the names of files that are being written.
 const NAME: (&str, &str) = (".lightloom-", ".part");
 
+/// How often a new file is made again because another process took it for one that was left.
+const TRIES: u32 = 16;
+
 /// A file that is being written. Dropped before it is finished, it leaves nothing.
 #[derive(Debug)]
 pub struct Part {
-    file: NamedTempFile,
+    written: Written,
     path: PathBuf,
 }
 
+/// Where the bytes go until they are whole.
+#[derive(Debug)]
+enum Written {
+    /// Into a file beside the one that it becomes.
+    Beside(NamedTempFile),
+    /// Into a file without a name, to be sent to a device or pipe at the end: nothing can take the place of these.
+    Elsewhere(File),
+}
+
 impl Part {
-    /// Begins a file that is to be at `path`; anyone may read it whom the umask lets. In the first call for a folder, what
-    /// killed programs left there is removed.
+    /// Begins a file that is to be at `path`. It gets the permissions of the file that it replaces; a new one may be read
+    /// by anyone whom the umask lets. A link stays, and what it leads to is replaced. A device or pipe stays too, and
+    /// is sent the bytes once they are all there. In the first call for a folder, what killed programs left there is
+    /// removed.
     ///
     /// # Errors
-    /// Where no file can be made in the folder.
+    /// Where no file can be made in the folder, and where `path` is a folder or a read-only file.
     pub fn of(path: &Path) -> io::Result<Part> {
-        let folder = folder_of(path);
+        let (path, permissions) = match place::of(path)? {
+            Place::New(path) => (path, None),
+            Place::File(path, permissions) => (path, Some(permissions)),
+            Place::Device(path) => {
+                return Ok(Part { written: Written::Elsewhere(tempfile::tempfile()?), path });
+            }
+        };
+        let folder = folder_of(&path);
         sweep_once(folder);
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(NAME.0).suffix(NAME.1);
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(folder)?;
-        // Where a system has no locks, what is left half written stays.
-        let _ = file.as_file().try_lock();
-        Ok(Part { file, path: path.to_owned() })
+        let file = locked(folder)?;
+        if let Some(permissions) = permissions {
+            // Where a system does not allow it, the file is one that the umask lets others read.
+            let _ = file.as_file().set_permissions(permissions);
+        }
+        Ok(Part { written: Written::Beside(file), path })
     }
 
     /// Returns the file to write into.
     pub fn file(&self) -> &File {
-        self.file.as_file()
+        match &self.written {
+            Written::Beside(file) => file.as_file(),
+            Written::Elsewhere(file) => file,
+        }
     }
 
-    /// Gives the file other permissions than those of a new file.
-    ///
-    /// # Errors
-    /// What the system says.
-    pub fn set_permissions(&self, permissions: Permissions) -> io::Result<()> {
-        self.file().set_permissions(permissions)
+    /// Returns the path of the file that is written into, for another program that writes it; `None` where it has none
+    /// because it is for a device or pipe.
+    pub fn beside(&self) -> Option<&Path> {
+        match &self.written {
+            Written::Beside(file) => Some(file.path()),
+            Written::Elsewhere(_) => None,
+        }
     }
 
     /// Gives the file its name, once it is on disk. A file of that name is replaced.
@@ -58,9 +84,19 @@ impl Part {
     /// # Errors
     /// What the system says; nothing is changed then.
     pub fn finish(self) -> io::Result<()> {
-        self.file().sync_all()?;
-        self.file.persist(&self.path).map_err(|error| error.error)?;
-        Ok(())
+        match self.written {
+            Written::Beside(file) => {
+                file.as_file().sync_all()?;
+                file.persist(&self.path).map_err(|error| error.error)?;
+                sync_folder(&self.path);
+                Ok(())
+            }
+            Written::Elsewhere(mut file) => {
+                file.rewind()?;
+                io::copy(&mut file, &mut File::options().write(true).open(&self.path)?)?;
+                Ok(())
+            }
+        }
     }
 
     /// Gives the file its name, once it is on disk, unless there is a file of that name.
@@ -68,9 +104,40 @@ impl Part {
     /// # Errors
     /// Where there is one, and what the system says; nothing is changed then.
     pub fn finish_new(self) -> io::Result<()> {
-        self.file().sync_all()?;
-        self.file.persist_noclobber(&self.path).map_err(|error| error.error)?;
+        let Written::Beside(file) = self.written else { return Err(io::ErrorKind::AlreadyExists.into()) };
+        file.as_file().sync_all()?;
+        file.persist_noclobber(&self.path).map_err(|error| error.error)?;
+        sync_folder(&self.path);
         Ok(())
+    }
+}
+
+/// Makes a file and locks it.
+fn locked(folder: &Path) -> io::Result<NamedTempFile> {
+    for _ in 0..TRIES {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(NAME.0).suffix(NAME.1);
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = builder.tempfile_in(folder)?;
+        // Between its creation and its lock another process may have swept it away, or is about to. Where a system has no
+        // locks, nothing is swept.
+        match file.as_file().try_lock() {
+            Err(TryLockError::WouldBlock) => {}
+            Ok(()) if !file.path().exists() => {}
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
+        }
+    }
+    Err(io::Error::other("other processes remove each file that is begun"))
+}
+
+/// Writes the names of a folder to disk, where the system lets a folder be opened for that.
+fn sync_folder(path: &Path) {
+    if cfg!(unix)
+        && let Ok(folder) = File::open(folder_of(path))
+    {
+        // The file is whole and has its name; whether that name would outlast a power cut is not worth an error.
+        let _ = folder.sync_all();
     }
 }
 
@@ -99,7 +166,8 @@ pub fn sweep(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        if !(name.starts_with(NAME.0) && name.ends_with(NAME.1)) {
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if !(is_file && name.starts_with(NAME.0) && name.ends_with(NAME.1)) {
             continue;
         }
         let Ok(file) = File::options().write(true).open(entry.path()) else { continue };
@@ -126,50 +194,4 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let entries = std::fs::read_dir(folder).unwrap();
-        let mut names: Vec<String> =
-            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-
-    #[test]
-    fn a_file_is_replaced_once_the_new_one_is_whole() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.txt");
-        write(&path, "before").unwrap();
-        let part = Part::of(&path).unwrap();
-        part.file().write_all(b"half").unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "before");
-        drop(part);
-        assert_eq!(names(folder.path()), ["a.txt"], "what was not finished leaves nothing");
-        write(&path, "after").unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "after");
-        assert!(write_new(&path, "never").is_err());
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "after");
-        assert_eq!(names(folder.path()), ["a.txt"]);
-    }
-
-    #[test]
-    fn what_a_killed_program_left_is_removed_and_what_is_being_written_is_not() {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join(".lightloom-killed.part"), "half").unwrap();
-        std::fs::write(folder.path().join("notes.part"), "the user's").unwrap();
-        let writing = Part::of(&folder.path().join("b.txt")).unwrap();
-        assert_eq!(names(folder.path()).len(), 2, "what was left is gone: {:?}", names(folder.path()));
-        sweep(folder.path());
-        writing.file().write_all(b"whole").unwrap();
-        writing.finish().unwrap();
-        assert_eq!(names(folder.path()), ["b.txt", "notes.part"]);
-    }
-
-    #[test]
-    fn a_folder_that_is_not_there_is_an_error() {
-        let folder = tempfile::tempdir().unwrap();
-        assert!(write(&folder.path().join("no/a.txt"), "").is_err());
-    }
-}
+mod tests;

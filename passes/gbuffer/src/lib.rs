@@ -18,13 +18,30 @@ pub struct Gbuffer;
 const GEOMETRY: &str = "passes/gbuffer/gbuffer.wgsl";
 const MOTION: &str = "passes/gbuffer/motion.wgsl";
 
+pass::choice! {
+    /// What a component of a normal is stored in.
+    pub enum Normals {
+        /// 16-bit floats.
+        Half = "half",
+        /// 32-bit floats.
+        Full = "full",
+    }
+}
+
 pass::settings! {
     /// The settings of the pass type `gbuffer`.
     pub struct GbufferSettings {
         /// Whether the G-buffer has the member `motion`, which takes one more draw over the frame. The scene
         /// is assumed to stand still: only the camera moves.
         motion: bool = false;
+        /// What a normal is stored in. half: 8 bytes, to a thousandth. full: 16 bytes, to ten millionths; a glossy scene is
+        /// drawn once more.
+        normals: Normals = Normals::Half;
     }
+}
+
+fn full_normals(settings: &Settings) -> bool {
+    GbufferSettings::read(settings).normals == Normals::Full
 }
 
 impl Pass for Gbuffer {
@@ -57,7 +74,11 @@ impl Pass for Gbuffer {
         let has = |name: &str| outputs.traits.0.get(name).and_then(Value::as_bool).unwrap_or(false);
         let members = [
             ("depth", Format::R32Float, true),
-            ("normal", Format::Rgba16Float, true),
+            (
+                "normal",
+                if full_normals(outputs.settings) { Format::Rgba32Float } else { Format::Rgba16Float },
+                true,
+            ),
             ("albedo", Format::Rgba16Float, true),
             ("specular", Format::Rgba16Float, has("glossy")),
             ("emission", Format::Rgba32Float, has("emissive")),
@@ -84,14 +105,21 @@ impl Pass for Gbuffer {
             windows: Vec::new(),
         };
         let specular = has("specular");
-        let defines =
-            [("TEXTURED", Define::Bool(cx.trait_bool("textured"))), ("SPECULAR", Define::Bool(specular))];
-        let members: &[&str] = if specular {
+        // WebGPU guarantees 32 bytes per pixel for the targets of one draw.
+        let with_specular = specular && !full_normals(cx.settings);
+        let defines = [
+            ("TEXTURED", Define::Bool(cx.trait_bool("textured"))),
+            ("SPECULAR", Define::Bool(with_specular)),
+        ];
+        let members: &[&str] = if with_specular {
             &["depth", "normal", "albedo", "specular"]
         } else {
             &["depth", "normal", "albedo"]
         };
         let mut steps = vec![Step::Raster(draw(GEOMETRY, &defines, "geometry", members))];
+        if specular && !with_specular {
+            steps.push(Step::Raster(draw(GEOMETRY, &defines, "specular", &["specular"])));
+        }
         if has("emission") {
             steps.push(Step::Raster(draw(GEOMETRY, &defines, "emission", &["emission"])));
         }

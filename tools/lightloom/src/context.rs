@@ -40,6 +40,14 @@ pub(crate) fn overrides(given: &[String]) -> Result<Overrides> {
     Ok(overrides)
 }
 
+/// A `name=value` as [`overrides`] takes it.
+pub(crate) fn parse_set(text: &str) -> Result<String, String> {
+    match text.contains('=') {
+        true => Ok(text.to_owned()),
+        false => Err("expected `parameter=value` or `pass.setting=value`".to_owned()),
+    }
+}
+
 /// `640x480`.
 pub(crate) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', '×']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));

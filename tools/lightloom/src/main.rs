@@ -12,7 +12,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use tracing_chrome::FlushGuard;
+use trace::Trace;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
@@ -24,7 +24,7 @@ use tracing_subscriber::{EnvFilter, Layer as _};
 struct Cli {
     /// Folder whose pipelines, shaders and scenes take precedence over the built-in ones [default: the Lightloom tree
     /// around the working folder]
-    #[arg(long, global = true, value_name = "DIR")]
+    #[arg(long, global = true, value_name = "DIR", value_parser = folder)]
     root: Option<PathBuf>,
     /// Print JSON on standard output, for other programs
     #[arg(long, global = true)]
@@ -67,8 +67,15 @@ enum Command {
     Pipelines(command::lists::PipelinesArgs),
     /// List the scenes
     Scenes(command::lists::Args),
+    /// List the measures of studies
+    Measures(command::lists::Args),
     /// List the graphics adapters; fails where there is none
     Adapters(command::lists::Args),
+}
+
+fn folder(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.is_dir() { Ok(path) } else { Err("there is no such folder".to_owned()) }
 }
 
 /// Mesa's layer that chooses a device asks the desktop, and complains on stderr where there is none.
@@ -82,13 +89,25 @@ fn quieten_mesa() {
     }
 }
 
-/// Prints what is logged, and records phases and a trace where they are wanted. The trace is complete once what is
-/// returned is dropped.
-fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<FlushGuard>> {
+/// A write beyond the limit on the size of files is an error like any other, of which a message tells, and does not end the
+/// program with half a file.
+#[cfg(unix)]
+fn survive_large_files() {
+    #[expect(unsafe_code, reason = "the standard library has no signals")]
+    // SAFETY: no handler is installed; the signal is ignored.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+    }
+}
+
+/// Prints what is logged, and records phases and a trace where they are wanted.
+fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<Trace>> {
     let logged = EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into());
-    let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_filter(logged);
+    let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    // It would be told by `eprintln!`, which panics where standard error is what cannot be written.
+    let print = print.log_internal_errors(false).with_filter(logged);
     let of_phases = Targets::new().with_target(start::TARGET, LevelFilter::INFO);
-    let (file, flush) = trace.map(trace::to_file).transpose()?.unzip();
+    let (file, trace) = trace.map(trace::to_file).transpose()?.unzip();
     let registry = tracing_subscriber::registry()
         .with(print)
         .with(phases.map(|phases| phases.with_filter(of_phases)))
@@ -96,17 +115,18 @@ fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<
     #[cfg(feature = "tracy")]
     let registry = registry.with(trace::to_tracy());
     registry.init();
-    Ok(flush)
+    Ok(trace)
 }
 
 fn main() -> ExitCode {
     quieten_mesa();
+    #[cfg(unix)]
+    survive_large_files();
     let phases = start::Phases::begin();
     let cli = Cli::parse();
     let json = cli.json;
     let timed = matches!(&cli.command, Command::Render(args) if args.time);
-    // Dropped at the end of `main`, which returns and never exits.
-    let _trace = match record(timed.then(|| phases.clone()), cli.trace.as_deref()) {
+    let trace = match record(timed.then(|| phases.clone()), cli.trace.as_deref()) {
         Ok(trace) => trace,
         Err(error) => {
             output::failure(&error, json);
@@ -130,13 +150,17 @@ fn main() -> ExitCode {
         Command::Passes(args) => command::passes::run(&context, args),
         Command::Pipelines(args) => command::lists::pipelines(&context, args),
         Command::Scenes(_) => command::lists::scenes(&context),
+        Command::Measures(_) => {
+            command::lists::measures(&context);
+            Ok(())
+        }
         Command::Adapters(_) => command::lists::adapters(&context),
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            output::failure(&error, json);
-            ExitCode::FAILURE
-        }
+    let traced = trace.map_or(Ok(()), Trace::finish);
+    let mut code = ExitCode::SUCCESS;
+    for error in [done, traced].into_iter().filter_map(Result::err) {
+        output::failure(&error, json);
+        code = ExitCode::FAILURE;
     }
+    code
 }

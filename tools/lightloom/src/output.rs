@@ -5,26 +5,56 @@ use indicatif::{ProgressBar, ProgressStyle};
 use renderer::RenderError;
 use scene::SceneError;
 use serde_json::{Value, json};
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
+
+/// Prints a line on standard output. Where its reader has gone (`lightloom passes | head`), there is nothing
+/// left to do. Where it cannot be written for another reason, such as a full disk, the program has failed.
+pub(crate) fn line(text: std::fmt::Arguments<'_>) {
+    match writeln!(std::io::stdout(), "{text}") {
+        Ok(()) => {}
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => std::process::exit(0),
+        Err(error) => {
+            failure(&anyhow::Error::new(error).context("standard output cannot be written"), false);
+            std::process::exit(1);
+        }
+    }
+}
+
+/// Prints a line on standard error. Where that cannot be written, nobody is left to be told.
+pub(crate) fn error_line(text: std::fmt::Arguments<'_>) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// As `eprintln!`, by [`error_line()`].
+macro_rules! tell {
+    ($($text:tt)*) => { $crate::output::error_line(format_args!($($text)*)) };
+}
+pub(crate) use tell;
+
+/// As `println!`, by [`line()`].
+macro_rules! say {
+    ($($text:tt)*) => { $crate::output::line(format_args!($($text)*)) };
+}
+pub(crate) use say;
 
 /// Prints an error with its causes, each said once; as JSON, `{ "errors": [ … ] }` on standard error.
 pub(crate) fn failure(error: &anyhow::Error, as_json: bool) {
     if as_json {
-        eprintln!("{:#}", json!({ "errors": errors(error) }));
+        tell!("{:#}", json!({ "errors": errors(error) }));
         return;
     }
     let text = error.to_string();
     // Diagnostics begin with their own word.
     if text.starts_with("error") {
-        eprintln!("{}", text.trim_end());
+        tell!("{}", text.trim_end());
     } else {
-        eprintln!("error: {text}");
+        tell!("error: {text}");
     }
     let mut said = text;
     for cause in error.chain().skip(1) {
         let cause = cause.to_string();
         if !said.contains(&cause) {
-            eprintln!("  because: {cause}");
+            tell!("  because: {cause}");
         }
         said = cause;
     }
@@ -76,20 +106,6 @@ pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         .with_message(what.to_owned())
 }
-
-/// Prints a line on standard output. Where its reader has gone (`lightloom passes | head`), there is nothing
-/// left to do.
-pub(crate) fn line(text: std::fmt::Arguments<'_>) {
-    if writeln!(std::io::stdout(), "{text}").is_err() {
-        std::process::exit(0);
-    }
-}
-
-/// As `println!`, by [`line()`].
-macro_rules! say {
-    ($($text:tt)*) => { $crate::output::line(format_args!($($text)*)) };
-}
-pub(crate) use say;
 
 /// Prints JSON.
 pub(crate) fn json(value: &serde_json::Value) {

@@ -7,7 +7,9 @@
 use anyhow::{Context as _, Result};
 use std::fmt;
 use std::fs::File;
-use std::path::Path;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id};
 use tracing::{Metadata, Subscriber};
@@ -16,20 +18,75 @@ use tracing_subscriber::Layer;
 use tracing_subscriber::filter::{FilterFn, filter_fn};
 use tracing_subscriber::layer::Context;
 use tracing_subscriber::registry::LookupSpan;
+use whole_file::Part;
 
 /// The target of the spans of frames.
 const FRAME: &str = "frame";
 
-/// Creates the file, and the layer that writes into it. It is complete once the guard is dropped.
+/// A trace that is being written. Its file gets its name by [`Trace::finish`].
+pub(crate) struct Trace {
+    guard: FlushGuard,
+    part: Part,
+    path: PathBuf,
+    error: FirstError,
+}
+
+/// The first error of the thread that writes.
+type FirstError = Arc<Mutex<Option<io::Error>>>;
+
+/// What the layer writes into: it panics where a writer fails, so that an error is kept, and what follows is dropped.
+struct Writer {
+    file: File,
+    error: FirstError,
+}
+
+impl Write for Writer {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut first = self.error.lock().unwrap_or_else(PoisonError::into_inner);
+        if first.is_none() {
+            *first = self.file.write_all(bytes).err();
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Trace {
+    /// Writes what is left, and gives the file its name.
+    ///
+    /// # Errors
+    /// Where it could not be written; there is no file then.
+    pub(crate) fn finish(self) -> Result<()> {
+        let Trace { guard, part, path, error } = self;
+        // Waits for the thread that writes.
+        drop(guard);
+        let error = error.lock().unwrap_or_else(PoisonError::into_inner).take();
+        error.map_or_else(|| part.finish(), Err).with_context(|| unwritten(&path))
+    }
+}
+
+fn unwritten(path: &Path) -> String {
+    format!("the trace {} cannot be written", path.display())
+}
+
+/// Begins the file, and creates the layer that writes into it.
 ///
 /// # Errors
 /// Where the file cannot be made.
-pub(crate) fn to_file<S>(path: &Path) -> Result<(impl Layer<S> + use<S>, FlushGuard)>
+pub(crate) fn to_file<S>(path: &Path) -> Result<(impl Layer<S> + use<S>, Trace)>
 where
     S: Subscriber + for<'a> LookupSpan<'a> + Send + Sync,
 {
-    let file =
-        File::create(path).with_context(|| format!("the trace {} cannot be written", path.display()))?;
+    let begin = || {
+        let part = Part::of(path)?;
+        Ok::<_, io::Error>((part.file().try_clone()?, part))
+    };
+    let (file, part) = begin().with_context(|| unwritten(path))?;
+    let error = FirstError::default();
+    let writer = Writer { file, error: Arc::clone(&error) };
     let name = |span: &EventOrSpan<'_, '_, S>| match span {
         EventOrSpan::Span(span) => {
             let pass = span.extensions().get::<PassName>().map(|PassName(name)| name.clone());
@@ -37,9 +94,10 @@ where
         }
         EventOrSpan::Event(event) => event.metadata().name().to_owned(),
     };
-    let builder = ChromeLayerBuilder::new().writer(file).include_args(true).include_locations(false);
+    let builder = ChromeLayerBuilder::new().writer(writer).include_args(true).include_locations(false);
     let (layer, guard) = builder.name_fn(Box::new(name)).build();
-    Ok((PassNames.and_then(layer).with_filter(traced()), guard))
+    let trace = Trace { guard, part, path: path.to_owned(), error };
+    Ok((PassNames.and_then(layer).with_filter(traced()), trace))
 }
 
 /// The layer that sends to Tracy's profiler, where that is connected.

@@ -16,6 +16,7 @@ mod painter;
 mod palette;
 mod panel;
 mod pilot;
+mod terminal;
 #[cfg(test)]
 mod tests;
 mod textures;

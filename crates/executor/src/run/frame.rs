@@ -25,6 +25,7 @@ impl Executor {
         let Some(loaded) = loaded else { return Err(ExecutorError::NotLoaded) };
         let Loaded { plan, objects, steps, prepares, uniforms, state, timers, poison, views } = loaded;
         let (gpu, plan): (&Gpu, &Plan) = (gpu, plan);
+        gpu.check()?;
         pending.add(change);
         let schedule = state.begin(plan, pending);
         pending.clear();
@@ -51,10 +52,7 @@ impl Executor {
         if target.is_none() && report.resets.is_empty() && schedule.runs.iter().all(|runs| !runs) {
             // Pending writes to buffers must reach the GPU even so: otherwise they would accumulate.
             gpu.submit(None);
-            return match gpu.take_fault() {
-                Some(message) => Err(frame_error(message)),
-                None => Ok(report),
-            };
+            return found_no_fault(gpu).map(|()| &*report);
         }
         let context = StepContext {
             gpu,
@@ -102,9 +100,7 @@ impl Executor {
         let submitting = tracing::trace_span!(target: "frame", "submit").entered();
         gpu.submit(Some(frame.encoder.finish()));
         drop(submitting);
-        if let Some(message) = gpu.take_fault() {
-            return Err(frame_error(message));
-        }
+        found_no_fault(gpu)?;
         let stamped =
             || schedule.runs.iter().zip(steps.iter()).map(|(runs, steps)| *runs && !steps.is_empty());
         match (timers, target) {
@@ -139,8 +135,13 @@ impl Executor {
     }
 }
 
-fn frame_error(message: String) -> ExecutorError {
-    ExecutorError::Pass { pass: "of this frame".to_owned(), message }
+/// Returns the error of the frame that was just submitted.
+fn found_no_fault(gpu: &Gpu) -> Result<(), ExecutorError> {
+    gpu.check()?;
+    match gpu.take_fault() {
+        Some(message) => Err(ExecutorError::Pass { pass: "of this frame".to_owned(), message }),
+        None => Ok(()),
+    }
 }
 
 /// A frame that is being encoded.

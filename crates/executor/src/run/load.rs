@@ -75,6 +75,7 @@ impl Executor {
         plan: Arc<Plan>,
         steps: Vec<LinkedSteps>,
     ) -> Result<(LoadReport, Vec<PassId>), ExecutorError> {
+        self.gpu.check()?;
         self.check_features(&plan, &steps)?;
         self.check_sizes(&plan, &steps)?;
         let usages = allocation_usages(&plan, steps.iter().flatten().map(|step| &**step));

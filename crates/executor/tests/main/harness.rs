@@ -216,10 +216,15 @@ impl Workshop {
 
     /// Links a pipeline and loads it; `None` where there is no adapter.
     pub(crate) fn start(&self, passes: &str, outputs: &str) -> Option<Running> {
-        let mut running = Running(Executor::new(gpu()?));
+        Some(self.start_on(gpu()?, passes, outputs))
+    }
+
+    /// Links a pipeline and loads it on a device.
+    pub(crate) fn start_on(&self, gpu: Gpu, passes: &str, outputs: &str) -> Running {
+        let mut running = Running(Executor::new(gpu));
         let linked = self.link(passes, outputs).unwrap_or_else(|error| panic!("{error}"));
         running.load(linked).unwrap_or_else(|error| panic!("{error}"));
-        Some(running)
+        running
     }
 }
 

@@ -4,4 +4,5 @@ mod frames;
 mod harness;
 mod indirect;
 mod load;
+mod lost;
 mod windows;

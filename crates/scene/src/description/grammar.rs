@@ -16,7 +16,7 @@ use super::{
 };
 use crate::built_in;
 use crate::camera::Camera;
-use crate::light::{Light, LightKind};
+use crate::light::{BRIGHTEST, Light, LightKind};
 use crate::model::Transform;
 use crate::origin::{local, world};
 
@@ -480,7 +480,7 @@ impl Grammar<'_, '_> {
     }
 
     fn power(&mut self, node: &Node) -> Option<Vec3> {
-        let rule: Rule = ("a finite number that is not negative", |x| x.is_finite() && x >= 0.0);
+        let rule: Rule = ("a number from 0 to 10³⁰", |x| (0.0..=BRIGHTEST).contains(&x));
         self.vector(node, "red, green and blue: (r, g, b)", rule)
     }
 }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::{Importer, named};
 use crate::error::SceneError;
+use crate::light::BRIGHTEST;
 use crate::material::{Encoding, Material, Texture, Wrap};
 
 /// A texture of the document, with the encoding in which a material uses it.
@@ -110,7 +111,8 @@ impl Importer<'_> {
     fn clamped(&mut self, material: Material) -> Material {
         let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
         let [r, g, b, a] = material.base_color.to_array().map(unit);
-        let emission = material.emission.to_array().map(|x| if x.is_finite() { x.max(0.0) } else { 0.0 });
+        let emission =
+            material.emission.to_array().map(|x| if x.is_finite() { x.clamp(0.0, BRIGHTEST) } else { 0.0 });
         let clamped = Material {
             base_color: Vec4::new(r, g, b, a),
             emission: emission.into(),

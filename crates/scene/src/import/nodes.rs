@@ -12,7 +12,7 @@ use super::deform::targets_of;
 use super::{Importer, named};
 use crate::animation::{Animated, Between, Outside, Track};
 use crate::error::SceneError;
-use crate::light::LightKind;
+use crate::light::{BRIGHTEST, LightKind};
 use crate::model::{Model, Node, NodeAnimation, NodeCamera, NodeLight, Transform};
 
 /// Distance of the near plane if that of a camera is not usable \[m\].
@@ -147,9 +147,10 @@ impl Importer<'_> {
                 .push(format!("{place}: its range of {range} m is left out: light falls off with 1/d²"));
         }
         let emitted = Vec3::from(light.color) * light.intensity;
-        let intensity = emitted.max(Vec3::ZERO);
+        let intensity = emitted.clamp(Vec3::ZERO, Vec3::splat(BRIGHTEST));
         if intensity != emitted {
-            self.repairs.push(format!("{place}: its negative intensity is taken as 0"));
+            self.repairs
+                .push(format!("{place}: its intensity is not within 0 to 10³⁰ and is taken as the nearer"));
         }
         model.lights.push(NodeLight { name, node, kind, intensity });
         Ok(())

@@ -1,12 +1,10 @@
 //! Reads a study from the syntax tree of its file: the grammar, and what can be checked in the file alone.
 
 mod claims;
+mod crops;
+mod measures;
 
-use super::{
-    At, Budget, Group, Phase, Pipelines, Reference, SEED, SIZE, Set, Study, StudyFigure, Variant, Vary,
-    size_value,
-};
-use crate::measure::Measure;
+use super::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant, Vary, size_value};
 use crate::record::AxisValue;
 use frame_graph::codes::{Code, study as codes};
 use frame_graph::reader::{Fields, Form, Node, Number, Reader, parse};
@@ -33,6 +31,7 @@ const STUDY: &[&str] = &[
     "figures",
     "reference",
     "claims",
+    "crops",
 ];
 const VARY: &str = "`Grid({ \"name\": [values] })`, `Paired({ \"name\": [values] })`, or a list of them";
 const SETS: &str = "values: { \"parameter\": value, \"pass.setting\": value }";
@@ -78,6 +77,7 @@ fn study(g: &mut Grammar<'_, '_>, tree: &Node, source: &Arc<Source>) -> Option<S
     let figures = fields.get("figures").map(|node| g.figures(node)).unwrap_or_default();
     let reference = fields.get("reference").map_or(Some(Reference::None), |node| g.reference(node));
     let claims = fields.get("claims").map(|node| g.claims(node)).unwrap_or_default();
+    let crops = fields.get("crops").map(|node| g.crops(node)).unwrap_or_default();
     let stem = source.name.rsplit(['/', '\\']).next().unwrap_or_default();
     Some(Study {
         source: Arc::clone(source),
@@ -100,6 +100,7 @@ fn study(g: &mut Grammar<'_, '_>, tree: &Node, source: &Arc<Source>) -> Option<S
         figures,
         reference: reference?,
         claims,
+        crops,
     })
 }
 
@@ -412,56 +413,6 @@ impl Grammar<'_, '_> {
             return Some(seeds);
         }
         self.whole(node, 1, 100_000).map(|count| (1..=count).collect())
-    }
-
-    fn measures(&mut self, node: &Node) -> Vec<At<Measure>> {
-        let mut found: Vec<At<Measure>> = Vec::new();
-        for name in self.names(node, "a measure") {
-            let Some(measure) = Measure::find(&name.value) else {
-                let error = Diagnostic::new(&codes::MEASURE, format!("there is no measure `{}`", name.value))
-                    .label(name.span.clone(), "")
-                    .suggest("measures", &name.value, Measure::all().map(Measure::key));
-                self.reader.tell(error);
-                continue;
-            };
-            match found.iter().find(|at| at.value == measure) {
-                Some(first) => self.reader.tell(twice(&format!("`{}`", name.value), &name.span, &first.span)),
-                None => found.push(At { value: measure, span: name.span }),
-            }
-        }
-        found
-    }
-
-    fn phases(&mut self, node: &Node) -> Vec<Phase> {
-        let entries = self.entries(node, "phases: { \"name\": [\"pass\", …] }");
-        if entries.is_empty() && node.form == Form::Map(Vec::new()) {
-            let span = self.reader.span_of(node);
-            self.error(&codes::EMPTY, span, "there is no phase in it");
-        }
-        let phase = |(name, node): (At<String>, &Node)| {
-            if name.value.trim().is_empty() {
-                self.error(&codes::EMPTY, name.span.clone(), "a phase needs a name");
-            }
-            Phase { name, passes: self.names(node, "a pass or sub-graph") }
-        };
-        entries.into_iter().map(phase).collect()
-    }
-
-    fn figures(&mut self, node: &Node) -> Vec<StudyFigure> {
-        let entries = self.entries(node, "figures: { \"name\": \"pass.port.figure\" }");
-        if entries.is_empty() && node.form == Form::Map(Vec::new()) {
-            let span = self.reader.span_of(node);
-            self.error(&codes::EMPTY, span, "there is no figure in it");
-        }
-        let mut found = Vec::new();
-        for (name, node) in entries {
-            if name.value.trim().is_empty() {
-                self.error(&codes::EMPTY, name.span.clone(), "a figure needs a name");
-            }
-            let of = self.text_at(node, "the name of a figure: \"pass.port.figure\"");
-            found.extend(of.map(|of| StudyFigure { name, of }));
-        }
-        found
     }
 
     fn reference(&mut self, node: &Node) -> Option<Reference> {

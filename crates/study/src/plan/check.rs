@@ -17,14 +17,17 @@ pub(super) struct Checker<'a> {
     study: &'a Study,
     registry: &'a dyn Registry,
     errors: Vec<Diagnostic>,
+    /// Each pipeline that was looked up, the reference's too, with its outputs, and whether it has the study's.
+    outputs: Vec<(String, Vec<String>, bool)>,
 }
 
 impl<'a> Checker<'a> {
     pub(super) fn new(study: &'a Study, registry: &'a dyn Registry) -> Checker<'a> {
-        Checker { study, registry, errors: Vec::new() }
+        Checker { study, registry, errors: Vec::new(), outputs: Vec::new() }
     }
 
-    pub(super) fn finish(self) -> Result<(), Diagnostics> {
+    pub(super) fn finish(mut self) -> Result<(), Diagnostics> {
+        self.errors.extend(self.without_output());
         if self.errors.is_empty() { Ok(()) } else { Err(Diagnostics::sorted(self.errors)) }
     }
 
@@ -132,15 +135,44 @@ impl<'a> Checker<'a> {
         found
     }
 
+    /// Notes the outputs of a pipeline for [`Checker::without_output`].
     fn output(&mut self, pipeline: &At<String>, facts: &PipelineFacts) {
-        let output = &self.study.output.value;
-        if !facts.has_output(output) {
-            let error =
-                Diagnostic::new(&codes::OUTPUT, format!("`{}` has no output `{output}`", pipeline.value))
-                    .label(pipeline.span.clone(), "")
-                    .suggest("outputs", output, facts.outputs.iter().map(String::as_str));
-            self.errors.push(error);
+        if !self.outputs.iter().any(|(name, ..)| *name == pipeline.value) {
+            let has = facts.has_output(&self.study.output.value);
+            self.outputs.push((pipeline.value.clone(), facts.outputs.clone(), has));
         }
+    }
+
+    /// Returns the error for the pipelines that lack the study's output: one for all, where the study names it.
+    fn without_output(&self) -> Option<Diagnostic> {
+        let output = &self.study.output;
+        let lacking: Vec<String> =
+            self.outputs.iter().filter(|(.., has)| !has).map(|(name, ..)| format!("`{name}`")).collect();
+        if lacking.is_empty() {
+            return None;
+        }
+        // An output that all of them have would do; else the names of those that lack this one.
+        let all: Vec<&[String]> = self.outputs.iter().map(|(_, outputs, _)| outputs.as_slice()).collect();
+        let mut known: Vec<&str> = Vec::new();
+        for (_, outputs, _) in self.outputs.iter().filter(|(.., has)| !has) {
+            known.extend(outputs.iter().map(String::as_str));
+        }
+        known.sort_unstable();
+        known.dedup();
+        let shared: Vec<&str> = known
+            .iter()
+            .copied()
+            .filter(|name| all.iter().all(|outputs| outputs.iter().any(|output| output == name)))
+            .collect();
+        let (what, names) =
+            if shared.is_empty() { ("outputs", known) } else { ("outputs of all pipelines here", shared) };
+        let verb = if lacking.len() == 1 { "has" } else { "have" };
+        let message = format!("{} {verb} no output `{}`", lacking.join(", "), output.value);
+        let error = Diagnostic::new(&codes::OUTPUT, message).label(output.span.clone(), "");
+        let error = error.suggest(what, &output.value, names);
+        let text = output.span.source.text.get(output.span.start as usize..output.span.end as usize);
+        let is_stated = text.is_some_and(|text| text.contains('"'));
+        Some(if is_stated { error } else { error.note("a study without `output:` measures `indirect`") })
     }
 
     /// Checks a value of a single pipeline.

@@ -3,7 +3,7 @@
 use super::number;
 use std::collections::BTreeMap;
 
-use crate::{Axis, AxisValue, Better, Cell, Interval, MeasureInfo, Outcome, Results};
+use crate::{Axis, AxisValue, Cell, Interval, MeasureInfo, Outcome, Results};
 
 /// The measure that is a pipeline's GPU time; if a study does not have it, the sum of the passes is used.
 const TIME: &str = "gpu-ms";
@@ -74,6 +74,11 @@ impl<'a> Digest<'a> {
     /// Returns the rows of a scene.
     pub(super) fn of_scene(&self, scene: usize) -> impl Iterator<Item = &Row<'a>> {
         self.rows.iter().filter(move |row| row.scene == scene)
+    }
+
+    /// Returns the error of the reference of a scene itself, in a measure: see [`crate::StudyRecord::noise`].
+    pub(super) fn noise(&self, scene: usize, measure: &MeasureInfo) -> Option<f64> {
+        self.results.study.noise(self.scenes[scene], &measure.key)
     }
 
     /// Returns the axes that have at least two values among the rows.
@@ -230,20 +235,6 @@ impl Row<'_> {
         let values: Vec<f64> = self.done().filter_map(value).filter(|value| value.is_finite()).collect();
         Interval::of(&values)
     }
-}
-
-/// Returns the best of some means; `None` if no direction is better.
-pub(super) fn best(better: Better, means: impl Iterator<Item = f64>) -> Option<f64> {
-    let cost = |mean: f64| match better {
-        Better::Lower => mean,
-        Better::Higher => -mean,
-        Better::One => (mean - 1.0).abs(),
-        Better::Neither => 0.0,
-    };
-    if better == Better::Neither {
-        return None;
-    }
-    means.min_by(|a, b| cost(*a).total_cmp(&cost(*b)))
 }
 
 /// Formats values: `lights = 64, map = 32`.

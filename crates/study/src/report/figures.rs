@@ -1,4 +1,4 @@
-//! The charts of a study, as SVG files with the values by which a reader selects them.
+//! The charts of a study, each with the values by which a reader selects them.
 
 mod costs;
 mod errors;
@@ -6,6 +6,7 @@ mod frames;
 
 use std::collections::BTreeSet;
 
+use super::chart::Drawing;
 use super::digest::Digest;
 use super::escape;
 
@@ -14,12 +15,12 @@ pub(super) struct Figure {
     pub(super) kind: Kind,
     /// The values by which it is selected among the others of its section: one for each of [`Kind::choices`].
     pub(super) choice: Vec<String>,
-    /// Name of its file, without folder.
+    /// Name of its SVG file, without folder; that of its PDF file differs in the ending alone.
     pub(super) file: String,
     /// What it shows and how to read it.
     pub(super) caption: String,
-    /// The file.
-    pub(super) svg: String,
+    /// The chart.
+    pub(super) drawing: Drawing,
 }
 
 /// The sections of the report that hold charts.
@@ -41,6 +42,13 @@ impl Kind {
             Kind::Frames => &["Scene", "Measure", "Values"],
             Kind::Passes | Kind::Memory => &["Scene", "Rows"],
         }
+    }
+}
+
+impl Figure {
+    /// Returns the name of its PDF file, without folder.
+    pub(super) fn pdf_file(&self) -> String {
+        format!("{}.pdf", self.file.trim_end_matches(".svg"))
     }
 }
 

@@ -15,7 +15,8 @@ use crate::Outcome;
 
 const FRAME: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+const SCRIPT: &str =
+    concat!(include_str!("page.js"), "\n", include_str!("linear.js"), "\n", include_str!("pictures.js"));
 
 /// A section: its id, its name in the table of contents, and its text.
 struct Section {
@@ -235,11 +236,12 @@ fn chooser(names: &[&str], figures: &[&Figure], none: &str) -> String {
             out,
             "<figure class=choice data-choice=\"{}\">\n<div class=drawing>{}</div>\n\
              <figcaption>{} <button type=button class=save data-file=\"{file}\">Save SVG</button> \
-             <code>figures/{file}</code></figcaption>\n</figure>",
+             <code>figures/{file}</code>, <code>{pdf}</code></figcaption>\n</figure>",
             html(&json(&figure.choice)),
-            figure.svg,
+            figure.drawing.svg(),
             html(&figure.caption),
             file = html(&figure.file),
+            pdf = html(&figure.pdf_file()),
         );
     }
     out + "</div>\n"
@@ -296,6 +298,7 @@ fn viewer(pictures: &Pictures) -> String {
     let views: String = views.into_iter().map(radio).collect();
     format!(
         "<div id=picture-selects class=selects></div>
+<div class=selects><label>Beside it<select id=beside></select></label></div>
 <div class=tools>
 <fieldset><legend>View</legend>{views}</fieldset>
 <div class=zooms role=group aria-label=Zoom>
@@ -305,25 +308,48 @@ fn viewer(pictures: &Pictures) -> String {
 <button type=button id=zoom-one title=\"One pixel of the picture to one of the page\">1:1</button>
 <output id=zoom></output>
 </div>
+<div class=zooms role=group aria-label=Exposure>
+<label for=exposure>Exposure</label>
+<input type=range id=exposure min=-12 max=12 step=0.05>
+<input type=number id=exposure-number step=0.1 aria-label=\"Exposure in EV\"> EV
+<button type=button id=exposure-auto title=\"As the reference asks for\">Auto</button>
+</div>
+<div class=zooms role=group aria-label=Crops>
+<button type=button id=crop-mark aria-pressed=false>Mark a crop</button>
+<button type=button id=crop-shown>Crop what is shown</button>
+</div>
 </div>
 <div class=pictures>
 <div>
-<div id=stage tabindex=0 role=group aria-label=\"Pictures; arrows move, + and − zoom, 0 fits\">
-<div class=\"pane under\"><img draggable=false alt=\"\"><span class=\"tag right\">reference</span></div>
-<div class=\"pane over\"><img draggable=false alt=\"\"><span class=\"tag left\"></span></div>
-<div id=divider role=slider tabindex=0 aria-label=\"Share of the image beside the reference\" aria-valuemin=0 \
+<div id=stage tabindex=0 role=group \
+aria-label=\"Pictures; arrows move, + and − zoom, 0 fits, c crops, brackets change the exposure\">
+<div class=\"pane under\"><canvas role=img></canvas><div class=probe hidden></div>\
+<span class=\"tag right\">reference</span></div>
+<div class=\"pane over\"><canvas role=img></canvas><div class=probe hidden></div>\
+<span class=\"tag left\"></span></div>
+<div id=divider role=slider tabindex=0 aria-label=\"Share of the image on the left\" aria-valuemin=0 \
 aria-valuemax=100 aria-valuenow=50></div>
 </div>
 <div class=bar id=flip-bar hidden><span>0</span><span></span><span>1</span>\
 <span>ꟻLIP: perceived difference of a pixel</span></div>
 <div class=bar id=difference-bar hidden><span id=difference-low></span><span></span><span id=difference-high></span>\
-<span>luminance of image − reference: blue is too dark, red too bright</span></div>
+<span id=difference-of></span></div>
 <p class=note id=picture-note></p>
-<p class=note>Drag the divider; click the picture, then turn the wheel to zoom and drag to move. The address names \
-what is shown.</p>
+<p class=note>Drag the divider; click the picture, then turn the wheel to zoom and drag to move. Drag with Shift to \
+mark a crop. The address names what is shown.</p>
+</div>
+<div>
+<div id=pixel class=scroll tabindex=0 role=group aria-label=\"Values of a pixel; arrows move it\">
+<table><caption id=pixel-at>Pixel: none under the pointer</caption>
+<thead><tr><th scope=col>Linear</th><th scope=col class=number>R</th><th scope=col class=number>G</th>\
+<th scope=col class=number>B</th></tr></thead><tbody></tbody></table>
 </div>
 <dl class=facts id=picture-facts></dl>
 </div>
+</div>
+<div id=crops></div>
+<details id=crops-field hidden><summary>These crops for the study’s file</summary><div class=copyable>\
+<button type=button class=copy>Copy</button><pre></pre></div></details>
 "
     )
 }

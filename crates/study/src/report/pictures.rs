@@ -1,23 +1,24 @@
-//! Pictures for the page: tone-mapped, 8 bits, with the exposure of their reference, within a size budget.
+//! Pictures for the page: linear, with the exposure that their reference asks for, within a size budget.
 
 mod encoded;
+mod insets;
+mod linear;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use metrics::{Display, FileFormat, Image, Pair, Tonemap};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use encoded::{Encoded, step, white};
+use encoded::{Encoded, diverging, step, white};
+use linear::Linear;
 
 use super::digest::{Digest, Row};
-use super::number::{self, Measured};
+use super::number::Measured;
 use crate::Cell;
 
 /// The greatest number of characters of base64 for all pictures together: keeps the page below 40 MB.
 const MOST_CHARACTERS: usize = 36_000_000;
-/// The share of white at which signed differences saturate.
-const DIFFERENCE_END: f32 = 0.25;
 /// Number of pictures that are read and encoded between checks of the budget.
 const BATCH: usize = 16;
 
@@ -26,6 +27,13 @@ const BATCH: usize = 16;
 pub(super) struct Pictures {
     truths: Vec<Truth>,
     cells: Vec<View>,
+    /// The crops of the study, in shares of the sides: left, top, width, height.
+    crops: Vec<[f64; 4]>,
+    /// The colours of differences: see [`diverging`].
+    diverging: String,
+    /// Names and content of the files of crops.
+    #[serde(skip)]
+    pub(super) insets: Vec<(PathBuf, Vec<u8>)>,
     /// Notes for the reader: files that could not be read, pictures that were left out.
     #[serde(skip)]
     pub(super) notes: Vec<String>,
@@ -35,11 +43,11 @@ pub(super) struct Pictures {
 #[derive(Serialize)]
 struct Truth {
     /// `None` if there is no reference.
-    picture: Option<Encoded>,
-    /// How radiance was mapped to display values, and other notes.
+    picture: Option<Linear>,
+    /// How the exposure was chosen, and other notes.
     note: String,
-    /// Signed differences of ± this value saturate [radiance].
-    end: String,
+    /// Radiance is shown times 2 to this power, unless the reader chooses another.
+    exposure: f32,
     /// Scene, and path relative to the study's folder; no path for a stand-in.
     #[serde(skip)]
     of: (usize, Option<String>),
@@ -61,9 +69,8 @@ struct View {
     key: String,
     /// Labels and values of its measures.
     facts: Vec<(String, String)>,
-    image: Option<Encoded>,
+    image: Option<Linear>,
     flip: Option<Encoded>,
-    difference: Option<Encoded>,
     /// The reason why there is no picture; empty if there is one.
     missing: String,
 }
@@ -71,9 +78,8 @@ struct View {
 /// The pictures of one cell.
 #[derive(Default)]
 struct Set {
-    image: Option<Encoded>,
+    image: Option<Linear>,
     flip: Option<Encoded>,
-    difference: Option<Encoded>,
     notes: Vec<String>,
 }
 
@@ -81,6 +87,7 @@ impl Pictures {
     pub(super) fn new(digest: &Digest<'_>, folder: &Path) -> Pictures {
         let mut notes = Vec::new();
         let mut truths = truths(digest, folder, &mut notes);
+        let insets = insets::insets(digest, folder, &truths, &mut notes);
         let mut left = MOST_CHARACTERS;
         for truth in &mut truths {
             let size = truth.picture.as_ref().map_or(0, |picture| picture.data.len());
@@ -104,16 +111,10 @@ impl Pictures {
                 left_out += batch.len();
                 continue;
             }
-            let truth = |row: &Row<'_>, cell: &Cell| {
-                let path = reference_of(digest, row.scene, cell);
-                let with = |truth: &Truth| truth.of.0 == row.scene && truth.of.1.as_deref() == path;
-                let without = |truth: &Truth| truth.of == (row.scene, None);
-                truths.iter().position(with).or_else(|| truths.iter().position(without)).unwrap_or(0)
-            };
             let sets: Vec<(usize, Set)> = batch
                 .par_iter()
                 .map(|(row, cell)| {
-                    let truth = truth(row, cell);
+                    let truth = of_cell(digest, &truths, row, cell);
                     (truth, Set::new(&truths[truth], cell, folder))
                 })
                 .collect();
@@ -144,7 +145,8 @@ impl Pictures {
             (digest.rows.iter().position(at), view.seed)
         };
         cells.sort_by_cached_key(place);
-        Pictures { truths, cells, notes }
+        let crops = digest.results.study.crops.clone();
+        Pictures { truths, cells, crops, diverging: diverging(), insets, notes }
     }
 
     /// Returns the number of cells that have a picture.
@@ -176,6 +178,14 @@ fn truths(digest: &Digest<'_>, folder: &Path, notes: &mut Vec<String>) -> Vec<Tr
     truths
 }
 
+/// Returns the index of the entry for the reference of a cell.
+fn of_cell(digest: &Digest<'_>, truths: &[Truth], row: &Row<'_>, cell: &Cell) -> usize {
+    let path = reference_of(digest, row.scene, cell);
+    let with = |truth: &Truth| truth.of.0 == row.scene && truth.of.1.as_deref() == path;
+    let without = |truth: &Truth| truth.of == (row.scene, None);
+    truths.iter().position(with).or_else(|| truths.iter().position(without)).unwrap_or(0)
+}
+
 /// Returns the path of the reference that a cell was compared with.
 fn reference_of<'a>(digest: &Digest<'a>, scene: usize, cell: &'a Cell) -> Option<&'a str> {
     let of_scene = || {
@@ -192,7 +202,7 @@ impl Truth {
     fn new(scene: usize, path: &str, image: Image) -> Truth {
         let truth = Truth::exposed(scene, path, &image, "the reference");
         Truth {
-            picture: Some(Encoded::new(&image, truth.display)),
+            picture: Some(Linear::new(&image)),
             of: (scene, Some(path.to_owned())),
             linear: Some(image),
             ..truth
@@ -210,7 +220,7 @@ impl Truth {
         first.unwrap_or(Truth {
             picture: None,
             note: String::new(),
-            end: String::new(),
+            exposure: 0.0,
             of: (scene, None),
             linear: None,
             display: Display::AS_IS,
@@ -223,10 +233,10 @@ impl Truth {
         let white = if is_display { 1.0 } else { white(image) };
         let display = Display { tonemap: Tonemap::Clamp, exposure: -white.log2() };
         let mut note = if is_display {
-            "Shown as they are.".to_owned()
+            "Auto is 0 EV: shown as they are.".to_owned()
         } else {
             format!(
-                "Exposure {:+.2} EV, sRGB, cut at white, which is the 99th percentile of luminance of {whose}.",
+                "Auto is {:+.2} EV: white is the 99th percentile of luminance of {whose}. sRGB, cut at white.",
                 display.exposure
             )
         };
@@ -234,8 +244,7 @@ impl Truth {
         if step > 1 {
             note += &format!(" Averaged over {step}×{step} pixels: the files are larger.");
         }
-        let end = number::short(f64::from(white * DIFFERENCE_END), 3);
-        Truth { picture: None, note, end, of: (scene, None), linear: None, display }
+        Truth { picture: None, note, exposure: display.exposure, of: (scene, None), linear: None, display }
     }
 }
 
@@ -246,24 +255,19 @@ impl Set {
         if let Some(path) = &cell.images.image {
             match Image::read(folder.join(path)) {
                 Ok(image) => {
-                    set.image = Some(Encoded::new(&image, truth.display));
-                    set.difference = truth.linear.as_ref().and_then(|reference| {
-                        let gain = truth.display.exposure.exp2() / DIFFERENCE_END;
-                        match Pair::new(&image, reference) {
-                            Ok(pair) => Some(Encoded::new(&pair.signed_difference(gain), Display::AS_IS)),
-                            Err(error) => {
-                                set.notes.push(format!("{who}: {error}"));
-                                None
-                            }
-                        }
-                    });
+                    set.image = Some(Linear::new(&image));
+                    if let Some(Err(error)) =
+                        truth.linear.as_ref().map(|reference| Pair::new(&image, reference))
+                    {
+                        set.notes.push(format!("{who}: {error}"));
+                    }
                 }
                 Err(error) => set.notes.push(format!("{who}: {}", told(path, &error))),
             }
         }
         if let Some(path) = &cell.images.flip {
             match Image::read(folder.join(path)) {
-                Ok(image) => set.flip = Some(Encoded::new(&image, Display::AS_IS)),
+                Ok(image) => set.flip = Some(Encoded::new(&image)),
                 Err(error) => set.notes.push(format!("{who}: {}", told(path, &error))),
             }
         }
@@ -271,11 +275,8 @@ impl Set {
     }
 
     fn len(&self) -> usize {
-        [&self.image, &self.flip, &self.difference]
-            .into_iter()
-            .flatten()
-            .map(|picture| picture.data.len())
-            .sum()
+        self.image.as_ref().map_or(0, |picture| picture.data.len())
+            + self.flip.as_ref().map_or(0, |picture| picture.data.len())
     }
 }
 
@@ -298,7 +299,6 @@ impl View {
             missing: if set.image.is_some() { String::new() } else { set.notes.join("; ") },
             image: set.image,
             flip: set.flip,
-            difference: set.difference,
         }
     }
 }

@@ -5,10 +5,11 @@ mod claims;
 
 use std::fmt::Write;
 
-use super::digest::{Digest, Row, best, label_with_unit};
+use super::best::Best;
+use super::digest::{Digest, Row, label_with_unit};
 use super::escape;
-use super::number::Measured;
-use crate::{MeasureInfo, Verdict};
+use super::number::{self, Measured};
+use crate::{Interval, MeasureInfo, Verdict};
 
 /// A table, independent of its output format.
 pub(super) struct Table {
@@ -54,7 +55,11 @@ impl Table {
             }
         }
         let measures: Vec<&MeasureInfo> = digest.measured().collect();
-        let bests: Vec<Option<Measured>> = measures.iter().map(|measure| best_of(&rows, measure)).collect();
+        let best_of = |measure: &&MeasureInfo| {
+            let values: Vec<Interval> = rows.iter().filter_map(|row| row.summary(&measure.key)).collect();
+            Best::of(measure.better, &values, digest.noise(scene, measure))
+        };
+        let bests: Vec<Option<Best>> = measures.iter().map(best_of).collect();
 
         let mut columns = vec![Column { title: "Pipeline".into(), doc: String::new(), is_number: false }];
         columns.extend(varied.iter().map(|&axis| {
@@ -92,10 +97,8 @@ impl Table {
             entries.extend(measures.iter().zip(&bests).map(
                 |(measure, best)| match row.summary(&measure.key) {
                     Some(summary) => {
-                        let value = Measured::new(&summary);
-                        // Values that are printed alike are equally good.
-                        let is_best = best.as_ref() == Some(&value);
-                        Entry::Measured { value, mean: summary.mean, is_best }
+                        let is_best = best.as_ref().is_some_and(|best| best.includes(&summary));
+                        Entry::Measured { value: Measured::new(&summary), mean: summary.mean, is_best }
                     }
                     None => Entry::Absent,
                 },
@@ -107,7 +110,20 @@ impl Table {
             caption +=
                 " and half the width of their 95 % intervals (Student’s t; none where all seeds agree)";
         }
-        caption += "; the best of each column in bold.";
+        caption += if study.seeds.len() > 1 {
+            "; in bold, the best of each column and all whose intervals overlap its own, unless that is all of them."
+        } else {
+            "; in bold, the best of each column. One seed has no interval that tells it from chance."
+        };
+        for measure in &measures {
+            if let Some(noise) = digest.noise(scene, measure) {
+                caption += &format!(
+                    " {} below {}, the reference’s own, is no gain, and counts as alike.",
+                    measure.label,
+                    number::short(noise, 2)
+                );
+            }
+        }
         if !chosen.is_empty() {
             caption += " Columns with * are what the budget chose.";
         }
@@ -248,12 +264,4 @@ fn verdict_text(verdict: Option<Verdict>) -> &'static str {
         Some(Verdict::Undecided) => "not decided",
         None => "not measured",
     }
-}
-
-/// Returns the best value of a column as it is printed; `None` for a column with only one distinct value.
-fn best_of(rows: &[&Row<'_>], measure: &MeasureInfo) -> Option<Measured> {
-    let summaries: Vec<_> = rows.iter().filter_map(|row| row.summary(&measure.key)).collect();
-    let best = best(measure.better, summaries.iter().map(|summary| summary.mean))?;
-    let found = summaries.iter().find(|summary| summary.mean == best)?;
-    (summaries.iter().any(|summary| summary.mean != best)).then(|| Measured::new(found))
 }

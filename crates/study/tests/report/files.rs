@@ -44,7 +44,8 @@ fn the_page_holds_the_figures_as_they_are_in_files() {
     study::report(&sample::results(), folder.path()).expect("a report");
     let files = contents(folder.path());
     let page = String::from_utf8(files["report.html"].clone()).expect("text");
-    let figures: Vec<&String> = files.keys().filter(|name| name.starts_with("figures/")).collect();
+    let is_chart = |name: &&String| name.starts_with("figures/") && name.ends_with(".svg");
+    let figures: Vec<&String> = files.keys().filter(is_chart).collect();
     // Three errors over time, five measures over two axes with the other one fixed, passes, memory; two scenes.
     assert_eq!(figures.len(), 2 * (3 + 5 * 5 + 2), "{figures:?}");
     for name in figures {
@@ -57,6 +58,46 @@ fn the_page_holds_the_figures_as_they_are_in_files() {
         let outside = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!outside.contains(link), "the page points outside by {link}");
     }
+}
+
+#[test]
+fn each_figure_has_a_pdf() {
+    let folder = tempfile::tempdir().expect("a folder");
+    study::report(&sample::results(), folder.path()).expect("a report");
+    let files = contents(folder.path());
+    let of =
+        |ending: &str| -> Vec<&str> { files.keys().filter_map(|name| name.strip_suffix(ending)).collect() };
+    assert!(of(".svg").len() > 50 && of(".svg") == of(".pdf"), "{:?}", of(".pdf"));
+    for stem in of(".svg") {
+        let [svg, pdf] = [".svg", ".pdf"].map(|ending| &files[&format!("{stem}{ending}")]);
+        let (svg, pdf) = (String::from_utf8_lossy(svg), String::from_utf8_lossy(pdf));
+        assert_eq!(svg.matches("</text>").count(), pdf.matches(" BT\n").count(), "{stem}");
+        // A rectangle or path each, which is filled, stroked or both.
+        let painted = |letter: &str| pdf.matches(&format!("\n{letter}\n")).count();
+        let elements = svg.matches("<path ").count() + svg.matches("<rect ").count();
+        assert_eq!(elements, painted("B") + painted("S") + painted("f"), "{stem}");
+        assert!(!pdf.contains("?"), "{stem} has a character that the fonts lack");
+    }
+}
+
+#[test]
+fn crops_are_files_for_papers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = sample::with_pictures(folder.path());
+    study::report(&results, folder.path()).expect("a report");
+    let files = contents(folder.path());
+    let crops: Vec<&String> =
+        files.keys().filter(|name| name.starts_with("figures/") && name.ends_with(".png")).collect();
+    // Two crops of each reference, and of the first seed of each combination.
+    assert_eq!(crops.len(), 2 * 2 * (1 + 18), "{crops:?}");
+    let read =
+        |name: &str| metrics::Image::read(folder.path().join("figures").join(name)).expect("a picture");
+    let crop = read("cornell-box-crop-1-reference.png");
+    // 6 by 8 pixels, 48 times.
+    assert_eq!((crop.width(), crop.height()), (288, 384));
+    let method = read("cornell-box-crop-1-sequential-lights-64-gather.filter-false.png");
+    assert_eq!((method.width(), method.height()), (288, 384));
+    assert!(method.pixels() != crop.pixels());
 }
 
 #[test]

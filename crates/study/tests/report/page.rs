@@ -28,6 +28,10 @@ fn the_page_works_in_a_browser() {
     the_slider_moves(&mut browser);
     pictures_zoom(&mut browser);
     views_change(&mut browser);
+    the_exposure_is_chosen(&mut browser);
+    pixels_are_read(&mut browser, &results);
+    methods_are_beside_each_other(&mut browser, &results);
+    crops_are_shown(&mut browser);
     cells_are_filtered(&mut browser);
     themes_change(&mut browser);
     names_are_text(&mut browser);
@@ -167,17 +171,17 @@ fn the_slider_moves(browser: &mut Browser) {
 }
 
 fn pictures_zoom(browser: &mut Browser) {
-    let scale = "new DOMMatrix(getComputedStyle(document.querySelector('.over img')).transform).a";
-    let left = "document.querySelector('.over img').getBoundingClientRect().left";
+    let scale = "new DOMMatrix(getComputedStyle(document.querySelector('.over canvas')).transform).a";
+    let left = "document.querySelector('.over canvas').getBoundingClientRect().left";
     let middle = browser.middle("#stage");
     assert_eq!(browser.number(scale), 1.0);
     browser.wheel(middle, -400.0);
     browser.wait(&format!("{scale} > 2"));
-    let rendering = "getComputedStyle(document.querySelector('.over img')).imageRendering";
+    let rendering = "getComputedStyle(document.querySelector('.over canvas')).imageRendering";
     assert_eq!(browser.text(rendering), "pixelated");
     // The reference moves along.
-    let same = "document.querySelector('.over img').getBoundingClientRect().left === \
-                document.querySelector('.under img').getBoundingClientRect().left";
+    let same = "document.querySelector('.over canvas').getBoundingClientRect().left === \
+                document.querySelector('.under canvas').getBoundingClientRect().left";
     assert_eq!(browser.eval(same), true);
     let before = browser.number(left);
     let (x, y) = (middle.0 - 60.0, middle.1);
@@ -192,27 +196,165 @@ fn pictures_zoom(browser: &mut Browser) {
     assert_eq!(browser.number(scale), 1.0);
 }
 
+/// What is painted on the left or alone.
+const LEFT: &str = "document.querySelector('.over canvas').toDataURL()";
+
+/// Waits until a view, or a view and its cell, is painted.
+fn painted(browser: &mut Browser, what: &str) {
+    browser.wait(&format!("(document.querySelector('#stage').dataset.shown ?? '').startsWith({what:?})"));
+}
+
 fn views_change(browser: &mut Browser) {
-    let source = "document.querySelector('.over img').src";
     let shown = |id: &str| format!("getComputedStyle(document.querySelector('#{id}')).display !== 'none'");
-    let image = browser.text(source);
+    painted(browser, "slider");
+    let image = browser.text(LEFT);
     let mut seen = vec![image.clone()];
     for view in ["reference", "flip", "difference"] {
         browser.click(&format!("label:has(> input[value={view}])"));
-        let source = browser.text(source);
-        assert!(source.starts_with("data:image/png;base64,") && !seen.contains(&source), "{view}");
-        seen.push(source);
+        painted(browser, view);
+        let picture = browser.text(LEFT);
+        assert!(!seen.contains(&picture), "{view}");
+        seen.push(picture);
         assert_eq!(browser.eval(&shown("flip-bar")), view == "flip");
         assert_eq!(browser.eval(&shown("difference-bar")), view == "difference");
         assert_eq!(browser.eval(&shown("divider")), false);
     }
-    browser.wait("document.querySelector('.over img').naturalWidth === 48");
+    assert_eq!(browser.number("document.querySelector('.over canvas').width"), 48.0);
     browser.click("label:has(> input[value=side])");
+    painted(browser, "side");
     let lefts = "['.over', '.under'].map(p => document.querySelector(p).getBoundingClientRect().left)";
     let lefts = browser.eval(lefts);
     assert!(lefts[0].as_f64() < lefts[1].as_f64(), "{lefts}");
-    assert_eq!(browser.text(source), image);
+    assert_eq!(browser.text(LEFT), image);
     browser.click("label:has(> input[value=slider])");
+    painted(browser, "slider");
+}
+
+fn the_exposure_is_chosen(browser: &mut Browser) {
+    let auto = browser.text(LEFT);
+    let stops = browser.number("document.querySelector('#exposure-number').valueAsNumber");
+    let colour = |browser: &mut Browser| {
+        let pixel = browser.eval(
+            "[...document.querySelector('.over canvas').getContext('2d').getImageData(2, 2, 1, 1).data]",
+        );
+        pixel.as_array().expect("a list").iter().filter_map(serde_json::Value::as_f64).collect::<Vec<_>>()
+    };
+    let before = colour(browser);
+    let _ = browser.eval(&format!(
+        "(e => {{ e.value = {}; e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); }})\
+         (document.querySelector('#exposure-number'))",
+        stops - 1.0
+    ));
+    browser.wait(&format!("document.querySelector('#stage').dataset.shown.endsWith(' {:.2}')", stops - 1.0));
+    // Half the light, in sRGB.
+    let linear = |value: f64| {
+        let value = value / 255.0;
+        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    };
+    for (before, after) in before.iter().zip(colour(browser)).take(3).filter(|(before, _)| **before < 250.0) {
+        assert!((linear(after) / linear(*before) - 0.5).abs() < 0.03, "{before} {after}");
+    }
+    assert_eq!(browser.number("document.querySelector('#exposure-number').valueAsNumber"), stops - 1.0);
+    browser.click("#exposure-auto");
+    browser.wait(&format!("document.querySelector('#stage').dataset.shown.endsWith(' {stops:.2}')"));
+    assert_eq!(browser.text(LEFT), auto);
+}
+
+fn pixels_are_read(browser: &mut Browser, results: &study::Results) {
+    let noise = results.cells[0].measures["rel-mse"].expect("an error").sqrt() as f32;
+    let (image, reference) = (sample::picture(0, noise, 1), sample::picture(0, 0.0, 0));
+    let row = |browser: &mut Browser, row: usize| -> Vec<f64> {
+        let text = format!(
+            "[...document.querySelectorAll('#pixel tbody tr')[{row}].cells].slice(1)\
+             .map(c => Number(c.textContent.replace('−', '-')))"
+        );
+        browser.eval(&text).as_array().expect("a list").iter().filter_map(serde_json::Value::as_f64).collect()
+    };
+    let near = |found: &[f64], expected: [f32; 3]| {
+        assert_eq!(found.len(), 3, "{found:?}");
+        // Half floats, printed with four digits.
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - f64::from(expected)).abs() < 2e-3, "{found} is not {expected}");
+        }
+    };
+    let rgb = |image: &metrics::Image, (x, y): (usize, usize)| -> [f32; 3] {
+        let [r, g, b, _] = image.pixels()[y * sample::SIZE.0 + x];
+        [r, g, b]
+    };
+    let _ = browser.middle("#stage");
+    let place = browser.eval(
+        "(b => [b.x + 10.5 / 48 * b.width, b.y + 5.5 / 32 * b.height])\
+         (document.querySelector('#stage').getBoundingClientRect())",
+    );
+    let at = (place[0].as_f64().expect("x"), place[1].as_f64().expect("y"));
+    browser.mouse("mouseMoved", at);
+    let check = |browser: &mut Browser, at: (usize, usize)| {
+        let (left, right) = (rgb(&image, at), rgb(&reference, at));
+        near(&row(browser, 0), left);
+        near(&row(browser, 1), right);
+        near(&row(browser, 2), std::array::from_fn(|channel| left[channel] - right[channel]));
+        let told = browser.text("document.querySelector('#pixel-at').textContent");
+        assert_eq!(told, format!("Pixel {}, {}", at.0, at.1));
+    };
+    check(browser, (10, 5));
+    // By keys, once it has the focus.
+    let _ = browser.eval("document.querySelector('#pixel').focus({ preventScroll: true })");
+    browser.key("ArrowRight");
+    browser.key("ArrowDown");
+    check(browser, (11, 6));
+}
+
+fn methods_are_beside_each_other(browser: &mut Browser, results: &study::Results) {
+    let under = "document.querySelector('.under canvas').toDataURL()";
+    let reference = browser.text(under);
+    let other = results.cells.iter().find(|cell| cell.pipeline == PIPELINES[2]).expect("a cell");
+    let choose = |browser: &mut Browser, key: &str| {
+        let _ = browser.eval(&format!(
+            "(s => {{ s.value = {key:?}; s.dispatchEvent(new Event('change')); }})(document.querySelector('#beside'))"
+        ));
+        browser.wait(&format!(
+            "document.querySelector('#stage').dataset.shown.includes({:?})",
+            format!(" {key} ")
+        ));
+    };
+    choose(browser, &other.key);
+    assert_ne!(browser.text(under), reference);
+    assert!(browser.text("document.querySelector('.tag.right').textContent").starts_with(PIPELINES[2]));
+    assert!(browser.text("location.hash").contains(&format!("beside={}", other.key)));
+    // The reference has a row of its own.
+    assert_eq!(browser.number("document.querySelectorAll('#pixel tbody tr').length"), 4.0);
+    choose(browser, "reference");
+    assert_eq!(browser.text(under), reference);
+}
+
+fn crops_are_shown(browser: &mut Browser) {
+    let count = |browser: &mut Browser, wanted: usize| {
+        browser.wait(&format!("document.querySelectorAll('#crops .crop').length === {wanted}"));
+        let outlines = "document.querySelectorAll('.pane.over .outline').length";
+        assert_eq!(browser.number(outlines), wanted as f64);
+    };
+    // Those of the study: the reference and each pipeline with these values.
+    count(browser, 2);
+    let sizes = "[...document.querySelectorAll('#crops .crop:first-child canvas')].map(c => c.width + 'x' + c.height)";
+    assert_eq!(browser.eval(sizes), serde_json::json!(["6x8", "6x8", "6x8", "6x8"]));
+    // Marked with Shift held.
+    browser.click("#crop-mark");
+    let (x, y) = browser.middle("#stage");
+    browser.mouse("mouseMoved", (x + 20.0, y + 20.0));
+    browser.mouse("mousePressed", (x + 20.0, y + 20.0));
+    browser.mouse("mouseMoved", (x + 90.0, y + 80.0));
+    browser.mouse("mouseReleased", (x + 90.0, y + 80.0));
+    count(browser, 3);
+    assert!(
+        browser.text("document.querySelector('#crops-field pre').textContent").starts_with("crops: [(0.25, ")
+    );
+    // By a key: what is on the stage.
+    browser.key("c");
+    count(browser, 4);
+    for left in [3, 2] {
+        browser.click("#crops .crop:last-child button");
+        count(browser, left);
+    }
 }
 
 fn cells_are_filtered(browser: &mut Browser) {
@@ -260,12 +402,22 @@ fn the_address_brings_a_picture_back(browser: &mut Browser, url: &str) {
     );
     let address = browser.text("location.href");
     assert!(address.contains("view=flip") && address.contains("seed=2"), "{address}");
-    let source = browser.text("document.querySelector('.over img').src");
+    let painted = "document.querySelector('#stage').dataset.shown ?? ''";
+    browser.wait(&format!("({painted}).startsWith('flip')"));
+    let seed = "document.querySelectorAll('#picture-selects select')[3].value === '2'";
+    assert_eq!(browser.eval(seed), true);
+    browser.wait(
+        "!document.querySelector('#stage').ariaBusy || document.querySelector('#stage').ariaBusy === 'false'",
+    );
+    let shown = browser.text(painted);
+    let picture = browser.text(LEFT);
     assert_eq!(browser.complaints(), Vec::<String>::new());
     browser.open(url);
-    assert_ne!(browser.text("document.querySelector('.over img').src"), source);
+    browser.wait(&format!("({painted}).startsWith('slider')"));
+    assert_ne!(browser.text(LEFT), picture);
     browser.open(&address);
-    assert_eq!(browser.text("document.querySelector('.over img').src"), source);
+    browser.wait(&format!("({painted}) === {shown:?}"));
+    assert_eq!(browser.text(LEFT), picture);
 }
 
 /// No width makes the page scroll sideways. Pictures of it are kept in the folder `REPORT_SCREENSHOTS`, where

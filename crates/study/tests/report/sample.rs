@@ -216,6 +216,7 @@ fn study(cell_count: usize) -> StudyRecord {
         started: "2026-11-21T12:00:00Z".to_owned(),
         command: "lightloom study many-lights.ron".to_owned(),
         claims: Vec::new(),
+        crops: vec![[0.25, 0.25, 0.125, 0.25], [0.5, 0.5, 0.5, 0.5]],
     }
 }
 

@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use study::{
     AxisValue, CellRun, Event, Identity, Laboratory, Memory, Observed, Occluded, PipelineFacts, Plan, Ran,
-    Registry, RunOptions, RunRequest, SceneFacts, SceneRecord, Study, StudyError, Values,
+    Registry, RunOptions, RunRequest, SceneFacts, SceneRecord, Step, Study, StudyError, Values,
 };
 
 /// What there is: `box` stands still, `walk` moves, and `grid-N` has N triangles, which add to the time of `exact` as
 /// much as lights do. `fast` has `lights` and `map`; `exact` has `lights`; `broken`
-/// fails; `nan` gives one pixel that is no number; `truth` accumulates.
+/// fails; `nan` gives one pixel that is no number; `truth` accumulates; `direct`, which is not listed, has no `indirect`.
 pub(crate) struct Shelf;
 
 /// Error of a picture of `fast` is ±`1 / lights`, by the seed, about a bias of 0.5 / `lights`.
@@ -79,10 +79,14 @@ impl Registry for Shelf {
             "fast" | "nan" => vec![whole("lights", 64, &[]), whole("map", 32, &[32, 64])],
             "exact" | "broken" => vec![whole("lights", 64, &[])],
             "truth" => vec![whole("samples", 16, &[])],
+            "direct" => Vec::new(),
             _ => return Err(format!("there is no pipeline `{name}`")),
         };
-        let outputs: &[&str] =
-            if name == "truth" { &["indirect", "progress"] } else { &["image", "indirect"] };
+        let outputs: &[&str] = match name {
+            "truth" => &["indirect", "progress"],
+            "direct" => &["image"],
+            _ => &["image", "indirect"],
+        };
         Ok(PipelineFacts {
             about: format!("The pipeline {name}"),
             paper: String::new(),
@@ -143,6 +147,7 @@ impl Laboratory for Fake {
         &mut self,
         request: &RunRequest,
         observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+        step: &mut dyn FnMut(Step),
     ) -> Result<CellRun, String> {
         if self.dies_after.is_some_and(|runs| self.ran.len() >= runs) {
             panic!("killed");
@@ -150,6 +155,10 @@ impl Laboratory for Fake {
         self.ran.push(request.clone());
         if request.pipeline == "broken" || (request.pipeline == "truth" && self.no_truth) {
             return Err("the device was lost".to_owned());
+        }
+        if request.until_done {
+            step(Step { step: 8, steps: 16, noise: None });
+            step(Step { step: 16, steps: 16, noise: Some(1e-6) });
         }
         let lights = number(request, "lights", 64.0);
         let per_light = if request.pipeline == "exact" { 0.1 } else { 0.01 };
@@ -249,6 +258,9 @@ pub(crate) fn told(plan: &Plan, lab: &mut Fake, folder: &Path, options: &RunOpti
         lines.push(match event {
             Event::Begin { cells, finished, stale } => format!("begin {cells} {finished} {stale}"),
             Event::Reference { name } => format!("reference {name}"),
+            Event::Step { name, frame, frames, step } => {
+                format!("step {name} {frame}/{frames} {}/{} {:?}", step.step, step.steps, step.noise)
+            }
             Event::Cell { name } => format!("cell {name}"),
             Event::Ended { ended, .. } => format!("ended {ended}"),
             Event::Note(note) => format!("note {note}"),

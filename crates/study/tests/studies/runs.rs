@@ -298,3 +298,24 @@ fn figures_of_passes_are_means_over_frames() {
         assert_eq!(series, expected.map(|_| 4), "{}", cell.pipeline);
     }
 }
+
+#[test]
+fn a_reference_tells_how_far_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = plan(study("measures: [\"rmse\"], reference: Pipeline(pipeline: \"truth\")"));
+    let lines = told(&plan, &mut Fake::default(), folder.path(), &RunOptions::default());
+    assert_eq!(
+        lines[1..4],
+        ["reference box at 8x4", "step box at 8x4 1/1 8/16 None", "step box at 8x4 1/1 16/16 Some(1e-6)"]
+    );
+    assert!(!lines[4..].iter().any(|line| line.starts_with("step")), "cells do not: {lines:?}");
+}
+
+#[test]
+fn crops_are_recorded_and_run_nothing_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |crops: &str| plan(study(&format!("measures: [\"gpu-ms\"]{crops}")));
+    assert_eq!(run(&with(""), &mut Fake::default(), folder.path()).unwrap().run, 1);
+    let ran = run(&with(", crops: [(0.25, 0, 0.5, 1)]"), &mut Fake::default(), folder.path()).unwrap();
+    assert_eq!((ran.run, ran.results.study.crops), (0, vec![[0.25, 0.0, 0.5, 1.0]]));
+}

@@ -139,3 +139,42 @@ fn an_empty_scene_is_seen_nowhere() {
     let Some(seen) = run(&pass_test::scene("empty")) else { return };
     assert!(seen.depth.iter().all(|depth| *depth == 0.0));
 }
+
+/// Full normals are exact where half ones are not, and all else is the same; in a glossy scene too, which takes another draw.
+#[test]
+fn full_normals_are_exact() {
+    let mut scene = pass_test::scene("cornell-box");
+    for (metallic, roughness) in [(0.0, 1.0), (0.5, 0.25)] {
+        for material in &mut scene.materials {
+            (material.metallic, material.roughness) = (metallic, roughness);
+        }
+        let run = |normals: &str| {
+            let harness = Harness::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT);
+            harness.set("normals", normals).run()
+        };
+        let Some((half, full)) = run("half").zip(run("full")) else { return };
+        for member in ["view.depth", "view.albedo"] {
+            assert_eq!(half.read::<u8>(member), full.read::<u8>(member), "{member}");
+        }
+        if metallic > 0.0 {
+            assert_eq!(half.read::<u8>("view.specular"), full.read::<u8>("view.specular"));
+        }
+        let camera = camera(&scene);
+        let normals: Vec<[f32; 4]> = full.read("view.normal");
+        let halves: Vec<[f16; 4]> = half.read("view.normal");
+        let (mut off, mut half_off) = (0, 0);
+        for i in 0..WIDTH * HEIGHT {
+            let Some((_, normal, _)) = trace(&scene, &camera, uvec2(i % WIDTH, i / WIDTH)) else { continue };
+            let distance = |at: [f64; 4]| dvec3(at[0], at[1], at[2]).distance(normal);
+            let i = i as usize;
+            let (full, half) = (distance(normals[i].map(f64::from)), distance(halves[i].map(f64::from)));
+            // One wall's corners are not in a plane, and their normals no triangle's.
+            if half < 2e-3 {
+                off += u32::from(full > 1e-5);
+                half_off += u32::from(half > 1e-5);
+            }
+        }
+        assert!(off <= WIDTH * HEIGHT / 200, "{off} full normals are off");
+        assert!(half_off > WIDTH * HEIGHT / 20, "{half_off} half normals are off: nothing is measured");
+    }
+}

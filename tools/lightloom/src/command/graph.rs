@@ -23,7 +23,7 @@ pub(crate) struct Args {
     #[arg(long, default_value = "512x512", value_parser = parse_size)]
     size: (u32, u32),
     /// A value for a parameter or a pass's setting; any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set: Vec<String>,
     /// Give every resource an object of its own
     #[arg(long)]

@@ -1,4 +1,4 @@
-//! `lightloom pipelines`, `scenes`, `adapters`: what there is.
+//! `lightloom pipelines`, `scenes`, `measures`, `adapters`: what there is.
 
 use super::passes::{setting_json, setting_text};
 use crate::context::Context;
@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use frame_graph::{Overrides, resolve};
 use renderer::{Gpu, Named};
 use serde_json::{Value, json};
+use study::Measure;
 
 /// Takes nothing but the options of all commands.
 #[derive(clap::Args)]
@@ -74,6 +75,27 @@ fn pipeline(context: &Context, name: &str) -> Result<()> {
 pub(crate) fn scenes(context: &Context) -> Result<()> {
     print_named(context, context.catalog.list_scenes());
     Ok(())
+}
+
+/// The measures of studies: name, unit, which values are better, and what each is.
+pub(crate) fn measures(context: &Context) {
+    let rows = Measure::all().map(|measure| (measure.info(), measure.needed()));
+    if context.json {
+        let row = |(info, needed): (study::MeasureInfo, Vec<String>)| {
+            json!({
+                "name": info.key, "label": info.label, "unit": info.unit, "better": info.better,
+                "is_error": info.is_error, "needs": needed, "about": info.doc,
+            })
+        };
+        output::json(&Value::Array(rows.map(row).collect()));
+        return;
+    }
+    say!("{:<18} {:<14} {:<12} {}", "name", "unit", "better", "what it is");
+    for (info, needed) in rows {
+        let needs = if needed.is_empty() { String::new() } else { format!(" [needs {}]", needed.join(", ")) };
+        say!("{:<18} {:<14} {:<12} {}{needs}", info.key, info.unit, info.better.word(), info.doc);
+    }
+    say!("A study can also name groups of passes (`phases`) and figures of passes (`figures`) as measures.");
 }
 
 pub(crate) fn adapters(context: &Context) -> Result<()> {

@@ -1,11 +1,14 @@
 //! `lightloom render`: headless pictures and sequences, also again at every save.
 
+mod faults;
+mod log;
 mod watch;
 
 use crate::context::{Context, overrides, parse_size};
-use crate::output::{self, progress, say};
+use crate::output::{self, progress, say, tell};
 use anyhow::{Context as _, Result, bail};
-use frame_graph::{CompileOptions, Figure, LinkContext, human_bytes};
+use faults::{Broken, tell_of_black};
+use frame_graph::{CompileOptions, Figure, LinkContext, Overrides, Value, human_bytes};
 use metrics::statistics::median;
 use metrics::{Display, FileFormat, Tonemap};
 use renderer::{Catalog, Compiled, FrameOptions, Gpu, PortFigures, Provenance, Renderer, compile_options};
@@ -29,7 +32,7 @@ pub(crate) struct Args {
     /// A scene by name, or a .ron, .glb or .gltf file
     scene: String,
     /// The picture: .exr or .pfm (linear), .png (tone-mapped). In a sequence, #### is the frame's number
-    #[arg(short, long = "out", value_name = "FILE")]
+    #[arg(short, long = "out", value_name = "FILE", value_parser = parse_picture)]
     out: PathBuf,
     /// Size of the frame in pixels
     #[arg(long, default_value = "512x512", value_parser = parse_size)]
@@ -51,18 +54,23 @@ pub(crate) struct Args {
     #[arg(long, default_value_t = 0)]
     layer: u32,
     /// A value for a parameter or a pass's setting; any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set: Vec<String>,
     /// Print the GPU time of each pass: the median of the frames after the first. Every pass runs in every frame. Also
     /// print where the time went from the start of the process to the first picture
     #[arg(long)]
     pub(crate) time: bool,
-    /// Tone-mapping of PNG files: reinhard, reinhard:WHITE, clamp, aces
-    #[arg(long, default_value = "reinhard")]
-    tonemap: Tonemap,
-    /// Exposure of PNG files in EV
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
-    exposure: f32,
+    /// Write to FILE a line of JSON for each frame: its number and seconds, the memory of the program, the objects on the
+    /// device, and of each output a hash and the mean luminance
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+    /// The curve from light to a screen, of PNG files and of the output `display`: reinhard, reinhard:WHITE,
+    /// reinhard-simple, aces, filmic, filmic:WHITE, none [default: as the pipeline says]
+    #[arg(long)]
+    tonemap: Option<Tonemap>,
+    /// Exposure of PNG files and of the output `display` in EV, -40 to 40 [default: as the pipeline says]
+    #[arg(long, allow_negative_numbers = true, value_parser = parse_exposure)]
+    exposure: Option<f32>,
     /// Give every resource an object of its own
     #[arg(long)]
     no_sharing: bool,
@@ -106,12 +114,13 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     });
     let (gpu, scene) = (gpu.unwrap_or_else(|panic| std::panic::resume_unwind(panic)), scene?);
     for repair in &scene.repairs {
-        eprintln!("note: {repair}");
+        tell!("note: {repair}");
     }
     let mut renderer = Renderer::new(gpu?, catalog, scene, args.size)?;
     renderer.set_seed(args.seed);
     renderer.set_compile_options(CompileOptions { sharing: !args.no_sharing, ..compile_options() })?;
     renderer.set_pipeline(&args.pipeline, &overrides)?;
+    let display = set_display(args, &mut renderer, overrides)?;
     for output in &args.output {
         renderer.keep(output)?;
     }
@@ -120,29 +129,89 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         poison: args.poison,
         ..FrameOptions::default()
     });
-    render(context, args, &mut renderer, &out)?;
+    render(context, args, &mut renderer, &out, display)?;
     if args.watch {
-        watch::watch(&mut renderer, |renderer| render(context, args, renderer, &out))
+        watch::watch(&mut renderer, |renderer| {
+            let display = shown(args, renderer);
+            render(context, args, renderer, &out, display)
+        })
     } else {
         Ok(())
     }
 }
 
+/// How light is shown on a screen: as the pipeline says, where nothing else is requested.
+fn shown(args: &Args, renderer: &Renderer) -> Display {
+    let own = renderer.display().map_or_else(Display::default, |(_, display)| display);
+    Display { tonemap: args.tonemap.unwrap_or(own.tonemap), exposure: args.exposure.unwrap_or(own.exposure) }
+}
+
+/// Gives the pipeline the curve and exposure that are requested, so that its output `display` has them as well as files
+/// that are made of light; returns them.
+fn set_display(args: &Args, renderer: &mut Renderer, mut overrides: Overrides) -> Result<Display> {
+    let display = shown(args, renderer);
+    if args.tonemap.is_none() && args.exposure.is_none() {
+        return Ok(display);
+    }
+    if let Some((pass, _)) = renderer.display() {
+        let (curve, white) = display.tonemap.to_settings();
+        let mut set = |setting: &str, value| overrides.0.push((format!("{pass}.{setting}"), value));
+        set("tonemap", Value::Text(curve.into()));
+        set("exposure", Value::F32(display.exposure));
+        if let Some(white) = white {
+            set("white", Value::F32(white));
+        }
+        renderer.set_values(overrides)?;
+    }
+    let is_linear = FileFormat::of(&args.out) != Some(FileFormat::Png);
+    if is_linear && !args.output.iter().any(|output| output == "display") {
+        tell!(
+            "note: {} holds light as it is: --tonemap and --exposure change PNG files and the output `display`",
+            args.out.display()
+        );
+    }
+    Ok(display)
+}
+
+fn parse_exposure(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(exposure) if (-40.0..=40.0).contains(&exposure) => Ok(exposure),
+        _ => Err(format!("`{text}` is no exposure: expected a number of EV from -40 to 40")),
+    }
+}
+
+fn parse_picture(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match FileFormat::of(&path) {
+        Some(FileFormat::Exr | FileFormat::Png | FileFormat::Pfm) => Ok(path),
+        _ => Err("expected a name that ends in .exr, .png or .pfm".to_owned()),
+    }
+}
+
 /// Renders the frames that are requested, writes their pictures, and says what came of it.
-fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequence) -> Result<()> {
+fn render(
+    context: &Context,
+    args: &Args,
+    renderer: &mut Renderer,
+    out: &Sequence,
+    display: Display,
+) -> Result<()> {
     let frames = args.frames;
     renderer.set_frame_index(args.first_frame);
     // A picture that takes many frames to be done is a long task, too.
     let progressive = frames == 1 && renderer.plan().is_some_and(|plan| plan.output("progress").is_some());
     let bar = progress(if progressive { u64::MAX } else { u64::from(frames) }, "rendering");
     let start = Instant::now();
+    let mut log = args.log.as_deref().map(log::FrameLog::new).transpose()?;
     let mut times: Vec<Vec<f64>> = Vec::new();
     let (mut written, mut first_picture) = (Vec::new(), None);
+    let mut broken = Broken::default();
     for frame in 0..frames {
         if args.time {
             renderer.run_everything();
         }
         let running = tracing::info_span!(target: "phase", "frames").entered();
+        let begun = Instant::now();
         renderer.frame_until_done(|report, progress| {
             times.push(report.times.clone());
             if let Some(progress) = progress.filter(|_| progressive) {
@@ -152,6 +221,11 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
             ControlFlow::Continue(())
         })?;
         drop(running);
+        if let Some(log) = &mut log {
+            renderer.gpu().wait()?;
+            let seconds = begun.elapsed().as_secs_f64();
+            log.add(renderer, args.first_frame + frame, seconds, &args.output)?;
+        }
         if out.wants(frame, frames) {
             for output in &args.output {
                 let reading = tracing::info_span!(target: "phase", "read back").entered();
@@ -159,7 +233,10 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
                 drop(reading);
                 let writing = tracing::info_span!(target: "phase", "encoded and written").entered();
                 let path = out.path(args.first_frame + frame, (args.output.len() > 1).then_some(output));
-                let display = Display { tonemap: args.tonemap, exposure: args.exposure };
+                broken.look(&picture, output, args.first_frame + frame);
+                if frame + 1 == frames {
+                    tell_of_black(renderer, &picture, output);
+                }
                 let display = Display::of_output(output, display);
                 let record = Provenance::new(renderer, &args.scene, (output, args.layer), args.first_frame);
                 let record = record.written_to(&path, display).to_json();
@@ -177,7 +254,9 @@ fn render(context: &Context, args: &Args, renderer: &mut Renderer, out: &Sequenc
     }
     bar.finish_and_clear();
     let first_picture = first_picture.filter(|_| args.time);
-    report(context, args, renderer, &written, &times, start.elapsed().as_secs_f64(), first_picture)
+    let seconds = start.elapsed().as_secs_f64();
+    report(context, args, renderer, &written, &times, seconds, &broken, first_picture)?;
+    broken.result()
 }
 
 /// Where pictures go.
@@ -188,17 +267,20 @@ struct Sequence {
 
 impl Sequence {
     fn new(pattern: &Path, frames: u32) -> Result<Sequence> {
-        if FileFormat::of(pattern).is_none() {
-            bail!("{}: expected a name that ends in .exr, .png or .pfm", pattern.display());
-        }
         if let Some(folder) = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("the folder {} cannot be made", folder.display()))?;
         }
         let numbered = pattern.to_string_lossy().contains('#');
         if numbered && frames == 1 {
-            eprintln!(
+            tell!(
                 "note: {} is numbered, and one frame is rendered; --frames N makes a sequence",
+                pattern.display()
+            );
+        }
+        if !numbered && frames > 1 {
+            tell!(
+                "note: {} holds the last of {frames} frames; #### in the name keeps all",
                 pattern.display()
             );
         }
@@ -234,6 +316,7 @@ fn report(
     written: &[PathBuf],
     times: &[Vec<f64>],
     seconds: f64,
+    broken: &Broken,
     first_picture: Option<Duration>,
 ) -> Result<()> {
     let Some(plan) = renderer.plan() else { return Ok(()) };
@@ -256,13 +339,20 @@ fn report(
             "memory": { "unshared": plan.memory.unshared, "shared": plan.memory.shared, "bound": plan.memory.bound },
             "start": first_picture.map(|whole| context.phases.to_json(whole)),
             "clamped_energy": clamped,
+            "pixels_not_finite": broken.pixels,
             "figures": figures.iter().map(figures_to_json).collect::<Vec<_>>(),
             "progress": progress.map(|progress| json!({ "step": progress.step, "steps": progress.steps, "error": progress.error, "done": progress.is_done() })),
         }));
         return Ok(());
     }
     if args.time {
-        say!("{:<40} {:>10}", "pass", "GPU ms");
+        // What the driver compiles at the first use of a shader is in the first frame.
+        let frames = if times.len() > 1 {
+            "GPU ms"
+        } else {
+            "GPU ms of the first frame, with what the driver compiles"
+        };
+        say!("{:<40} {:>10}", "pass", frames);
         for (name, ms) in &rows {
             say!("{name:<40} {ms:>10.3}");
         }

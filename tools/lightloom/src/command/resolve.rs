@@ -12,7 +12,7 @@ pub(crate) struct Args {
     /// A pipeline by name, or a .ron file
     pipeline: String,
     /// A value for a parameter or a pass's setting; any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set: Vec<String>,
 }
 

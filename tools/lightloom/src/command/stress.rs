@@ -19,7 +19,8 @@ use stress::{Case, Child, Event, Options, REFERENCE, Subject, Verdict};
 #[command(after_help = "Examples:
   lightloom stress -o out/stress
   lightloom stress -o out/stress --pipeline ism --pipeline acrsm --case 'far*' --case 'cone*'
-  lightloom stress -o out/stress --pipeline tcas --settings --pairs 32")]
+  lightloom stress -o out/stress --pipeline tcas --settings --pairs 32
+  lightloom stress -o out/stress --case plain --long 10000 --size 32x32")]
 pub(crate) struct Args {
     /// The folder for scenes, pictures of defects and the report
     #[arg(short, long = "out", value_name = "DIR", default_value = "out/stress")]
@@ -39,6 +40,10 @@ pub(crate) struct Args {
     /// Try this many pairs of settings at an end of their ranges, drawn at random
     #[arg(long, default_value_t = 0)]
     pairs: usize,
+    /// Also run pipelines that keep something between frames for this many, at least 500: with a light that moves, and
+    /// with nothing that does
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(i64::from(stress::SHORTEST)..))]
+    long: Option<u32>,
     /// Seed of the choice of pairs
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -46,7 +51,7 @@ pub(crate) struct Args {
     #[arg(long, default_value = "64x64", value_parser = parse_size)]
     size: (u32, u32),
     /// A value for all pipelines that have the name, where a case sets no other. Any number of times
-    #[arg(long, value_name = "NAME=VALUE", default_values = ["lights=256", "map=32", "rsm.size=64"])]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set, default_values = ["lights=256", "map=32", "rsm.size=64"])]
     set: Vec<String>,
     /// Samples per pixel of the path tracer
     #[arg(long, default_value_t = 256)]
@@ -105,7 +110,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let record = stress::json(&cells);
     let page = args.out.join("report.html");
     write(&args.out.join("cells.json"), &format!("{record:#}\n"))?;
-    write(&page, &stress::html(&cells, &cases, &about))?;
+    let long = args.long.map(|frames| stress::long(frames, false));
+    let listed: Vec<Case> = cases.into_iter().chain(long.into_iter().flatten()).collect();
+    write(&page, &stress::html(&cells, &listed, &about))?;
     let defects = cells.iter().filter(|cell| cell.is_defect()).count();
     if context.json {
         output::json(&json!({ "report": page, "verdicts": record["verdicts"], "cells": record["cells"] }));
@@ -188,6 +195,9 @@ fn subject(context: &Context, args: &Args, link: &LinkContext, name: &str) -> Re
     let bounces = settable.iter().find(|settable| settable.path == "bounces");
     let mut cases = if args.settings { stress::of_settings(&settable) } else { Vec::new() };
     cases.extend(stress::of_pairs(&settable, args.pairs, args.seed));
+    if let Some(frames) = args.long.filter(|_| !compiled.plan.histories.is_empty()) {
+        cases.extend(stress::long(frames, compiled.is_sampled()));
+    }
     let subject = Subject {
         bounces: match bounces.map(|settable| &settable.value) {
             Some(Value::U32(bounces)) => *bounces,

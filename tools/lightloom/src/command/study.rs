@@ -48,10 +48,10 @@ pub(crate) struct Args {
     size: Option<(u32, u32)>,
     /// A value for all pipelines that have the name, in place of the study's; an axis of that name takes this value
     /// only. Any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set: Vec<String>,
     /// A value for the pipeline that makes the references. Any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set_reference: Vec<String>,
     /// A scene in place of the study's. Any number of times
     #[arg(long)]
@@ -155,9 +155,17 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         ran.context("the study stopped; what is finished is kept, and the same command goes on from there")?;
     tell(context, &ran.results, out, Some(ran.run))?;
     if ran.failed > 0 {
-        bail!("{} cells failed; the same command tries them again", ran.failed);
+        bail!("{}", failed(ran.failed));
     }
     Ok(())
+}
+
+/// What is said at the end of a run with failed cells.
+fn failed(count: usize) -> String {
+    match count {
+        1 => "1 cell failed; the same command tries it again".to_owned(),
+        count => format!("{count} cells failed; the same command tries them again"),
+    }
 }
 
 /// A study by name or path.
@@ -225,6 +233,11 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
     if context.json {
         let failures: Vec<_> =
             failures.map(|(cell, error)| json!({ "cell": cell, "error": error })).collect();
+        let pictures: Vec<_> = results
+            .cells
+            .iter()
+            .map(|cell| json!({ "cell": study::name_of(cell), "key": cell.key, "images": cell.images }))
+            .collect();
         output::json(&json!({
             "study": results.study.name,
             "report": page,
@@ -232,6 +245,7 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
             "missing": missing,
             "run": run,
             "failed": failures,
+            "pictures": pictures,
             "claims": { "hold": hold, "fail": fail, "undecided": undecided, "not_measured": not_measured },
             "findings": findings,
         }));
@@ -253,4 +267,15 @@ fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>)
         say!("{}", page.display());
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::failed;
+
+    #[test]
+    fn one_cell_is_one_cell() {
+        assert_eq!(failed(1), "1 cell failed; the same command tries it again");
+        assert_eq!(failed(2), "2 cells failed; the same command tries them again");
+    }
 }

@@ -20,7 +20,7 @@ pub(crate) struct Args {
     /// A scene by name, or a .ron, .glb or .gltf file [default: that of the last time]
     scene: Option<String>,
     /// A value for a parameter or a pass's setting; any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set: Vec<String>,
     /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
     #[arg(long, default_value_t = 0)]

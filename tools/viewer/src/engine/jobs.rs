@@ -10,6 +10,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
+use whole_file::Part;
 
 /// Something to write or to send.
 #[derive(Clone, Debug)]
@@ -204,10 +205,15 @@ fn video(
     folder_of(path)?;
     let (width, height) = side.renderer.size();
     let rate = side.renderer.scene().frames_per_second;
-    let ending = path.extension().unwrap_or_default().to_string_lossy().into_owned();
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    // Finished videos only: the name is given at the end.
-    let beside = path.with_file_name(format!(".{}.{name}.{ending}", std::process::id()));
+    let unwritten = || format!("the video {} was not written", path.display());
+    let part = Part::of(path).with_context(unwritten)?;
+    let beside = part.beside().with_context(|| format!("{} is no file", path.display()))?;
+    // The name that it is written under does not say.
+    let container = match path.extension().and_then(|ending| ending.to_str()) {
+        Some("mkv") => "matroska",
+        Some(ending) => ending,
+        None => bail!("{}: expected a name that ends in .mp4, .webm or .mkv", path.display()),
+    };
     let record = record(side, ("display", 0)).to_json();
     let mut ffmpeg = Process::new("ffmpeg")
         .args(["-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
@@ -215,7 +221,8 @@ fn video(
         // Encoders of 4:2:0 want even sides.
         .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"])
         .args(["-metadata", &format!("comment={record}")])
-        .arg(&beside)
+        .args(["-f", container])
+        .arg(beside)
         .stdin(Stdio::piped())
         .spawn()
         .context(
@@ -229,13 +236,10 @@ fn video(
     });
     drop(pipe);
     let status = ffmpeg.wait()?;
-    if let Err(error) = played.and_then(|()| match status.success() {
-        true => Ok(std::fs::rename(&beside, path)?),
-        false => bail!("ffmpeg failed: {status}"),
-    }) {
-        // What is left of it helps nobody.
-        let _ = std::fs::remove_file(&beside);
-        return Err(error);
+    played?;
+    if !status.success() {
+        bail!("ffmpeg failed: {status}");
     }
+    part.finish().with_context(unwritten)?;
     Ok(format!("wrote {}", shown(path)))
 }

@@ -17,6 +17,7 @@ use model::Stage;
 pub(crate) use model::{Command, Look, Looked, Published, SceneView, SideId, SideView};
 pub(crate) use statistics::PassTimes;
 
+use crate::terminal;
 use renderer::Catalog;
 use session::Session;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -72,7 +73,7 @@ impl Engine {
             match Session::open(start, &publisher) {
                 Ok(session) => session.run(&received, (&waiting, &quitting), &publisher),
                 Err(error) => publisher.with(|published| {
-                    eprintln!("error: {error}");
+                    terminal::complain(format_args!("error: {error}"));
                     published.stage = None;
                     published.fatal = Some(error.to_string());
                 }),

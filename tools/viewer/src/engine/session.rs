@@ -481,7 +481,7 @@ impl Session {
         });
         // What fails in every frame is told once.
         if !again {
-            eprintln!("{of}: {text}");
+            crate::terminal::complain(format_args!("{of}: {text}"));
         }
     }
 
@@ -493,7 +493,7 @@ impl Session {
 /// Adds a message, in the terminal too if it is an error.
 fn report(publisher: &Publisher, text: &str, error: bool) {
     if error {
-        eprintln!("{text}");
+        crate::terminal::complain(text);
     }
     publisher.with(|published: &mut Published| published.say(text.to_owned(), error));
 }

@@ -2,6 +2,7 @@
 
 use crate::app::App;
 use crate::engine::{SceneView, SideId, SideView};
+use crate::terminal;
 use anyhow::{Context as _, Result, bail};
 use data_file::Source;
 use eframe::egui::{Context, Id, Key, Modal, TextEdit};
@@ -168,7 +169,7 @@ pub(crate) fn show(app: &mut App, context: &Context) {
                             let file = app.now.scene.as_ref().and_then(|view| view.file.as_deref());
                             app.holds_what_is_saved = file == Some(Path::new(saving.path.trim()));
                         }
-                        println!("{line}");
+                        terminal::say(&line);
                         app.engine.published().say(line, false);
                         done = true;
                     }

@@ -1,9 +1,9 @@
 //! The frame of a chart: grid, ticks, labels and titles.
 
+use super::drawing::{Anchor, Drawing, SMALL, TEXT, Text, text_width};
 use super::labels::{Rect, thinned};
 use super::palette::Ink;
 use super::scale::{Label, Scale, Tick};
-use super::svg::{Anchor, SMALL, Svg, TEXT, Text, text_width};
 
 /// An axis with its ticks.
 pub(super) struct Axis {
@@ -40,7 +40,7 @@ impl Label {
         text_width(&self.text, SMALL) + exponent
     }
 
-    fn text(&self, anchor: Anchor) -> Text<'_> {
+    fn text(&self, anchor: Anchor) -> Text {
         Text { exponent: self.exponent, ..Text::new(&self.text, SMALL, Ink::Faint, anchor) }
     }
 }
@@ -72,7 +72,7 @@ impl Frame {
     }
 
     /// Draws grid lines, ticks, labels and title of the horizontal axis. `with_grid` is false for choices.
-    pub(super) fn draw_x(&self, svg: &mut Svg, axis: &Axis, with_grid: bool) {
+    pub(super) fn draw_x(&self, drawing: &mut Drawing, axis: &Axis, with_grid: bool) {
         let labelled: Vec<(f64, &Label)> = axis
             .ticks
             .iter()
@@ -82,34 +82,34 @@ impl Frame {
             let x = self.x(axis, tick.value);
             let length = if tick.label.is_some() { 5.0 } else { 3.0 };
             if tick.label.is_some() && with_grid {
-                svg.line((x, self.top), (x, self.bottom()), Ink::Grid, 1.0);
+                drawing.line((x, self.top), (x, self.bottom()), Ink::Grid, 1.0);
             }
-            svg.line((x, self.bottom()), (x, self.bottom() + length), Ink::Text, 1.0);
+            drawing.line((x, self.bottom()), (x, self.bottom() + length), Ink::Text, 1.0);
         }
         let places: Vec<(f64, f64)> = labelled.iter().map(|(x, label)| (*x, label.width())).collect();
         for ((x, label), shown) in labelled.into_iter().zip(thinned(&places, 6.0)) {
             if shown {
-                svg.text((x, self.bottom() + 18.0), &label.text(Anchor::Middle));
+                drawing.text((x, self.bottom() + 18.0), label.text(Anchor::Middle));
             }
         }
-        svg.line((self.left, self.bottom()), (self.right(), self.bottom()), Ink::Text, 1.0);
+        drawing.line((self.left, self.bottom()), (self.right(), self.bottom()), Ink::Text, 1.0);
         let title = Text::new(&axis.title, TEXT, Ink::Text, Anchor::Middle);
-        svg.text((self.left + self.width / 2.0, self.bottom() + 38.0), &title);
+        drawing.text((self.left + self.width / 2.0, self.bottom() + 38.0), title);
     }
 
     /// Draws grid lines, ticks, labels and title of the vertical axis.
-    pub(super) fn draw_y(&self, svg: &mut Svg, axis: &Axis) {
+    pub(super) fn draw_y(&self, drawing: &mut Drawing, axis: &Axis) {
         for tick in &axis.ticks {
             let y = self.y(axis, tick.value);
             let length = if tick.label.is_some() { 5.0 } else { 3.0 };
             if let Some(label) = &tick.label {
-                svg.line((self.left, y), (self.right(), y), Ink::Grid, 1.0);
-                svg.text((self.left - 8.0, y + 4.0), &label.text(Anchor::End));
+                drawing.line((self.left, y), (self.right(), y), Ink::Grid, 1.0);
+                drawing.text((self.left - 8.0, y + 4.0), label.text(Anchor::End));
             }
-            svg.line((self.left - length, y), (self.left, y), Ink::Text, 1.0);
+            drawing.line((self.left - length, y), (self.left, y), Ink::Text, 1.0);
         }
-        svg.line((self.left, self.top), (self.left, self.bottom()), Ink::Text, 1.0);
+        drawing.line((self.left, self.top), (self.left, self.bottom()), Ink::Text, 1.0);
         let title = Text { upright: true, ..Text::new(&axis.title, TEXT, Ink::Text, Anchor::Middle) };
-        svg.text((self.left - axis.width() + 12.0, self.top + self.height / 2.0), &title);
+        drawing.text((self.left - axis.width() + 12.0, self.top + self.height / 2.0), title);
     }
 }

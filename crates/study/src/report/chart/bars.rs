@@ -1,10 +1,10 @@
 //! Horizontal bars from zero, stacked or side by side, with one row for each combination of values.
 
 use super::axis::{Axis, BELOW, Frame};
+use super::drawing::{Anchor, Drawing, SMALL, TEXT, Text, shortened, text_width};
 use super::legend::{self, Mark};
 use super::palette::Ink;
 use super::scale::Scale;
-use super::svg::{Anchor, SMALL, Svg, TEXT, Text, shortened, text_width};
 
 const WIDTH: f64 = 680.0;
 /// Greatest width of the label of a row [px]; longer labels are cut.
@@ -71,8 +71,8 @@ impl BarRow {
 }
 
 impl BarChart {
-    /// Returns the SVG file.
-    pub(in crate::report) fn svg(&self) -> String {
+    /// Draws the chart.
+    pub(in crate::report) fn drawing(&self) -> Drawing {
         let greatest = self.rows.iter().map(BarRow::end).fold(0.0, f64::max);
         let totals = self.rows.iter().map(|row| text_width(&row.total, SMALL)).fold(0.0, f64::max);
         let labels = self.rows.iter().map(|row| text_width(row.name(), SMALL)).fold(0.0, f64::max);
@@ -83,28 +83,28 @@ impl BarChart {
         let frame = Frame { left, top: 6.0, width: WIDTH - left - totals - 16.0, height: height + 4.0 };
         let axis = Axis::new(Scale::from_zero(greatest), self.title.clone(), 7);
 
-        let mut svg = Svg::new();
-        frame.draw_x(&mut svg, &axis, true);
+        let mut drawing = Drawing::new(&self.about);
+        frame.draw_x(&mut drawing, &axis, true);
         let mut y = frame.top;
         for (index, row) in self.rows.iter().enumerate() {
             if let Some(heading) = self.heading(index) {
                 let heading = shortened(heading, TEXT, left + frame.width);
                 let text = Text { bold: true, ..Text::new(&heading, TEXT, Ink::Text, Anchor::Start) };
-                svg.text((4.0, y + HEADING - 7.0), &text);
+                drawing.text((4.0, y + HEADING - 7.0), text);
                 y += HEADING;
             }
             let label = shortened(row.name(), SMALL, LABELS);
             let text = Text::new(&label, SMALL, Ink::Text, Anchor::End);
-            svg.text((left - 8.0, y + row.height() / 2.0 + 4.0), &text);
-            draw_row(&mut svg, frame, &axis, row, y);
+            drawing.text((left - 8.0, y + row.height() / 2.0 + 4.0), text);
+            draw_row(&mut drawing, frame, &axis, row, y);
             y += row.height();
         }
-        svg.line((frame.left, frame.top), (frame.left, frame.bottom()), Ink::Text, 1.0);
+        drawing.line((frame.left, frame.top), (frame.left, frame.bottom()), Ink::Text, 1.0);
         let entries: Vec<(Mark, String)> =
             self.legend.iter().map(|(ink, name)| (Mark::Square(*ink), name.clone())).collect();
         let below = frame.bottom() + BELOW + 4.0;
-        let legend = legend::draw(&mut svg, (16.0, below), WIDTH - 32.0, &entries);
-        svg.finish((WIDTH, below + legend + 6.0), &self.about)
+        let legend = legend::draw(&mut drawing, (16.0, below), WIDTH - 32.0, &entries);
+        drawing.finish((WIDTH, below + legend + 6.0))
     }
 
     /// Returns the heading above a row, if there is one.
@@ -115,19 +115,19 @@ impl BarChart {
     }
 }
 
-fn draw_row(svg: &mut Svg, frame: Frame, axis: &Axis, row: &BarRow, top: f64) {
+fn draw_row(drawing: &mut Drawing, frame: Frame, axis: &Axis, row: &BarRow, top: f64) {
     for (index, bar) in row.bars.iter().enumerate() {
         let y = top + GAP / 2.0 + index as f64 * row.thickness();
         let outline = (bar.len() > 1).then_some(Ink::Paper);
         let mut from = 0.0;
         for segment in bar.iter().filter(|segment| segment.value > 0.0) {
             let (left, right) = (frame.x(axis, from), frame.x(axis, from + segment.value));
-            svg.open("mark", &segment.tip);
-            svg.rectangle((left, y), (right - left, row.thickness()), segment.ink, outline);
-            svg.close();
+            drawing.open("mark", &segment.tip);
+            drawing.rectangle((left, y), (right - left, row.thickness()), segment.ink, outline);
+            drawing.close();
             from += segment.value;
         }
     }
     let total = Text::new(&row.total, SMALL, Ink::Faint, Anchor::Start);
-    svg.text((frame.x(axis, row.end()) + 6.0, top + row.height() / 2.0 + 4.0), &total);
+    drawing.text((frame.x(axis, row.end()) + 6.0, top + row.height() / 2.0 + 4.0), total);
 }

@@ -1,7 +1,7 @@
 //! Legends: rows of names with their marks.
 
+use super::drawing::{Anchor, Drawing, Path, SMALL, Style, Text, shortened, text_width};
 use super::palette::{self, Ink};
-use super::svg::{Anchor, SMALL, Svg, Text, shortened, text_width};
 
 /// Height of a row [px].
 const ROW: f64 = 18.0;
@@ -26,7 +26,12 @@ pub(super) enum Mark {
 }
 
 /// Draws entries from the left, as many per row as fit in `width`; returns the height that they take [px].
-pub(super) fn draw(svg: &mut Svg, (left, top): (f64, f64), width: f64, entries: &[(Mark, String)]) -> f64 {
+pub(super) fn draw(
+    drawing: &mut Drawing,
+    (left, top): (f64, f64),
+    width: f64,
+    entries: &[(Mark, String)],
+) -> f64 {
     let (mut x, mut y) = (left, top);
     for (mark, name) in entries {
         let name = shortened(name, SMALL, width - MARK - GAP);
@@ -35,30 +40,29 @@ pub(super) fn draw(svg: &mut Svg, (left, top): (f64, f64), width: f64, entries: 
             (x, y) = (left, y + ROW);
         }
         let middle = y + ROW / 2.0;
+        let line = Path::through([(x, middle), (x + MARK, middle)]);
         match *mark {
             Mark::Series(index) => {
-                let data = format!("M{x:.2} {middle:.2}h{MARK}");
-                svg.path(&data, None, Some((Ink::Series(index), 1.8)), "");
+                drawing.path(line, Style::line(Ink::Series(index), 1.8));
                 let marker = palette::marker(index, (x + MARK / 2.0, middle), 4.5);
-                svg.path(&marker, Some(Ink::Series(index)), Some((Ink::Paper, 1.0)), "");
+                let style = Style { fill: Some(Ink::Series(index)), ..Style::line(Ink::Paper, 1.0) };
+                drawing.path(marker, style);
             }
-            Mark::Square(ink) => svg.rectangle((x + MARK - 13.0, middle - 6.5), (13.0, 13.0), ink, None),
+            Mark::Square(ink) => drawing.rectangle((x + MARK - 13.0, middle - 6.5), (13.0, 13.0), ink, None),
             Mark::Line(dashes) => {
-                let data = format!("M{x:.2} {middle:.2}h{MARK}");
-                svg.path(&data, None, Some((Ink::Text, 1.4)), palette::dashes(dashes));
+                let dashes = palette::dashes(dashes);
+                drawing.path(line, Style { dashes, ..Style::line(Ink::Text, 1.4) });
             }
-            Mark::Front => svg.path(&format!("M{x:.2} {middle:.2}h{MARK}"), None, Some(FRONT), ""),
-            Mark::Floor => {
-                svg.path(&format!("M{x:.2} {middle:.2}h{MARK}"), None, Some((Ink::Faint, 1.4)), FLOOR);
-            }
+            Mark::Front => drawing.path(line, FRONT),
+            Mark::Floor => drawing.path(line, FLOOR),
         }
-        svg.text((x + MARK + GAP, middle + 4.0), &Text::new(&name, SMALL, Ink::Text, Anchor::Start));
+        drawing.text((x + MARK + GAP, middle + 4.0), Text::new(&name, SMALL, Ink::Text, Anchor::Start));
         x += wide + BETWEEN;
     }
     if entries.is_empty() { 0.0 } else { y + ROW - top }
 }
 
 /// The Pareto front: broad and pale, under the lines of the series.
-pub(super) const FRONT: (Ink, f64) = (Ink::Rest, 4.0);
-/// Dashes of the reference's noise.
-pub(super) const FLOOR: &str = "1 4";
+pub(super) const FRONT: Style = Style { fill: None, stroke: Some((Ink::Rest, 4.0)), dashes: &[] };
+/// The noise of the reference: dotted.
+pub(super) const FLOOR: Style = Style { fill: None, stroke: Some((Ink::Faint, 1.4)), dashes: &[1.0, 4.0] };

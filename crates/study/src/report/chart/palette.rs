@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use super::drawing::Path;
+
 /// The colour role of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::report) enum Ink {
@@ -85,6 +87,15 @@ impl Ink {
     }
 }
 
+impl Ink {
+    /// Returns its colour on white: red, green and blue.
+    pub(super) fn rgb(self) -> [u8; 3] {
+        let digits = u32::from_str_radix(self.pair().0.trim_start_matches('#'), 16).unwrap_or(0);
+        let [_, red, green, blue] = digits.to_be_bytes();
+        [red, green, blue]
+    }
+}
+
 /// Returns `class`, `fill` and `stroke` of an element.
 pub(super) fn paint(fill: Option<Ink>, stroke: Option<Ink>) -> String {
     let class = |letter: char, ink: Option<Ink>| ink.map(|ink| format!("{letter}-{}", ink.name()));
@@ -97,14 +108,14 @@ pub(super) fn paint(fill: Option<Ink>, stroke: Option<Ink>) -> String {
     out
 }
 
-/// Dashes of lines, as in `stroke-dasharray`; the first is none.
-const DASHES: [&str; MOST_DASHES] = ["", "7 3", "2 3", "9 3 2 3"];
+/// Dashes of lines and the gaps between them [px]; the first is none.
+const DASHES: [&[f64]; MOST_DASHES] = [&[], &[7.0, 3.0], &[2.0, 3.0], &[9.0, 3.0, 2.0, 3.0]];
 
 /// The number of lines of one series that can be distinguished.
 pub(in crate::report) const MOST_DASHES: usize = 4;
 
 /// Returns the dashes of a line.
-pub(super) fn dashes(line: usize) -> &'static str {
+pub(super) fn dashes(line: usize) -> &'static [f64] {
     DASHES[line % DASHES.len()]
 }
 
@@ -124,21 +135,13 @@ pub(in crate::report) fn style_sheet() -> String {
     format!(":root {{\n{variables}}}\n{rules}")
 }
 
-/// Returns the outline of the marker of a series, with a radius of about `radius`, as path data.
-pub(super) fn marker(series: usize, (x, y): (f64, f64), radius: f64) -> String {
+/// Returns the outline of the marker of a series, with a radius of about `radius`.
+pub(super) fn marker(series: usize, (x, y): (f64, f64), radius: f64) -> Path {
     let polygon = |corners: &[(f64, f64)]| {
-        let mut path = String::new();
-        for (index, (dx, dy)) in corners.iter().enumerate() {
-            let letter = if index == 0 { 'M' } else { 'L' };
-            let _ = write!(path, "{letter}{:.2} {:.2}", x + dx * radius, y + dy * radius);
-        }
-        path + "Z"
+        Path::polygon(corners.iter().map(|(dx, dy)| (x + dx * radius, y + dy * radius)))
     };
     match series % 6 {
-        0 => {
-            let (left, d) = (x - radius, 2.0 * radius);
-            format!("M{left:.2} {y:.2}a{radius} {radius} 0 1 0 {d:.2} 0a{radius} {radius} 0 1 0 -{d:.2} 0Z")
-        }
+        0 => Path::circle((x, y), radius),
         1 => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
         2 => polygon(&[(0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)]),
         3 => polygon(&[(0.0, -1.2), (1.15, 0.85), (-1.15, 0.85)]),

@@ -1,13 +1,11 @@
 //! Charts of points with intervals over two axes, joined by lines, with the Pareto front.
 
-use std::fmt::Write;
-
 use super::axis::{Axis, BELOW, Frame};
+use super::drawing::{Anchor, Drawing, Path, SMALL, Style, TINY, Text, shortened, text_width};
 use super::labels::{self, Rect, Wanted};
 use super::legend::{self, FLOOR, FRONT, Mark};
 use super::palette::{self, Ink};
 use super::scale::{Label, Scale, Tick};
-use super::svg::{Anchor, SMALL, Svg, TINY, Text, n, text_width};
 
 /// Size of the chart without legend and notes [px].
 const WIDTH: f64 = 680.0;
@@ -86,8 +84,8 @@ pub(in crate::report) struct Point {
 }
 
 impl XyChart {
-    /// Returns the SVG file.
-    pub(in crate::report) fn svg(&self) -> String {
+    /// Draws the chart.
+    pub(in crate::report) fn drawing(&self) -> Drawing {
         let points = || self.points();
         let ends = |value: f64, half: f64| [value, value - half, value + half];
         // An interval that reaches below zero does not make an axis linear; it is cut.
@@ -99,15 +97,15 @@ impl XyChart {
         let left = y.width() + 6.0;
         let frame = Frame { left, top: 10.0, width: WIDTH - left - 14.0, height: HEIGHT - BELOW - 10.0 };
 
-        let mut svg = Svg::new();
-        frame.draw_x(&mut svg, &x, !matches!(self.x.kind, AxisKind::Choices(_)));
-        frame.draw_y(&mut svg, &y);
-        let has_floor = self.draw_floor(&mut svg, frame, &y);
-        self.draw_front(&mut svg, frame, &x, &y);
+        let mut drawing = Drawing::new(&self.about);
+        frame.draw_x(&mut drawing, &x, !matches!(self.x.kind, AxisKind::Choices(_)));
+        frame.draw_y(&mut drawing, &y);
+        let has_floor = self.draw_floor(&mut drawing, frame, &y);
+        self.draw_front(&mut drawing, frame, &x, &y);
         for series in &self.series {
-            draw_series(&mut svg, frame, &x, &y, series);
+            draw_series(&mut drawing, frame, &x, &y, series);
         }
-        self.draw_labels(&mut svg, frame, &x, &y);
+        self.draw_labels(&mut drawing, frame, &x, &y);
 
         let mut entries: Vec<(Mark, String)> =
             self.series.iter().map(|s| (Mark::Series(s.index), s.name.clone())).collect();
@@ -119,14 +117,14 @@ impl XyChart {
             entries.push((Mark::Front, "Pareto front".to_owned()));
         }
         let mut height = HEIGHT + 4.0;
-        height += legend::draw(&mut svg, (frame.left, height), frame.width, &entries);
+        height += legend::draw(&mut drawing, (frame.left, height), frame.width, &entries);
         let outside = points().filter(|p| !(x.scale.holds(p.x) && y.scale.holds(p.y))).count();
         if outside > 0 {
             let note = format!("hollow, at the edge: 0 or less ({outside} of {})", points().count());
-            svg.text((frame.left, height + 14.0), &Text::new(&note, SMALL, Ink::Faint, Anchor::Start));
+            drawing.text((frame.left, height + 14.0), Text::new(&note, SMALL, Ink::Faint, Anchor::Start));
             height += 20.0;
         }
-        svg.finish((WIDTH, height + 6.0), &self.about)
+        drawing.finish((WIDTH, height + 6.0))
     }
 
     fn points(&self) -> impl Iterator<Item = &Point> + Clone {
@@ -134,33 +132,36 @@ impl XyChart {
     }
 
     /// Draws the error of the reference, and returns whether it is within the axis.
-    fn draw_floor(&self, svg: &mut Svg, frame: Frame, y: &Axis) -> bool {
+    fn draw_floor(&self, drawing: &mut Drawing, frame: Frame, y: &Axis) -> bool {
         let reached = self.floor.filter(|&floor| {
             let place = y.scale.place(floor);
             floor > 0.0 && place > 0.0 && place < 1.0
         });
         if let Some(floor) = reached {
-            let path = format!("M{} {}H{}", n(frame.left), n(frame.y(y, floor)), n(frame.right()));
-            svg.path(&path, None, Some((Ink::Faint, 1.4)), FLOOR);
+            let height = frame.y(y, floor);
+            drawing.path(Path::through([(frame.left, height), (frame.right(), height)]), FLOOR);
         }
         reached.is_some()
     }
 
     /// Draws the Pareto front as steps: with this much time, no smaller error was measured.
-    fn draw_front(&self, svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis) {
-        let Some(&(first, _)) = self.front.first() else { return };
-        let start = if self.front_rises { frame.bottom() } else { frame.top };
-        let mut path = format!("M{} {}", n(frame.x(x, first)), n(start));
-        for &(corner_x, corner_y) in &self.front {
-            let _ = write!(path, "H{}V{}", n(frame.x(x, corner_x)), n(frame.y(y, corner_y)));
+    fn draw_front(&self, drawing: &mut Drawing, frame: Frame, x: &Axis, y: &Axis) {
+        if self.front.is_empty() {
+            return;
         }
-        let _ = write!(path, "H{}", n(frame.right()));
-        svg.open("front", "Pareto front: nothing measured is both faster and better");
-        svg.path(&path, None, Some(FRONT), "");
-        svg.close();
+        let start = if self.front_rises { frame.bottom() } else { frame.top };
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        for &(corner_x, corner_y) in &self.front {
+            let (corner_x, before) = (frame.x(x, corner_x), points.last().map_or(start, |point| point.1));
+            points.extend([(corner_x, before), (corner_x, frame.y(y, corner_y))]);
+        }
+        points.extend(points.last().map(|&(_, last)| (frame.right(), last)));
+        drawing.open("front", "Pareto front: nothing measured is both faster and better");
+        drawing.path(Path::through(points), FRONT);
+        drawing.close();
     }
 
-    fn draw_labels(&self, svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis) {
+    fn draw_labels(&self, drawing: &mut Drawing, frame: Frame, x: &Axis, y: &Axis) {
         let points: Vec<&Point> = self.points().collect();
         let place = |p: &Point| (frame.x(x, p.x), frame.y(y, p.y));
         let taken: Vec<Rect> =
@@ -174,68 +175,64 @@ impl XyChart {
         let wanted: Vec<Wanted> = wanted.collect();
         for (point, centre) in named.iter().zip(labels::beside(&wanted, frame.area(), &taken)) {
             if let Some((x, y)) = centre {
-                svg.text((x, y + 3.5), &Text::new(&point.label, TINY, Ink::Faint, Anchor::Middle));
+                drawing.text((x, y + 3.5), Text::new(&point.label, TINY, Ink::Faint, Anchor::Middle));
             }
         }
     }
 }
 
-fn draw_series(svg: &mut Svg, frame: Frame, x: &Axis, y: &Axis, series: &Series) {
+fn draw_series(drawing: &mut Drawing, frame: Frame, x: &Axis, y: &Axis, series: &Series) {
     let ink = Ink::Series(series.index);
-    svg.open(&format!("series series-{}", series.index), "");
+    drawing.open(&format!("series series-{}", series.index), "");
     for line in &series.lines {
-        let corners: Vec<String> = line
-            .points
-            .iter()
-            .map(|point| format!("{} {}", n(frame.x(x, point.x)), n(frame.y(y, point.y))))
-            .collect();
-        if corners.len() > 1 {
+        if line.points.len() > 1 {
+            let corners = line.points.iter().map(|point| (frame.x(x, point.x), frame.y(y, point.y)));
             let dashes = palette::dashes(line.dashes);
-            svg.path(&format!("M{}", corners.join("L")), None, Some((ink, 1.8)), dashes);
+            drawing.path(Path::through(corners), Style { dashes, ..Style::line(ink, 1.8) });
         }
     }
     let marked = series.lines.iter().filter(|line| line.points.len() <= MOST_MARKED);
     for (line, point) in marked.flat_map(|line| line.points.iter().map(move |point| (line, point))) {
         let radius = if line.points.len() > DENSE { SMALL_RADIUS } else { RADIUS };
-        svg.open("mark", &point.tip);
+        drawing.open("mark", &point.tip);
         let (px, py) = (frame.x(x, point.x), frame.y(y, point.y));
         let whiskers = whiskers(frame, x, y, point);
         if !whiskers.is_empty() {
-            svg.path(&whiskers, None, Some((ink, 1.2)), "");
+            drawing.path(whiskers, Style::line(ink, 1.2));
         }
         let marker = palette::marker(series.index, (px, py), radius);
         if x.scale.holds(point.x) && y.scale.holds(point.y) {
-            svg.path(&marker, Some(ink), Some((Ink::Paper, 1.0)), "");
+            drawing.path(marker, Style { fill: Some(ink), ..Style::line(Ink::Paper, 1.0) });
         } else {
-            svg.path(&marker, Some(Ink::Paper), Some((ink, 1.4)), "");
+            drawing.path(marker, Style { fill: Some(Ink::Paper), ..Style::line(ink, 1.4) });
         }
-        svg.close();
+        drawing.close();
     }
-    svg.close();
+    drawing.close();
 }
 
-/// Returns the intervals of a point as path data. An end outside the axis has no cap.
-fn whiskers(frame: Frame, x: &Axis, y: &Axis, point: &Point) -> String {
+/// Returns the intervals of a point. An end outside the axis has no cap.
+fn whiskers(frame: Frame, x: &Axis, y: &Axis, point: &Point) -> Path {
     const CAP: f64 = 3.5;
     let (px, py) = (frame.x(x, point.x), frame.y(y, point.y));
-    let mut path = String::new();
+    let mut path = Path::default();
     if point.y_half > 0.0 && y.scale.holds(point.y) {
         let (low, high) = (point.y - point.y_half, point.y + point.y_half);
         let (top, bottom) = (frame.y(y, high), frame.y(y, low));
-        let _ = write!(path, "M{} {}V{}", n(px), n(top), n(bottom));
+        path.add((px, top), (px, bottom));
         for (end, value) in [(top, high), (bottom, low)] {
             if (0.0..=1.0).contains(&y.scale.place(value)) && y.scale.holds(value) {
-                let _ = write!(path, "M{} {}h{}", n(px - CAP), n(end), 2.0 * CAP);
+                path.add((px - CAP, end), (px + CAP, end));
             }
         }
     }
     if point.x_half > 0.0 && x.scale.holds(point.x) {
         let (low, high) = (point.x - point.x_half, point.x + point.x_half);
         let (left, right) = (frame.x(x, low), frame.x(x, high));
-        let _ = write!(path, "M{} {}H{}", n(left), n(py), n(right));
+        path.add((left, py), (right, py));
         for (end, value) in [(left, low), (right, high)] {
             if (0.0..=1.0).contains(&x.scale.place(value)) && x.scale.holds(value) {
-                let _ = write!(path, "M{} {}v{}", n(end), n(py - CAP), 2.0 * CAP);
+                path.add((end, py - CAP), (end, py + CAP));
             }
         }
     }
@@ -261,7 +258,7 @@ fn axis(axis: &XyAxis, values: impl Iterator<Item = f64> + Clone, most: usize) -
         }
         AxisKind::Choices(names) => {
             let band = (WIDTH - 80.0) / names.len().max(1) as f64 - 8.0;
-            let label = |name: &String| Label::plain(&super::svg::shortened(name, SMALL, band));
+            let label = |name: &String| Label::plain(&shortened(name, SMALL, band));
             let ticks = names
                 .iter()
                 .enumerate()

@@ -49,7 +49,7 @@ pub(super) fn passes(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
             caption: format!(
                 "{about}: medians over the measured frames, means over seeds, in the plan’s order."
             ),
-            svg: chart.svg(),
+            drawing: chart.drawing(),
         }
     })
 }
@@ -98,7 +98,7 @@ pub(super) fn memory(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
                  the bars); the largest sum alive at once, below which no sharing comes; and all objects that \
                  frames work on."
             ),
-            svg: chart.svg(),
+            drawing: chart.drawing(),
         }
     })
 }

@@ -57,7 +57,15 @@ fn time_chart(
     if points.is_empty() {
         return None;
     }
-    let front = pareto(&points.iter().map(|p| (p.x, p.y)).collect::<Vec<_>>(), measure.better);
+    let floor = digest.noise(scene, measure);
+    // What is below the error of the reference is no better than that; where all is, there is nothing to tell.
+    let judged = |p: &&Point| (p.x, floor.map_or(p.y, |floor| p.y.max(floor)));
+    let is_told = points.iter().any(|p| floor.is_none_or(|floor| p.y > floor));
+    let front = if is_told {
+        pareto(&points.iter().map(judged).collect::<Vec<_>>(), measure.better)
+    } else {
+        Vec::new()
+    };
     let name = digest.scenes[scene];
     let about = format!("{} against GPU time, {name}", measure.label);
     let mut caption = format!("{about}. {}", intervals(&points));
@@ -67,9 +75,12 @@ fn time_chart(
             &format!(" Lines join the points of a pipeline along {axis}, whose values stand beside them.");
     }
     if !front.is_empty() {
-        caption += " Nothing that was measured lies beyond the Pareto front.";
+        caption += if points.iter().any(|p| floor.is_some_and(|floor| p.y < floor)) {
+            " Nothing that was measured lies beyond the Pareto front, but for errors below the reference’s own."
+        } else {
+            " Nothing that was measured lies beyond the Pareto front."
+        };
     }
-    let floor = noise(digest, scene).filter(|_| measure.key == NOISE);
     if let Some(floor) = floor {
         caption += &format!(" The reference’s own {} is about {}.", measure.label, number::short(floor, 2));
     }
@@ -92,7 +103,7 @@ fn time_chart(
         choice: vec![name.to_owned(), measure.label.clone()],
         file: file(&[name, &measure.key, "time"]),
         caption,
-        svg: chart.svg(),
+        drawing: chart.drawing(),
     })
 }
 
@@ -171,7 +182,7 @@ fn axis_chart(
         front: Vec::new(),
         front_rises: false,
         dashes: Vec::new(),
-        floor: noise(digest, scene).filter(|_| measure.key == NOISE),
+        floor: digest.noise(scene, measure),
     };
     Some(Figure {
         kind: Kind::ErrorAxis,
@@ -183,7 +194,7 @@ fn axis_chart(
             if with.is_empty() { "nothing else varied".to_owned() } else { with },
         ],
         caption,
-        svg: chart.svg(),
+        drawing: chart.drawing(),
     })
 }
 
@@ -270,16 +281,6 @@ pub(super) fn combinations<'a: 'b, 'b>(
 
 fn points(series: &[Series]) -> Vec<&Point> {
     series.iter().flat_map(|series| &series.lines).flat_map(|line| &line.points).collect()
-}
-
-/// The measure in which the noise of references is reported.
-const NOISE: &str = "rel-mse";
-
-/// Returns the noise of the worst reference of a scene.
-fn noise(digest: &Digest<'_>, scene: usize) -> Option<f64> {
-    let references = digest.results.study.references.iter();
-    let noise = references.filter(|r| r.scene == digest.scenes[scene]).filter_map(|r| r.noise);
-    noise.filter(|noise| noise.is_finite()).reduce(f64::max)
 }
 
 fn is_numeric(values: &[&AxisValue]) -> bool {

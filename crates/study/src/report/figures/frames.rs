@@ -80,7 +80,7 @@ impl<'a> Walk<'a> {
             choice: vec![name.to_owned(), measure.label.clone(), choice],
             file: file(&[name, &measure.key, "frames", &number]),
             caption: format!("{about}. Curves{of} are means over seeds; frames.csv holds every value."),
-            svg: chart.svg(),
+            drawing: chart.drawing(),
         }
     }
 

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::report::digest::Digest;
 use crate::report::escape::html;
 use crate::report::number;
-use crate::{Better, Cell, Outcome, Results};
+use crate::{Cell, Outcome, Results};
 
 /// The greatest number of characters of provenance for all cells together; the rest is only in the study's
 /// folder.
@@ -104,13 +104,7 @@ pub(super) fn setup(results: &Results) -> String {
 /// Returns the section on the measures.
 pub(super) fn measures(digest: &Digest<'_>) -> String {
     let rows = digest.results.study.measures.iter().map(|measure| {
-        let better = match measure.better {
-            Better::Lower => "lower",
-            Better::Higher => "higher",
-            Better::One => "nearer to 1",
-            Better::Neither => "neither",
-        };
-        vec![html(&measure.label), html(&measure.unit), better.to_owned(), html(&measure.doc)]
+        vec![html(&measure.label), html(&measure.unit), measure.better.word().to_owned(), html(&measure.doc)]
     });
     let table = table(&["Measure", "Unit", "Better", "Is"], rows);
     format!("<details><summary>What the measures are</summary>\n{table}</details>\n")

@@ -1,8 +1,8 @@
-//! A picture as the page stores it: reduced, 8 bits, base64.
+//! Pictures of 8 bits: PNG files, and what the page stores of them.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use metrics::{Display, Image, luminance, srgb_from_linear};
+use metrics::{Display, Image, Pair, luminance, srgb_from_linear};
 use serde::Serialize;
 
 /// Longest side of a picture in the page [px]; larger ones are averaged down.
@@ -20,19 +20,39 @@ pub(super) struct Encoded {
 }
 
 impl Encoded {
-    /// Encodes a picture after applying `display`.
-    pub(super) fn new(image: &Image, display: Display) -> Encoded {
+    /// Encodes a picture of display values.
+    pub(super) fn new(image: &Image) -> Encoded {
         let image = reduced(image);
-        let mut bytes = Vec::with_capacity(image.pixels().len() * 3);
-        for &[r, g, b, _] in image.pixels() {
-            let shown = display.map([r, g, b]);
-            // Pixels that are NaN or infinite are magenta, as in the PNG files of the program.
-            let shown = if shown[0].is_nan() { [1.0, 0.0, 1.0] } else { shown.map(srgb_from_linear) };
-            bytes.extend(shown.map(|channel| (channel * 255.0).round() as u8));
-        }
-        let data = STANDARD.encode(png(image.width(), image.height(), &bytes));
+        let data = STANDARD.encode(file(&image, Display::AS_IS));
         Encoded { width: image.width(), height: image.height(), data }
     }
+}
+
+/// Returns a picture as PNG file, after applying `display`.
+pub(super) fn file(image: &Image, display: Display) -> Vec<u8> {
+    png(image.width(), image.height(), &bytes(image, display))
+}
+
+/// Returns the colours of differences of luminance from −1 to +1: 256 of RGB, 8 bits each, in base64.
+pub(super) fn diverging() -> String {
+    let grey = |value: f32| [value, value, value, 1.0];
+    let image = Image::from_fn(256, 1, |x, _| grey(x as f32 / 127.5 - 1.0));
+    let zero = Image::from_fn(256, 1, |_, _| grey(0.0));
+    let (image, zero) = image.ok().zip(zero.ok()).expect("both have pixels");
+    let pair = Pair::new(&image, &zero).expect("both have one size");
+    STANDARD.encode(bytes(&pair.signed_difference(1.0), Display::AS_IS))
+}
+
+/// Returns the display values of a picture, RGB.
+fn bytes(image: &Image, display: Display) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(image.pixels().len() * 3);
+    for &[r, g, b, _] in image.pixels() {
+        let shown = display.map([r, g, b]);
+        // Pixels that are NaN or infinite are magenta, as in the PNG files of the program.
+        let shown = if shown[0].is_nan() { [1.0, 0.0, 1.0] } else { shown.map(srgb_from_linear) };
+        bytes.extend(shown.map(|channel| (channel * 255.0).round() as u8));
+    }
+    bytes
 }
 
 /// Encodes a PNG file of 8-bit RGB.
@@ -46,7 +66,7 @@ fn png(width: usize, height: usize, rgb: &[u8]) -> Vec<u8> {
         writer.write_image_data(rgb)?;
         writer.finish()
     });
-    written.expect("memory takes a picture of at most MOST_SIDE squared, of the length its header tells");
+    written.expect("memory takes a picture of the length its header tells");
     file
 }
 
@@ -68,7 +88,7 @@ pub(super) fn step(image: &Image) -> usize {
 
 /// Reduces a picture to at most [`MOST_SIDE`] pixels in width and height, by means over blocks. A block with
 /// a pixel that is NaN or infinite is NaN.
-fn reduced(image: &Image) -> Image {
+pub(super) fn reduced(image: &Image) -> Image {
     let step = step(image);
     if step == 1 {
         return image.clone();

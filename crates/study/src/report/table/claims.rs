@@ -44,6 +44,13 @@ impl Table {
         }
         caption += ". Each is about means over all finished cells of a scene; it is decided where the 95 % interval of \
                     the difference, seed by seed, is on one side.";
+        let noise = |finding: &Finding<'_>| {
+            let study = &digest.results.study;
+            finding.scenes.iter().any(|scene| study.noise(scene, &finding.claim.measure).is_some())
+        };
+        if findings.iter().any(noise) {
+            caption += " Errors that are both below that of the reference itself decide nothing.";
+        }
         if findings.iter().any(|finding| matches!(finding.claim.relation, RelationRecord::Growth { .. })) {
             caption += " An exponent is that of the upper half of its axis, where fixed costs matter least; that over the \
                         whole axis follows.";

@@ -1,5 +1,6 @@
 //! Rendering again at every save.
 
+use crate::output::tell;
 use anyhow::{Context as _, Result};
 use renderer::{Reload, Renderer};
 use shader_library::Watcher;
@@ -21,7 +22,7 @@ pub(super) fn watch(
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).context("Ctrl-C cannot be taken")?;
     let mut folders = renderer.watched_folders();
     let mut watcher = Watcher::new(&folders)?;
-    eprintln!("watching; Ctrl-C ends it");
+    tell!("watching; Ctrl-C ends it");
     while !ended.load(Ordering::Relaxed) {
         std::thread::sleep(INTERVAL);
         let changed = watcher.changed();
@@ -32,10 +33,10 @@ pub(super) fn watch(
             Reload::Nothing => {}
             Reload::Done(_) => {
                 if let Err(error) = render(renderer) {
-                    eprintln!("error: {error:#}");
+                    tell!("error: {error:#}");
                 }
             }
-            Reload::Failed(error) => eprintln!("{error}"),
+            Reload::Failed(error) => tell!("{error}"),
         }
         // Another text may take files of other folders.
         let now = renderer.watched_folders();

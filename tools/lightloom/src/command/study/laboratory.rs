@@ -15,7 +15,7 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use study::{AxisValue, CellRun, Identity, Laboratory, Memory, Observed, Occluded, RunRequest};
+use study::{AxisValue, CellRun, Identity, Laboratory, Memory, Observed, Occluded, RunRequest, Step};
 use xxhash_rust::xxh3::xxh3_128;
 
 /// How near to its ends a ray between surfaces ends, as a part of its length.
@@ -53,6 +53,7 @@ impl GpuLaboratory {
         &mut self,
         request: &RunRequest,
         observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+        step: &mut dyn FnMut(Step),
     ) -> Result<CellRun, String> {
         let scene = self.scene(&request.scene)?.clone();
         let mut renderer =
@@ -68,7 +69,7 @@ impl GpuLaboratory {
         renderer.set_frame_options(FrameOptions { timed: request.timed, ..FrameOptions::default() });
         renderer.set_frame_index(request.first_frame);
         let noise = if request.until_done {
-            accumulate(&mut renderer, request, &extras, observe)?
+            accumulate(&mut renderer, request, &extras, observe, step)?
         } else {
             sequence(&mut renderer, request, &extras, observe)?;
             None
@@ -112,8 +113,9 @@ impl Laboratory for GpuLaboratory {
         &mut self,
         request: &RunRequest,
         observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+        step: &mut dyn FnMut(Step),
     ) -> Result<CellRun, String> {
-        let done = self.render(request, observe);
+        let done = self.render(request, observe, step);
         // A device that was lost takes no other cell with it.
         if let (Err(_), Ok(gpu)) = (&done, Gpu::open()) {
             self.gpu = gpu;
@@ -242,6 +244,7 @@ fn accumulate(
     request: &RunRequest,
     extras: &Extras,
     observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+    step: &mut dyn FnMut(Step),
 ) -> Result<Option<f64>, String> {
     let (mut noise, mut left) = (None, request.frames);
     renderer.set_frame_index(request.first_frame);
@@ -249,6 +252,9 @@ fn accumulate(
         noise = progress
             .map(|progress| f64::from(progress.error))
             .filter(|error| error.is_finite() && *error > 0.0);
+        if let Some(progress) = progress {
+            step(Step { step: progress.step, steps: progress.steps, noise });
+        }
         left = left.saturating_sub(1);
         if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };

@@ -1,8 +1,13 @@
 //! What a study tells while it runs: a bar on a terminal, lines elsewhere; on standard error.
 
+use crate::output::tell;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal as _, stderr};
-use study::{Event, Outcome, name_of};
+use std::time::{Duration, Instant};
+use study::{Event, Outcome, Step, name_of};
+
+/// Least time between two lines about the same reference, where nobody watches.
+const BETWEEN: Duration = Duration::from_secs(10);
 
 pub(crate) struct Progress {
     /// `None` where nobody watches.
@@ -10,6 +15,8 @@ pub(crate) struct Progress {
     cells: usize,
     /// How long the rest takes, in words; empty while nothing is known.
     left: String,
+    /// When the last line about a reference was printed.
+    last: Instant,
 }
 
 impl Progress {
@@ -19,7 +26,7 @@ impl Progress {
             ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Progress { bar, cells: 0, left: String::new() }
+        Progress { bar, cells: 0, left: String::new(), last: Instant::now() }
     }
 
     pub(crate) fn tell(&mut self, event: Event<'_>) {
@@ -37,10 +44,24 @@ impl Progress {
                     self.line(&format!("{stale} cells in the folder are not of this study as it is now; they are left there, and not reported"));
                 }
             }
-            Event::Reference { name } => match &self.bar {
-                Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
-                None => eprintln!("reference of {name}"),
-            },
+            Event::Reference { name } => {
+                self.last = Instant::now();
+                match &self.bar {
+                    Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
+                    None => tell!("reference of {name}"),
+                }
+            }
+            Event::Step { name, frame, frames, step } => {
+                let text = step_text(name, (frame, frames), step);
+                match &self.bar {
+                    Some(bar) => bar.set_message(format!("{}{text}", self.left)),
+                    None if self.last.elapsed() >= BETWEEN => {
+                        self.last = Instant::now();
+                        tell!("{text}");
+                    }
+                    None => {}
+                }
+            }
             Event::Cell { name } => {
                 if let Some(bar) = &self.bar {
                     bar.set_message(format!("{}{name}", self.left));
@@ -64,12 +85,7 @@ impl Progress {
                         self.left = format!("{left}: ");
                     }
                     None => {
-                        eprintln!(
-                            "{ended}/{} {} in {:.1} s, {left}",
-                            self.cells,
-                            name_of(cell),
-                            cell.seconds
-                        );
+                        tell!("{ended}/{} {} in {:.1} s, {left}", self.cells, name_of(cell), cell.seconds);
                     }
                 }
             }
@@ -86,8 +102,34 @@ impl Progress {
     /// A line that stays.
     fn line(&self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("{text}")),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.suspend(|| tell!("{text}")),
+            None => tell!("{text}"),
         }
+    }
+}
+
+/// `reference of walk at 512x512, frame 2 of 8: 96 of at most 1024 steps, relMSE about 2.1e-3`.
+fn step_text(name: &str, (frame, frames): (usize, usize), step: Step) -> String {
+    let of = if frames > 1 { format!(", frame {frame} of {frames}") } else { String::new() };
+    let noise = step.noise.map(|noise| format!(", relMSE about {noise:.1e}")).unwrap_or_default();
+    format!("reference of {name}{of}: {} of at most {} steps{noise}", step.step, step.steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_of_a_reference_are_told() {
+        let step = Step { step: 96, steps: 1024, noise: Some(0.0021) };
+        assert_eq!(
+            step_text("walk at 8x8", (2, 8), step),
+            "reference of walk at 8x8, frame 2 of 8: 96 of at most 1024 steps, relMSE about 2.1e-3"
+        );
+        let step = Step { noise: None, ..step };
+        assert_eq!(
+            step_text("box at 8x8", (1, 1), step),
+            "reference of box at 8x8: 96 of at most 1024 steps"
+        );
     }
 }

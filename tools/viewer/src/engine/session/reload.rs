@@ -4,6 +4,7 @@ use super::{RECENT, Session, report};
 use crate::engine::Publisher;
 use crate::engine::model::SideId;
 use crate::engine::watch::Saved;
+use crate::terminal;
 use renderer::{Reload, reload_all};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -76,7 +77,7 @@ impl Session {
             files.join(", "),
             told.join("; ")
         );
-        println!("{line}");
+        terminal::say(&line);
         publisher.with(|published| published.reload_ms = since_save.map(|ms| ms as f32));
         report(publisher, &line, false);
     }

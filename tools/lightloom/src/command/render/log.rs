@@ -1,0 +1,71 @@
+//! `render --log`: what each frame gave and what the program holds after it, as a line of JSON.
+
+use anyhow::{Context as _, Result};
+use metrics::{Image, luminance};
+use renderer::Renderer;
+use serde_json::{Value, json};
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use xxhash_rust::xxh3::xxh3_128;
+
+/// A file with a line for each frame. It grows with each frame, so that whatever ends the program leaves the lines before.
+pub(super) struct FrameLog {
+    file: File,
+    path: PathBuf,
+}
+
+impl FrameLog {
+    pub(super) fn new(path: &Path) -> Result<FrameLog> {
+        let file = File::create(path).with_context(|| format!("{} was not written", path.display()))?;
+        Ok(FrameLog { file, path: path.to_owned() })
+    }
+
+    /// Adds the line of the frame that was just rendered, in so many seconds.
+    pub(super) fn add(
+        &mut self,
+        renderer: &Renderer,
+        frame: u32,
+        seconds: f64,
+        outputs: &[String],
+    ) -> Result<()> {
+        let mut pictures = serde_json::Map::new();
+        for output in outputs {
+            pictures.insert(output.clone(), told(&renderer.picture(output, 0)?));
+        }
+        let objects = renderer.gpu().objects().map(|objects| objects.count());
+        let line = json!({
+            "frame": frame,
+            "seconds": seconds,
+            "memory": memory(),
+            "objects": objects,
+            "outputs": pictures,
+        });
+        // One write, so that a line is there or is not.
+        self.file
+            .write_all(format!("{line}\n").as_bytes())
+            .with_context(|| format!("{} was not written", self.path.display()))
+    }
+}
+
+/// What is told of a picture: a hash of its bits, and the mean luminance of its finite pixels.
+fn told(picture: &Image) -> Value {
+    let bytes: Vec<u8> = picture.pixels().iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    let rgb = picture.pixels().iter().map(|pixel| [pixel[0], pixel[1], pixel[2]]);
+    let finite: Vec<[f32; 3]> = rgb.filter(|rgb| rgb.iter().all(|value| value.is_finite())).collect();
+    let sum: f64 = finite.iter().map(|rgb| f64::from(luminance(*rgb))).sum();
+    json!({
+        "hash": format!("{:032x}", xxh3_128(&bytes)),
+        "mean": sum / finite.len().max(1) as f64,
+        "not_finite": picture.pixels().len() - finite.len(),
+        "negative": finite.iter().filter(|rgb| rgb.iter().any(|value| *value < 0.0)).count(),
+    })
+}
+
+/// The memory that the program holds in RAM \[bytes\]; `None` where the system has no `/proc`.
+fn memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}
