@@ -25,6 +25,7 @@ mod sequential;
 mod stress;
 mod study;
 mod surface_lights;
+mod told;
 mod trace;
 mod truth;
 mod window;

@@ -52,13 +52,21 @@ impl Assets {
     /// ones and those from the working folder are read as they stand when `root` has no such file. Whoever found a path
     /// in a file asks [`may_name`](data_file::paths::may_name) first.
     pub fn text(&self, path: &str) -> Option<String> {
-        let below_root =
-            !path.is_empty() && !Path::new(path).is_absolute() && !path.split('/').any(|part| part == "..");
-        let on_disk =
-            self.root.as_ref().filter(|_| below_root).and_then(|root| read_text(&root.join(path)).ok());
+        let on_disk = self
+            .root
+            .as_ref()
+            .filter(|_| is_below_root(path))
+            .and_then(|root| read_text(&root.join(path)).ok());
         on_disk
             .or_else(|| self.embedded.get(path).map(|text| (*text).to_owned()))
             .or_else(|| read_text(Path::new(path)).ok())
+    }
+
+    /// Returns whether there is a file at a path, where [`Assets::text`] looks for it.
+    pub fn has(&self, path: &str) -> bool {
+        let in_root =
+            self.root.as_ref().filter(|_| is_below_root(path)).is_some_and(|root| root.join(path).is_file());
+        in_root || self.embedded.contains_key(path) || Path::new(path).is_file()
     }
 
     /// Paths of all files below a folder of the root, embedded or on disk, with that extension; sorted.
@@ -91,6 +99,11 @@ impl Assets {
     }
 }
 
+/// Whether a path from the root leads to what is in it.
+fn is_below_root(path: &str) -> bool {
+    !path.is_empty() && !Path::new(path).is_absolute() && !path.split('/').any(|part| part == "..")
+}
+
 /// Pipelines by the name that users give: `ism-invtm`, `ism-invtm.ron`, `parts/x.ron`, or a path.
 #[derive(Clone, Debug)]
 pub struct PipelineFiles(pub Assets);
@@ -102,6 +115,13 @@ impl Files for PipelineFiles {
             let text = self.0.text(&name)?;
             Some(Arc::new(Source { name, text }))
         })
+    }
+
+    fn at(&self, path: &str) -> Option<Arc<Source>> {
+        let with_ending =
+            (!path.ends_with(".ron") && !path.ends_with(".wgsl")).then(|| format!("{path}.ron"));
+        let mut names = [Some(path.to_owned()), with_ending].into_iter().flatten();
+        names.find_map(|name| self.0.text(&name).map(|text| Arc::new(Source { name, text })))
     }
 
     fn list(&self) -> Vec<String> {
@@ -126,6 +146,10 @@ impl Files for ShaderAssets {
 
     fn list(&self) -> Vec<String> {
         ["shaders", "interfaces", "passes", "pipelines"].map(|folder| self.0.list(folder, "wgsl")).concat()
+    }
+
+    fn elsewhere(&self) -> Option<&'static str> {
+        Some("the working folder")
     }
 
     fn roots(&self) -> Vec<PathBuf> {

@@ -14,10 +14,11 @@ pub struct Named {
 }
 
 impl Catalog {
-    /// Returns the pipelines, sorted by name. Parts of pipelines are left out.
+    /// Returns the pipelines, sorted by name. Parts of pipelines are left out: those with inputs, and all of `parts/`.
     pub fn list_pipelines(&self) -> Vec<Named> {
         let files = self.pipelines();
-        sorted(files.list().into_iter().filter_map(|path| {
+        let whole = files.list().into_iter().filter(|path| path.split('/').all(|part| part != "parts"));
+        sorted(whole.filter_map(|path| {
             let about = match resolve(&path, files, &Overrides::default()) {
                 Ok(resolved) if resolved.is_part() => return None,
                 Ok(resolved) => Some(resolved.about().unwrap_or_default().to_owned()),

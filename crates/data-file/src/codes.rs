@@ -1,7 +1,8 @@
 //! The stable codes of all errors, with what each means.
 //!
 //! The letter says whose error it is: `E` of the text of any file and of pipelines, which are in this module; `C` of
-//! [`scene`]s, `S` of [`shader`]s, `L` of [`link`]ing shaders to a pipeline, `T` of [`study`] files. No code means two
+//! [`scene`]s, `S` of [`shader`]s, `L` of [`link`]ing shaders to a pipeline, `T` of [`study`] files; `W` is what
+//! is no error: a [`warning`] or a note. No code means two
 //! things; [`table`] documents all of them.
 
 /// One kind of error.
@@ -41,7 +42,7 @@ codes! {
     UNKNOWN_PARAMETER = "E018": "`$name` or a switch names a parameter that is not declared.";
     PARAMETER = "E019": "A parameter's value is of the wrong type, out of range, or not one of its choices.";
     UNKNOWN_KIND = "E020": "There is no pass type of that name.";
-    SHADER = "E021": "A pass type that takes a shader lacks one, or one is given to a pass type that takes none.";
+    SHADER = "E021": "A pass type that takes a shader lacks one, or names one that is not there, or one is given to a pass type that takes none.";
     UNKNOWN_SETTING = "E022": "The pass type has no setting of that name.";
     SETTING_TYPE = "E023": "A setting's value is of the wrong type.";
     SETTING_RANGE = "E024": "A setting's value is out of range, or not one of its choices.";
@@ -148,6 +149,16 @@ pub mod study {
     }
 }
 
+/// Warnings and notes: what is no error, and perhaps not meant.
+pub mod warning {
+    use super::Code;
+
+    codes! {
+        REMOVED = "W001": "A patch removed a pass without `off:`: links and outputs of the pipeline are lost with it.";
+        SHADOWED = "W002": "A name means a file beside the one that names it, and one of the same name in a root.";
+    }
+}
+
 /// Codes that belong together: a heading, what to know of them, and the codes.
 type Section = (&'static str, &'static str, &'static [&'static Code]);
 
@@ -170,6 +181,7 @@ const SECTIONS: &[Section] = &[
         "Examples are in `crates/study/tests/broken` and `crates/study/tests/snapshots`.",
         study::CODES,
     ),
+    ("Warnings and notes", "With these, everything runs; `lightloom check` tells them.", warning::CODES),
 ];
 
 /// Returns every code there is.

@@ -4,6 +4,7 @@ use crate::codes::Code;
 use crate::excerpt::Excerpts;
 use codespan_reporting::diagnostic as codespan;
 use codespan_reporting::term;
+use serde_json::json;
 use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
@@ -55,11 +56,35 @@ pub struct Label {
     pub message: String,
 }
 
-/// One error.
+/// How much is wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Something that a user may want to know.
+    Note,
+    /// Something that is likely not meant.
+    Warning,
+    /// Something with which nothing runs.
+    #[default]
+    Error,
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Severity::Note => "note",
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        })
+    }
+}
+
+/// One error, or one warning.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     /// A stable code, such as `E012`.
     pub code: &'static str,
+    /// How much is wrong.
+    pub severity: Severity,
     /// What is wrong, in one line.
     pub message: String,
     /// Where; the first is the main place, others the other ends of wires.
@@ -92,6 +117,13 @@ impl Span {
     }
 }
 
+impl Span {
+    /// Returns the place behind the last byte.
+    fn end(&self) -> Span {
+        Span { start: self.end, ..self.clone() }
+    }
+}
+
 impl fmt::Display for Span {
     /// Writes `file:line:column`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -103,7 +135,46 @@ impl fmt::Display for Span {
 impl Diagnostic {
     /// Creates an error without a place yet.
     pub fn new(code: &'static Code, message: impl Into<String>) -> Diagnostic {
-        Diagnostic { code: code.code, message: message.into(), labels: Vec::new(), notes: Vec::new() }
+        Diagnostic {
+            code: code.code,
+            severity: Severity::Error,
+            message: message.into(),
+            labels: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Creates what is no error.
+    pub fn warning(code: &'static Code, severity: Severity, message: impl Into<String>) -> Diagnostic {
+        Diagnostic { severity, ..Diagnostic::new(code, message) }
+    }
+
+    /// Returns it for programs: code, severity, message, the main place, all places with what is there, and advice.
+    pub fn to_json(&self) -> serde_json::Value {
+        let labels = self.labels.iter().map(|label| {
+            let ((line, column), (end_line, end_column)) =
+                (label.span.line_column(), label.span.end().line_column());
+            json!({
+                "file": label.span.source.name,
+                "line": line,
+                "column": column,
+                "end_line": end_line,
+                "end_column": end_column,
+                "message": label.message,
+            })
+        });
+        let labels: Vec<serde_json::Value> = labels.collect();
+        let main = |key: &str| labels.first().map_or(&serde_json::Value::Null, |label| &label[key]);
+        json!({
+            "code": self.code,
+            "severity": self.severity.to_string(),
+            "message": self.message,
+            "file": main("file"),
+            "line": main("line"),
+            "column": main("column"),
+            "labels": labels,
+            "help": self.notes,
+        })
     }
 
     /// Adds a place; the first is the main one.
@@ -158,6 +229,20 @@ pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         0 | 1 => 0,
         count => (count / 3).max(1),
     };
+    near(wrong, known, limit)
+}
+
+/// As [`nearest`], for a name that stands alone, as one on the command line: more of it may be wrong.
+pub fn nearest_of_few<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = match wrong.chars().count() {
+        0 | 1 => 0,
+        count => count.div_ceil(3),
+    };
+    near(wrong, known, limit)
+}
+
+/// The known name that is fewest edits away; two letters that changed places are one.
+fn near<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, limit: usize) -> Option<&'a str> {
     if !is_comparable(wrong) {
         return None;
     }
@@ -207,7 +292,12 @@ impl Diagnostics {
                         .with_message(shortened(&label.message, MAX_MESSAGE)),
                 );
             }
-            let shown = codespan::Diagnostic::error()
+            let severity = match diagnostic.severity {
+                Severity::Note => codespan::Severity::Note,
+                Severity::Warning => codespan::Severity::Warning,
+                Severity::Error => codespan::Severity::Error,
+            };
+            let shown = codespan::Diagnostic::new(severity)
                 .with_code(diagnostic.code)
                 .with_message(shortened(&diagnostic.message, MAX_MESSAGE))
                 .with_labels(labels)
@@ -216,7 +306,11 @@ impl Diagnostics {
                 );
             // Writing to memory does not fail, and every label is within its file.
             if term::emit_to_write_style(&mut out, &config, &files, &shown).is_err() {
-                return self.0.iter().map(|d| format!("error[{}]: {}\n", d.code, d.message)).collect();
+                return self
+                    .0
+                    .iter()
+                    .map(|d| format!("{}[{}]: {}\n", d.severity, d.code, d.message))
+                    .collect();
             }
         }
         let mut text = String::from_utf8_lossy(out.as_slice()).trim_end().to_owned();
@@ -225,6 +319,11 @@ impl Diagnostics {
             text.push_str(&format!("\n\nand {more} more errors"));
         }
         text
+    }
+
+    /// Returns each for programs: see [`Diagnostic::to_json`].
+    pub fn to_json(&self) -> serde_json::Value {
+        self.0.iter().map(Diagnostic::to_json).collect()
     }
 
     /// Sorts by place, and drops what is said twice.

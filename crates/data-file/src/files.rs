@@ -14,6 +14,17 @@ pub trait Files {
     /// Returns the file at `path`, relative to the folder of its sort; `None` where there is none.
     fn read(&self, path: &str) -> Option<Arc<Source>>;
 
+    /// Returns the file at this very path, from the root or the working folder, whatever its sort; `None` where there is
+    /// none. The default looks where [`Files::read`] does.
+    fn at(&self, path: &str) -> Option<Arc<Source>> {
+        self.read(path)
+    }
+
+    /// Returns where files are looked for beside the roots, in words; `None` where nowhere.
+    fn elsewhere(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Returns the paths of all files: for lists, and for errors that offer the nearest.
     fn list(&self) -> Vec<String>;
 

@@ -14,7 +14,9 @@ pub mod reader;
 pub mod value;
 
 pub use codes::Code;
-pub use diagnostic::{Diagnostic, Diagnostics, Label, Place, Source, Sources, Span, nearest};
+pub use diagnostic::{
+    Diagnostic, Diagnostics, Label, Place, Severity, Source, Sources, Span, nearest, nearest_of_few,
+};
 pub use files::{Files, MAX_TEXT, read_text, read_text_bytes};
 pub use name::Name;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

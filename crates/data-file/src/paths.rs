@@ -4,6 +4,10 @@
 //! them names files all over the disk: a file may name those of its own folder, of the working folder, and of the roots
 //! that the user gave, with all that is below. What the user names on the command line is not asked about. A link
 //! inside that leads elsewhere was made by the user.
+//!
+//! A name in a file means the file of that name in the folder of the file that names it; where there is none, that of a
+//! root, such as a built-in pipeline. A path with `./` or `../` in it means what is there from the folder of the file, and
+//! nothing else. So a folder of files can be handed on.
 
 use std::cell::LazyCell;
 use std::path::{Component, Path, PathBuf, absolute};
@@ -25,6 +29,40 @@ pub fn may_name(by: &Path, path: &Path, roots: &[PathBuf]) -> bool {
     };
     let own = plain(by).and_then(|by| Some(by.parent()?.to_owned()));
     own.is_some_and(|own| inside(&own)) || inside(Path::new(".")) || roots.iter().any(|root| inside(root))
+}
+
+/// Returns the path of the file that the file at `by` means by `path`, from its own folder: `pipelines/a.ron` means
+/// `pipelines/parts/b.ron` by `parts/b.ron`. `None` for a path from the root of the disk.
+pub fn beside(by: &str, path: &str) -> Option<String> {
+    if Path::new(path).is_absolute() || path.starts_with('/') {
+        return None;
+    }
+    let folder = by.rsplit_once('/').map_or("", |(folder, _)| if folder.is_empty() { "/" } else { folder });
+    let mut parts: Vec<&str> = Vec::new();
+    let mut above = false;
+    for part in folder.split('/').chain(path.split('/')).filter(|part| !matches!(*part, "" | ".")) {
+        match part {
+            ".." if parts.last().is_some_and(|last| *last != "..") => {
+                parts.pop();
+            }
+            ".." => {
+                above = true;
+                parts.push(part);
+            }
+            part => parts.push(part),
+        }
+    }
+    let joined = parts.join("/");
+    if folder.starts_with('/') {
+        return Some(format!("/{joined}"));
+    }
+    // Shaders are found by paths that do not begin above the working folder.
+    if above { Some(plain(Path::new(&joined))?.to_string_lossy().replace('\\', "/")) } else { Some(joined) }
+}
+
+/// Returns whether a path says itself that it is from the folder of the file that names it: with `./` or `../`.
+pub fn is_from_own_folder(path: &str) -> bool {
+    path.split('/').any(|part| matches!(part, "." | ".."))
 }
 
 /// Returns a path from the root of the disk, without `.` and `..`; `None` where there is no working folder.

@@ -7,7 +7,7 @@ mod values;
 
 pub(crate) use form::{
     At, Body, Dim, Entry, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, ParameterDecl, PassDecl,
-    Past, Patch, Repeat, Set, SetValue, Size, Target,
+    Past, Patch, Repeat, SaidFact, Set, SetValue, Size, Target,
 };
 pub(crate) use read::{out_overrides, parse_file};
 

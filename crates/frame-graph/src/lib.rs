@@ -34,7 +34,7 @@
 //! | COUNT | an integer, or an expression that gives one: the number of copies of the sub-graph, one after the other |
 //! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a sub-graph, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Moved]?)` |
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or an expression: text that contains `$`, such as `"$parameter"` or `"$lights * 16"`. In plain text each `$` is written `$$`; text that begins with `$$` is never an expression |
-//! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?)`, for pass types that take their ports from a shader |
+//! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?, facts: { "name": VALUE }?)`, `None` as a value for no such fact; for pass types that take their ports from a shader |
 //! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`. Any number may be an expression (`"frame / $tile"`, `"like(input) * ($n + 1)"`, `("$map * 2", 64)`), as may `count` |
 //! | OFF | `Black`, `Color(r, g, b, a)`, `Input("port")`, or a link such as `"pass.port"` or `"in.input"`: what replaces the outputs when the switch is off |
 //! | PATCH | `Replace("pass", PASS)`, `Insert(name: "x", pass: PASS, between: ("a.port", "b.port"))`, `Set("path", VALUE)`, `Remove("pass")` |
@@ -122,12 +122,12 @@ pub mod resource;
 pub mod succession;
 pub mod xml;
 
-pub use data_file::{codes, diagnostic, reader, value};
+pub use data_file::{codes, diagnostic, paths, reader, value};
 
 pub use compile::{CompileOptions, compile};
 pub use data_file::Name;
 pub use description::{Description, parse};
-pub use diagnostic::{Diagnostic, Diagnostics, Label, Source, Span, nearest};
+pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity, Source, Span, nearest, nearest_of_few};
 pub use frame::{Change, FrameState, ResetCause};
 pub use interface::{Content, Fact, FactDecl, FactValue, Figure, Interface, Member, Struct};
 pub use link::{Graph, LinkContext, link};

@@ -2,7 +2,7 @@
 
 mod dot;
 mod drawing;
-mod json;
+pub(crate) mod json;
 mod members;
 mod svg;
 mod text;

@@ -168,7 +168,8 @@ pub struct Use<'a> {
     pub outputs: &'a BTreeMap<String, OutputOverride>,
 }
 
-/// An `out:` declaration: interface, format or size of an output of a pass type that takes its ports from a shader.
+/// An `out:` declaration: interface, format, size or facts of an output of a pass type that takes its ports from a
+/// shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OutputOverride {
     /// The interface of the output.
@@ -179,6 +180,8 @@ pub struct OutputOverride {
     pub size: Option<Extent>,
     /// Number of elements, for a buffer.
     pub count: Option<u32>,
+    /// Facts of the output, by name; `None` for one that it is not to have.
+    pub facts: BTreeMap<String, Option<Value>>,
 }
 
 /// What is known about a linked input when the sizes of the outputs are computed.
@@ -367,6 +370,10 @@ pub struct PassTypeError {
     pub setting: Option<String>,
     /// The input at fault, for the place in the file.
     pub input: Option<String>,
+    /// The output whose `out:` declaration is at fault, for the place in the file.
+    pub output: Option<Box<str>>,
+    /// Whether the shader that the use names is at fault, for the place in the file.
+    pub shader: bool,
     /// What to do about it.
     pub help: Option<String>,
 }
@@ -390,6 +397,16 @@ impl PassTypeError {
     /// Creates an error of one input.
     pub fn input(name: &str, message: impl Into<String>) -> PassTypeError {
         PassTypeError { message: message.into(), input: Some(name.to_owned()), ..PassTypeError::default() }
+    }
+
+    /// Creates the error that the shader which the use names is not there.
+    pub fn shader(message: impl Into<String>) -> PassTypeError {
+        PassTypeError { message: message.into(), shader: true, ..PassTypeError::default() }
+    }
+
+    /// Creates an error of what the use says of one output.
+    pub fn output(name: &str, message: impl Into<String>) -> PassTypeError {
+        PassTypeError { message: message.into(), output: Some(name.into()), ..PassTypeError::default() }
     }
 
     /// Adds advice to the message.

@@ -5,7 +5,10 @@ mod diff;
 mod document;
 mod figures;
 mod flatten;
+mod json;
 mod localise;
+mod locate;
+mod lost;
 mod print;
 mod settable;
 mod variant;
@@ -16,7 +19,7 @@ pub use variant::variant;
 
 use crate::codes;
 use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, parse_file};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span, nearest_of_few};
 use crate::value::{Setting, Value};
 pub(crate) use copies::told_once;
 pub use data_file::Files;
@@ -38,6 +41,8 @@ pub struct Overrides(pub Vec<(String, Value)>);
 #[derive(Clone, Debug)]
 pub struct Resolved {
     pub(crate) sources: Sources,
+    /// What is no error of the files.
+    pub(crate) notes: Vec<Diagnostic>,
     pub(crate) about: Option<String>,
     pub(crate) paper: Option<String>,
     pub(crate) parameters: Vec<Parameter>,
@@ -81,15 +86,24 @@ const GIVEN: &str = "--set";
 /// All that is wrong with the file and those that it names, as far as that can be determined without the pass types.
 pub fn resolve(path: &str, files: &dyn Files, overrides: &Overrides) -> Result<Resolved, Diagnostics> {
     let Some(source) = files.read(path) else {
-        let given = Source::new("pipeline", path);
-        let span = Span { source: given, start: 0, end: path.len() as u32 };
-        let list = files.list();
-        let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline file `{path}`"))
-            .label(span, "")
-            .suggest("files", path, list.iter().map(String::as_str));
-        return Err(error.into());
+        return Err(no_pipeline(path, files).into());
     };
     resolve_description(path, &parse_file(source, 0)?, files, overrides)
+}
+
+/// Tells that a name is that of no pipeline. The name comes from outside of any file: there is no place to show.
+fn no_pipeline(name: &str, files: &dyn Files) -> Diagnostic {
+    let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline `{name}`"));
+    let stem = |path: &str| path.strip_suffix(".ron").unwrap_or(path).to_owned();
+    // Sub-graphs, which are in folders, are used by pipelines alone.
+    let whole: Vec<String> =
+        files.list().iter().map(|path| stem(path)).filter(|name| !name.contains('/')).collect();
+    let near = nearest_of_few(&stem(name), whole.iter().map(String::as_str));
+    let error = match near {
+        Some(near) => error.note(format!("did you mean `{near}`?")),
+        None => error,
+    };
+    error.note("`lightloom pipelines` lists all; a file is named by its path, with `.ron`")
 }
 
 /// Flattens a description that has been parsed from the file at `path`.
@@ -109,6 +123,8 @@ pub fn resolve_description(
         Assignment::given(path, value.clone(), file)
     });
     let given = given.collect();
+    // By the name of its source, as those that it names.
+    let path = if description.source.name.ends_with(".ron") { &*description.source.name } else { path };
     let document = resolver.document(path, description);
     resolver.pipeline(path, document, given)
 }
@@ -146,9 +162,11 @@ impl Resolved {
         })
     }
 
-    /// Returns the names of the outputs, in the order of the file.
+    /// Returns the names of the outputs, in the order of the file; without those that are lost with a pass that was
+    /// removed.
     pub fn outputs(&self) -> impl Iterator<Item = &Name> {
-        self.outputs.iter().map(|output| &output.name.value)
+        let outputs = self.outputs.iter().filter(|output| self.removed(&output.link).is_none());
+        outputs.map(|output| &output.name.value)
     }
 
     /// Returns whether it is a sub-graph, to be used with `Sub`: it has inputs.

@@ -415,6 +415,11 @@ fn out(said: &OutputOverride) -> String {
     if let Some(count) = said.count {
         fields.push(format!("count: {count}"));
     }
+    if !said.facts.is_empty() {
+        let told = |value: &Option<Value>| value.as_ref().map_or("None".to_owned(), ToString::to_string);
+        let facts = said.facts.iter().map(|(name, value)| format!("{name:?}: {}", told(value)));
+        fields.push(format!("facts: {{ {} }}", facts.collect::<Vec<_>>().join(", ")));
+    }
     format!("Out({})", fields.join(", "))
 }
 

@@ -158,18 +158,24 @@ pub fn link_steps(
         Diagnostics::from(Diagnostic { notes, ..Diagnostic::new(&codes::REFUSED, error.message) })
     })?;
     let schema = kind.settings(&context.use_context()).unwrap_or_default();
-    let linker =
-        StepLinker { planned, plan, names: &names, inputs: &inputs, outputs: &outputs, schema: &schema };
+    let (names, inputs, outputs, schema) = (&names, &inputs[..], &outputs[..], &schema[..]);
+    let linker = StepLinker { entry: "", planned, plan, names, inputs, outputs, schema };
     let steps = recording
         .steps
         .into_iter()
-        .map(|step| linker.link(step, library).map(Arc::new))
+        .map(|step| {
+            let entry = step.entry().to_owned();
+            StepLinker { entry: &entry, ..linker }.link(step, library).map(Arc::new)
+        })
         .collect::<Result<LinkedSteps, Diagnostics>>()?;
     linker.check_order(&steps)?;
     Ok(steps)
 }
 
+#[derive(Clone, Copy)]
 struct StepLinker<'a> {
+    /// The entry point of the step that is linked: of a draw, that of the fragments where it has one.
+    entry: &'a str,
     planned: &'a PlannedPass,
     plan: &'a Plan,
     names: &'a Names,
@@ -257,7 +263,7 @@ impl StepLinker<'_> {
                     &codes::INDIRECT,
                     format!(
                         "{} cannot take its size from `{}`: no earlier step of the pass writes it",
-                        step.request().path,
+                        self.file(step.request()),
                         self.plan.resources[id.0 as usize].name
                     ),
                     None,
@@ -307,7 +313,7 @@ impl StepLinker<'_> {
                     &codes::UNDECLARED,
                     format!(
                         "{} reads `{name}`, which the pass type `{}` does not declare among its scene bindings",
-                        request.path, self.planned.kind
+                        self.file(request), self.planned.kind
                     ),
                     place,
                     Vec::new(),
@@ -322,7 +328,8 @@ impl StepLinker<'_> {
                 &codes::MISMATCH,
                 format!(
                     "{}: `{}` is continued as `{output}`, which holds it when the pass begins",
-                    request.path, named.name
+                    self.file(request),
+                    named.name
                 ),
                 place,
                 vec![format!("read `{output}` in its place, or link another input to the same `Prev`")],
@@ -333,7 +340,7 @@ impl StepLinker<'_> {
                 &codes::MISMATCH,
                 format!(
                     "{}: `{}` is declared as {}, but `{}` is {}",
-                    request.path,
+                    self.file(request),
                     global.name,
                     describe_global(&global.kind),
                     named.name,
@@ -373,7 +380,9 @@ impl StepLinker<'_> {
         };
         let message = format!(
             "{}: `{name}` cannot see the bytes {} to {}: {why}",
-            request.path, bytes.start, bytes.end
+            self.file(request),
+            bytes.start,
+            bytes.end
         );
         Err(self.error(&codes::MISMATCH, message, shader.global_place(global), Vec::new()))
     }
@@ -389,7 +398,7 @@ impl StepLinker<'_> {
         let request = step.request();
         let named = self.names.find(buffer).ok_or_else(|| self.unknown(request, buffer, None))?;
         let refused = |why: String| {
-            let message = format!("{} cannot take its size from `{buffer}`: {why}", request.path);
+            let message = format!("{} cannot take its size from `{buffer}`: {why}", self.file(request));
             Err(self.error(&codes::INDIRECT, message, None, Vec::new()))
         };
         let ResourceDesc::Buffer(desc) = &named.desc else {
@@ -431,7 +440,7 @@ impl StepLinker<'_> {
             Some(Named { writable: true, source: Source::Resource(id), .. }) => Ok(*id),
             Some(_) => Err(self.error(
                 &codes::MISMATCH,
-                format!("{}: `{name}` is an input and cannot be drawn to", request.path),
+                format!("{}: `{name}` is an input and cannot be drawn to", self.file(request)),
                 None,
                 Vec::new(),
             )),
@@ -448,7 +457,10 @@ impl StepLinker<'_> {
         notes.push(format!("there is: {}", self.names.own().collect::<Vec<_>>().join(", ")));
         self.error(
             &codes::UNKNOWN,
-            format!("{} uses `{name}`, which is no port, scratch or external of the pass", request.path),
+            format!(
+                "{} uses `{name}`, which is no port, scratch or external of the pass",
+                self.file(request)
+            ),
             place,
             notes,
         )
@@ -467,7 +479,15 @@ impl StepLinker<'_> {
         Diagnostic { labels, notes, ..Diagnostic::new(code, message) }.into()
     }
 
+    /// The file that errors name: that of the user's, where the use names one, and not the one that imports it.
+    fn file<'s>(&'s self, request: &'s Request) -> &'s str {
+        self.planned.shader.as_deref().unwrap_or(&request.path)
+    }
+
     fn in_pass(&self) -> String {
-        format!("in pass `{}` of pass type `{}`", self.planned.name, self.planned.kind)
+        let (pass, kind) = (&self.planned.name, &self.planned.kind);
+        let entry =
+            if self.entry.is_empty() { String::new() } else { format!(", entry point `{}`", self.entry) };
+        format!("in pass `{pass}` of pass type `{kind}`{entry}")
     }
 }

@@ -311,6 +311,14 @@ pub enum Draw {
 }
 
 impl Step {
+    /// Returns its entry point: of a draw, that of the fragments where it has one.
+    pub(crate) fn entry(&self) -> &str {
+        match self {
+            Step::Compute(compute) => &compute.entry,
+            Step::Raster(raster) => raster.fragment.as_ref().unwrap_or(&raster.vertex),
+        }
+    }
+
     /// Returns the buffer that holds the size of an indirect dispatch or draw: its name, the offset in bytes, and the
     /// bytes that are read from there.
     pub(crate) fn indirect(&self) -> Option<(&str, u64, u64)> {

@@ -12,6 +12,7 @@
 //! | the entry points of the pass type's stage | the steps, in the order of the text |
 //! | `camera`, `frame`, `scene_…` | nothing: they are scene bindings |
 
+mod facts;
 mod options;
 mod outputs;
 mod shader_pass;

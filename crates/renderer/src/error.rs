@@ -17,13 +17,13 @@ pub enum RenderError {
     #[error(transparent)]
     Gpu(#[from] ExecutorError),
     /// The pipeline has no output of that name.
-    #[error("the pipeline `{pipeline}` has no output `{output}`; it has {has}")]
+    #[error("the pipeline `{pipeline}` has no output `{output}`; {has}")]
     NoOutput {
         /// The pipeline.
         pipeline: String,
         /// The requested name.
         output: String,
-        /// The outputs that the pipeline has.
+        /// The nearest output, or all that the pipeline has.
         has: String,
     },
     /// The resource cannot be shown as a picture.

@@ -183,10 +183,19 @@ impl Renderer {
     }
 
     fn no_output<'a>(&self, name: &str, has: impl Iterator<Item = &'a Name>) -> RenderError {
+        let has: Vec<&str> = has.map(|name| name.as_str()).collect();
+        // One that is near is meant; all of a large pipeline's resources would hide it.
+        let told = match frame_graph::nearest_of_few(name, has.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => {
+                let all: Vec<String> = has.iter().map(|name| format!("`{name}`")).collect();
+                format!("it has {}", all.join(", "))
+            }
+        };
         RenderError::NoOutput {
             pipeline: self.pipeline_name().to_owned(),
             output: name.to_owned(),
-            has: has.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+            has: told,
         }
     }
 }

@@ -536,7 +536,12 @@ impl Composer<'_> {
         });
         notes.extend(near.map(|near| format!("did you mean `{near}`?")));
         let roots = self.roots.iter().map(|root| if root.is_empty() { "the root" } else { root });
-        let folders: Vec<&str> = beside.then_some("the file's own folder").into_iter().chain(roots).collect();
+        let folders: Vec<&str> = beside
+            .then_some("the file's own folder")
+            .into_iter()
+            .chain(roots)
+            .chain(self.files.elsewhere())
+            .collect();
         notes.push(format!("looked in {}", folders.join(", then ")));
     }
 }

@@ -8,7 +8,7 @@ use crate::interface::TypeLayout;
 use crate::settings;
 use crate::shader::Shader;
 use data_file::codes::shader as codes;
-use data_file::{Diagnostic, Diagnostics, Setting, Value};
+use data_file::{Diagnostic, Diagnostics, Setting, Severity, Value};
 use naga::valid::Capabilities;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -201,6 +201,7 @@ impl Library {
                 let names: Vec<&str> = outline.options.iter().map(|option| option.name.as_str()).collect();
                 return Err(Diagnostics(vec![Diagnostic {
                     code: codes::VARIANTS.code,
+                    severity: Severity::Error,
                     message: format!("`{}` has more than {MAX_VARIANTS} variants", request.path),
                     labels: vec![data_file::Label { span: option.place.clone(), message: String::new() }],
                     notes: vec![
@@ -249,6 +250,7 @@ fn absent<'a>(
     }
     Diagnostics(vec![Diagnostic {
         code: codes::NO_DECLARATION.code,
+        severity: Severity::Error,
         message: format!("there is no {what} `{name}`"),
         labels: vec![data_file::Label {
             span: shader.start(),

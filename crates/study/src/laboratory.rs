@@ -32,6 +32,13 @@ pub trait Registry {
     /// diff`.
     fn differences(&self, first: (&str, &Values), second: (&str, &Values)) -> Vec<String>;
 
+    /// Returns the path of the scene or pipeline that a file at `by` means by a name, where that lies in the folder of the
+    /// file. The default is that nothing does.
+    fn beside(&self, by: &str, name: &str) -> Option<String> {
+        let _ = (by, name);
+        None
+    }
+
     /// Returns the folders on disk in which files may be that a study names, beside its own folder and the working
     /// folder. The default is that there are none.
     fn roots(&self) -> Vec<PathBuf> {

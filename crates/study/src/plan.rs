@@ -8,9 +8,9 @@ use crate::description::{
 use crate::laboratory::{PipelineFacts, Registry, RunRequest, SceneFacts, Values};
 use crate::measure::Measure;
 use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord};
-use check::Checker;
+use check::{Checker, located};
 use frame_graph::{Diagnostics, Setting};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// A study with all names resolved.
 #[derive(Clone, Debug)]
@@ -30,6 +30,8 @@ pub struct Plan {
     /// The cells, ordered by scene, pipeline, axes, seed.
     pub cells: Vec<PlannedCell>,
     pub(crate) references: Vec<PlannedReference>,
+    /// The files that names of scenes, of the reference's pipeline and of its pictures mean, where they are others.
+    meant: BTreeMap<String, String>,
 }
 
 /// A cell before it runs.
@@ -81,6 +83,19 @@ pub(crate) enum Made {
 const MOST_CELLS: usize = 100_000;
 
 impl Plan {
+    /// Returns the runs of cells and of references that differ in more than their frames and seeds: in pipeline, values,
+    /// scene or size. Whatever compiles for these compiles for all.
+    pub fn distinct_runs(&self) -> Vec<&RunRequest> {
+        let references = self.references.iter().flat_map(|reference| match &reference.made {
+            Made::Run(requests) => &requests[..],
+            Made::Picture(_) => &[],
+        });
+        let mut seen = HashSet::new();
+        let all = self.cells.iter().map(|cell| &cell.request).chain(references);
+        let key = |run: &RunRequest| format!("{} {} {:?} {:?}", run.pipeline, run.scene, run.size, run.set);
+        all.filter(|run| seen.insert(key(run))).collect()
+    }
+
     /// Resolves the names of a study, and derives its cells.
     ///
     /// # Errors
@@ -103,6 +118,7 @@ impl Plan {
         let records: Vec<PipelineRecord> = pipelines.iter().map(|pipeline| pipeline.record.clone()).collect();
         let differences = differences(registry, &pipelines);
         let scenes = scenes.into_iter().map(|(_, facts)| facts).collect();
+        let meant = meant(&study, registry);
         let mut plan = Plan {
             study,
             scenes,
@@ -112,6 +128,7 @@ impl Plan {
             differences,
             cells: Vec::new(),
             references: Vec::new(),
+            meant,
         };
         for scene in 0..plan.scenes.len() {
             for (index, pipeline) in pipelines.iter().enumerate() {
@@ -119,6 +136,11 @@ impl Plan {
             }
         }
         Ok(plan)
+    }
+
+    /// The file that a name means.
+    fn meant(&self, name: &At<String>) -> String {
+        self.meant.get(&name.value).unwrap_or(&name.value).clone()
     }
 
     /// Returns all measures, with phases and figures last, as tables show them.
@@ -194,7 +216,7 @@ impl Plan {
             _ => None,
         };
         let request = RunRequest {
-            scene: study.scenes[scene].value.clone(),
+            scene: self.meant(&study.scenes[scene]),
             pipeline: pipeline.record.pipeline.clone(),
             set,
             output: study.output.value.clone(),
@@ -236,7 +258,7 @@ impl Plan {
                     scene,
                     size: request.size,
                     from: file.value.clone(),
-                    made: Made::Picture(file.value.clone()),
+                    made: Made::Picture(self.meant(file)),
                 }
             }
             Reference::Pipeline { pipeline, set, follow, frames, .. } => {
@@ -250,7 +272,7 @@ impl Plan {
                 let moves = self.scenes[scene].moves;
                 let first = request.first_frame + request.warm_up;
                 let base = RunRequest {
-                    pipeline: pipeline.value.clone(),
+                    pipeline: self.meant(pipeline),
                     set: values.clone(),
                     seed: if followed(SEED) { request.seed } else { 0 },
                     timed: false,
@@ -309,6 +331,18 @@ impl Resolved {
     fn has(&self, path: &str) -> bool {
         self.setting(path).is_some()
     }
+}
+
+/// The files that names mean, where those are others than the names.
+fn meant(study: &Study, registry: &dyn Registry) -> BTreeMap<String, String> {
+    let of_reference: Vec<&At<String>> = match &study.reference {
+        Reference::None => Vec::new(),
+        Reference::Pictures(files) => files.iter().map(|(_, file)| file).collect(),
+        Reference::Pipeline { pipeline, .. } => vec![pipeline],
+    };
+    let names = study.scenes.iter().chain(of_reference);
+    let all = names.map(|name| (name.value.clone(), located(registry, name)));
+    all.filter(|(name, path)| name != path).collect()
 }
 
 fn differences(registry: &dyn Registry, pipelines: &[Resolved]) -> Vec<Difference> {

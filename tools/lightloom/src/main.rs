@@ -124,11 +124,12 @@ fn main() -> ExitCode {
     survive_large_files();
     let phases = start::Phases::begin();
     let cli = Cli::parse();
+    let json = cli.json;
     let timed = matches!(&cli.command, Command::Render(args) if args.time);
     let trace = match record(timed.then(|| phases.clone()), cli.trace.as_deref()) {
         Ok(trace) => trace,
         Err(error) => {
-            output::failure(&error);
+            output::failure(&error, json);
             return ExitCode::FAILURE;
         }
     };
@@ -158,7 +159,7 @@ fn main() -> ExitCode {
     let traced = trace.map_or(Ok(()), Trace::finish);
     let mut code = ExitCode::SUCCESS;
     for error in [done, traced].into_iter().filter_map(Result::err) {
-        output::failure(&error);
+        output::failure(&error, json);
         code = ExitCode::FAILURE;
     }
     code

@@ -1,6 +1,10 @@
 //! How results and failures are printed.
 
+use frame_graph::Diagnostics;
 use indicatif::{ProgressBar, ProgressStyle};
+use renderer::RenderError;
+use scene::SceneError;
+use serde_json::{Value, json};
 use std::io::{ErrorKind, Write as _};
 
 /// Prints a line on standard output. Where its reader has gone (`lightloom passes | head`), there is nothing
@@ -10,7 +14,7 @@ pub(crate) fn line(text: std::fmt::Arguments<'_>) {
         Ok(()) => {}
         Err(error) if error.kind() == ErrorKind::BrokenPipe => std::process::exit(0),
         Err(error) => {
-            failure(&anyhow::Error::new(error).context("standard output cannot be written"));
+            failure(&anyhow::Error::new(error).context("standard output cannot be written"), false);
             std::process::exit(1);
         }
     }
@@ -33,8 +37,12 @@ macro_rules! say {
 }
 pub(crate) use say;
 
-/// Prints an error with its causes, each said once.
-pub(crate) fn failure(error: &anyhow::Error) {
+/// Prints an error with its causes, each said once; as JSON, `{ "errors": [ … ] }` on standard error.
+pub(crate) fn failure(error: &anyhow::Error, as_json: bool) {
+    if as_json {
+        tell!("{:#}", json!({ "errors": errors(error) }));
+        return;
+    }
     let text = error.to_string();
     // Diagnostics begin with their own word.
     if text.starts_with("error") {
@@ -50,6 +58,42 @@ pub(crate) fn failure(error: &anyhow::Error) {
         }
         said = cause;
     }
+}
+
+/// Returns an error for programs, as a list: what is wrong with files has a code and places, all else a message and its
+/// causes.
+pub(crate) fn errors(error: &anyhow::Error) -> Value {
+    if let Some(diagnostics) = error.chain().find_map(diagnostics) {
+        return diagnostics.to_json();
+    }
+    let mut causes: Vec<String> = error.chain().skip(1).map(ToString::to_string).collect();
+    causes.dedup();
+    json!([{
+        "code": null,
+        "severity": "error",
+        "message": error.to_string(),
+        "file": null,
+        "line": null,
+        "column": null,
+        "labels": [],
+        "help": causes,
+    }])
+}
+
+/// What is wrong with files, where an error is that.
+fn diagnostics<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e Diagnostics> {
+    let of_scene = |error: &'e SceneError| match error {
+        SceneError::Description(diagnostics) => Some(diagnostics),
+        _ => None,
+    };
+    if let Some(error) = error.downcast_ref::<RenderError>() {
+        return match error {
+            RenderError::Pipeline(diagnostics) => Some(diagnostics),
+            RenderError::Scene(error) => of_scene(error),
+            _ => None,
+        };
+    }
+    error.downcast_ref::<SceneError>().and_then(of_scene).or_else(|| error.downcast_ref())
 }
 
 /// A bar for work of this many parts, on a terminal; for one part, none.

@@ -1,6 +1,6 @@
 //! Which files a file may name.
 
-use data_file::paths::may_name;
+use data_file::paths::{beside, is_from_own_folder, may_name};
 use std::path::{Path, PathBuf};
 
 #[test]
@@ -56,4 +56,23 @@ fn links_lead_where_the_user_made_them_lead() {
     assert!(may("real/a.ron", "other/inner/b.ron"), "it is the same folder by another name");
     assert!(!may("real/inner/a.ron", "other/a.ron"), "the folder around it is not");
     std::fs::remove_dir_all(folder).expect("removed");
+}
+
+#[test]
+fn a_name_is_from_the_folder_of_the_file_that_names_it() {
+    let cases = [
+        ("pipelines/a.ron", "parts/b.ron", Some("pipelines/parts/b.ron")),
+        ("pipelines/a.ron", "./b.ron", Some("pipelines/b.ron")),
+        ("pipelines/a.ron", "../shaders/b.wgsl", Some("shaders/b.wgsl")),
+        ("a.ron", "b.ron", Some("b.ron")),
+        ("/files/u/a.ron", "../b.ron", Some("/files/b.ron")),
+        ("/a.ron", "b.ron", Some("/b.ron")),
+        ("/files/u/a.ron", "/b.ron", None),
+    ];
+    for (by, path, expected) in cases {
+        assert_eq!(beside(by, path).as_deref(), expected, "{path} in {by}");
+    }
+    let above = beside("../other/a.ron", "b.wgsl").expect("it is relative");
+    assert!(Path::new(&above).is_absolute() && above.ends_with("/other/b.wgsl"), "{above}");
+    assert!(is_from_own_folder("./a") && is_from_own_folder("a/../b") && !is_from_own_folder("a/b.ron"));
 }

@@ -167,6 +167,16 @@ pub(crate) struct OutDecl {
     pub(crate) format: Option<Format>,
     pub(crate) size: Option<At<Size>>,
     pub(crate) count: Option<At<Dim>>,
+    pub(crate) facts: Vec<SaidFact>,
+}
+
+/// One entry of `facts` in an `Out(…)`.
+#[derive(Clone, Debug)]
+pub(crate) struct SaidFact {
+    pub(crate) name: At<Name>,
+    /// `None` where the output is not to have it.
+    pub(crate) value: Option<SetValue>,
+    pub(crate) place: Place,
 }
 
 /// An integer above zero, once parameters are put in.

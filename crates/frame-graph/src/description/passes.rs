@@ -1,6 +1,8 @@
 //! Passes, their links, and patches.
 
-use super::form::{At, Body, Formula, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Repeat, Set, Target};
+use super::form::{
+    At, Body, Formula, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Repeat, SaidFact, Set, Target,
+};
 use super::read::Grammar;
 use super::read::out_overrides;
 use crate::codes;
@@ -214,7 +216,7 @@ impl Grammar<'_, '_> {
     }
 
     pub(super) fn out(&mut self, port: At<Name>, node: &Node) -> Option<OutDecl> {
-        let known = ["interface", "format", "size", "count"].as_slice();
+        let known = ["interface", "format", "size", "count", "facts"].as_slice();
         let fields = self.fields(node, "`Out(…)`", &[("Out", known)])?;
         let interface = fields.get("interface").and_then(|n| self.text_at(n, "the name of an interface"));
         let interface = interface.map(|at| At { value: Name::from(at.value), place: at.place });
@@ -235,7 +237,15 @@ impl Grammar<'_, '_> {
                 self.dim(n, "a count: a whole number above zero, or an expression such as \"$lights * 16\"")?;
             Some(At { value, place: self.place(n) })
         });
-        Some(OutDecl { port, interface, format, size, count })
+        let mut facts = Vec::new();
+        for (name, node) in fields.get("facts").map(|n| self.map(n, "a fact", false)).unwrap_or_default() {
+            let none = matches!(&node.form, Form::Word(word) if word == "None");
+            let value = if none { None } else { self.value(node) };
+            if none || value.is_some() {
+                facts.push(SaidFact { name, value, place: self.place(node) });
+            }
+        }
+        Some(OutDecl { port, interface, format, size, count, facts })
     }
 
     pub(super) fn patch(&mut self, node: &Node) -> Option<Patch> {

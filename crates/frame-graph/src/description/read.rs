@@ -1,7 +1,9 @@
 //! From the tree of a file to a description: the grammar.
 
 use super::Description;
-use super::form::{At, Entry, InputDecl, Link, OutDecl, OutputDecl, ParameterDecl, SetValue, is_name};
+use super::form::{
+    At, Entry, InputDecl, Link, OutDecl, OutputDecl, ParameterDecl, SaidFact, SetValue, is_name,
+};
 use super::passes::PASS_FORMS;
 use crate::codes;
 use crate::diagnostic::{Diagnostics, Place, Source};
@@ -196,13 +198,21 @@ impl Grammar<'_, '_> {
     }
 }
 
-/// What a pass type is told of `out:`; sizes and counts whose parameters are not put in are left out.
+/// What a pass type is told of `out:`; sizes, counts and facts whose parameters are not put in are left out.
 pub(crate) fn out_overrides(outs: &[OutDecl]) -> Arc<BTreeMap<String, OutputOverride>> {
+    let fact = |said: &SaidFact| {
+        let value = match &said.value {
+            Some(value) => Some(value.get()?.clone()),
+            None => None,
+        };
+        Some((said.name.value.to_string(), value))
+    };
     let entry = |out: &OutDecl| OutputOverride {
         interface: out.interface.as_ref().map(|at| at.value.to_string()),
         format: out.format,
         size: out.size.as_ref().and_then(|at| at.value.extent()),
         count: out.count.as_ref().and_then(|at| at.value.number()),
+        facts: out.facts.iter().filter_map(fact).collect(),
     };
     Arc::new(outs.iter().map(|out| (out.port.value.to_string(), entry(out))).collect())
 }

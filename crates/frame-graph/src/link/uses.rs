@@ -201,11 +201,17 @@ impl<'a> Linker<'a> {
     /// Reports the error of a pass type about a use.
     pub(super) fn refused(&mut self, node: &Node, error: &PassTypeError) {
         let decl = &node.decl;
-        let Body::Pass { kind, .. } = &decl.body else { return };
+        let Body::Pass { kind, shader } = &decl.body else { return };
         let setting = error.setting.as_ref().and_then(|name| decl.set.iter().find(|s| s.name.value == *name));
         let link = error.input.as_ref().and_then(|name| decl.link(name));
-        let place = setting.map(|s| s.place).or(link.map(|l| l.place));
-        let mut told = Diagnostic::new(&codes::REFUSED, format!("`{}`: {}", node.name, error.message));
+        let out = error.output.as_ref().and_then(|name| decl.outs.iter().find(|o| o.port.value == **name));
+        let place = setting.map(|s| s.place).or(link.map(|l| l.place)).or(out.map(|o| o.port.place));
+        let shader = shader.as_ref().filter(|_| error.shader).map(|shader| shader.place);
+        let place = place.or(shader);
+        let mut told = Diagnostic::new(
+            if error.shader { &codes::SHADER } else { &codes::REFUSED },
+            format!("`{}`: {}", node.name, error.message),
+        );
         told = match place {
             Some(place) => told
                 .label(self.span(place), "here")

@@ -6,7 +6,8 @@ use crate::value::Value;
 use data_file::Name;
 use serde_json::{Map, Value as Json, json};
 
-fn value(value: &Value) -> Json {
+/// A value as JSON has it.
+pub(crate) fn value(value: &Value) -> Json {
     match value {
         Value::Bool(b) => json!(b),
         Value::U32(n) => json!(n),

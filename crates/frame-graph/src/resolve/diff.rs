@@ -1,8 +1,10 @@
 //! What two pipelines differ in.
 
 use super::{Node, Parameter, Resolved, print};
-use crate::description::{Body, Link};
+use crate::description::{Body, Link, OutputDecl};
+use crate::port::PassTypes;
 use crate::value::Value;
+use serde_json::json;
 use std::fmt;
 
 /// One difference between two flattened pipelines.
@@ -28,6 +30,13 @@ impl fmt::Display for Difference {
             (Some(from), Some(to)) => write!(f, "~ {what} {path}: {from} → {to}"),
             (None, None) => write!(f, "= {what} {path}"),
         }
+    }
+}
+
+impl Difference {
+    /// Returns it for programs: its kind, the path, and what was before and is after; `null` for nothing.
+    pub fn to_json(&self) -> serde_json::Value {
+        json!({ "kind": self.what, "path": self.path, "before": self.from, "after": self.to })
     }
 }
 
@@ -63,8 +72,9 @@ impl Differences {
     }
 }
 
-/// Returns all that `b` does otherwise than `a`: parameters, passes, links, settings, switches, outputs.
-pub fn diff(a: &Resolved, b: &Resolved) -> Vec<Difference> {
+/// Returns all that `b` does otherwise than `a`: parameters, passes, links, settings, switches, outputs. A setting that
+/// a file leaves out has the default of its pass type; a link or an output whose source was removed is not there.
+pub fn diff(a: &Resolved, b: &Resolved, kinds: &dyn PassTypes) -> Vec<Difference> {
     let mut all = Differences::default();
     let parameters = |r: &Resolved| {
         let value = |p: &Parameter| p.value.as_ref().map_or("inherited".to_owned(), Value::to_string);
@@ -77,18 +87,16 @@ pub fn diff(a: &Resolved, b: &Resolved) -> Vec<Difference> {
     all.lists("input", "", inputs(a), inputs(b));
     for node in &a.nodes {
         match b.nodes.iter().find(|other| other.name == node.name) {
-            Some(other) => nodes(&mut all, node, other),
+            Some(other) => nodes(&mut all, (a, node), (b, other), kinds),
             None => all.value("pass", node.name.to_string(), Some(kind(node)), None),
         }
     }
     for node in b.nodes.iter().filter(|node| a.nodes.iter().all(|other| other.name != node.name)) {
         all.value("pass", node.name.to_string(), None, Some(kind(node)));
         // The settings of a new pass are as much a difference as the pass.
-        all.lists("setting", &format!("{}.", node.name), Vec::new(), settings(node));
+        all.lists("setting", &format!("{}.", node.name), Vec::new(), given(node, kinds));
     }
-    let outputs =
-        |r: &Resolved| r.outputs.iter().map(|o| (o.name.value.to_string(), print::link(&o.link))).collect();
-    all.lists("output", "", outputs(a), outputs(b));
+    all.lists("output", "", outputs(a, &a.outputs), outputs(b, &b.outputs));
     all.0
 }
 
@@ -101,30 +109,72 @@ fn kind(node: &Node) -> String {
     }
 }
 
-fn settings(node: &Node) -> Vec<(String, String)> {
-    node.decl.set.iter().map(|s| (s.name.value.to_string(), print::set(&s.value))).collect()
+fn outputs(resolved: &Resolved, outputs: &[OutputDecl]) -> Vec<(String, String)> {
+    let there = outputs.iter().filter(|output| resolved.removed(&output.link).is_none());
+    there.map(|output| (output.name.value.to_string(), print::link(&output.link))).collect()
 }
 
-fn nodes(all: &mut Differences, a: &Node, b: &Node) {
+/// A setting of a pass: its name, its value, and whether that is the default.
+struct Valued {
+    name: String,
+    value: String,
+    default: bool,
+}
+
+/// All settings of a pass; those that the file gives alone where the pass type cannot say which it has.
+fn settings(node: &Node, kinds: &dyn PassTypes) -> Vec<Valued> {
+    let set = &node.decl.set;
+    let schema = node.decl.use_of(&node.decl.link_names).and_then(|use_| kinds.settings(use_).ok());
+    let schema = schema.unwrap_or_default();
+    let known = schema.iter().map(|setting| {
+        let given = set.iter().find(|set| set.name.value == *setting.name).and_then(|set| set.value.get());
+        let given = given.and_then(|value| value.clone().convert(setting.ty));
+        let value = given.as_ref().unwrap_or(&setting.default);
+        Valued { name: setting.name.clone(), value: print::value(value), default: *value == setting.default }
+    });
+    let unknown = set.iter().filter(|set| schema.iter().all(|setting| set.name.value != *setting.name));
+    let unknown = unknown.filter(|set| set.value.get().is_some()).map(|set| Valued {
+        name: set.name.value.to_string(),
+        value: print::set(&set.value),
+        default: false,
+    });
+    known.chain(unknown).collect()
+}
+
+/// The settings of a pass that are no defaults.
+fn given(node: &Node, kinds: &dyn PassTypes) -> Vec<(String, String)> {
+    let settings = settings(node, kinds).into_iter().filter(|setting| !setting.default);
+    settings.map(|setting| (setting.name, setting.value)).collect()
+}
+
+fn nodes(
+    all: &mut Differences,
+    (x, a): (&Resolved, &Node),
+    (y, b): (&Resolved, &Node),
+    kinds: &dyn PassTypes,
+) {
     let prefix = format!("{}.", a.name);
     all.value("pass", a.name.to_string(), Some(kind(a)), Some(kind(b)));
-    let links = |node: &Node| {
+    let links = |resolved: &Resolved, node: &Node| {
         let named = |l: &Link| {
             let port = if l.port.value.is_empty() { "the input that fits" } else { l.port.value.as_str() };
             (port.to_owned(), print::link(l))
         };
-        node.decl.links.iter().chain(&node.decl.feed).map(named).collect()
+        let links = node.decl.links.iter().chain(&node.decl.feed);
+        links.filter(|link| resolved.removed(link).is_none()).map(named).collect()
     };
-    all.lists("link", &prefix, links(a), links(b));
-    all.lists("setting", &prefix, settings(a), settings(b));
+    all.lists("link", &prefix, links(x, a), links(y, b));
+    let every = |node| settings(node, kinds).into_iter().map(|s| (s.name, s.value)).collect();
+    let (before, after) = match kind(a) == kind(b) {
+        true => (every(a), every(b)),
+        false => (given(a, kinds), given(b, kinds)),
+    };
+    all.lists("setting", &prefix, before, after);
     let outs =
         |node: &Node| node.decl.outs.iter().map(|o| (o.port.value.to_string(), print::out(o))).collect();
     all.lists("output format", &prefix, outs(a), outs(b));
-    if let (Body::Group(x), Body::Group(y)) = (&a.decl.body, &b.decl.body) {
-        let inner = |g: &crate::description::Group| {
-            g.outputs.iter().map(|o| (o.name.value.to_string(), print::link(&o.link))).collect()
-        };
-        all.lists("output", &prefix, inner(x), inner(y));
+    if let (Body::Group(of_a), Body::Group(of_b)) = (&a.decl.body, &b.decl.body) {
+        all.lists("output", &prefix, outputs(x, &of_a.outputs), outputs(y, &of_b.outputs));
     }
     all.value("switch", a.name.to_string(), print::when(a), print::when(b));
     let off = |node: &Node| node.decl.off.as_ref().map(|off| print::off(&off.value));

@@ -5,7 +5,7 @@ use crate::codes;
 use crate::description::{
     At, Body, Description, Entry, InputDecl, Link, OutputDecl, ParameterDecl, PassDecl, Patch, Target,
 };
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Diagnostic, Place, nearest};
 use data_file::Name;
 use std::sync::Arc;
 
@@ -58,7 +58,8 @@ impl Resolver<'_> {
         let mut chain = vec![path.to_owned()];
         let mut bases = Vec::new();
         let mut extends = description.extends.clone();
-        while let Some(At { value: base, place }) = extends {
+        while let Some(At { value: path_of_base, place }) = extends {
+            let base = self.located(&path_of_base, place);
             if chain.contains(&base) {
                 chain.push(base);
                 let error = Diagnostic::new(&codes::EXTENDS_LOOP, format!("`{path}` extends itself"))
@@ -77,7 +78,7 @@ impl Resolver<'_> {
                 return document;
             }
             // Without its base, all that a variant says would be wrong.
-            let Some(loaded) = self.load(&base, place) else { return document };
+            let Some(loaded) = self.load(&path_of_base, place) else { return document };
             extends = loaded.extends.clone();
             chain.push(base);
             bases.push(loaded);
@@ -93,9 +94,8 @@ impl Resolver<'_> {
         if let Some(about) = &file.about {
             document.about = Some(about.value.clone());
         }
-        if let Some(paper) = &file.paper {
-            document.paper = Some(paper.value.clone());
-        }
+        // What renders otherwise than a paper says is not that paper's.
+        document.paper = file.paper.as_ref().map(|paper| paper.value.clone());
         for decl in &file.parameters {
             match document.parameters.iter().position(|p| p.name.value == decl.name.value) {
                 Some(i) => self.merge_parameter(&mut document.parameters[i], decl),
@@ -272,7 +272,12 @@ impl Resolver<'_> {
                 // The past, where the link reads it, is now that of the inserted pass.
                 let target = if from.value.port.is_some() { from.value.clone() } else { link.target.clone() };
                 let port = At { value: Name::EMPTY, place: link.place };
-                decl.feed = Some(Link { port, target, past: None, ..link.clone() });
+                // What is wrong with a port that the patch names is wrong there.
+                let (place, content_end) = match &from.value.port {
+                    Some(_) => (from.place, None),
+                    None => (link.place, link.content_end),
+                };
+                decl.feed = Some(Link { port, target, place, content_end, past: None, ..link.clone() });
                 link.target = Target { pass: name.value.clone(), port: None, member: None };
                 link.place = name.place;
                 link.content_end = None;
@@ -282,21 +287,41 @@ impl Resolver<'_> {
             other => {
                 let message = format!("no link joins `{}` to `{}`", from.value, to.value);
                 let mut error = Diagnostic::new(&codes::PATCH_LINK, message);
-                error = match other {
-                    Some(link) => error
-                        .label(self.sources.span(to.place), format!("this is linked to `{}`", link.target))
-                        .label(self.sources.span(link.place), "linked here"),
-                    None => error.label(self.sources.span(to.place), "nothing is linked here"),
-                };
+                let to_place = self.sources.span(to.place);
+                match other {
+                    // It begins at the pass that is named, and at another port of it.
+                    Some(link) if link.target.pass == from.value.pass => {
+                        let reads = format!("`{}` is linked to `{}`", to.value, link.target);
+                        error = error
+                            .label(self.sources.span(from.place), reads)
+                            .note(format!("did you mean `{}`?", link.target));
+                    }
+                    Some(link) => {
+                        error = error
+                            .label(to_place, format!("this is linked to `{}`", link.target))
+                            .note(format!("`{}` is linked at {}", to.value, self.sources.span(link.place)));
+                    }
+                    None => error = error.label(to_place, "nothing is linked here"),
+                }
                 if reads_output {
+                    let names = document.outputs.iter().map(|output| format!("out.{}", output.name.value));
+                    let names: Vec<String> = names.collect();
+                    if !names.contains(&to.value.to_string()) {
+                        error =
+                            error.suggest("outputs", &to.value.to_string(), names.iter().map(String::as_str));
+                    }
                     error = error.note("`out.NAME` stands for an output of the pipeline");
                 } else if let Some(entry) = document.passes.get(position) {
-                    let links: Vec<String> = entry
-                        .decl
-                        .links
-                        .iter()
-                        .map(|l| format!("{} from {}", l.port.value, l.target))
-                        .collect();
+                    let linked = &entry.decl.links;
+                    let ports = linked.iter().map(|link| link.port.value.as_str());
+                    let near = to.value.port.as_ref().and_then(|port| nearest(port, ports));
+                    if let Some(near) =
+                        near.filter(|near| to.value.port.as_ref().is_some_and(|port| port != near))
+                    {
+                        error = error.note(format!("did you mean `{}.{near}`?", to.value.pass));
+                    }
+                    let links: Vec<String> =
+                        linked.iter().map(|l| format!("{} from {}", l.port.value, l.target)).collect();
                     if !links.is_empty() {
                         error = error.note(format!("links of `{}`: {}", to.value.pass, links.join(", ")));
                     }

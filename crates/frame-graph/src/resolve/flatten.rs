@@ -3,17 +3,16 @@
 use super::copies::{Repeated, told_once};
 use super::document::Document;
 use super::localise::prefixed;
+use super::locate::Located;
 use super::{Files, Node, Parameter, Resolved};
 use crate::codes;
 use crate::description::{
-    At, Body, Description, Entry, Group, InputDecl, Link, OutputDecl, PassDecl, Set, SetValue, parse_file,
+    At, Body, Description, Entry, Group, InputDecl, Link, OutputDecl, PassDecl, Set, SetValue,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
 use crate::value::{Misfit, Setting, Value};
 use data_file::Name;
-use data_file::paths::{OUTSIDE, may_name};
 use rustc_hash::FxHashMap;
-use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -50,9 +49,14 @@ impl Assignment {
 }
 
 pub(super) struct Resolver<'a> {
-    files: &'a dyn Files,
+    pub(super) files: &'a dyn Files,
     pub(super) sources: Sources,
-    loaded: FxHashMap<String, Option<Rc<Description>>>,
+    /// The files that were read, by the names of their sources.
+    pub(super) loaded: FxHashMap<String, Option<Rc<Description>>>,
+    /// What names mean, by the file that holds them.
+    pub(super) located: FxHashMap<(u32, String), Located>,
+    /// What is no error.
+    pub(super) notes: Vec<Diagnostic>,
     pub(super) errors: Vec<Diagnostic>,
     pub(super) nodes: Vec<Node>,
     pub(super) part_parameters: Vec<(Name, Vec<Parameter>)>,
@@ -71,55 +75,14 @@ impl<'a> Resolver<'a> {
             files,
             sources: Sources(vec![root]),
             loaded: FxHashMap::default(),
+            located: FxHashMap::default(),
+            notes: Vec::new(),
             errors: Vec::new(),
             nodes: Vec::new(),
             part_parameters: Vec::new(),
             parts: Vec::new(),
             repeated: Vec::new(),
         }
-    }
-
-    /// Tells where the file that is named at `place` is none that its file may name.
-    fn may_name(&mut self, path: &str, place: Place) -> bool {
-        let span = self.sources.span(place);
-        let inside = may_name(Path::new(&span.source.name), Path::new(path), &self.files.roots());
-        if !inside {
-            let message = format!("the file `{path}` {OUTSIDE}");
-            self.errors.push(Diagnostic::new(&codes::NO_FILE, message).label(span, "outside"));
-        }
-        inside
-    }
-
-    /// Reads a file that is named at `place`, once.
-    pub(super) fn load(&mut self, path: &str, place: Place) -> Option<Rc<Description>> {
-        if let Some(loaded) = self.loaded.get(path) {
-            return loaded.clone();
-        }
-        if !self.may_name(path, place) {
-            return None;
-        }
-        let found = match self.files.read(path) {
-            Some(source) => {
-                let file = self.sources.add(Arc::clone(&source));
-                match parse_file(source, file) {
-                    Ok(description) => Some(Rc::new(description)),
-                    Err(errors) => {
-                        self.errors.extend(errors.0);
-                        None
-                    }
-                }
-            }
-            None => {
-                let list = self.files.list();
-                let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline file `{path}`"))
-                    .label(self.sources.span(place), "")
-                    .suggest("files", path, list.iter().map(String::as_str));
-                self.errors.push(error);
-                None
-            }
-        };
-        self.loaded.insert(path.to_owned(), found.clone());
-        found
     }
 
     /// The whole pipeline.
@@ -150,8 +113,19 @@ impl<'a> Resolver<'a> {
             return Err(Diagnostics::sorted(told_once(self.errors, &self.nodes)));
         }
         self.adopt(&index);
-        let Resolver { sources, nodes, part_parameters, .. } = self;
-        Ok(Resolved { sources, about, paper, parameters, part_parameters, inputs, nodes, outputs, index })
+        let Resolver { sources, nodes, part_parameters, notes, .. } = self;
+        Ok(Resolved {
+            sources,
+            notes,
+            about,
+            paper,
+            parameters,
+            part_parameters,
+            inputs,
+            nodes,
+            outputs,
+            index,
+        })
     }
 
     /// In a file that was flattened before, passes belong to the groups whose names theirs begin with.
@@ -250,9 +224,7 @@ impl<'a> Resolver<'a> {
                     None => decl.set.push(set),
                 }
             }
-            if let Body::Pass { shader: Some(shader), .. } = &decl.body {
-                self.may_name(&shader.value, shader.place);
-            }
+            self.locate_shader(&mut decl);
             self.nodes.push(Node { name: full, place: name.place, parent, decl });
         }
         if !prefix.is_empty() {
@@ -289,9 +261,10 @@ impl<'a> Resolver<'a> {
         let Body::Sub { file: At { value: path, place: file_place }, repeat } = decl.body.clone() else {
             return;
         };
-        if self.parts.contains(&path) || self.parts.len() > MAX_PARTS {
+        let named = self.located(&path, file_place);
+        if self.parts.contains(&named) || self.parts.len() > MAX_PARTS {
             let chain = self.parts.join(" → ");
-            let error = if self.parts.contains(&path) {
+            let error = if self.parts.contains(&named) {
                 Diagnostic::new(&codes::SUB_LOOP, format!("`{path}` contains itself"))
                     .label(self.sources.span(file_place), "this closes the loop")
                     .note(format!("the loop is {chain} → {path}"))
@@ -306,7 +279,7 @@ impl<'a> Resolver<'a> {
             return;
         }
         let Some(description) = self.load(&path, file_place) else { return };
-        let document = self.document(&path, &description);
+        let document = self.document(&named, &description);
         self.check_border(&mut decl, &name, &path, file_place, &document.inputs);
         let mut given: Vec<Assignment> = std::mem::take(&mut decl.set)
             .into_iter()
@@ -324,7 +297,7 @@ impl<'a> Resolver<'a> {
         let inputs = document.inputs.clone();
         decl.body = Body::Removed;
         self.nodes.push(Node { name: name.clone(), place, parent, decl: Arc::new(decl.clone()) });
-        self.parts.push(path);
+        self.parts.push(named);
         let (scope, outputs, copies) = match repeat {
             None => {
                 let (scope, outputs) = self.flatten(document, &name, Some(group), given);

@@ -14,17 +14,12 @@ impl Resolver<'_> {
     /// Puts the scope's parameters and the prefix of its sub-graph into a pass. A pass with neither is shared.
     pub(super) fn localise(&mut self, mut decl: Arc<PassDecl>, prefix: &str, scope: &Scope) -> Arc<PassDecl> {
         let in_set = decl.set.iter().any(|set| set.value.get().is_none());
-        let in_outs = decl.outs.iter().any(|o| o.size.is_some() || o.count.is_some());
+        let in_outs = decl.outs.iter().any(|o| o.size.is_some() || o.count.is_some() || !o.facts.is_empty());
         let repeated = matches!(decl.body, Body::Sub { repeat: Some(_), .. });
         if in_set || in_outs || repeated || decl.when.is_some() || !prefix.is_empty() {
             let decl = Arc::make_mut(&mut decl);
             if let Body::Sub { repeat: Some(Repeat { count, .. }), .. } = &mut decl.body {
-                self.put(&mut count.value, count.place, scope);
-                if let SetValue::Parameter(name, None) = &count.value
-                    && let Some(parameter) = scope.iter().find(|p| p.setting.name == **name)
-                {
-                    self.no_default(parameter, count.place);
-                }
+                self.put_known(&mut count.value, count.place, scope);
             }
             for set in &mut decl.set {
                 self.put(&mut set.value, set.place, scope);
@@ -39,6 +34,11 @@ impl Resolver<'_> {
                     }
                     if let Some(count) = &mut out.count {
                         self.dim(&mut count.value, scope);
+                    }
+                    for fact in &mut out.facts {
+                        if let Some(value) = &mut fact.value {
+                            self.put_known(value, fact.place, scope);
+                        }
                     }
                 }
                 decl.overrides = out_overrides(&decl.outs);
@@ -67,6 +67,16 @@ impl Resolver<'_> {
             }
             SetValue::Formula(formula, known @ None) => *known = self.evaluate(formula, scope),
             SetValue::Value(_) | SetValue::Parameter(..) | SetValue::Formula(..) => {}
+        }
+    }
+
+    /// Puts a parameter into a value that must be known before any setting is.
+    fn put_known(&mut self, value: &mut SetValue, place: Place, scope: &Scope) {
+        self.put(value, place, scope);
+        if let SetValue::Parameter(name, None) = value
+            && let Some(parameter) = scope.iter().find(|p| p.setting.name == **name)
+        {
+            self.no_default(parameter, place);
         }
     }
 

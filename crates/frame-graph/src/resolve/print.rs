@@ -2,7 +2,7 @@
 
 use super::{Node, Resolved};
 use crate::description::{
-    At, Body, Dim, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, Set, SetValue, Size,
+    At, Body, Dim, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, SaidFact, Set, SetValue, Size,
 };
 use crate::diagnostic::Place;
 use crate::resource::Clear;
@@ -97,6 +97,14 @@ pub(super) fn out(out: &OutDecl) -> String {
     }
     if let Some(count) = &out.count {
         fields.push(format!("count: {}", dim(&count.value)));
+    }
+    if !out.facts.is_empty() {
+        let fact = |fact: &SaidFact| {
+            let text = fact.value.as_ref().and_then(SetValue::get).map_or("None".to_owned(), value);
+            format!("{}: {text}", quoted(&fact.name.value))
+        };
+        let facts: Vec<String> = out.facts.iter().map(fact).collect();
+        fields.push(format!("facts: {{ {} }}", facts.join(", ")));
     }
     format!("Out({})", fields.join(", "))
 }

@@ -1,4 +1,5 @@
 mod asked;
+mod beside;
 mod broken;
 mod continued;
 mod drawing;
@@ -10,6 +11,7 @@ mod kinds;
 mod off;
 mod random;
 mod reader;
+mod removed;
 mod repeat;
 mod succession;
 mod variant_text;

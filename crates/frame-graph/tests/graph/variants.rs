@@ -271,7 +271,11 @@ fn the_flattened_file_says_the_same() {
         let second =
             resolve("flat.ron", &files, &Overrides::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
         assert_eq!(first, second, "{text}");
-        assert!(diff(&first, &second).is_empty(), "{:?}", diff(&first, &second));
+        assert!(
+            diff(&first, &second, &TestPassTypes::new()).is_empty(),
+            "{:?}",
+            diff(&first, &second, &TestPassTypes::new())
+        );
         assert!(text.contains("// --set:1:7"), "{text}");
         let options = CompileOptions::default();
         let (a, b) = (planned(&first, traits(), &options), planned(&second, traits(), &options));
@@ -303,14 +307,15 @@ fn differences_are_told_one_by_one() {
            passes: { "extra": Pass(kind: "noise") }, outputs: { "extra": "extra" }"#,
         &[],
     );
-    let lines: Vec<String> = diff(&base, &other).iter().map(ToString::to_string).collect();
+    let lines: Vec<String> =
+        diff(&base, &other, &TestPassTypes::new()).iter().map(ToString::to_string).collect();
     assert_eq!(
         lines,
         [
             "~ parameter map: 64 → 32",
             "~ setting shadows/splat.map: 64 → 32",
             "~ pass gather: gather → noise",
-            "+ setting filter.radius: 2",
+            "~ setting filter.radius: 4.0 → 2.0",
             "~ pass unused: noise → removed",
             "+ pass extra: noise",
             "+ output extra: \"extra\"",

@@ -158,7 +158,11 @@ impl StepLinker<'_> {
         }
         let note =
             format!("it is neither a setting of the pass type `{}` nor a fact of a port", self.planned.kind);
-        self.fill(shader, &request.path, global, known, note)
+        let mut notes = vec![note];
+        if self.planned.shader.is_some() {
+            notes.push("a setting of its own has a doc comment that ends in its default: `/// What it does. [default: 1.0]`".into());
+        }
+        self.fill(shader, self.file(request), global, known, notes)
     }
 
     /// Fills the uniform that the module of an input declares.
@@ -173,7 +177,7 @@ impl StepLinker<'_> {
         known.add_port("", port);
         let input = self.planned.inputs.iter().find(|input| input.port == port.name);
         known.add_past("", input.and_then(|input| input.history.as_ref()));
-        let module = port.facts.module().map_or(&request.path, |module| &module.path);
+        let module = port.facts.module().map_or_else(|| self.file(request), |module| module.path.as_str());
         let producer = self
             .plan
             .passes
@@ -186,7 +190,7 @@ impl StepLinker<'_> {
         let given: Vec<&str> = known.names().collect();
         let given = if given.is_empty() { "no facts".to_owned() } else { given.join(", ") };
         let note = format!("{producer} to `{}`, gives {given}", port.name);
-        self.fill(shader, module, global, known, note)
+        self.fill(shader, module, global, known, vec![note])
     }
 
     /// Returns the input whose module declares a uniform of that name.
@@ -202,7 +206,7 @@ impl StepLinker<'_> {
         path: &str,
         global: usize,
         mut known: Known<'_>,
-        note: String,
+        about: Vec<String>,
     ) -> Result<UniformFill, Diagnostics> {
         let place = shader.global_place(global);
         let global = &shader.interface.globals[global];
@@ -223,7 +227,7 @@ impl StepLinker<'_> {
             let near = nearest(&member.name, known.names().chain(["seed"]));
             let mut notes: Vec<String> =
                 near.map(|name| format!("did you mean `{name}`?")).into_iter().collect();
-            notes.push(note);
+            notes.extend(about);
             let message = format!("{path}: nothing gives `{}.{}` a value", global.name, member.name);
             let outer = member.name.split('.').next().unwrap_or_default();
             return Err(self.error(&codes::VALUE, message, shader.member_place(&layout.name, outer), notes));

@@ -5,6 +5,7 @@ use crate::{
     Define, InputPort, Interface, Library, PassTypeError, Request, Setting, Settings, Traits, UseContext,
     scene_bindings,
 };
+use frame_graph::codes::shader::MISSING_FILE;
 use shader_library::ShaderOption;
 
 /// An `#import interface`, which is an input.
@@ -38,7 +39,9 @@ pub(super) fn stand_in(
 ) -> Result<(Request, Vec<Imported>), PassTypeError> {
     let library = cx.shaders;
     let refused = |errors| PassTypeError::new(format!("`{}` is refused\n{errors}", user.path));
-    let outline = library.outline(&user.request).map_err(refused)?;
+    let outline = library
+        .outline(&user.request)
+        .map_err(|errors| not_there(library, user.path).unwrap_or_else(|| refused(errors)))?;
     let mut request = user.request.clone();
     let mut imported = Vec::new();
     for port in outline.interfaces {
@@ -69,6 +72,20 @@ pub(super) fn stand_in(
         imported.push(Imported { port, interface });
     }
     Ok((request, imported))
+}
+
+/// The error that there is no such file; `None` where there is one.
+fn not_there(library: &Library, path: &str) -> Option<PassTypeError> {
+    let errors = library.outline(&crate::request(path, &[])).err()?;
+    // An import that is missing is told at its line; the file itself has none.
+    let missing =
+        errors.0.into_iter().find(|error| error.code == MISSING_FILE.code && error.labels.is_empty())?;
+    let looked = |note: String| match note.strip_prefix("looked in ") {
+        Some(folders) => format!("looked beside the file that names it, then in {folders}"),
+        None => note,
+    };
+    let help: Vec<String> = missing.notes.into_iter().map(looked).collect();
+    Some(PassTypeError::shader(missing.message).help(help.join("; ")))
 }
 
 /// The name of an interface as a port is named: `DepthAtlas` is `depth_atlas`.

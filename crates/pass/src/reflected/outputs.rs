@@ -1,6 +1,6 @@
 //! What a shader of a user's writes: outputs, and scratch that its entry points share.
 
-use super::{Reflected, list, member_of};
+use super::{Reflected, facts, list, member_of};
 use crate::{
     Clear, Content, Extent, Fact, Format, Interface, OutputContext, OutputDesc, OutputPort, PassTypeError,
     ResourceDesc, Usage, UseContext,
@@ -44,7 +44,7 @@ struct Group<'a> {
     members: Vec<(&'a str, &'a Written)>,
 }
 
-/// How many elements a buffer has: what a pass in WGSL alone tells of one, and reads of others.
+/// How many elements a buffer has: what a pass in WGSL alone tells of one by itself, and reads of others.
 pub(super) const COUNT: Fact<u32> = Fact::required("count", "the number of elements");
 
 /// What a fragment shader with one result writes, as a port.
@@ -174,7 +174,13 @@ impl Reflected {
             let size = size.unwrap_or(Extent::FRAME);
             let format = said.and_then(|said| said.format);
             let interface = cx.interfaces.iter().find(|known| known.name == group.interface);
+            let own_count = |layout| said.and_then(|said| said.count).or_else(|| fixed_count(layout));
+            let counted = group.members.iter().rev().find_map(|(_, written)| match &written.form {
+                Form::Buffer(layout) => own_count(layout),
+                _ => None,
+            });
             let mut desc = OutputDesc { scratch: group.scratch, ..OutputDesc::of(group.port, Vec::new()) };
+            desc.facts = facts::of_output(interface, group.port, said, counted, outputs)?;
             for (member, written) in group.members {
                 let resource = match &written.form {
                     Form::Target(ty) => {
@@ -190,12 +196,7 @@ impl Reflected {
                         }
                     }
                     Form::Buffer(layout) => {
-                        let count = said.and_then(|said| said.count).or_else(|| fixed_count(layout));
-                        // Interfaces of buffers tell their length, where they tell anything.
-                        let tells = interface.is_none_or(|known| known.fact(COUNT.name).is_some());
-                        if let Some(count) = count.filter(|_| tells) {
-                            desc = desc.fact(COUNT, count);
-                        }
+                        let count = own_count(layout).or_else(|| COUNT.of(&desc.facts));
                         ResourceDesc::buffer(bytes(&written.name, group.port, layout, count)?)
                     }
                 };
@@ -206,6 +207,7 @@ impl Reflected {
                 };
                 desc.members.push((member.into(), resource, usage));
             }
+            facts::check_required(interface, group.port, &desc.facts)?;
             descs.push(desc);
         }
         Ok(descs)
@@ -224,13 +226,23 @@ impl Reflected {
         Ok(self.written.iter().filter(|one| one.entry == Some(entry)).filter_map(resource).collect())
     }
 
-    /// What is written, by output port: `out:` gathers members of an interface under one name.
+    /// What is written, by output port: `out:` gathers members of an interface under one name. Of several names with
+    /// which that of a global begins, the longest has it.
     fn groups<'a>(&'a self, cx: &UseContext<'a>) -> Result<Vec<Group<'a>>, PassTypeError> {
         let written = &self.written;
         let mut groups: Vec<Group<'a>> = Vec::new();
         for (port, said) in cx.use_.outputs {
+            let whole = written.iter().any(|w| w.name == **port);
+            let known = cx.interfaces.iter().find(|known| Some(known.name) == said.interface.as_deref());
             let of_port = |w: &'a Written| {
-                if w.name == **port { Some(("", w)) } else { Some((member_of(&w.name, port)?, w)) }
+                if w.name == **port {
+                    return Some(("", w));
+                }
+                let member = member_of(&w.name, port)?;
+                let longer = |other: &String| other.len() > port.len() && begins(&w.name, other);
+                // Beside what is the port itself, only what its interface has is a member of it.
+                let apart = whole && known.is_none_or(|known| known.member(member).is_none());
+                (!apart && !cx.use_.outputs.keys().any(longer)).then_some((member, w))
             };
             let members: Vec<(&str, &Written)> = written.iter().filter_map(of_port).collect();
             if members.is_empty() {
@@ -265,6 +277,11 @@ impl Reflected {
     }
 }
 
+/// Whether a global has the name of a port, or that of a member of it.
+fn begins(global: &str, port: &str) -> bool {
+    global == port || member_of(global, port).is_some()
+}
+
 /// Checks that what is written as a port is what its interface wants.
 fn check_members(
     interfaces: &[Interface],
@@ -294,12 +311,6 @@ fn check_members(
             return Err(PassTypeError::new(format!("`{}` is no member of a `{interface}`", written.name))
                 .help(format!("its members would be written as {names}")));
         }
-    }
-    if let Some(fact) = known.facts.iter().find(|fact| !fact.optional && fact.name != COUNT.name) {
-        return Err(PassTypeError::new(format!(
-            "a pass in WGSL alone cannot offer `{port}` as `{interface}`: it cannot tell the fact `{}`, {}",
-            fact.name, fact.doc
-        )));
     }
     for member in known.members.iter().filter(|m| !m.optional) {
         if !members.iter().any(|(name, _)| *name == member.name) {

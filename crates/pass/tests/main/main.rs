@@ -1,6 +1,8 @@
 //! Settings, and linking of what passes record.
 
 mod contents;
+mod facts;
 mod modules;
 mod pass_types;
 mod settings;
+mod user_shaders;

@@ -2,7 +2,7 @@
 
 use frame_graph::plan::{PassId, Plan};
 use frame_graph::port::{PassTypes, Use};
-use frame_graph::{CompileOptions, Content, Fact, Interface, LinkContext, Member, Overrides};
+use frame_graph::{CompileOptions, Content, Fact, Format, Interface, LinkContext, Member, Overrides};
 use pass::{
     Library, LinkedSteps, OutputContext, OutputDesc, Pass, PassTypeError, Ports, Setting, Settings, Traits,
     UseContext,
@@ -24,13 +24,18 @@ impl TestPassTypes<'_> {
             .expect("pipelines of tests name what there is")
     }
 
-    /// The plan of a pipeline, and the steps of its only pass of a type, or what is wrong with them.
-    pub(crate) fn linked(&self, pipeline: &str, kind: &str) -> (Plan, Result<LinkedSteps, String>) {
+    /// The plan of a pipeline, or why it does not link.
+    pub(crate) fn plan(&self, pipeline: &str) -> Result<Plan, String> {
         let pipelines = MemoryFiles::new([("p.ron", pipeline)]);
         let resolved = frame_graph::resolve("p.ron", &pipelines, &Overrides::default()).expect("it is read");
         let context = LinkContext { frame: (8, 8), traits: Traits::default() };
-        let graph = frame_graph::link(&resolved, self, &context).unwrap_or_else(|error| panic!("{error}"));
-        let plan = frame_graph::compile(&graph, &CompileOptions::default()).expect("it is compiled");
+        let graph = frame_graph::link(&resolved, self, &context).map_err(|errors| errors.to_string())?;
+        Ok(frame_graph::compile(&graph, &CompileOptions::default()).expect("it is compiled"))
+    }
+
+    /// The plan of a pipeline, and the steps of its only pass of a type, or what is wrong with them.
+    pub(crate) fn linked(&self, pipeline: &str, kind: &str) -> (Plan, Result<LinkedSteps, String>) {
+        let plan = self.plan(pipeline).unwrap_or_else(|error| panic!("{error}"));
         let id = PassId(plan.passes.iter().position(|pass| pass.kind == kind).expect("it is needed") as u32);
         let steps =
             pass::link_steps(&plan, id, self.find(kind), &Traits::default(), &self.library, INTERFACES);
@@ -43,9 +48,17 @@ pub(crate) const TILE: Fact<u32> = Fact::optional("tile", "");
 /// Another fact.
 pub(crate) const TILES: Fact<u32> = Fact::optional("tiles", "");
 
-static INTERFACES: &[Interface] =
-    &[Interface::new("Answer", "", &[Member::required("", Content::Buffer, "")])
-        .with_facts(&[TILE.decl(), TILES.decl()])];
+/// A fact that every producer gives.
+const SIDE: Fact<u32> = Fact::required("side", "the side of a map");
+/// A fact with a fraction.
+const BOUND: Fact<f32> = Fact::optional("bound", "");
+
+static INTERFACES: &[Interface] = &[
+    Interface::new("Answer", "", &[Member::required("", Content::Buffer, "")])
+        .with_facts(&[TILE.decl(), TILES.decl()]),
+    Interface::new("Maps", "", &[Member::required("", Content::Texture(Format::R32Float), "")])
+        .with_facts(&[SIDE.decl(), TILES.decl(), BOUND.decl()]),
+];
 
 impl PassTypes for TestPassTypes<'_> {
     fn names(&self) -> Vec<String> {
@@ -56,8 +69,8 @@ impl PassTypes for TestPassTypes<'_> {
         INTERFACES
     }
 
-    fn takes_shader(&self, _: &str) -> Option<bool> {
-        Some(false)
+    fn takes_shader(&self, kind: &str) -> Option<bool> {
+        Some(self.find(kind).takes_shader())
     }
 
     fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {

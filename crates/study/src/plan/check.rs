@@ -8,7 +8,7 @@ use crate::description::{
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
 use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
-use data_file::paths::{OUTSIDE, may_name};
+use data_file::paths::{OUTSIDE, beside, is_from_own_folder, may_name};
 use frame_graph::codes::{Code, study as codes};
 use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, ValueType};
 use std::path::Path;
@@ -37,7 +37,7 @@ impl<'a> Checker<'a> {
             if !self.may_name(&codes::SCENE, scene) {
                 continue;
             }
-            match self.registry.scene(&scene.value) {
+            match self.registry.scene(&located(self.registry, scene)) {
                 Ok(mut facts) => {
                     facts.record.name.clone_from(&scene.value);
                     found.push((scene.value.clone(), facts));
@@ -56,8 +56,9 @@ impl<'a> Checker<'a> {
     /// source, whose name is the option.
     fn may_name(&mut self, code: &'static Code, path: &At<String>) -> bool {
         let by = &path.span.source.name;
+        let meant = located(self.registry, path);
         let inside =
-            by.starts_with("--") || may_name(Path::new(by), Path::new(&path.value), &self.registry.roots());
+            by.starts_with("--") || may_name(Path::new(by), Path::new(&meant), &self.registry.roots());
         if !inside {
             let message = format!("the file `{}` {OUTSIDE}", path.value);
             self.errors.push(Diagnostic::new(code, message).label(path.span.clone(), "outside"));
@@ -69,7 +70,7 @@ impl<'a> Checker<'a> {
         if !self.may_name(&codes::PIPELINE, name) {
             return None;
         }
-        match self.registry.pipeline(&name.value) {
+        match self.registry.pipeline(&located(self.registry, name)) {
             Ok(facts) => Some(facts),
             Err(why) => {
                 let known = self.registry.pipelines();
@@ -124,7 +125,7 @@ impl<'a> Checker<'a> {
             }
             let record = PipelineRecord {
                 name: variant.name.value,
-                pipeline: variant.pipeline.value,
+                pipeline: located(self.registry, &variant.pipeline),
                 about: facts.about.clone(),
                 paper: facts.paper.clone(),
                 set: set.iter().cloned().collect(),
@@ -451,6 +452,18 @@ impl<'a> Checker<'a> {
 
 /// Returns the error for a pipeline that cannot be used: the reason if it exists, otherwise the names that
 /// exist.
+/// The scene, pipeline or picture that a name means: one in the folder of the file that names it, or else what the name
+/// says. What the command line gives has its own source, whose name is the option.
+pub(super) fn located(registry: &dyn Registry, name: &At<String>) -> String {
+    let by = &name.span.source.name;
+    if by.starts_with("--") {
+        return name.value.clone();
+    }
+    let own = registry.beside(by, &name.value);
+    let explicit = || beside(by, &name.value).filter(|_| is_from_own_folder(&name.value));
+    own.or_else(explicit).unwrap_or_else(|| name.value.clone())
+}
+
 fn refused(
     code: &'static Code,
     (one, many): (&str, &str),

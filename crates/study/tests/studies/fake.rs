@@ -44,6 +44,14 @@ impl Registry for Shelf {
         vec![std::env::temp_dir()]
     }
 
+    fn beside(&self, _: &str, name: &str) -> Option<String> {
+        match name {
+            "here" => Some("box".to_owned()),
+            "neighbour" => Some("fast".to_owned()),
+            _ => None,
+        }
+    }
+
     fn scene(&self, name: &str) -> Result<SceneFacts, String> {
         let triangles = triangles(name);
         if triangles.is_none() && !self.scenes().contains(&name.to_owned()) {

@@ -98,3 +98,28 @@ fn the_command_line_changes_a_study() {
     let errors = study("measures: [\"gpu-ms\"], budget: Lights(8)").edit(&lights).unwrap_err().to_string();
     assert!(errors.contains("the budget sets it as well"), "{errors}");
 }
+
+#[test]
+fn runs_are_distinct_by_what_they_compile() {
+    let seeds = plan(study(&format!("vary: Grid({{ \"lights\": [16, 64] }}), seeds: 3, {MORE}")));
+    assert_eq!(seeds.cells.len(), 6);
+    let runs = |plan: &Plan| -> Vec<String> {
+        let runs = plan.distinct_runs().into_iter();
+        runs.map(|run| format!("{} {:?}", run.pipeline, run.set.last().map(|(_, value)| value.to_string())))
+            .collect()
+    };
+    assert_eq!(runs(&seeds), ["fast Some(\"16\")", "fast Some(\"64\")"]);
+}
+
+#[test]
+fn names_mean_what_is_beside_the_study_and_keep_their_words() {
+    let text = "Study(about: \"x\", scenes: [\"here\"], pipelines: [\"neighbour\"], output: \"indirect\", size: (8, 4), \
+                budget: Frames(1), measures: [\"rel-mse\"], reference: Pipeline(pipeline: \"neighbour\"))";
+    let found =
+        plan(::study::parse(Source::new("mine/a.ron", text)).unwrap_or_else(|error| panic!("{error}")));
+    for run in found.distinct_runs() {
+        assert_eq!((&*run.scene, &*run.pipeline), ("box", "fast"));
+    }
+    assert_eq!(found.pipelines[0].name, "neighbour");
+    assert_eq!(found.scenes[0].record.name, "here");
+}

@@ -1,15 +1,18 @@
 //! `lightloom check`: everything that can be checked without a GPU.
 
-use crate::command::study::{self, CatalogRegistry};
+use crate::command::study::{self, CatalogRegistry, overrides};
 use crate::context::Context;
 use crate::output::{self, say};
 use ::study::Plan;
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use frame_graph::resolve::Files;
-use frame_graph::{Diagnostics, LinkContext, Overrides, Traits, resolve};
+use frame_graph::{
+    Diagnostic, Diagnostics, LinkContext, Overrides, Severity, Traits, nearest_of_few, resolve,
+};
 use renderer::{Catalog, Compiled, load_scene};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Check pipelines, their shaders, scenes and studies.
@@ -26,6 +29,17 @@ pub(crate) struct Args {
     scene: Option<String>,
 }
 
+/// The most runs of a study that are compiled.
+const MOST_RUNS: usize = 1000;
+
+/// What is told of something that was checked.
+struct Checked {
+    /// What it is, or what is wrong.
+    result: Result<String>,
+    /// What is no error.
+    warnings: Diagnostics,
+}
+
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let catalog = &context.catalog;
     let scenes: Vec<String> = catalog.assets().list("scenes", "ron").iter().map(|path| stem(path)).collect();
@@ -38,7 +52,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         args.names.clone()
     };
     let mut traits: BTreeMap<String, Traits> = BTreeMap::new();
-    let mut results: Vec<(String, Result<String, String>)> = Vec::new();
+    let mut results: Vec<(String, Checked)> = Vec::new();
     let judged: Vec<&String> =
         args.scene.as_ref().map_or_else(|| scenes.iter().collect(), |scene| vec![scene]);
     for name in &names {
@@ -48,36 +62,66 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             || is_file_of(catalog, name, "Scene");
         let is_study =
             (studies.contains(name) && !is_pipeline(catalog, name)) || is_file_of(catalog, name, "Study");
-        let result = if is_study {
-            check_study(context, name)
+        let mut warnings = Diagnostics::default();
+        let is_there = is_scene || is_study || is_pipeline(catalog, name);
+        let result = if !is_there {
+            Err(not_there(name, [&scenes, &pipelines, &studies]))
+        } else if is_study {
+            check_study(context, name, &mut traits, &mut warnings)
         } else if is_scene {
             load_scene(catalog, name)
                 .map(|scene| format!("scene of {} triangles", scene.triangles()))
-                .map_err(|error| error.to_string())
+                .map_err(Into::into)
         } else {
             for scene in &judged {
-                if !traits.contains_key(*scene) {
-                    traits.insert((*scene).clone(), load_scene(catalog, scene)?.traits());
-                }
+                know_traits(catalog, scene, &mut traits)?;
             }
-            check_pipeline(catalog, name, &judged, &traits).map_err(|errors| errors.to_string())
+            check_pipeline(catalog, name, &judged, &traits, &mut warnings).map_err(Into::into)
         };
-        results.push((name.clone(), result));
+        if args.names.is_empty() {
+            // Of all that there is, what is only worth a note is meant.
+            warnings.0.retain(|warning| warning.severity > Severity::Note);
+        }
+        results.push((name.clone(), Checked { result, warnings }));
     }
-    let failed = results.iter().filter(|(_, result)| result.is_err()).count();
+    let failed = results.iter().filter(|(_, checked)| checked.result.is_err()).count();
     if context.json {
-        let rows: Vec<_> = results.iter().map(|(name, result)| json!({ "name": name, "ok": result.is_ok(), "message": result.as_ref().map_or_else(Clone::clone, Clone::clone) })).collect();
+        let rows: Vec<Value> = results.iter().map(|(name, checked)| row(name, checked)).collect();
         output::json(&json!({ "checked": rows, "failed": failed }));
     } else {
-        for (name, result) in &results {
+        for (name, Checked { result, warnings }) in &results {
             match result {
                 Ok(what) => say!("ok      {name}: {what}"),
-                Err(errors) => say!("failed  {name}\n{}", errors.trim_end()),
+                Err(errors) => say!("failed  {name}\n{}", errors.to_string().trim_end()),
+            }
+            if !warnings.0.is_empty() {
+                say!("{warnings}");
             }
         }
     }
     if failed > 0 {
         bail!("{failed} of {} failed", results.len());
+    }
+    Ok(())
+}
+
+/// What was checked, for programs.
+fn row(name: &str, checked: &Checked) -> Value {
+    let what = checked.result.as_ref().ok();
+    let errors = checked.result.as_ref().err().map_or_else(|| json!([]), output::errors);
+    json!({
+        "name": name,
+        "ok": what.is_some(),
+        "what": what,
+        "errors": errors,
+        "warnings": checked.warnings.to_json(),
+    })
+}
+
+/// Loads a scene for its traits, once.
+fn know_traits(catalog: &Catalog, scene: &str, traits: &mut BTreeMap<String, Traits>) -> Result<()> {
+    if !traits.contains_key(scene) {
+        traits.insert(scene.to_owned(), load_scene(catalog, scene)?.traits());
     }
     Ok(())
 }
@@ -90,13 +134,58 @@ fn is_pipeline(catalog: &Catalog, name: &str) -> bool {
     catalog.pipelines().read(name).is_some()
 }
 
-/// Checks every name and value of a study; returns how many cells it would run.
-fn check_study(context: &Context, name: &str) -> Result<String, String> {
-    let plan = || -> Result<Plan> {
-        let study = ::study::parse(study::source(context, name)?)?;
-        Ok(Plan::new(study, &CatalogRegistry::new(Arc::clone(&context.catalog)))?)
+/// Checks every name and value of a study, and compiles its pipelines with the values that its cells give them; returns
+/// how many cells it would run.
+fn check_study(
+    context: &Context,
+    name: &str,
+    traits: &mut BTreeMap<String, Traits>,
+    warnings: &mut Diagnostics,
+) -> Result<String> {
+    let catalog = &context.catalog;
+    let study = ::study::parse(study::source(context, name)?)?;
+    let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(catalog)))?;
+    let runs = plan.distinct_runs();
+    let mut errors: Vec<Diagnostic> = Vec::new();
+    for run in runs.iter().take(MOST_RUNS) {
+        know_traits(catalog, &run.scene, traits)?;
+        let link = LinkContext { frame: run.size, traits: traits[&run.scene].clone() };
+        let compiled =
+            Compiled::new(catalog, &run.pipeline, &overrides(&run.set), &link, &renderer::compile_options());
+        let (found, list) = match compiled {
+            Ok(compiled) => (compiled.resolved.warnings(), &mut warnings.0),
+            Err(found) => (found, &mut errors),
+        };
+        for diagnostic in found.0 {
+            // Many cells have the same errors.
+            if !list.contains(&diagnostic) {
+                list.push(diagnostic);
+            }
+        }
+    }
+    if !errors.is_empty() {
+        return Err(Diagnostics(errors).into());
+    }
+    let left = match runs.len().saturating_sub(MOST_RUNS) {
+        0 => String::new(),
+        left => format!(", of whose pipelines {left} more are not checked"),
     };
-    plan().map(|plan| format!("study of {} cells", plan.cells.len())).map_err(|error| error.to_string())
+    Ok(format!("study of {} cells, {} pipelines compiled{left}", plan.cells.len(), runs.len().min(MOST_RUNS)))
+}
+
+/// The error that a name is that of nothing that can be checked.
+fn not_there(name: &str, known: [&Vec<String>; 3]) -> anyhow::Error {
+    if Path::new(name).is_dir() {
+        return anyhow!("`{name}` is a folder: name the files in it");
+    }
+    let stem = name.strip_suffix(".ron").unwrap_or(name);
+    match nearest_of_few(stem, known.into_iter().flatten().map(String::as_str)) {
+        Some(near) => anyhow!("there is no pipeline, scene or study `{name}`; did you mean `{near}`?"),
+        None => anyhow!(
+            "there is no pipeline, scene or study `{name}`; `lightloom pipelines` and `lightloom scenes` list them, and \
+             files end in .ron, .glb or .gltf"
+        ),
+    }
 }
 
 /// Whether a `.ron` file describes a scene or a study: its first word says so.
@@ -115,8 +204,10 @@ fn check_pipeline(
     name: &str,
     scenes: &[&String],
     traits: &BTreeMap<String, Traits>,
+    warnings: &mut Diagnostics,
 ) -> Result<String, Diagnostics> {
     let resolved = resolve(name, catalog.pipelines(), &Overrides::default())?;
+    *warnings = resolved.warnings();
     if resolved.is_part() {
         return Ok("a sub-graph, checked where it is used".to_owned());
     }

@@ -4,7 +4,7 @@ use crate::context::Context;
 use crate::output::{self, say};
 use anyhow::{Result, bail};
 use frame_graph::port::PassTypes;
-use frame_graph::{Ports, Setting, Settings, Use, nearest};
+use frame_graph::{FactDecl, Interface, Ports, Setting, Settings, Use, nearest};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -41,7 +41,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let use_ = Use { kind: info.kind, shader: None, inputs: &[], outputs: &outputs };
     if pass.takes_shader() {
         say!(
-            "{}: {}\nports and settings are those of the WGSL file that `shader:` names",
+            "{}: {}\nports and settings are those of the WGSL file that `shader:` names; an output has the facts of the\n\
+             inputs of its interface, unless `Out(facts: …)` states others",
             info.kind,
             info.about
         );
@@ -52,9 +53,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         Settings(settings.iter().map(|setting| (setting.name.clone(), setting.default.clone())).collect());
     let ports = context.catalog.ports(use_, &defaults).map_err(|error| anyhow::anyhow!(error.message))?;
     if context.json {
-        output::json(&as_json(info, &settings, &ports));
+        output::json(&as_json(info, &settings, &ports, context.catalog.interfaces()));
     } else {
-        say!("{}", as_text(info, &settings, &ports));
+        say!("{}", as_text(info, &settings, &ports, context.catalog.interfaces()));
     }
     Ok(())
 }
@@ -71,7 +72,12 @@ fn range(setting: &Setting) -> String {
     }
 }
 
-fn as_text(info: pass::Info, settings: &[Setting], ports: &Ports) -> String {
+/// The facts that an interface declares.
+fn facts<'a>(interfaces: &'a [Interface], name: &str) -> &'a [FactDecl] {
+    interfaces.iter().find(|interface| interface.name == name).map_or(&[][..], |interface| interface.facts)
+}
+
+fn as_text(info: pass::Info, settings: &[Setting], ports: &Ports, interfaces: &[Interface]) -> String {
     let mut lines = vec![format!("{}: {}", info.kind, info.about)];
     if !info.paper.is_empty() {
         lines.push(format!("paper: {}", info.paper));
@@ -84,6 +90,10 @@ fn as_text(info: pass::Info, settings: &[Setting], ports: &Ports) -> String {
     lines.push("outputs".to_owned());
     for port in &ports.outputs {
         lines.push(format!("  {:<18} {:<20} {}", port.name, port.interface, port.doc));
+        for fact in facts(interfaces, &port.interface) {
+            let optional = if fact.optional { " (optional)" } else { "" };
+            lines.push(format!("  {:<18} fact {:<15} {}{optional}", "", fact.name, fact.doc));
+        }
     }
     lines.push("settings".to_owned());
     lines.extend(settings.iter().map(|setting| setting_text(&setting.name, setting, &setting.default)));
@@ -111,14 +121,18 @@ pub(super) fn setting_json(name: &str, setting: &Setting, value: &frame_graph::V
     })
 }
 
-fn as_json(info: pass::Info, settings: &[Setting], ports: &Ports) -> Value {
+fn as_json(info: pass::Info, settings: &[Setting], ports: &Ports, interfaces: &[Interface]) -> Value {
+    let told = |name: &str| -> Vec<Value> {
+        let facts = facts(interfaces, name).iter();
+        facts.map(|fact| json!({ "name": fact.name, "type": fact.ty.to_string(), "optional": fact.optional, "doc": fact.doc })).collect()
+    };
     json!({
         "kind": info.kind,
         "about": info.about,
         "paper": info.paper,
         "shaders": info.shaders,
         "inputs": ports.inputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "optional": port.optional, "doc": port.doc })).collect::<Vec<_>>(),
-        "outputs": ports.outputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "doc": port.doc })).collect::<Vec<_>>(),
+        "outputs": ports.outputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "facts": told(&port.interface), "doc": port.doc })).collect::<Vec<_>>(),
         "settings": settings.iter().map(|setting| setting_json(&setting.name, setting, &setting.default)).collect::<Vec<_>>(),
     })
 }

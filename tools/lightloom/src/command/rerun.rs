@@ -78,7 +78,7 @@ fn pipeline_differences(context: &Context, before: &str, now: &str) -> Vec<Strin
     };
     match (flat("record", before), flat("now", now)) {
         (Some(before), Some(now)) => {
-            diff(&before, &now).iter().map(|line| format!("pipeline: {line}")).collect()
+            diff(&before, &now, &*context.catalog).iter().map(|line| format!("pipeline: {line}")).collect()
         }
         // A record of a version whose language was another is still told of by the plan's id.
         _ => Vec::new(),

@@ -19,7 +19,7 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let resolved = resolve(&args.pipeline, context.catalog.pipelines(), &overrides(&args.set)?)?;
     if context.json {
-        crate::output::json(&serde_json::json!({ "ron": resolved.to_ron() }));
+        crate::output::json(&resolved.to_json());
     } else {
         say!("{}", resolved.to_ron());
     }

@@ -10,7 +10,7 @@ use anyhow::{Context as _, Result, bail};
 use frame_graph::{Source, nearest};
 use laboratory::GpuLaboratory;
 use progress::Progress;
-pub(crate) use registry::CatalogRegistry;
+pub(crate) use registry::{CatalogRegistry, overrides};
 use renderer::{Gpu, parse_value};
 use serde_json::json;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,6 @@
 //! What there is to study: the catalog's pipelines and scenes.
 
+use frame_graph::paths::beside;
 use frame_graph::resolve::{Files as _, diff};
 use frame_graph::{Overrides, Resolved, Value, resolve};
 use renderer::{Catalog, load_scene};
@@ -52,6 +53,12 @@ impl Registry for CatalogRegistry {
         })
     }
 
+    fn beside(&self, by: &str, name: &str) -> Option<String> {
+        let own = beside(by, name)?;
+        let with_ending = format!("{own}.ron");
+        [own, with_ending].into_iter().find(|path| self.catalog.assets().has(path))
+    }
+
     fn roots(&self) -> Vec<PathBuf> {
         self.catalog.pipelines().roots()
     }
@@ -81,7 +88,9 @@ impl Registry for CatalogRegistry {
         let resolved =
             |(name, set): (&str, &Values)| resolve(name, self.catalog.pipelines(), &overrides(set));
         match (resolved(first), resolved(second)) {
-            (Ok(first), Ok(second)) => diff(&first, &second).iter().map(ToString::to_string).collect(),
+            (Ok(first), Ok(second)) => {
+                diff(&first, &second, &*self.catalog).iter().map(ToString::to_string).collect()
+            }
             // What is wrong with either is told where it is run.
             _ => Vec::new(),
         }

@@ -1,0 +1,123 @@
+//! Which file a name in a file means.
+
+use super::flatten::Resolver;
+use crate::codes;
+use crate::description::{Body, Description, PassDecl, parse_file};
+use crate::diagnostic::{Diagnostic, Place, Severity, Source};
+use data_file::Name;
+use data_file::paths::{OUTSIDE, beside, is_from_own_folder, may_name};
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// What a name in a file means.
+#[derive(Clone, Debug)]
+pub(super) enum Located {
+    /// This file, in the folder of the one that names it.
+    Beside(String),
+    /// What a root has of that name, if anything.
+    InRoots,
+    /// A file that it may not name, which was reported.
+    Outside,
+}
+
+impl Resolver<'_> {
+    /// Finds what a name at `place` means: a file beside the one that holds the name, or else one of a root. Of a file
+    /// beside, `in_roots` tells what else the name could mean.
+    fn locate(
+        &mut self,
+        path: &str,
+        place: Place,
+        in_roots: impl Fn(&Self) -> Option<Arc<Source>>,
+    ) -> Located {
+        let key = (place.file, path.to_owned());
+        if let Some(known) = self.located.get(&key) {
+            return known.clone();
+        }
+        let span = self.sources.span(place);
+        let by = &span.source.name;
+        let own = beside(by, path);
+        let explicit = own.is_none() || is_from_own_folder(path);
+        let meant = own.as_deref().unwrap_or(path);
+        let found = if explicit && !may_name(Path::new(by), Path::new(meant), &self.files.roots()) {
+            let message = format!("the file `{path}` {OUTSIDE}");
+            self.errors.push(Diagnostic::new(&codes::NO_FILE, message).label(span, "outside"));
+            Located::Outside
+        } else {
+            // A file does not mean itself: a variant may have the name of the built-in pipeline that it extends.
+            let there = own.as_deref().and_then(|own| self.files.at(own)).map(|found| found.name.clone());
+            let own = match there {
+                Some(name) if explicit || name != *by => Some(name),
+                _ => own.filter(|_| explicit),
+            };
+            match own {
+                Some(own) => {
+                    if !explicit && let Some(other) = in_roots(self).filter(|other| other.name != own) {
+                        let message = format!("`{path}` means `{own}`, and there is `{}` too", other.name);
+                        let note = Diagnostic::warning(&codes::warning::SHADOWED, Severity::Note, message)
+                            .label(span, "named here")
+                            .note("a file beside the one that names it comes before those of the roots");
+                        self.notes.push(note);
+                    }
+                    Located::Beside(own)
+                }
+                None => Located::InRoots,
+            }
+        };
+        self.located.insert(key, found.clone());
+        found
+    }
+
+    /// The name by which a pipeline file is known, that is named at `place`.
+    pub(super) fn located(&mut self, path: &str, place: Place) -> String {
+        match self.locate(path, place, |resolver| resolver.files.read(path)) {
+            Located::Beside(own) => own,
+            Located::InRoots => {
+                self.files.read(path).map_or_else(|| path.to_owned(), |source| source.name.clone())
+            }
+            Located::Outside => path.to_owned(),
+        }
+    }
+
+    /// Reads a pipeline file that is named at `place`, once.
+    pub(super) fn load(&mut self, path: &str, place: Place) -> Option<Rc<Description>> {
+        let source = match self.locate(path, place, |resolver| resolver.files.read(path)) {
+            Located::Outside => return None,
+            Located::Beside(own) => self.files.at(&own),
+            Located::InRoots => self.files.read(path),
+        };
+        let Some(source) = source else {
+            let list = self.files.list();
+            let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline file `{path}`"))
+                .label(self.sources.span(place), "")
+                .suggest("files", path, list.iter().map(String::as_str));
+            self.errors.push(error);
+            return None;
+        };
+        if let Some(loaded) = self.loaded.get(&source.name) {
+            return loaded.clone();
+        }
+        let file = self.sources.add(Arc::clone(&source));
+        let found = match parse_file(Arc::clone(&source), file) {
+            Ok(description) => Some(Rc::new(description)),
+            Err(errors) => {
+                self.errors.extend(errors.0);
+                None
+            }
+        };
+        self.loaded.insert(source.name.clone(), found.clone());
+        found
+    }
+
+    /// Names the shader of a pass by the path at which it is read.
+    pub(super) fn locate_shader(&mut self, decl: &mut Arc<PassDecl>) {
+        let Body::Pass { shader: Some(shader), .. } = &decl.body else { return };
+        let (path, place) = (shader.value.clone(), shader.place);
+        if let Located::Beside(own) = self.locate(&path, place, |resolver| resolver.files.at(&path))
+            && *own != *path
+            && let Body::Pass { shader: Some(shader), .. } = &mut Arc::make_mut(decl).body
+        {
+            shader.value = Name::from(own);
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What is lost with a pass that a patch removes, and what a comparison tells of it.
+
+use super::kinds::{MemoryFiles, TestPassTypes};
+use super::whole::{BASE, SHADOWS};
+use frame_graph::{Overrides, Resolved, Severity, diff, resolve};
+
+const EMPTY_PART: &str = r#"Pipeline(extends: "parts/shadows.ron", patch: [ Remove("splat") ])"#;
+
+fn resolved(variant: &str) -> Resolved {
+    let variant = format!("Pipeline(extends: \"base.ron\", {variant})");
+    let files = MemoryFiles::new(&[
+        ("base.ron", BASE),
+        ("parts/shadows.ron", SHADOWS),
+        ("parts/empty.ron", EMPTY_PART),
+        ("variant.ron", &variant),
+    ]);
+    resolve("variant.ron", &files, &Overrides::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn differences(variant: &str) -> Vec<String> {
+    let (base, other) = (resolved("patch: []"), resolved(variant));
+    diff(&base, &other, &TestPassTypes::new()).iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn links_and_outputs_that_are_lost_are_told() {
+    let removed = resolved(r#"patch: [ Remove("filter") ]"#);
+    let warnings = removed.warnings();
+    let [warning] = &warnings.0[..] else { panic!("one warning: {warnings}") };
+    assert_eq!((warning.code, warning.severity), ("W001", Severity::Warning));
+    let text = warnings.to_string();
+    for part in [
+        "warning[W001]: `filter` was removed, and nothing stands in its place: the output `indirect` is lost",
+        "variant.ron:1:47",
+        "`image` is left without its input `indirect`",
+        "the output `indirect` is lost",
+    ] {
+        assert!(text.contains(part), "no `{part}` in\n{text}");
+    }
+    let outputs: Vec<&str> = removed.outputs().map(|name| name.as_str()).collect();
+    assert_eq!(outputs, ["image", "depth"]);
+    // The flattened file tells the same.
+    let files = MemoryFiles::new(&[("flat.ron", &removed.to_ron())]);
+    let again = resolve("flat.ron", &files, &Overrides::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(again.warnings().0.len(), 1);
+}
+
+#[test]
+fn what_is_lost_through_a_sub_graph_is_told_and_what_is_replaced_is_not() {
+    let part = resolved(
+        r#"patch: [ Replace("shadows", Sub(file: "parts/empty.ron", in: { "lights": "lights" })) ]"#,
+    );
+    let warnings = part.warnings();
+    assert!(warnings.to_string().contains("`gather` is left without its input `visibility`"), "{warnings}");
+    // No output is lost: that is no more than a note.
+    assert_eq!(warnings.0[0].severity, Severity::Note);
+    for kept in [
+        "patch: []",
+        r#"patch: [ Remove("unused") ]"#,
+        r#"patch: [ Remove("glossy") ]"#,
+        r#"patch: [ Insert(name: "soft", pass: Pass(kind: "blur"), between: ("gather", "filter")), Remove("soft") ]"#,
+    ] {
+        let warnings = resolved(kept).warnings();
+        assert!(warnings.0.is_empty(), "{kept}: {warnings}");
+    }
+}
+
+#[test]
+fn a_comparison_shows_what_is_lost() {
+    assert_eq!(
+        differences(r#"patch: [ Remove("filter") ]"#),
+        [
+            "~ pass filter: blur → removed",
+            "- link filter.view: \"view\"",
+            "- link filter.irradiance: \"gather\"",
+            "- link image.indirect: \"filter\"",
+            "- output indirect: \"filter\"",
+        ]
+    );
+}
+
+#[test]
+fn a_setting_at_its_default_is_no_difference() {
+    assert_eq!(differences(r#"patch: [ Set("filter.radius", 4) ]"#), [""; 0]);
+    assert_eq!(differences(r#"patch: [ Set("filter.radius", 2) ]"#), ["~ setting filter.radius: 4.0 → 2.0"]);
+    // A parameter without a default is what the setting is that it is handed to.
+    let inherited = r#"parameters: { "r": F32() }, patch: [ Set("filter.radius", "$r") ]"#;
+    assert_eq!(differences(inherited), ["+ parameter r: inherited"]);
+    let new = r#"passes: { "more": Pass(kind: "blur", in: { "irradiance": "gather" }, set: { "radius": 4, "offset": 1 }) }"#;
+    assert_eq!(differences(new), ["+ pass more: blur", "+ setting more.offset: 1"]);
+}
+
+#[test]
+fn differences_and_the_flattened_pipeline_are_told_to_programs() {
+    let (base, other) = (resolved("patch: []"), resolved(r#"patch: [ Set("filter.radius", 2) ]"#));
+    let difference = diff(&base, &other, &TestPassTypes::new())[0].to_json();
+    let expected = r#"{"kind":"setting","path":"filter.radius","before":"4.0","after":"2.0"}"#;
+    assert_eq!(difference.to_string(), expected);
+    let json = other.to_json();
+    let filter = json["passes"].as_array().unwrap().iter().find(|pass| pass["name"] == "filter").unwrap();
+    assert_eq!(filter["kind"], "blur");
+    let radius = &filter["settings"][0];
+    assert_eq!((&radius["name"], &radius["value"]), (&"radius".into(), &2.into()));
+    assert_eq!(radius["origin"].to_string(), r#"{"file":"variant.ron","line":1,"column":61}"#);
+    assert_eq!(filter["links"][1]["from"], "gather");
+    assert_eq!(filter["links"][1]["origin"]["file"], "base.ron");
+    assert_eq!(json["ron"], other.to_ron());
+}
