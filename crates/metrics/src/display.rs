@@ -43,9 +43,10 @@ pub enum Tonemap {
 /// The white point where none is given: that of the pass type `composite`.
 const WHITE: f32 = 4.0;
 
+/// The curve by which measures look at pictures: it depends on no white point.
 impl Default for Tonemap {
     fn default() -> Self {
-        Self::Reinhard { white: Some(WHITE) }
+        Self::Reinhard { white: None }
     }
 }
 
@@ -57,7 +58,7 @@ impl Tonemap {
             "reinhard-simple" => Some(Self::Reinhard { white: None }),
             "aces" => Some(Self::Aces),
             "filmic" => Some(Self::Filmic { white }),
-            "none" => Some(Self::Clamp),
+            "none" | "clamp" => Some(Self::Clamp),
             _ => None,
         }
     }
@@ -222,10 +223,13 @@ mod tests {
 
     #[test]
     fn operators_parse_as_they_print() {
-        for text in ["reinhard", "reinhard:2.5", "clamp", "aces"] {
+        for text in ["reinhard-simple", "reinhard:2.5", "none", "aces", "filmic:11.2"] {
             assert_eq!(text.parse::<Tonemap>().unwrap().to_string(), text);
         }
-        for text in ["", "filmic", "reinhard:", "reinhard:0", "reinhard:inf", "aces:2"] {
+        for (text, known) in [("reinhard", "reinhard:4"), ("filmic", "filmic:4"), ("clamp", "none")] {
+            assert_eq!(text.parse::<Tonemap>().unwrap().to_string(), known);
+        }
+        for text in ["", "hable", "reinhard:", "reinhard:0", "reinhard:inf", "aces:2", "reinhard-simple:2"] {
             assert!(text.parse::<Tonemap>().is_err(), "{text}");
         }
     }

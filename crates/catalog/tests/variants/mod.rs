@@ -71,6 +71,13 @@ fn values(resolved: &Resolved) -> Vec<(String, Option<Value>)> {
     all.map(|settable| (settable.path, settable.value.convert(settable.setting.ty))).collect()
 }
 
+/// The flattened file without the places that values come from, and without the paper: a variant is not its base's.
+fn flattened(resolved: &Resolved) -> String {
+    let text = resolved.to_ron();
+    let lines = text.lines().map(|line| line.split("  // ").next().unwrap_or_default());
+    lines.filter(|line| !line.starts_with("    paper: ")).collect::<Vec<_>>().join("\n")
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
@@ -102,7 +109,7 @@ proptest! {
             of_type(value) == of_type(&settable.value)
         };
         if distinct && chosen.iter().all(|(settable, value)| !same(settable, value)) {
-            prop_assert!(saved == expected, "{}\n{}", saved.to_ron(), expected.to_ron());
+            prop_assert_eq!(flattened(&saved), flattened(&expected));
             prop_assert_eq!(text.matches("Set(").count(), overrides.0.len());
         }
     }

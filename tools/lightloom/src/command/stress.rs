@@ -7,8 +7,11 @@ use frame_graph::{LinkContext, Overrides, Value, nearest};
 use renderer::{Compiled, compile_options};
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
-use stress::{Case, Child, Event, Options, REFERENCE, Subject, Verdict};
+use std::time::{Duration, Instant};
+use stress::{Case, Cell, Child, Event, Options, REFERENCE, Subject, Verdict};
+
+/// How often the report is written while cells are run.
+const BETWEEN_REPORTS: Duration = Duration::from_secs(20);
 
 /// Render extremes by every pipeline, and say what becomes of them.
 ///
@@ -87,7 +90,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         before: root.map_or_else(Vec::new, |root| vec!["--root".to_owned(), root]),
     };
     let count: usize = subjects.iter().map(|subject| cases.len() + subject.cases.len()).sum();
+    let report = Report::new(args, &cases);
     let bar = progress(count as u64, "stress");
+    let (mut finished, mut written) = (Vec::new(), Instant::now());
     let cells = stress::run(&child, &subjects, &cases, &options, &mut |event| match event {
         Event::Reference(case) => bar.set_message(format!("reference of {case}")),
         Event::Done(cell) => {
@@ -96,23 +101,17 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             if cell.is_defect() && !context.json {
                 bar.suspend(|| say!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case));
             }
+            // A run of hours that ends early leaves what it found. That it cannot be written is told at the end.
+            finished.push(cell.clone());
+            if written.elapsed() > BETWEEN_REPORTS {
+                let _ = report.write(&finished);
+                written = Instant::now();
+            }
         }
     })?;
     bar.finish_and_clear();
-    let about = format!(
-        "Lightloom {}; frames of {}×{}; {}; references of {} samples per pixel.",
-        env!("CARGO_PKG_VERSION"),
-        args.size.0,
-        args.size.1,
-        args.set.join(", "),
-        args.samples
-    );
+    let page = report.write(&cells)?;
     let record = stress::json(&cells);
-    let page = args.out.join("report.html");
-    write(&args.out.join("cells.json"), &format!("{record:#}\n"))?;
-    let long = args.long.map(|frames| stress::long(frames, false));
-    let listed: Vec<Case> = cases.into_iter().chain(long.into_iter().flatten()).collect();
-    write(&page, &stress::html(&cells, &listed, &about))?;
     let defects = cells.iter().filter(|cell| cell.is_defect()).count();
     if context.json {
         output::json(&json!({ "report": page, "verdicts": record["verdicts"], "cells": record["cells"] }));
@@ -131,6 +130,37 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         bail!("{defects} of {} cells did not hold; {} has the command for each", cells.len(), page.display());
     }
     Ok(())
+}
+
+/// What is written of the cells that are done.
+struct Report<'a> {
+    folder: &'a Path,
+    cases: Vec<Case>,
+    about: String,
+}
+
+impl<'a> Report<'a> {
+    fn new(args: &'a Args, cases: &[Case]) -> Report<'a> {
+        let long = args.long.map(|frames| stress::long(frames, false));
+        let about = format!(
+            "Lightloom {}; frames of {}×{}; {}; references of {} samples per pixel.",
+            env!("CARGO_PKG_VERSION"),
+            args.size.0,
+            args.size.1,
+            args.set.join(", "),
+            args.samples
+        );
+        let cases = cases.iter().cloned().chain(long.into_iter().flatten()).collect();
+        Report { folder: &args.out, cases, about }
+    }
+
+    /// Writes the table as JSON and as a page; returns the path of the page.
+    fn write(&self, cells: &[Cell]) -> Result<PathBuf> {
+        let page = self.folder.join("report.html");
+        write(&self.folder.join("cells.json"), &format!("{:#}\n", stress::json(cells)))?;
+        write(&page, &stress::html(cells, &self.cases, &self.about))?;
+        Ok(page)
+    }
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {
