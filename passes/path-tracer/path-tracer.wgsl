@@ -79,10 +79,6 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     var irradiance = vec4(0.0);
     var before: Progress;
 #if PAST
-    image = textureLoad(past_image, id.xy, 0);
-    direct = textureLoad(past_direct, id.xy, 0);
-    indirect = textureLoad(past_indirect, id.xy, 0);
-    irradiance = textureLoad(past_irradiance, id.xy, 0);
     before = past_progress;
 #endif
     let count = steps_of_frame(before, settings.samples_per_frame, settings.samples);
@@ -97,6 +93,13 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
         indirect += vec4(sample.indirect, 0.0);
         irradiance += vec4(sample.irradiance, sample.removed);
     }
+#if PAST
+    // The samples of a frame are summed first: added one by one to the sum of many, each would lose digits.
+    image += textureLoad(past_image, id.xy, 0);
+    direct += textureLoad(past_direct, id.xy, 0);
+    indirect += textureLoad(past_indirect, id.xy, 0);
+    irradiance += textureLoad(past_irradiance, id.xy, 0);
+#endif
     textureStore(samples_image, id.xy, image);
     textureStore(samples_direct, id.xy, direct);
     textureStore(samples_indirect, id.xy, indirect);
