@@ -17,6 +17,7 @@ mod linking;
 mod pairs;
 mod pictures;
 mod points;
+mod precision;
 mod reference;
 mod reload;
 mod sequential;
