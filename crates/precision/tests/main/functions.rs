@@ -60,3 +60,54 @@ fn hashes_and_sequences_are_whole_numbers() {
         near(&call("shaders/random.wgsl", "radical_inverse", arguments), &[expected], 1e-15);
     }
 }
+
+#[test]
+fn exponential_times_are_logarithms() {
+    for x in [0.0, 1e-9, 1e-3, 0.1, 0.249, 0.251, 0.9, 0.9999] {
+        let found =
+            call("passes/resample-points/exponential.wgsl", "exponential_time", vec![Value::float(x)]);
+        // The series ends before z⁸ / 9, z = 1/7.
+        near(&found, &[-(-x).ln_1p()], 3e-8);
+    }
+}
+
+#[test]
+fn hables_curve_is_over_one_denominator() {
+    let files = shader_library::Request::new("shaders/tonemap.wgsl").define("TONEMAP", "filmic");
+    let shader = library().load(&files).unwrap_or_else(|error| panic!("{error}"));
+    let mut interpreter = Interpreter::<f64>::new(&shader, &[]).unwrap();
+    for x in [0.001, 0.18, 1.0, 11.2] {
+        let found = interpreter.call("hable", vec![Value::floats([x; 3])]).unwrap().to_f64s();
+        // [Hable 2010: A 0.15, B 0.50, C 0.10, D 0.20, E 0.02, F 0.30]
+        let curve = (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3;
+        near(&found, &[curve; 3], 1e-6);
+    }
+}
+
+#[test]
+fn a_texel_has_the_solid_angle_between_its_corners() {
+    // ∫ of the cosine cubed over the rectangle, by atan(xy / √(1 + x² + y²)) at its corners.
+    let corner = |x: f64, y: f64| (x * y / (1.0 + x * x + y * y).sqrt()).atan();
+    for (x, y, width, height) in [(0.0, 0.0, 2.0, 2.0), (0.7, -0.3, 0.1, 0.2), (-2.0, 1.0, 1e-2, 3e-3)] {
+        let arguments = vec![Value::floats([x, y]), Value::floats([width, height])];
+        let found = call("shaders/beam.wgsl", "rectangle_solid_angle", arguments);
+        let (low, high) = ((x - 0.5 * width, y - 0.5 * height), (x + 0.5 * width, y + 0.5 * height));
+        let exact =
+            corner(high.0, high.1) - corner(low.0, high.1) - corner(high.0, low.1) + corner(low.0, low.1);
+        near(&found, &[exact], 1e-9);
+    }
+}
+
+#[test]
+fn visible_normals_lie_on_the_cap_that_is_seen() {
+    let files = shader_library::Request::new("shaders/scatter.wgsl").define("GLOSSY", true);
+    let shader = library().load(&files).unwrap_or_else(|error| panic!("{error}"));
+    let mut interpreter = Interpreter::<f64>::new(&shader, &[]).unwrap();
+    // Seen along the surface's normal with alpha 1, a normal's half vector is uniform in 1 - cos: [Dupuy & Benyoub 2023]
+    // z = 1 - 2 u, and halfway to z lies √((1 + z) / 2).
+    for u in [1e-6, 0.25, 0.9] {
+        let arguments = vec![Value::floats([0.0, 0.0, 1.0]), Value::float(1.0), Value::floats([0.3, u])];
+        let found = interpreter.call("visible_normal", arguments).unwrap().to_f64s();
+        near(&found[2..], &[(1.0 - u).sqrt()], 1e-12);
+    }
+}
