@@ -25,7 +25,7 @@ fn json(output: &Output) -> Value {
 
 const LOST: &str = "// A difference that is lost.
 struct Given { x: f32 }
-fn given(magnitude: f32, u: vec4<f32>) -> Given { return Given(magnitude); }
+fn given(magnitude: f32, u: vec4<f32>) -> Given { return Given(magnitude * (0.5 + 0.5 * u.x)); }
 /// [magnitude: 1e-6 to 1e-2, x]
 fn probe(given: Given) -> vec4<f32> { return vec4(1.0 - sqrt(1.0 - given.x), 0.0, 0.0, 0.0); }
 ";

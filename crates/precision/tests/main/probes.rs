@@ -50,7 +50,7 @@ fn every_probe_is_a_compute_shader() {
     for path in paths(&library) {
         let probe = Probe::load(&library, &path).unwrap_or_else(|error| panic!("{error}"));
         let kernel = Kernel::new(&probe).unwrap_or_else(|fault| panic!("{path}: {fault}"));
-        let given = probe.given(probe.range.0, [0.5; 4]).unwrap();
+        let given = probe.given(probe.range.0, [0.2, 0.4, 0.6, 0.8]).unwrap();
         let bytes = kernel.bytes(&[given.clone(), given]).unwrap();
         let (first, second) = bytes.split_at(bytes.len() / 2);
         assert_eq!(first, second);
