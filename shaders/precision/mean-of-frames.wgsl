@@ -14,7 +14,7 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
 }
 
 /// [magnitude: 1 to 8192, frames]
-/// [samples: 8]
+/// [samples: 6]
 /// [bound: 32]
 fn probe(given: Given) -> vec4<f32> {
     var mean = 0.0;

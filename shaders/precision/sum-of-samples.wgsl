@@ -16,7 +16,7 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
 const PER_FRAME: u32 = 64u;
 
 /// [magnitude: 1 to 8192, samples]
-/// [samples: 8]
+/// [samples: 6]
 /// [bound: 16]
 fn probe(given: Given) -> vec4<f32> {
     var past = 0.0;

@@ -17,7 +17,7 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
 const PART: u32 = 64u;
 
 /// [magnitude: 256 to 1e6, texels of the window]
-/// [samples: 8]
+/// [samples: 6]
 /// [bound: 16]
 fn probe(given: Given) -> vec4<f32> {
     var sum = 0.0;

@@ -54,7 +54,7 @@ impl fmt::Display for Fault {
 impl std::error::Error for Fault {}
 
 /// Statements that a call executes before it counts as one that does not end.
-pub const MOST_STATEMENTS: u64 = 10_000_000;
+pub const MOST_STATEMENTS: u64 = 4_000_000;
 
 /// The most values in a variable.
 const MOST_VALUES: usize = 1 << 20;
