@@ -30,7 +30,7 @@ fn block_sum(given: Given, first: u32) -> f32 {
     return values[GROUP_SIZE - 1u];
 }
 
-/// [magnitude: 10 to 8192, elements]
+/// [magnitude: 10 to 4096, elements]
 /// [samples: 4]
 /// [bound: 16]
 fn probe(given: Given) -> vec4<f32> {

@@ -128,6 +128,8 @@ fn bits_of_a_float_are_those_of_f32() {
     let (single, double) = both("return bitcast<f32>(bitcast<u32>(x / 3.0) & 0xffff0000u);", 1.0);
     assert_eq!(single, double);
     assert_eq!(single, f64::from(f32::from_bits((1.0f32 / 3.0).to_bits() & 0xffff_0000)));
+    let low = one("return f32(bitcast<u32>(x / 3.0) & 0xffffu);", 1.0);
+    assert_eq!(low, f64::from((1.0f32 / 3.0).to_bits() & 0xffff));
     assert_eq!(one("return f32(bitcast<i32>(-x) < 0);", 1.0), 1.0);
     assert_eq!(one("return dot(unpack2x16snorm(pack2x16snorm(vec2(x, -1.0))), vec2(1.0, 10.0));", 1.0), -9.0);
 }
@@ -135,7 +137,8 @@ fn bits_of_a_float_are_those_of_f32() {
 #[test]
 fn built_in_functions_are_those_of_f64() {
     assert_eq!(one("return fract(x) + ldexp(x, 3);", -1.75), -13.75);
-    let functions: [(&str, fn(f64) -> f64); 18] = [
+    type Exact = fn(f64) -> f64;
+    let functions: [(&str, Exact); 18] = [
         ("sqrt(x)", f64::sqrt),
         ("inverseSqrt(x)", |x| 1.0 / x.sqrt()),
         ("exp(x)", f64::exp),

@@ -1,6 +1,6 @@
 //! Measuring: what is lost is seen, what cannot be kept is told from it, and both are reported.
 
-use precision::{Interpreted, Measured, Options, Probe, ROUNDING, html, json, measure};
+use precision::{Interpreted, Kernel, Measured, Options, Probe, ROUNDING, html, json, measure};
 use shader_library::{Library, MemoryFiles};
 use std::sync::Arc;
 
@@ -151,4 +151,35 @@ fn the_report_has_all_and_escapes_it() {
     assert!(!page.contains("NaN") && !page.contains("<hand>"), "{page}");
     assert_eq!(page.matches("<svg").count(), 2);
     assert_eq!(page.matches("class=\"line ").count(), 8);
+}
+
+#[test]
+fn inputs_lie_in_a_buffer_as_wgsl_lays_them_out() {
+    let probe = load(
+        "struct Settings { scale: f32 }
+         var<uniform> settings: Settings;
+         struct Given { x: f32, v: vec3<f32>, m: mat2x3<f32>, n: array<u32, 2>, settings: Settings }
+         fn given(magnitude: f32, u: vec4<f32>) -> Given {
+             return Given(1.0, vec3(2.0, 3.0, 4.0), mat2x3(5.0, 6.0, 7.0, 8.0, 9.0, 10.0), array(1u, 2u), Settings(11.0));
+         }
+         /// [magnitude: 1 to 2, x]
+         fn probe(given: Given) -> vec4<f32> { return vec4(given.x * settings.scale); }",
+    );
+    let probe = probe.unwrap_or_else(|error| panic!("{error}"));
+    let kernel = Kernel::new(&probe).unwrap();
+    let given = probe.given(1.0, [0.0; 4]).unwrap();
+    // The uniform has its value on the CPU, too.
+    assert_eq!(probe.interpret(&given).unwrap(), [11.0; 4]);
+    let bytes = kernel.bytes(&[given.clone(), given]).unwrap();
+    let words: Vec<u32> = bytes.chunks(4).map(|word| u32::from_le_bytes(word.try_into().unwrap())).collect();
+    // Vectors of three lie at multiples of 16 bytes.
+    let f = f32::to_bits;
+    let one = [
+        [f(1.0), 0, 0, 0],
+        [f(2.0), f(3.0), f(4.0), 0],
+        [f(5.0), f(6.0), f(7.0), 0],
+        [f(8.0), f(9.0), f(10.0), 0],
+        [1, 2, f(11.0), 0],
+    ];
+    assert_eq!(words, [one, one].as_flattened().as_flattened());
 }
