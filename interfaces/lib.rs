@@ -25,8 +25,8 @@ pub mod path_samples;
 pub mod points;
 pub mod progress;
 pub mod radiance;
-#[path = "radiance-sum/mod.rs"]
-pub mod radiance_sum;
+#[path = "radiance-mean/mod.rs"]
+pub mod radiance_mean;
 pub mod radiosity;
 #[path = "reflective-shadow-map/mod.rs"]
 pub mod reflective_shadow_map;
@@ -61,7 +61,7 @@ pub static INTERFACES: &[Interface] = &[
     progress::INTERFACE,
     path_samples::INTERFACE,
     radiance::INTERFACE,
-    radiance_sum::INTERFACE,
+    radiance_mean::INTERFACE,
     display::INTERFACE,
 ];
 

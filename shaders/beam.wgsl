@@ -19,33 +19,37 @@ struct Beam {
 fn texel_beam(texel: vec3<u32>, size: vec2<u32>) -> Beam {
     let layer = scene_light_layers[texel.z];
     let light = scene_lights.lights[layer.light];
-    // Corners on the image plane at distance 1, y up; for a directional light, in metres.
-    let low = texel_corner(texel.xy, size, layer.half_extent);
-    let high = texel_corner(texel.xy + 1u, size, layer.half_extent);
+    // On the image plane at distance 1, y up; for a directional light, in metres.
+    let middle = texel_middle(texel.xy, size, layer.half_extent);
+    let sides = texel_sides(size, layer.half_extent);
     let origin = layer.world_from_layer[3].xyz;
     if layer.kind == LIGHT_DIRECTIONAL {
-        let sides = abs(high - low);
         let section = sides.x * sides.y;
         return Beam(light.intensity * section, section, origin, light.direction, true);
     }
-    let middle = 0.5 * (low + high);
     let direction = normalize((layer.world_from_layer * vec4(middle, -1.0, 0.0)).xyz);
-    let section = rectangle_solid_angle(low, high);
+    let section = rectangle_solid_angle(middle, sides);
     return Beam(light_intensity(light, direction) * section, section, origin, direction, false);
 }
 
-fn texel_corner(at: vec2<u32>, size: vec2<u32>, half_extent: vec2<f32>) -> vec2<f32> {
-    return (vec2<f32>(at) / vec2<f32>(size) * 2.0 - 1.0) * vec2(1.0, -1.0) * half_extent;
+fn texel_middle(at: vec2<u32>, size: vec2<u32>, half_extent: vec2<f32>) -> vec2<f32> {
+    return ((vec2<f32>(at) + 0.5) / vec2<f32>(size) * 2.0 - 1.0) * vec2(1.0, -1.0) * half_extent;
 }
 
-/// Solid angle [sr] of a rectangle on the plane at distance 1, given two opposite corners: the sum of its two
+/// The same for all texels. The difference of two corners has lost digits where texels are small.
+fn texel_sides(size: vec2<u32>, half_extent: vec2<f32>) -> vec2<f32> {
+    return 2.0 * half_extent / vec2<f32>(size);
+}
+
+/// Solid angle [sr] of a rectangle on the plane at distance 1, given its middle and its sides: the sum of its two
 /// triangles. Exact for any rectangle, so the texels of six faces sum to 4π for maps of any size.
-fn rectangle_solid_angle(low: vec2<f32>, high: vec2<f32>) -> f32 {
+fn rectangle_solid_angle(middle: vec2<f32>, sides: vec2<f32>) -> f32 {
+    let low = middle - 0.5 * sides;
+    let high = middle + 0.5 * sides;
     let a = vec3(low, 1.0);
     let b = vec3(high.x, low.y, 1.0);
     let c = vec3(high, 1.0);
     let d = vec3(low.x, high.y, 1.0);
-    let sides = abs(high - low);
     let volume = sides.x * sides.y;
     return triangle_solid_angle(a, b, c, volume) + triangle_solid_angle(a, c, d, volume);
 }

@@ -39,6 +39,13 @@ fn pixel_ray(pixel: vec2<f32>, size: vec2<u32>) -> vec3<f32> {
     return view_ray((pixel + 0.5) * camera.size / vec2<f32>(size));
 }
 
+/// How `pixel_ray` changes from a pixel to the next on the right, and to the one below: in large views, the difference of
+/// two rays has lost digits.
+fn pixel_ray_steps(size: vec2<u32>) -> mat2x3<f32> {
+    let step = 2.0 * camera.half_extent / vec2<f32>(size);
+    return mat2x3(camera.world_from_view[0].xyz * step.x, camera.world_from_view[1].xyz * -step.y);
+}
+
 /// World position [m] of what the centre of a pixel of the full frame sees at that depth.
 fn position_from_depth(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
     return camera.position + view_ray(vec2<f32>(pixel) + 0.5) * depth;

@@ -49,8 +49,8 @@ fn paraboloid_lookup_in_frame(
     var bias = depth_bias;
     if slope_bias > 0.0 {
         // The slope is the tangent to the cosine height / distance. It ends at 4 (76°): beyond, the cosine leaves little
-        // light to lose, and walls would leak.
-        let slope = sqrt(max(distance * distance - height * height, 0.0)) / max(-height, 0.25 * distance);
+        // light to lose, and walls would leak. By the cross product, which does not cancel where the receiver faces the light.
+        let slope = length(cross(plane_normal, local)) / max(-height, 0.25 * distance);
         bias += slope_bias * slope;
     }
     // paraboloid_from_direction, with the division by the distance left out.

@@ -76,9 +76,10 @@ fn lobes_density(at: Surface, share: f32, toward: vec3<f32>, local: vec3<f32>) -
 fn visible_normal(toward: vec3<f32>, alpha: f32, square: vec2<f32>) -> vec3<f32> {
     let stretched = normalize(vec3(toward.xy * alpha, max(toward.z, 1e-3)));
     let angle = 2.0 * PI * square.x;
-    let z = (1.0 - square.y) * (1.0 + stretched.z) - stretched.z;
-    let radius = sqrt(clamp(1.0 - z * z, 0.0, 1.0));
-    let half_way = vec3(radius * cos(angle), radius * sin(angle), z) + stretched;
+    // 1 - z, which keeps its digits near the normal.
+    let cap = square.y * (1.0 + stretched.z);
+    let radius = sqrt(max(cap * (2.0 - cap), 0.0));
+    let half_way = vec3(radius * cos(angle), radius * sin(angle), 1.0 - cap) + stretched;
     return normalize(vec3(half_way.xy * alpha, half_way.z));
 }
 

@@ -19,11 +19,8 @@ struct SurfaceAround {
 }
 
 fn surface_around(pixel: vec2<u32>, size: vec2<u32>, depth: f32, normal: vec3<f32>) -> SurfaceAround {
-    let centre = vec2<f32>(pixel);
-    let ray = pixel_ray(centre, size);
-    let right = pixel_ray(centre + vec2(1.0, 0.0), size) - ray;
-    let below = pixel_ray(centre + vec2(0.0, 1.0), size) - ray;
-    let slope = vec3(dot(normal, ray), dot(normal, right), dot(normal, below));
+    let steps = pixel_ray_steps(size);
+    let slope = vec3(dot(normal, pixel_ray(vec2<f32>(pixel), size)), dot(normal, steps[0]), dot(normal, steps[1]));
     return SurfaceAround(vec2<i32>(pixel), depth, normal, slope);
 }
 

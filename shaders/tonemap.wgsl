@@ -39,8 +39,10 @@ fn tonemap(rgb: vec3<f32>, white: f32) -> vec3<f32> {
     return hable(rgb) / hable(vec3(white));
 }
 
+/// (x (0.15 x + 0.05) + 0.004) / (x (0.15 x + 0.5) + 0.06) - 0.02 / 0.3, over one denominator: of dark colours, the difference
+/// has no digits.
 fn hable(x: vec3<f32>) -> vec3<f32> {
-    return (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.02 / 0.3;
+    return x * (0.14 * x + 1.0 / 60.0) / (x * (0.15 * x + 0.5) + 0.06);
 }
 #else
 /// Cut at 1.

@@ -18,6 +18,7 @@ mod linking;
 mod pairs;
 mod pictures;
 mod points;
+mod precision;
 mod reference;
 mod reload;
 mod rendered;

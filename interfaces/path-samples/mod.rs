@@ -11,7 +11,7 @@ pub const INTERFACE: Interface = Interface::new(
         Member::required(
             "image",
             Content::Texture(Format::Rgba32Float),
-            "all light [W/(m² sr)]; in alpha its squared luminance",
+            "all light [W/(m² sr)]; in alpha the squares of what its luminance is away from its mean",
         ),
         Member::required(
             "direct",

@@ -1,6 +1,7 @@
 // Moves each cluster to the mean of its texels and measures it. One workgroup per cluster, over its window. [ACRSM §4.7]
 //
-// All sums have one order: a thread takes every 256th texel of the window, and workgroup_sum4 adds up the threads.
+// All sums have one order: a thread takes every 256th texel of the window, sums them by parts of 64, and workgroup_sum4 adds up
+// the threads.
 
 #option AREA texels one_of [texels, disk] // What the area of a cluster is. texels: the sum of the areas of its texels. disk: that of the circle around its centre through its farthest texel (ACRSM §4.7), which is 1.5 to 2 times as large for cells that fit together, and grows with a single texel.
 #option IMPORTANCE false // whether importance is averaged
@@ -64,6 +65,13 @@ fn summand(texel: vec2<u32>, old: Cluster) -> Sums {
     );
 }
 
+fn added(a: Sums, b: Sums) -> Sums {
+    return Sums(a.place + b.place, a.surface + b.surface, a.flux + b.flux, a.uv + b.uv);
+}
+
+/// Texels that a thread sums before it adds them to the others: in one run, small ones are lost beside the sum of many.
+const PART: u32 = 64u;
+
 /// Length of the mean of unit normals below which it has no direction: that of the rounding of half floats.
 const LEAST_NORMAL: f32 = 1e-3;
 
@@ -123,15 +131,16 @@ fn average(
     let length = sides.x * sides.y;
 
     var sums: Sums;
-    for (var i = thread; i < length; i += GROUP_SIZE) {
-        let texel = texel_of(window, i);
-        if textureLoad(map, texel, old.layer, 0).x == index {
-            let more = summand(texel, old);
-            sums.place += more.place;
-            sums.surface += more.surface;
-            sums.flux += more.flux;
-            sums.uv += more.uv;
+    for (var first = thread; first < length; first += PART * GROUP_SIZE) {
+        var part: Sums;
+        let end = min(length, first + PART * GROUP_SIZE);
+        for (var i = first; i < end; i += GROUP_SIZE) {
+            let texel = texel_of(window, i);
+            if textureLoad(map, texel, old.layer, 0).x == index {
+                part = added(part, summand(texel, old));
+            }
         }
+        sums = added(sums, part);
     }
     sums.place = workgroup_sum4(thread, sums.place);
     sums.surface = workgroup_sum4(thread, sums.surface);

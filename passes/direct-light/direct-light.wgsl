@@ -11,6 +11,7 @@
 #import "incident-light.wgsl"
 #import "light-map.wgsl"
 #import "scene.wgsl"
+#import "slope.wgsl"
 
 struct Settings {
     direct_size: vec2<u32>,
@@ -85,8 +86,8 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     // Half the map's width and height, and the longer side of a texel, at the receiver [m].
     let half_extent = layer.half_extent * select(1.0, distance, perspective);
     let texel = 2.0 * max(half_extent.x / size.x, half_extent.y / size.y);
-    let cosine = select(n.z, -dot(n, normalize(receiver)), perspective);
-    let slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1.0 / STEEPEST), STEEPEST);
+    let to_light = select(vec3(0.0, 0.0, 1.0), -normalize(receiver), perspective);
+    let slope = min(slope_against(n, to_light, 1.0 / STEEPEST), STEEPEST);
     let bias = settings.bias * texel * (1.0 + slope);
 
     // DEVIATION(window): taps are at texel centres; the window of `pcf` texels cuts the outermost, which count in part.

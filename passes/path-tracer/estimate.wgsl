@@ -72,8 +72,7 @@ fn reduce_element(i: u32) -> f32 {
     // In units of the picture's mean, so that values neither vanish nor overflow at any intensity of the lights.
     let mean = max(luminance_sum / f32(reduce_length()) / f32(max(samples, 1u)), 1e-30);
     let sums = pixel(i) / f32(max(samples, 1u));
-    let own = luminance(sums.rgb) / mean;
-    let variance = max(sums.a / mean / mean - own * own, 0.0) / f32(max(samples, 2u) - 1u);
+    let variance = sums.a / mean / mean / f32(max(samples, 2u) - 1u);
     let around = luminance_around(i) / f32(max(samples, 1u)) / mean;
     return variance / (around * around + 0.01);
 }

@@ -5,7 +5,7 @@
 // too: each surface samples a point of one, and paths may meet them.
 //
 // Sums over all samples, one texel per pixel; the number of samples is in the buffer `samples_progress`:
-//   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: squared luminance, for the estimate
+//   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: of deviations.wgsl, for the estimate
 //   samples_direct: radiance reflected once; alpha: number of samples that hit a surface
 //   samples_indirect: radiance of bounces 1 to `bounces`
 //   samples_irradiance: indirect irradiance at the surface seen [W/m²]; alpha: luminance of what the clamp removed
@@ -16,6 +16,7 @@
 
 #import "camera.wgsl"
 #import "color.wgsl"
+#import "deviations.wgsl"
 #import "progress.wgsl"
 #import "reflected-light.wgsl"
 #import "scatter.wgsl"
@@ -68,21 +69,21 @@ const DIRECTION: u32 = 1u;
 const LOBE: u32 = 2u;
 const EMITTER: u32 = 0x656du;
 
+/// Far below the square root of the greatest float: the sum of squares stays finite at any intensity.
+const MOST_LUMINANCE: f32 = 1e16;
+
 @compute @workgroup_size(8, 8)
 fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= settings.samples_size) {
         return;
     }
-    var image = vec4(0.0);
+    var image = vec3(0.0);
+    var deviations: Deviations;
     var direct = vec4(0.0);
     var indirect = vec4(0.0);
     var irradiance = vec4(0.0);
     var before: Progress;
 #if PAST
-    image = textureLoad(past_image, id.xy, 0);
-    direct = textureLoad(past_direct, id.xy, 0);
-    indirect = textureLoad(past_indirect, id.xy, 0);
-    irradiance = textureLoad(past_irradiance, id.xy, 0);
     before = past_progress;
 #endif
     let count = steps_of_frame(before, settings.samples_per_frame, settings.samples);
@@ -90,14 +91,24 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var s = 0u; s < count; s++) {
         let sample = path(id.xy, before.step + s, pixel_seed);
         let whole = sample.direct + sample.indirect + sample.emitted;
-        // Far below the square root of the greatest float: the sum of squares stays finite at any intensity.
-        let bounded = min(luminance(whole), 1e16);
-        image += vec4(whole, bounded * bounded);
+        deviations = with_sample(deviations, min(luminance(whole), MOST_LUMINANCE));
+        image += whole;
         direct += vec4(sample.direct, sample.seen);
         indirect += vec4(sample.indirect, 0.0);
         irradiance += vec4(sample.irradiance, sample.removed);
     }
-    textureStore(samples_image, id.xy, image);
+#if PAST
+    // The samples of a frame are summed first: added one by one to the sum of many, each would lose digits.
+    let past = textureLoad(past_image, id.xy, 0);
+    let samples = f32(before.step);
+    let mean = min(luminance(past.rgb) / max(samples, 1.0), MOST_LUMINANCE);
+    deviations = of_both(Deviations(samples, mean, past.a), deviations);
+    image += past.rgb;
+    direct += textureLoad(past_direct, id.xy, 0);
+    indirect += textureLoad(past_indirect, id.xy, 0);
+    irradiance += textureLoad(past_irradiance, id.xy, 0);
+#endif
+    textureStore(samples_image, id.xy, vec4(image, deviations.squares));
     textureStore(samples_direct, id.xy, direct);
     textureStore(samples_indirect, id.xy, indirect);
     textureStore(samples_irradiance, id.xy, irradiance);

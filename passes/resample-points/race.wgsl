@@ -2,6 +2,7 @@
 // drawing one after the other, each in proportion to the weights that are left, would give. [Efraimidis, Spirakis 2006]
 
 #import "algorithms/select.wgsl"
+#import "exponential.wgsl"
 #import "random.wgsl"
 #import "surface-points.wgsl"
 #import "weights.wgsl"
@@ -30,9 +31,7 @@ fn arrival_key(i: u32) -> u32 {
     }
     let random = hash2(hash2(settings.seed, points.header.iteration), i);
     let x = clamp(f32(random) * 0x1p-32f, 0x1p-33f, 0.99999994);
-    // -log(1 - x), of which the difference would leave few bits.
-    let time = select(-log(1.0 - x), x + 0.5 * x * x, x < 1e-3);
-    let arrival = quotient(Scaled(time, 0), weight);
+    let arrival = quotient(Scaled(exponential_time(x), 0), weight);
     return (u32(clamp(arrival.exponent + 512, 0, 1022)) << 22u) | ((bitcast<u32>(arrival.value) & 0x7fffffu) >> 1u);
 }
 

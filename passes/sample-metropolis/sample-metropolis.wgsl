@@ -7,6 +7,7 @@
 
 #import "dispatch.wgsl"
 #import "proposal.wgsl"
+#import "ratio.wgsl"
 #import "rsm-light.wgsl"
 #import "shuffle.wgsl"
 
@@ -28,9 +29,6 @@ var<storage, read> sum: Scaled;
 var<storage, read_write> proposed: array<f32>;
 var<storage, read_write> lights: VirtualLights;
 
-/// The greatest w / f: with 24-bit numbers, no chain accepts a step that lowers f by a larger factor.
-const GREATEST_RATIO: f32 = 16777216.0;
-
 /// Element of the sequence that is proposed to a chain at a step: step k has elements k N + 1 to k N + N.
 fn element(chain: u32, step: u32) -> u32 {
     // DEVIATION(dealt-proposals): in the paper's order, j + k N, all proposals of a chain share their first digits
@@ -40,24 +38,6 @@ fn element(chain: u32, step: u32) -> u32 {
         place = shuffled(chain, settings.count, hash2(settings.seed, step));
     }
     return step * settings.count + place + 1u;
-}
-
-/// w / f of Eq. 3, where w = whole / parts: neither need be in the range of f32 in the other's unit.
-fn ratio(whole: Scaled, parts: f32, importance: f32) -> f32 {
-    let f = Scaled(importance, 0);
-    let unit = max(magnitude(whole), magnitude(f));
-    let w = in_units(whole, unit) / parts;
-    // A chain that met no importance gives no light, rather than 0 / 0.
-    if importance == 0.0 || w == 0.0 {
-        return 0.0;
-    }
-    // DEVIATION(greatest-ratio): with the weights `none`, a chain that met only 1e-30 in a map of 1e30 would give a
-    // light 1e60 times too bright.
-    let least = in_units(f, unit);
-    if w >= least * GREATEST_RATIO {
-        return GREATEST_RATIO;
-    }
-    return w / least;
 }
 
 @compute @workgroup_size(64)

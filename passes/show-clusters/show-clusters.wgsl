@@ -5,6 +5,7 @@
 #import "clustering.wgsl"
 #import "light-map.wgsl"
 #import "random.wgsl"
+#import "slope.wgsl"
 
 struct Settings {
     view_size: vec2<u32>,
@@ -63,11 +64,11 @@ fn place_in(index: u32, at: vec3<f32>, normal: vec3<f32>) -> Place {
     let texel = vec2<u32>(uv);
     let side = 2.0 * max(half_extent.x / size.x, half_extent.y / size.y);
     let n = normal * axes;
-    let cosine = select(n.z, -dot(n, normalize(receiver)), perspective);
-    let slope = sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1.0 / STEEPEST);
+    let to_light = select(vec3(0.0, 0.0, 1.0), -normalize(receiver), perspective);
+    let slope = slope_against(n, to_light, 1.0 / STEEPEST);
     let seen = textureLoad(rsm_position, texel, index, 0).w;
     let is_open = seen == 0.0 || seen >= distance - BIAS * side * (1.0 + slope);
-    return Place(index, texel, true, cosine > 0.0 && is_open);
+    return Place(index, texel, true, dot(n, to_light) > 0.0 && is_open);
 }
 
 /// The place of a point in the map of the first light that shines on it; where none does, of the first that reaches it.

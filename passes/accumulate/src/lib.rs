@@ -38,15 +38,15 @@ impl Pass for Accumulate {
                 pass::input("radiance", "Radiance", "The picture of a frame."),
                 pass::optional(
                     "past",
-                    "RadianceSum",
-                    "The sum so far: `Prev` of the output `sum`. Without it each frame begins again.",
+                    "RadianceMean",
+                    "The mean so far: `Prev` of the output `mean`. Without it each frame begins again.",
                 ),
             ],
             outputs: vec![
                 pass::output("image", "Radiance", "The mean of all frames so far."),
-                pass::output("sum", "RadianceSum", "The sum of all frames so far."),
+                pass::output("mean", "RadianceMean", "The same, and how many frames there were."),
             ],
-            // The first three are not read here; but what moves makes the sum worthless (`Moved`).
+            // The first three are not read here; but what moves makes the mean worthless (`Moved`).
             scene_bindings: SceneBindings::SCENE
                 .and(SceneBindings::CAMERA)
                 .and(SceneBindings::LIGHTS)
@@ -60,11 +60,11 @@ impl Pass for Accumulate {
         _: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let texture = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::like("radiance"));
-        let sum = vec![
+        let mean = vec![
             ("radiance".to_owned(), texture(), Usage::Overwrites),
             ("progress".to_owned(), progress::buffer(use_cx)?, Usage::Overwrites),
         ];
-        Ok(vec![OutputDesc::one("image", texture()), OutputDesc::of("sum", sum)])
+        Ok(vec![OutputDesc::one("image", texture()), OutputDesc::of("mean", mean)])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {

@@ -15,24 +15,24 @@ fn after(count: u32, frames: u32, past: bool) -> Option<Outputs> {
         &[],
         vec![("", picture, bytemuck::cast_slice(&PIXELS).to_vec())],
     );
-    let harness = if past { harness.feedback("past", "sum") } else { harness };
+    let harness = if past { harness.feedback("past", "mean") } else { harness };
     harness.run()
 }
 
 fn progress(outputs: &Outputs) -> Progress {
-    let found: Vec<Progress> = outputs.read("sum.progress");
+    let found: Vec<Progress> = outputs.read("mean.progress");
     found[0]
 }
 
 #[test]
-fn the_sum_grows_until_there_are_enough_frames() {
-    for (count, summed, done) in [(1, 1, 0), (2, 2, 0), (4, 4, 1), (9, 4, 1)] {
+fn the_mean_is_taken_until_there_are_enough_frames() {
+    for (count, taken, done) in [(1, 1, 0), (2, 2, 0), (4, 4, 1), (9, 4, 1)] {
         let Some(outputs) = after(count, 4, true) else { return };
-        assert_eq!(progress(&outputs), Progress { step: summed, steps: 4, error: 0.0, done });
-        let sum: Vec<[f32; 4]> = outputs.read("sum.radiance");
-        let wanted = PIXELS.map(|pixel| pixel.map(|value| value * summed as f32));
-        assert_eq!(sum, wanted, "{count} frames");
-        assert_eq!(outputs.read::<[f32; 4]>("image"), PIXELS, "the mean of equal pictures is each of them");
+        assert_eq!(progress(&outputs), Progress { step: taken, steps: 4, error: 0.0, done });
+        for output in ["mean.radiance", "image"] {
+            let mean: Vec<[f32; 4]> = outputs.read(output);
+            assert_eq!(mean, PIXELS, "the mean of {count} equal pictures is each of them");
+        }
     }
 }
 

@@ -7,6 +7,7 @@ pub(crate) mod diff;
 pub(crate) mod graph;
 pub(crate) mod lists;
 pub(crate) mod passes;
+pub(crate) mod precision;
 pub(crate) mod render;
 pub(crate) mod rerun;
 pub(crate) mod resolve;

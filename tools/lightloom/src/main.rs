@@ -59,6 +59,8 @@ enum Command {
     Study(command::study::Args),
     /// Render extremes by every pipeline: is the picture finite, and is its energy right?
     Stress(command::stress::Args),
+    /// Compare shader functions in f32 with the same in f64: where is precision lost?
+    Precision(command::precision::Args),
     /// Measure what rays, shadow maps, frames and the frame graph cost on this machine
     Bench(command::bench::Args),
     /// List the pass types, or show one with its ports and settings
@@ -146,6 +148,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => command::compare::run(&context, args),
         Command::Study(args) => command::study::run(&context, args),
         Command::Stress(args) => command::stress::run(&context, args),
+        Command::Precision(args) => command::precision::run(&context, args),
         Command::Bench(args) => command::bench::run(&context, args),
         Command::Passes(args) => command::passes::run(&context, args),
         Command::Pipelines(args) => command::lists::pipelines(&context, args),

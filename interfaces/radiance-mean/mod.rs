@@ -1,17 +1,17 @@
-//! Radiance summed over frames.
+//! Radiance averaged over frames.
 
 use crate::progress::PROGRESS;
 use pass::{Content, Format, Interface, Member};
 
-/// The interface `RadianceSum`.
+/// The interface `RadianceMean`.
 pub const INTERFACE: Interface = Interface::new(
-    "RadianceSum",
-    "Radiance summed over frames: what the next frame goes on from.",
+    "RadianceMean",
+    "Radiance averaged over frames: what the next frame goes on from.",
     &[
         Member::required(
             "radiance",
             Content::Texture(Format::Rgba32Float),
-            "the sum [W/(m² sr)]; of alpha too",
+            "the mean [W/(m² sr)]; of alpha too",
         ),
         Member::required("progress", Content::Struct(PROGRESS), "frames so far, and whether more are wanted"),
     ],

@@ -1,0 +1,25 @@
+//! Shader functions in `f32` against the same functions in `f64`: where single precision is lost, and where it need not be.
+//!
+//! A [`Probe`] is a WGSL file that calls functions of the library with inputs of one magnitude. [`measure`] computes it in
+//! `f32`, by the [`Interpreted`] evaluator or by a [`Kernel`] on a GPU, and the same WGSL from the same inputs in `f64`, by the
+//! [`Interpreter`]: nothing is written twice. Beside the error stands the one that no formula avoids, since inputs and
+//! result are rounded. What exceeds it many times can be written better.
+//!
+//! This crate does not use the GPU.
+
+mod chart;
+mod float;
+mod interpret;
+mod kernel;
+mod measure;
+mod probe;
+mod report;
+mod value;
+
+pub use float::Float;
+pub use interpret::{Fault, Interpreter, MOST_STATEMENTS};
+pub use kernel::{GROUP, Kernel};
+pub use measure::{Errors, Evaluator, Interpreted, Measured, Options, Point, ROUNDING, measure};
+pub use probe::{Compared, FOLDER, Probe, ProbeError, paths};
+pub use report::{html, json};
+pub use value::{Pointer, Scalar, Value, Vector};

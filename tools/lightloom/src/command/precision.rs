@@ -1,0 +1,251 @@
+//! `lightloom precision`: what single precision costs in shader functions.
+
+use crate::context::Context;
+use crate::output::{self, progress, say};
+use anyhow::{Context as _, Result, bail};
+use executor::wgpu::{self, BufferUsages};
+use executor::{ExecutorError, Gpu};
+use frame_graph::nearest;
+use precision::{Evaluator, Fault, GROUP, Interpreted, Kernel, Measured, Options, Probe, Value};
+use serde_json::json;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+
+/// Compare shader functions in f32 with the same functions in f64, over ranges of magnitudes.
+///
+/// A probe is a WGSL file that calls functions of shaders with inputs of one magnitude. Beside its error stands the one
+/// that no formula avoids, since inputs and result are rounded. Exits with 1 where an error is more than a few times that.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  lightloom precision
+  lightloom precision ggx-peak spot-caps --interpret
+  lightloom precision own.wgsl --samples 1000 -o out/own")]
+pub(crate) struct Args {
+    /// Probes, by name or .wgsl file; all unless given
+    #[arg(value_name = "PROBE|FILE.wgsl")]
+    probes: Vec<String>,
+    /// The folder for the report
+    #[arg(short, long = "out", value_name = "DIR", default_value = "out/precision")]
+    out: PathBuf,
+    /// List the probes
+    #[arg(long)]
+    list: bool,
+    /// Compute f32 by the interpreter, too, and not on the GPU: each operation is rounded once, as no GPU promises
+    #[arg(long)]
+    interpret: bool,
+    /// Magnitudes of each probe
+    #[arg(long, default_value_t = 33, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    magnitudes: u32,
+    /// Samples of each magnitude
+    #[arg(long, default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    samples: u32,
+    /// Seed of the samples
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let probes = chosen(context, &args.probes)?;
+    if args.list {
+        list(context, &probes);
+        return Ok(());
+    }
+    let evaluator = evaluator(args.interpret)?;
+    let options =
+        Options { magnitudes: args.magnitudes as usize, samples: args.samples as usize, seed: args.seed };
+    let bar = progress(probes.len() as u64, "precision");
+    let mut all = Vec::with_capacity(probes.len());
+    for probe in &probes {
+        bar.set_message(probe.name.clone());
+        let measured = precision::measure(probe, &*evaluator, &options);
+        all.push(measured.with_context(|| format!("`{}` cannot be measured", probe.name))?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let about = format!(
+        "Lightloom {}; f32 by {}; {} samples of each of {} magnitudes.",
+        env!("CARGO_PKG_VERSION"),
+        evaluator.name(),
+        args.samples,
+        args.magnitudes
+    );
+    let record = precision::json(&all);
+    let page = args.out.join("report.html");
+    write(&args.out.join("probes.json"), &format!("{record:#}\n"))?;
+    write(&page, &precision::html(&all, &about))?;
+    if context.json {
+        output::json(&json!({ "report": page, "by": evaluator.name(), "probes": record }));
+    } else {
+        print(&all);
+        say!("{}", page.display());
+    }
+    let exceeding = all.iter().filter(|measured| !measured.holds()).count();
+    if exceeding > 0 {
+        bail!("{exceeding} of {} probes exceed their bound; {} shows where", all.len(), page.display());
+    }
+    Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    whole_file::write(path, text).with_context(|| format!("{} was not written", path.display()))
+}
+
+/// The probes of these names and files; all where there are none.
+fn chosen(context: &Context, names: &[String]) -> Result<Vec<Probe>> {
+    let library = context.catalog.shaders();
+    let all = precision::paths(library);
+    let stem = |path: &str| path.trim_start_matches(precision::FOLDER).trim_end_matches(".wgsl").to_owned();
+    let mut paths = Vec::new();
+    for name in names {
+        if name.ends_with(".wgsl") {
+            paths.push(name.clone());
+        } else if let Some(path) = all.iter().find(|path| stem(path) == *name) {
+            paths.push(path.clone());
+        } else {
+            let stems: Vec<String> = all.iter().map(|path| stem(path)).collect();
+            let near = nearest(name, stems.iter().map(String::as_str));
+            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            bail!("there is no probe `{name}`{near} `lightloom precision --list` lists all");
+        }
+    }
+    let paths = if names.is_empty() { all } else { paths };
+    paths.iter().map(|path| Ok(Probe::load(library, path)?)).collect()
+}
+
+fn list(context: &Context, probes: &[Probe]) {
+    if context.json {
+        let probes: Vec<_> = probes
+            .iter()
+            .map(|probe| json!({ "name": probe.name, "magnitude": probe.magnitude, "about": probe.about }))
+            .collect();
+        output::json(&json!(probes));
+        return;
+    }
+    for probe in probes {
+        say!("{:<24} {}", probe.name, probe.about);
+    }
+}
+
+fn print(all: &[Measured]) {
+    say!("{:<24} {:>9} {:>9} {:>11} {:>7}", "probe", "worst at", "error", "unavoidable", "ratio");
+    for measured in all {
+        let Some(worst) = measured.worst() else { continue };
+        say!(
+            "{:<24} {:>9.1e} {:>9.1e} {:>11.1e} {:>7.2}{}",
+            measured.probe.name,
+            worst.magnitude,
+            worst.errors.most,
+            worst.unavoidable.most,
+            worst.ratio(),
+            if measured.holds() { "" } else { "  exceeds its bound" }
+        );
+    }
+}
+
+/// The GPU, where there is one and it is wanted.
+fn evaluator(interpret: bool) -> Result<Box<dyn Evaluator>> {
+    if interpret {
+        return Ok(Box::new(Interpreted));
+    }
+    match Gpu::open() {
+        Ok(gpu) => Ok(Box::new(OnGpu(gpu))),
+        Err(ExecutorError::NoAdapter) => Ok(Box::new(Interpreted)),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Inputs of a dispatch: a bound on its time.
+const MOST_AT_ONCE: usize = 4096;
+
+/// Computes in `f32` by a compute shader.
+struct OnGpu(Gpu);
+
+impl Evaluator for OnGpu {
+    fn name(&self) -> String {
+        self.0.describe()
+    }
+
+    fn evaluate(&self, probe: &Probe, given: &[Value<f32>]) -> Result<Vec<[f32; 4]>, Fault> {
+        let kernel = Kernel::new(probe)?;
+        let failed = |error: anyhow::Error| Fault { message: format!("{error:#}"), place: None };
+        let pipeline = self.pipeline(&kernel);
+        let mut results = Vec::with_capacity(given.len());
+        for given in given.chunks(MOST_AT_ONCE) {
+            let bytes = kernel.bytes(given)?;
+            results.extend(self.dispatch(&pipeline, &bytes, given.len()).map_err(failed)?);
+        }
+        Ok(results)
+    }
+}
+
+/// Bytes of a result.
+const RESULT: usize = 16;
+
+impl OnGpu {
+    fn pipeline(&self, kernel: &Kernel) -> wgpu::ComputePipeline {
+        let device = &self.0.device;
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(Kernel::ENTRY),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(kernel.module.clone())),
+        });
+        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(Kernel::ENTRY),
+            layout: None,
+            module: &module,
+            entry_point: Some(Kernel::ENTRY),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        })
+    }
+
+    fn dispatch(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        given: &[u8],
+        count: usize,
+    ) -> Result<Vec<[f32; 4]>> {
+        let device = &self.0.device;
+        let size = (count * RESULT) as u64;
+        let buffer = |size: u64, usage: BufferUsages| {
+            let label = Some(Kernel::ENTRY);
+            device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
+        };
+        let inputs = buffer(given.len() as u64, BufferUsages::STORAGE | BufferUsages::COPY_DST);
+        let results = buffer(size, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+        let readable = buffer(size, BufferUsages::COPY_DST | BufferUsages::MAP_READ);
+        self.0.queue.write_buffer(&inputs, 0, given);
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(Kernel::ENTRY),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: inputs.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: results.as_entire_binding() },
+            ],
+        });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups((count as u32).div_ceil(GROUP), 1, 1);
+        }
+        encoder.copy_buffer_to_buffer(&results, 0, &readable, 0, size);
+        self.0.submit(Some(encoder.finish()));
+        if let Some(fault) = self.0.take_fault() {
+            bail!("the GPU did not compute it: {fault}");
+        }
+        let (sender, receiver) = mpsc::channel();
+        readable.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver waits below; it cannot be gone.
+            let _ = sender.send(result);
+        });
+        self.0.wait()?;
+        receiver.recv().context("the device did not answer")??;
+        let bytes = readable.get_mapped_range(..).context("results cannot be read")?.to_vec();
+        readable.unmap();
+        let number = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().unwrap_or_default());
+        let result = |bytes: &[u8]| std::array::from_fn(|i| number(&bytes[4 * i..4 * i + 4]));
+        Ok(bytes.chunks_exact(RESULT).map(result).collect())
+    }
+}
