@@ -62,12 +62,12 @@ fn smaller(command: &str) -> String {
     if words.get(1) != Some(&"render") {
         return command.to_owned();
     }
-    for (option, value) in [("--size", "32x24"), ("--frames", "2")] {
-        match words.iter().position(|word| *word == option) {
-            Some(i) => words[i + 1] = value,
-            None if option == "--size" => words.extend([option, value]),
-            None => {}
-        }
+    // A size that the page states is one that it compares pictures of.
+    if !words.contains(&"--size") {
+        words.extend(["--size", "32x24"]);
+    }
+    if let Some(i) = words.iter().position(|word| *word == "--frames") {
+        words[i + 1] = "2";
     }
     words.join(" ")
 }

@@ -87,11 +87,14 @@ impl Setting {
             )));
         };
         let out = |x: f64| self.min.is_some_and(|min| x < min) || self.max.is_some_and(|max| x > max);
+        // The end of a range as the value has it: 0.01 in single precision is less than 0.01 in double precision.
+        let out_of_single =
+            |x: f32| self.min.is_some_and(|min| x < min as f32) || self.max.is_some_and(|max| x > max as f32);
         let outside = match &value {
             Value::U32(n) => out(f64::from(*n)),
             Value::I32(n) => out(f64::from(*n)),
-            Value::F32(x) => out(f64::from(*x)),
-            Value::Vector(v) => v.iter().any(|x| out(f64::from(*x))),
+            Value::F32(x) => out_of_single(*x),
+            Value::Vector(v) => v.iter().any(|x| out_of_single(*x)),
             Value::Bool(_) | Value::Text(_) => false,
         };
         if outside {

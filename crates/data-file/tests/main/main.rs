@@ -3,3 +3,4 @@
 mod codes;
 mod extremes;
 mod paths;
+mod settings;

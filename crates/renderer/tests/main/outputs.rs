@@ -6,11 +6,13 @@ use renderer::{Provenance, RenderError};
 use std::ops::ControlFlow;
 
 #[test]
-fn an_output_that_is_not_there_is_told_with_those_that_are() {
+fn an_output_that_is_not_there_is_told_with_the_nearest_or_all() {
     let Some((mut renderer, _folder)) = renderer() else { return };
     counted(&mut renderer);
     let error = renderer.output("dept").unwrap_err().to_string();
-    assert!(error.contains("`dept`") && error.contains("`depth`") && error.contains("`count`"), "{error}");
+    assert!(error.contains("`dept`") && error.contains("did you mean `depth`"), "{error}");
+    let error = renderer.output("irradiance").unwrap_err().to_string();
+    assert!(error.contains("`depth`") && error.contains("`count`"), "no name is near: {error}");
     assert!(matches!(renderer.output_texture("dept"), Err(RenderError::NoOutput { .. })));
     assert_eq!(renderer.output_texture("depth").unwrap().texture().size().width, 8);
 }

@@ -71,6 +71,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         args.magnitudes
     );
     let record = precision::json(&all);
+    std::fs::create_dir_all(&args.out)
+        .with_context(|| format!("the folder {} cannot be made", args.out.display()))?;
     let page = args.out.join("report.html");
     write(&args.out.join("probes.json"), &format!("{record:#}\n"))?;
     write(&page, &precision::html(&all, &about))?;
