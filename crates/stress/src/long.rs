@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn other_work_on_the_machine_is_no_slow_down() {
-        let of = |i: usize| (1.0, 0, 0, if i > 500 && i % 10 > 0 { 0.05 } else { 0.01 });
+        let of = |i: usize| (1.0, 0, 0, if i > 500 && !i.is_multiple_of(10) { 0.05 } else { 0.01 });
         assert!(judge(Steady::Still, &run(1000, of)).unwrap().wrong.is_empty());
     }
 

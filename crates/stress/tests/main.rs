@@ -126,7 +126,8 @@ fn pictures_that_cannot_be_written_are_no_refusals() {
         set_reference: Vec::new(),
         limit: Duration::from_secs(1),
     };
-    let run = |says| stress::run(&Says(says), &[subject.clone()], &cases()[..2], &options, &mut |_| {});
+    let run =
+        |says| stress::run(&Says(says), std::slice::from_ref(&subject), &cases()[..2], &options, &mut |_| {});
     let full = "error: the picture a.exr was not written\n  because: a.exr: No space left on device\n";
     let told = run(full).unwrap_err().to_string();
     assert_eq!(told, "a picture could not be written: a.exr: No space left on device");
