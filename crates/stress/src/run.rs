@@ -39,6 +39,8 @@ pub struct Subject {
     pub settable: Vec<String>,
     /// Bounces of indirect light, which the path tracer makes too.
     pub bounces: u32,
+    /// Whether each frame is a sample of its own, whose places are spread over the pixels.
+    pub sampled: bool,
     /// Cases of its own, in addition to those of the table.
     pub cases: Vec<Case>,
 }
@@ -73,8 +75,8 @@ pub const REFERENCE: &str = "reference";
 /// A long run may take as long as a picture for each so many frames.
 const FRAMES_IN_LIMIT: u32 = 200;
 
-/// A picture by the path tracer, by scene, size and bounces; `None` where there is none.
-type References = HashMap<(String, (u32, u32), u32), Option<Picture>>;
+/// A picture by the path tracer, by scene, size, bounces and whether pixels are averaged over; `None` where there is none.
+type References = HashMap<(String, (u32, u32), u32, bool), Option<Picture>>;
 
 /// Runs each case by each pipeline, and the cases that a pipeline has of its own. Says what happens.
 ///
@@ -177,13 +179,16 @@ impl Bench<'_> {
         tell: &mut dyn FnMut(Event<'_>),
     ) -> Result<Option<Picture>, StressError> {
         let size = case.size.unwrap_or(self.options.size);
-        let key = (case.scene.clone(), size, subject.bounces);
+        let key = (case.scene.clone(), size, subject.bounces, subject.sampled);
         if let Some(known) = self.references.get(&key) {
             return Ok(known.clone());
         }
         tell(Event::Reference(&case.name));
         let mut given = vec![format!("bounces={}", subject.bounces)];
-        given.extend(self.options.set_reference.iter().map(|(path, value)| format!("{path}={value}")));
+        // What averages over pixels is measured by what does.
+        let set =
+            self.options.set_reference.iter().filter(|(path, _)| !(subject.sampled && path == "filter"));
+        given.extend(set.map(|(path, value)| format!("{path}={value}")));
         let still = Case { frames: 1, ..case.clone() };
         let (_, pictures) = self.picture(REFERENCE, &still, &given)?;
         let picture = pictures.map(|(indirect, _)| indirect).filter(|picture| picture.not_finite == 0);

@@ -118,7 +118,13 @@ impl Program for Says {
 #[test]
 fn pictures_that_cannot_be_written_are_no_refusals() {
     let folder = tempfile::tempdir().unwrap();
-    let subject = Subject { name: "ism".to_owned(), settable: Vec::new(), bounces: 1, cases: Vec::new() };
+    let subject = Subject {
+        name: "ism".to_owned(),
+        settable: Vec::new(),
+        bounces: 1,
+        sampled: false,
+        cases: Vec::new(),
+    };
     let options = Options {
         folder: folder.path().to_owned(),
         size: (8, 8),

@@ -233,6 +233,7 @@ fn subject(context: &Context, args: &Args, link: &LinkContext, name: &str) -> Re
             Some(Value::U32(bounces)) => *bounces,
             _ => 1,
         },
+        sampled: compiled.is_sampled(),
         settable: settable.into_iter().map(|settable| settable.path).collect(),
         name: name.to_owned(),
         cases,
