@@ -36,8 +36,10 @@ fn geometry(seen: Seen) -> Texel {
     if !surface_exists(seen.material, at.coverage) {
         discard;
     }
-    // The cross product of one pixel right and one pixel down points away from the camera, whatever the surface.
-    let towards = cross(change.position_y, change.position_x);
+    // The cross product of one pixel down and one pixel right points to the camera, whatever the surface; but not where the
+    // next pixel is beyond the plane's horizon, as in frames of few pixels.
+    let across = cross(change.position_y, change.position_x);
+    let towards = select(across, -across, dot(across, seen.offset) > 0.0);
     var texel: Texel;
     texel.depth = depth_at_centre(seen, change, towards);
     texel.normal = vec4(shading_normal(seen.material, seen.normal, towards, seen.uv, change), 0.0);

@@ -178,3 +178,26 @@ fn full_normals_are_exact() {
         assert!(half_off > WIDTH * HEIGHT / 20, "{half_off} half normals are off: nothing is measured");
     }
 }
+
+/// In a frame of one pixel the next pixel lies beyond the horizon of a wall that is seen along.
+#[test]
+fn normals_face_the_camera_in_frames_of_few_pixels() {
+    let mut scene = pass_test::scene("cornell-box");
+    scene.camera.vertical_fov = 80f32.to_radians();
+    scene.camera.position = glam::vec3(0.3, 0.273, -0.2);
+    let mut seen = 0;
+    for (x, y) in [(0.02, 0.273), (0.53, 0.273), (0.278, 0.02), (0.278, 0.53)] {
+        scene.camera.target = glam::vec3(x, y, 0.3);
+        let harness = Harness::new(gbuffer::PASS).with_scene(scene.clone());
+        let Some(outputs) = harness.frame(1, 1).set("normals", "full").run() else { return };
+        let normal: Vec<[f32; 4]> = outputs.read("view.normal");
+        let camera = Camera { size: uvec2(1, 1).as_dvec2(), ..camera(&scene) };
+        let half_extent = dvec2(camera.half_extent.y, camera.half_extent.y);
+        let camera = Camera { half_extent, ..camera };
+        let Some((_, expected, _)) = trace(&scene, &camera, uvec2(0, 0)) else { continue };
+        let [x, y, z, _] = normal[0].map(f64::from);
+        assert!(dvec3(x, y, z).dot(expected) > 0.99, "{x} {y} {z} in place of {expected}");
+        seen += 1;
+    }
+    assert_eq!(seen, 4);
+}
