@@ -39,7 +39,8 @@ pub fn html(cells: &[Cell], cases: &[Case], about: &str) -> String {
     let mut body = format!("<h1>At the extremes</h1>\n<p>{}</p>\n<p>", escape(about));
     for verdict in ALL {
         let count = cells.iter().filter(|cell| cell.verdict == verdict).count();
-        let _ = write!(body, "<span class=\"{}\">{} {}</span> ", class(verdict), count, verdict.word());
+        let class = if count == 0 { "none" } else { class(verdict) };
+        let _ = write!(body, "<span class=\"{class}\">{count} {}</span> ", verdict.word());
     }
     body += "</p>\n<p>A number is the energy of the indirect light as a share of what is expected: of the plain scene's where \
              only units or the place differ, else of the path tracer’s, over the same share in the plain scene.</p>\n";
