@@ -6,11 +6,6 @@
 #import "incident-light.wgsl"
 #import "path-vertex.wgsl"
 
-/// The normal, flipped to the side of a direction.
-fn facing(normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
-    return select(normal, -normal, dot(normal, direction) < 0.0);
-}
-
 /// Radiance that a surface reflects of the lights of the scene [W/(m² sr)]. `leaving` points to where it goes, unit.
 fn reflected_light(vertex: PathVertex, leaving: vec3<f32>) -> vec3<f32> {
     var radiance = vec3(0.0);

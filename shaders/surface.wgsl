@@ -97,10 +97,7 @@ fn shading_normal(
     if dot(normal, normal) < 1e-8 {
         normal = towards;
     }
-    normal = unit(normal);
-    if dot(normal, towards) < 0.0 {
-        normal = -normal;
-    }
+    normal = facing(unit(normal), towards);
 #if TEXTURED
     let layer = scene_materials[index].normal_texture;
     if layer != NO_TEXTURE {
@@ -110,6 +107,11 @@ fn shading_normal(
     }
 #endif
     return normal;
+}
+
+/// The normal, flipped to the side of a direction.
+fn facing(normal: vec3<f32>, direction: vec3<f32>) -> vec3<f32> {
+    return select(normal, -normal, dot(normal, direction) < 0.0);
 }
 
 /// A tangent-space normal (glTF: x along u, y against v) in the frame that the changes of position and texture

@@ -38,8 +38,7 @@ fn geometry(seen: Seen) -> Texel {
     }
     // The cross product of one pixel down and one pixel right points to the camera, whatever the surface; but not where the
     // next pixel is beyond the plane's horizon, as in frames of few pixels.
-    let across = cross(change.position_y, change.position_x);
-    let towards = select(across, -across, dot(across, seen.offset) > 0.0);
+    let towards = facing(cross(change.position_y, change.position_x), -seen.offset);
     var texel: Texel;
     texel.depth = depth_at_centre(seen, change, towards);
     texel.normal = vec4(shading_normal(seen.material, seen.normal, towards, seen.uv, change), 0.0);

@@ -43,10 +43,9 @@ fn surfaces(seen: Seen) -> Texel {
     let along = -dot(offset, world_from_layer[2].xyz);
     // DEVIATION(sides): from a texel down and from there to the right turns to the light, whatever the surface; but not where
     // the next texel is beyond the plane's horizon, as in maps of few texels.
-    let across = cross(change.position_y, change.position_x);
     let parallel = scene_light_layers[settings.layer].kind == LIGHT_DIRECTIONAL;
     let travels = select(offset, -world_from_layer[2].xyz, parallel);
-    let towards = select(across, -across, dot(across, travels) > 0.0);
+    let towards = facing(cross(change.position_y, change.position_x), -travels);
     let normal = shading_normal(seen.material, seen.normal, towards, seen.uv, change);
     return Texel(vec4(seen.position, along), vec4(normal, 0.0), vec4(at.albedo, 1.0));
 }
