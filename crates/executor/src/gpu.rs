@@ -28,28 +28,6 @@ struct Faults {
     lost: OnceLock<String>,
 }
 
-/// How many objects of each kind there are, of all devices that were opened with the same instance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Objects {
-    /// Buffers.
-    pub buffers: usize,
-    /// Textures, and views of them.
-    pub textures: usize,
-    /// Bind groups.
-    pub bind_groups: usize,
-    /// Pipelines and shader modules.
-    pub pipelines: usize,
-    /// Command encoders and buffers, and sets of queries.
-    pub commands: usize,
-}
-
-impl Objects {
-    /// Returns how many there are of all kinds.
-    pub fn count(&self) -> usize {
-        self.buffers + self.textures + self.bind_groups + self.pipelines + self.commands
-    }
-}
-
 impl Gpu {
     /// Features that are used where the adapter has them; none is required.
     pub const WANTED: Features = Features::TIMESTAMP_QUERY
@@ -153,25 +131,23 @@ impl Gpu {
         }
     }
 
-    /// Returns how many objects there are, as wgpu counts them; `None` where an application opened the device.
-    pub fn objects(&self) -> Option<Objects> {
+    /// Returns how many objects there are, as wgpu counts them: buffers, textures, bind groups, pipelines, commands and what
+    /// belongs to them. `None` where an application opened the device.
+    pub fn objects(&self) -> Option<usize> {
         let hub = self.instance.as_ref()?.generate_report()?.hub;
-        let count = |kinds: &[usize]| kinds.iter().sum();
-        Some(Objects {
-            buffers: hub.buffers.num_allocated,
-            textures: count(&[hub.textures.num_allocated, hub.texture_views.num_allocated]),
-            bind_groups: hub.bind_groups.num_allocated,
-            pipelines: count(&[
-                hub.render_pipelines.num_allocated,
-                hub.compute_pipelines.num_allocated,
-                hub.shader_modules.num_allocated,
-            ]),
-            commands: count(&[
-                hub.command_encoders.num_allocated,
-                hub.command_buffers.num_allocated,
-                hub.query_sets.num_allocated,
-            ]),
-        })
+        let kinds = [
+            hub.buffers,
+            hub.textures,
+            hub.texture_views,
+            hub.bind_groups,
+            hub.render_pipelines,
+            hub.compute_pipelines,
+            hub.shader_modules,
+            hub.command_encoders,
+            hub.command_buffers,
+            hub.query_sets,
+        ];
+        Some(kinds.iter().map(|kind| kind.num_allocated).sum())
     }
 
     /// Returns the limits of the device.

@@ -19,7 +19,7 @@ mod uniforms;
 
 pub use error::ExecutorError;
 pub use format::texture_format;
-pub use gpu::{Gpu, Objects};
+pub use gpu::Gpu;
 pub use object::{Object, ObjectUsage, SceneBinding};
 pub use run::{Executor, FrameOptions, FrameReport, LoadReport};
 pub use step::Dispatch;

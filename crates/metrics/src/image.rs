@@ -11,7 +11,33 @@ pub struct Image {
     pixels: Vec<[f32; 4]>,
 }
 
+/// What a picture comes to at a glance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Glance {
+    /// Mean luminance over the pixels whose colour is finite; 0 where there is none.
+    pub mean: f64,
+    /// Number of pixels whose colour is not finite.
+    pub not_finite: usize,
+    /// Number of pixels whose colour is finite and has a negative channel.
+    pub negative: usize,
+}
+
 impl Image {
+    /// Looks at the colours of all pixels.
+    pub fn glance(&self) -> Glance {
+        let (mut sum, mut finite, mut negative) = (0.0, 0, 0);
+        for &[r, g, b, _] in self.pixels() {
+            let rgb = [r, g, b];
+            if rgb.iter().all(|value| value.is_finite()) {
+                sum += f64::from(luminance(rgb));
+                finite += 1;
+                negative += usize::from(rgb.iter().any(|value| *value < 0.0));
+            }
+        }
+        let mean = if finite == 0 { 0.0 } else { sum / finite as f64 };
+        Glance { mean, not_finite: self.pixels().len() - finite, negative }
+    }
+
     /// Creates an image from `pixels: [height * width]` RGBA, row by row from the top left.
     ///
     /// # Errors

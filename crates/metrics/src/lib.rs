@@ -38,5 +38,5 @@ pub use display::{Display, Tonemap, linear_from_srgb, srgb_from_linear};
 pub use error::ImageError;
 pub use file::{FileFormat, PROVENANCE_KEY, read_provenance};
 pub use flip::{FlipMap, PIXELS_PER_DEGREE, flip, hdr_flip};
-pub use image::{Image, luminance};
+pub use image::{Glance, Image, luminance};
 pub use pair::{DEFAULT_TRIM, Epsilon, NonFinite, Pair};

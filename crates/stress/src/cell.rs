@@ -4,7 +4,7 @@ use crate::case::Expect;
 use crate::child::{Ended, Guard, Ran};
 use crate::long::{self, Line, Long, Seen};
 use crate::table::PLAIN;
-use metrics::{Epsilon, Image, Pair, luminance};
+use metrics::{Epsilon, Glance, Image, Pair};
 use serde::{Deserialize, Serialize};
 
 /// Where only units or the place differ, the most by which energy may differ from that of the plain scene.
@@ -115,17 +115,8 @@ pub struct Picture {
 impl Picture {
     /// Looks at a picture.
     pub fn new(image: Image) -> Picture {
-        let rgb = |pixel: &[f32; 4]| [pixel[0], pixel[1], pixel[2]];
-        let finite: Vec<[f32; 3]> =
-            image.pixels().iter().map(rgb).filter(|rgb| rgb.iter().all(|x| x.is_finite())).collect();
-        let sum: f64 = finite.iter().map(|rgb| f64::from(luminance(*rgb))).sum();
-        let negative = finite.iter().filter(|rgb| rgb.iter().any(|x| *x < 0.0)).count();
-        Picture {
-            mean: if finite.is_empty() { 0.0 } else { sum / finite.len() as f64 },
-            not_finite: image.pixels().len() - finite.len(),
-            negative,
-            image,
-        }
+        let Glance { mean, not_finite, negative } = image.glance();
+        Picture { image, mean, not_finite, negative }
     }
 
     /// The picture times a factor.

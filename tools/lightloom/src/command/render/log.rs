@@ -1,7 +1,7 @@
 //! `render --log`: what each frame gave and what the program holds after it, as a line of JSON.
 
 use anyhow::{Context as _, Result};
-use metrics::{Image, luminance};
+use metrics::{Glance, Image};
 use renderer::Renderer;
 use serde_json::{Value, json};
 use std::fs::File;
@@ -33,12 +33,11 @@ impl FrameLog {
         for output in outputs {
             pictures.insert(output.clone(), told(&renderer.picture(output, 0)?));
         }
-        let objects = renderer.gpu().objects().map(|objects| objects.count());
         let line = json!({
             "frame": frame,
             "seconds": seconds,
             "memory": memory(),
-            "objects": objects,
+            "objects": renderer.gpu().objects(),
             "outputs": pictures,
         });
         // One write, so that a line is there or is not.
@@ -51,14 +50,12 @@ impl FrameLog {
 /// What is told of a picture: a hash of its bits, and the mean luminance of its finite pixels.
 fn told(picture: &Image) -> Value {
     let bytes: Vec<u8> = picture.pixels().iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
-    let rgb = picture.pixels().iter().map(|pixel| [pixel[0], pixel[1], pixel[2]]);
-    let finite: Vec<[f32; 3]> = rgb.filter(|rgb| rgb.iter().all(|value| value.is_finite())).collect();
-    let sum: f64 = finite.iter().map(|rgb| f64::from(luminance(*rgb))).sum();
+    let Glance { mean, not_finite, negative } = picture.glance();
     json!({
         "hash": format!("{:032x}", xxh3_128(&bytes)),
-        "mean": sum / finite.len().max(1) as f64,
-        "not_finite": picture.pixels().len() - finite.len(),
-        "negative": finite.iter().filter(|rgb| rgb.iter().any(|value| *value < 0.0)).count(),
+        "mean": mean,
+        "not_finite": not_finite,
+        "negative": negative,
     })
 }
 
