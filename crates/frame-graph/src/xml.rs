@@ -1,4 +1,4 @@
-//! Text of others inside XML.
+//! Text of others inside XML, and pages.
 
 /// Escapes text for XML and HTML, outside of tags and in quoted attributes. Characters that XML 1.0 has no place for, not
 /// even as references, become U+FFFD; so do the control characters that it discourages.
@@ -18,6 +18,17 @@ pub fn escape(text: &str) -> String {
         }
     }
     out
+}
+
+/// Returns a page of HTML that needs no other file, no script and no network. `body` is HTML; the title is text.
+pub fn page(title: &str, style: &str, body: &str) -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
+         <title>{}</title>\n<style>\n{style}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
+        escape(title)
+    )
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::chart;
 use crate::measure::{Errors, Measured, ROUNDING};
-use frame_graph::xml::escape;
+use frame_graph::xml::{escape, page};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -70,12 +70,7 @@ pub fn html(all: &[Measured], about: &str) -> String {
             chart::svg(measured)
         );
     }
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
-         <title>Lightloom: single precision</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
-    )
+    page("Lightloom: single precision", STYLE, &body)
 }
 
 fn row(measured: &Measured) -> String {

@@ -2,7 +2,7 @@
 
 use crate::case::Case;
 use crate::cell::{Cell, Verdict};
-use frame_graph::xml::escape;
+use frame_graph::xml::{escape, page};
 use serde_json::json;
 use std::fmt::Write as _;
 
@@ -72,12 +72,7 @@ pub fn html(cells: &[Cell], cases: &[Case], about: &str) -> String {
     for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.verdict != Verdict::Held) {
         body += &details(i, cell);
     }
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
-         <title>Lightloom: at the extremes</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
-    )
+    page("Lightloom: at the extremes", STYLE, &body)
 }
 
 /// What the long runs came to.

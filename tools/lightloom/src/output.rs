@@ -1,11 +1,13 @@
 //! How results and failures are printed.
 
+use anyhow::{Context as _, Result};
 use frame_graph::Diagnostics;
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer::RenderError;
 use scene::SceneError;
 use serde_json::{Value, json};
 use std::io::{ErrorKind, Write as _};
+use std::path::Path;
 
 /// Prints a line on standard output. Where its reader has gone (`lightloom passes | head`), there is nothing
 /// left to do. Where it cannot be written for another reason, such as a full disk, the program has failed.
@@ -105,6 +107,11 @@ pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
     ProgressBar::new(parts)
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         .with_message(what.to_owned())
+}
+
+/// Writes a file, whole or not at all.
+pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
+    whole_file::write(path, text).with_context(|| format!("{} was not written", path.display()))
 }
 
 /// Prints JSON.

@@ -3,31 +3,10 @@
 //! A file may begin with `// set: path=value`, `// ask: output` and `// keep: resource`, for what comes from
 //! outside.
 
-use super::kinds::{MemoryFiles, TestPassTypes, traits, value};
+use super::kinds::{MemoryFiles, TestPassTypes, files, traits, value};
 use frame_graph::codes::CODES;
-use frame_graph::{CompileOptions, Diagnostics, LinkContext, Overrides, Source, compile, link, resolve};
+use frame_graph::{CompileOptions, Diagnostics, LinkContext, Overrides, compile, link, resolve};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/broken")
-}
-
-/// All files of the folder and of its sub-graphs, by their paths within it.
-fn files() -> MemoryFiles {
-    let mut files = MemoryFiles::default();
-    for inner in ["", "parts"] {
-        for entry in std::fs::read_dir(folder().join(inner)).unwrap().flatten() {
-            let name = entry.file_name().into_string().unwrap();
-            if name.ends_with(".ron") {
-                let path = if inner.is_empty() { name } else { format!("{inner}/{name}") };
-                let text = std::fs::read_to_string(entry.path()).unwrap();
-                files.0.insert(path.clone(), Source::new(path, text));
-            }
-        }
-    }
-    files
-}
 
 fn errors_of(path: &str, files: &MemoryFiles) -> Option<Diagnostics> {
     let text = &files.0[path].text;
@@ -53,7 +32,7 @@ fn errors_of(path: &str, files: &MemoryFiles) -> Option<Diagnostics> {
 
 #[test]
 fn every_broken_file_gives_its_errors() {
-    let files = files();
+    let files = files("tests/broken");
     let mut codes = BTreeSet::new();
     let broken: Vec<&String> = files.0.keys().filter(|path| !path.contains('/')).collect();
     assert!(broken.len() >= 40, "there are {} broken files", broken.len());
@@ -71,7 +50,7 @@ fn every_broken_file_gives_its_errors() {
 
 #[test]
 fn colour_is_only_where_it_is_asked_for() {
-    let files = files();
+    let files = files("tests/broken");
     let errors = errors_of("unknown-kind.ron", &files).unwrap();
     assert!(!errors.render(false).contains('\x1b'));
     assert!(errors.render(true).contains('\x1b'));

@@ -1,29 +1,12 @@
 //! Pipelines at the extremes: large and simple, many of everything, files elsewhere, and good ones with edits. Each is
 //! compiled or refused, fast.
 
-use super::kinds::{MemoryFiles, TestPassTypes, traits};
+use super::kinds::{MemoryFiles, TestPassTypes, files, traits};
 use frame_graph::{CompileOptions, Diagnostics, LinkContext, Overrides, Source, compile, link, resolve};
 use proptest::prelude::*;
-use std::path::Path;
 use std::time::Duration;
 
 const LIMIT: Duration = Duration::from_secs(20);
-
-fn files(folder: &str) -> MemoryFiles {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let mut files = MemoryFiles::default();
-    for inner in ["", "parts"] {
-        for entry in std::fs::read_dir(folder.join(inner)).into_iter().flatten().flatten() {
-            let name = entry.file_name().into_string().unwrap();
-            if name.ends_with(".ron") {
-                let path = if inner.is_empty() { name } else { format!("{inner}/{name}") };
-                let text = std::fs::read_to_string(entry.path()).unwrap();
-                files.0.insert(path.clone(), Source::new(path, text));
-            }
-        }
-    }
-    files
-}
 
 /// The errors of a text that stands beside other files.
 fn errors(text: String, mut files: MemoryFiles) -> Option<Diagnostics> {

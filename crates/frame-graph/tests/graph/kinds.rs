@@ -7,6 +7,7 @@ use frame_graph::{
     ResourceDesc, SceneBindings, Setting, Settings, Source, Traits, Usage, Value,
 };
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// How many lights there are.
@@ -373,4 +374,21 @@ pub(super) fn value(text: &str) -> Value {
     } else {
         Value::Text(text.to_owned())
     }
+}
+
+/// All files of a folder of this crate and of its sub-graphs, by their paths within it.
+pub(crate) fn files(folder: &str) -> MemoryFiles {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let mut files = MemoryFiles::default();
+    for inner in ["", "parts"] {
+        for entry in std::fs::read_dir(folder.join(inner)).unwrap().flatten() {
+            let name = entry.file_name().into_string().unwrap();
+            if name.ends_with(".ron") {
+                let path = if inner.is_empty() { name } else { format!("{inner}/{name}") };
+                let text = std::fs::read_to_string(entry.path()).unwrap();
+                files.0.insert(path.clone(), Source::new(path, text));
+            }
+        }
+    }
+    files
 }

@@ -1,7 +1,7 @@
 //! `lightloom precision`: what single precision costs in shader functions.
 
 use crate::context::Context;
-use crate::output::{self, progress, say};
+use crate::output::{self, progress, say, write};
 use anyhow::{Context as _, Result, bail};
 use executor::wgpu::{self, BufferUsages};
 use executor::{ExecutorError, Gpu};
@@ -9,7 +9,7 @@ use frame_graph::nearest;
 use precision::{Evaluator, Fault, GROUP, Interpreted, Kernel, Measured, Options, Probe, Value};
 use serde_json::json;
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc;
 
 /// Compare shader functions in f32 with the same functions in f64, over ranges of magnitudes.
@@ -87,10 +87,6 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         bail!("{exceeding} of {} probes exceed their bound; {} shows where", all.len(), page.display());
     }
     Ok(())
-}
-
-fn write(path: &Path, text: &str) -> Result<()> {
-    whole_file::write(path, text).with_context(|| format!("{} was not written", path.display()))
 }
 
 /// The probes of these names and files; all where there are none.

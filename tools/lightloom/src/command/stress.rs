@@ -1,7 +1,7 @@
 //! `lightloom stress`: every pipeline at the extremes.
 
 use crate::context::{Context, parse_size};
-use crate::output::{self, progress, say};
+use crate::output::{self, progress, say, write};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{LinkContext, Overrides, Value, nearest};
 use renderer::{Compiled, compile_options};
@@ -161,10 +161,6 @@ impl<'a> Report<'a> {
         write(&page, &stress::html(cells, &self.cases, &self.about))?;
         Ok(page)
     }
-}
-
-fn write(path: &Path, text: &str) -> Result<()> {
-    whole_file::write(path, text).with_context(|| format!("{} was not written", path.display()))
 }
 
 /// The cases of these names; all where there are none. `far*` is all that begin with `far`.
