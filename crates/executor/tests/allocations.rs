@@ -8,7 +8,7 @@ use executor::{Executor, FrameOptions, Gpu, Object, wgpu};
 use frame_graph::Change;
 use harness::{Kind, Running, Workshop, every_frame, gpu, shader, texture, words};
 use pass::{Clear, Compute, Draw, Format, OutputDesc, Raster, Step, Target, Threads, Usage};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 /// Counts what this thread allocates.
 fn allocations(work: impl FnMut()) -> u64 {
@@ -18,6 +18,15 @@ fn allocations(work: impl FnMut()) -> u64 {
 /// Keeps other tests from the device until it is dropped: a submission also clears up what other threads have left there.
 fn alone() -> MutexGuard<'static, ()> {
     static DEVICE: Mutex<()> = Mutex::new(());
+    static NO_BACKTRACES: Once = Once::new();
+    // wgpu takes one in each submission where they are asked for, with more allocations from deeper down.
+    NO_BACKTRACES.call_once(|| {
+        #[expect(unsafe_code, reason = "the variable is read once, by the first backtrace")]
+        // SAFETY: every test waits here before it does anything that could read the environment.
+        unsafe {
+            std::env::set_var("RUST_LIB_BACKTRACE", "0");
+        }
+    });
     DEVICE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
