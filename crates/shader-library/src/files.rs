@@ -96,8 +96,8 @@ impl Files for DiskFiles {
     }
 }
 
-/// All files under `root`, without hidden folders and `target`, in no order. Links are not followed.
-pub(crate) fn files_under(root: &Path) -> Vec<PathBuf> {
+/// Returns all files under `root`, without hidden folders and `target`, in no order. Links are not followed.
+pub fn files_under(root: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut folders = vec![root.to_owned()];
     while let Some(folder) = folders.pop() {

@@ -31,7 +31,7 @@ mod watch;
 pub use attributes::{Amount, Attributes, EntryAttributes, GlobalAttributes, ThreadCount};
 pub use composed::{Outline, ShaderOption};
 pub use directive::Define;
-pub use files::{DiskFiles, MemoryFiles, Overlay, ShaderFiles};
+pub use files::{DiskFiles, MemoryFiles, Overlay, ShaderFiles, files_under};
 pub use interface::{
     Access, Dimension, Entry, Global, GlobalKind, Location, Override, Sample, ShaderInterface, Stage,
     TypeLayout,

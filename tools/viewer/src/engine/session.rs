@@ -79,6 +79,7 @@ impl Session {
     pub(super) fn open(start: Start, publisher: &Publisher) -> Result<Session, RenderError> {
         publisher.stage(Some(format!("Opening the adapter and loading {}", start.scene)));
         let Start { catalog, pipeline, scene, overrides, size, seed } = start;
+        let files = Files::new();
         let (gpu, loaded) = std::thread::scope(|scope| {
             let gpu = scope.spawn(Gpu::open);
             let loaded = load_scene(&catalog, &scene);
@@ -102,7 +103,7 @@ impl Session {
             waits_for_scene: wrong.is_some(),
             wanted_scene: wrong.is_some().then_some(scene),
             sides: Vec::new(),
-            files: Files::new(),
+            files,
             size,
             seed,
             camera: None,

@@ -1,6 +1,6 @@
 //! Files that changed, gathered until they are quiet.
 
-use shader_library::Watcher;
+use shader_library::{Watcher, files_under};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -23,7 +23,14 @@ pub(super) struct Files {
     watcher: Option<Watcher>,
     /// The one before, and since when: what it has not told yet would be lost with it.
     before: Option<(Watcher, Instant)>,
+    /// When changes were last asked for. What is read later may be written before its folder is watched.
+    asked: SystemTime,
+    /// Files that were written before their folder was watched, and have not been told.
+    missed: BTreeSet<PathBuf>,
 }
+
+/// How much earlier than the clock a file system may say that a file was written.
+const COARSE: Duration = Duration::from_millis(20);
 
 /// Longer than a watcher holds a change back.
 const SETTLED: Duration = Duration::from_millis(300);
@@ -49,10 +56,17 @@ pub(super) struct Saved {
 impl Files {
     /// Watches nothing yet.
     pub(super) fn new() -> Files {
-        Files { folders: Vec::new(), watcher: None, before: None }
+        Files {
+            folders: Vec::new(),
+            watcher: None,
+            before: None,
+            asked: SystemTime::now(),
+            missed: BTreeSet::new(),
+        }
     }
 
-    /// Watches these folders from now on; what is wrong with that is returned.
+    /// Watches these folders from now on; what is wrong with that is returned. What was written in a new one since changes
+    /// were last asked for counts as changed: it may have been read before.
     pub(super) fn watch(&mut self, mut folders: Vec<PathBuf>) -> Result<(), String> {
         folders.sort();
         folders.dedup();
@@ -61,6 +75,12 @@ impl Files {
         }
         let watcher = Watcher::new(&folders).map_err(|error| format!("{error}: {}", error.source))?;
         self.before = self.watcher.replace(watcher).map(|before| (before, Instant::now()));
+        let since = self.asked - COARSE;
+        let is_new = |file: &PathBuf| {
+            std::fs::metadata(file).and_then(|data| data.modified()).is_ok_and(|written| written >= since)
+        };
+        let unseen = folders.iter().filter(|folder| !self.folders.contains(folder));
+        self.missed.extend(unseen.flat_map(|folder| files_under(folder)).filter(is_new));
         self.folders = folders;
         Ok(())
     }
@@ -74,8 +94,10 @@ impl Files {
 
     /// Returns what has changed since the last call, without waiting.
     fn changed(&mut self) -> BTreeSet<PathBuf> {
+        self.asked = SystemTime::now();
         let watchers = self.watcher.iter_mut().chain(self.before.iter_mut().map(|(watcher, _)| watcher));
-        let changed = watchers.flat_map(Watcher::changed).collect();
+        let mut changed = std::mem::take(&mut self.missed);
+        changed.extend(watchers.flat_map(Watcher::changed));
         self.before.take_if(|(_, since)| since.elapsed() > SETTLED);
         changed
     }
@@ -156,5 +178,21 @@ mod tests {
         std::fs::write(a.join("x"), "x").unwrap();
         files.watch(vec![a.clone(), b]).unwrap();
         assert!(wait(&mut files).files.contains(&a.join("x")));
+    }
+
+    #[test]
+    fn what_was_written_before_its_folder_is_watched_is_not_lost() {
+        let root = tempfile::tempdir().unwrap();
+        let (old, new) = (root.path().join("old"), root.path().join("new"));
+        for file in [&old, &new] {
+            std::fs::write(file, "x").unwrap();
+        }
+        let long_ago = SystemTime::now() - Duration::from_secs(60);
+        std::fs::File::options().write(true).open(&old).unwrap().set_modified(long_ago).unwrap();
+        let mut files = Files::new();
+        std::fs::write(&new, "y").unwrap();
+        files.watch(vec![root.path().to_owned()]).unwrap();
+        assert_eq!(files.saved().map(|saved| saved.files), Some(BTreeSet::from([new])));
+        assert!(files.saved().is_none());
     }
 }
