@@ -300,6 +300,7 @@ impl<'a> Work<'a> {
             in_place: false,
             init: Clear::Zero,
             reset: Vec::new(),
+            rest: None,
         };
         plan.histories = vec![unset; histories];
         for (at, i) in order.iter().enumerate() {
@@ -315,6 +316,7 @@ impl<'a> Work<'a> {
                         history.resource = ResourceId(ids.resources[r]);
                         history.init = of.init;
                         history.reset.clone_from(&of.reset);
+                        history.rest = of.rest;
                         list.push(HistoryId(id));
                     }
                     past = Some(list);
@@ -415,8 +417,13 @@ impl<'a> Work<'a> {
         let made = &self.resources[from];
         Some(match input.past.is_some() {
             false => Begins::Copy(ResourceId(ids[from])),
-            // Its own history buffer, which no other pass reads.
-            true if from == r && made.past_readers == 1 => Begins::InPlace(HistoryId(made.history)),
+            // Its own history buffer, which no other pass reads. One that rests keeps what its last frame was made of.
+            true if from == r
+                && made.past_readers == 1
+                && input.past.as_ref().is_none_or(|past| past.rest.is_none()) =>
+            {
+                Begins::InPlace(HistoryId(made.history))
+            }
             true => Begins::CopyOfPast(HistoryId(made.history)),
         })
     }

@@ -111,9 +111,9 @@ pub struct HistorySlot {
     /// Which copy holds this frame's version.
     pub current: usize,
     /// Which copy `Prev` reads: it holds the version of the frame before, or must be filled with `init` where `reset`
-    /// is set. Equal to `current` where the producer does not run and the history buffer is not reset.
+    /// is set. Equal to `current` where the producer does not run and the history buffer is neither reset nor at rest.
     pub previous: usize,
-    /// Frames since the last reset; 0 where there is no history and `init` is read.
+    /// Frames since the last reset, without those at rest; 0 where there is no history and `init` is read.
     pub age: u32,
     /// Why the history buffer was reset; `None` where it was not.
     pub reset: Option<ResetCause>,
@@ -139,6 +139,10 @@ pub struct FrameState {
     /// The resource whose newest version each object holds.
     holds: Vec<Option<ResourceId>>,
     histories: Vec<Held>,
+    /// After how many still frames history buffers rest, the most that a link says; `None` where none does.
+    rest: Option<u32>,
+    /// What is new in the frame begun last even if history buffers that can rest are the same; empty where none can.
+    moved: Vec<bool>,
     /// The last version given.
     clock: u64,
     /// Set until the first frame of the plan: nothing is held but history buffers.
@@ -176,6 +180,11 @@ struct Held {
     /// The version at the end of the last frame; 0 for `init`.
     version: u64,
     age: u32,
+    /// Frames in which nothing that it follows from had something new to read, other than history buffers that can rest.
+    still: u32,
+    /// Whether it rests in the frame begun last: its slot stays as it is, so that what must run again for another reason
+    /// reads and writes the same copies as in the last frame that did not rest.
+    rests: bool,
 }
 
 /// The version of `init`, and of what was never written.
@@ -213,7 +222,12 @@ impl FrameState {
             writes,
             first,
             holds: vec![None; plan.allocations.len()],
-            histories: vec![Held { current: 0, version: INIT, age: 0 }; plan.histories.len()],
+            histories: vec![
+                Held { current: 0, version: INIT, age: 0, still: 0, rests: false };
+                plan.histories.len()
+            ],
+            rest: plan.histories.iter().filter_map(|history| history.rest).max(),
+            moved: Vec::new(),
             clock: CONSTANT,
             fresh: true,
             lacking: vec![Some(ResetCause::FirstFrame); plan.histories.len()],
@@ -270,13 +284,14 @@ impl FrameState {
     ///
     /// A pass runs if something that it reads has a new version, if `change` names it, or if a pass that runs needs a
     /// version of its outputs that no object holds any more. Only passes that the outputs of the pipeline need are
-    /// considered.
+    /// considered. A new version of a history buffer at rest is not new.
     pub fn begin(&mut self, plan: &Plan, change: &Change) -> &FrameSchedule {
         let fresh = std::mem::take(&mut self.fresh);
         // Taken out, so that they can be read while the state is written.
         let mut resets = std::mem::take(&mut self.resets);
         let mut schedule = std::mem::take(&mut self.schedule);
         self.find_resets(plan, change, &mut resets);
+        self.find_rests(plan, change, &resets, fresh);
         self.renew(plan, change, &resets, fresh, &mut schedule.runs);
         self.restore(plan, &mut schedule.runs);
         for pass in (0..plan.passes.len()).filter(|pass| schedule.runs[*pass]) {
@@ -348,6 +363,50 @@ impl FrameState {
         }
     }
 
+    /// Finds which history buffers rest: those that follow, for long enough, from nothing new but each other.
+    fn find_rests(&mut self, plan: &Plan, change: &Change, resets: &[Option<ResetCause>], first: bool) {
+        let Some(rest) = self.rest else { return };
+        let mut moved = std::mem::take(&mut self.moved);
+        for (h, history) in plan.histories.iter().enumerate() {
+            // One that goes on for ever is news in each frame.
+            self.histories[h].rests = history.rest.is_some() && resets[h].is_none();
+        }
+        // One that moves is news for what reads it: then others may move too.
+        loop {
+            let changed = asked(plan, change, first, &mut moved);
+            for (i, pass) in plan.passes.iter().enumerate() {
+                moved[i] = moved[i]
+                    || pass.scene_bindings.0 & changed.0 != 0
+                    || self.reads_of(i).any(|at| match self.reads[at].from {
+                        ReadFrom::Pass(pass) if moved[pass.0 as usize] => true,
+                        from => self.is_new(at, from, resets),
+                    });
+            }
+            let mut more = false;
+            for (held, history) in self.histories.iter_mut().zip(&plan.histories) {
+                let producer = plan.resources[history.resource.0 as usize].producer;
+                if held.rests && producer.is_some_and(|pass| moved[pass.0 as usize]) {
+                    held.rests = false;
+                    more = true;
+                }
+            }
+            if !more {
+                break;
+            }
+        }
+        for held in &mut self.histories {
+            held.still = if held.rests { held.still.saturating_add(1) } else { 0 };
+            held.rests = held.still > rest;
+        }
+        self.moved = moved;
+    }
+
+    /// Whether an entry of `reads` has a version that its pass has not seen.
+    fn is_new(&self, at: usize, from: ReadFrom, resets: &[Option<ResetCause>]) -> bool {
+        let rests = matches!(from, ReadFrom::Past(history) if self.histories[history.0 as usize].rests);
+        !rests && self.seen[at] != self.version(from, resets)
+    }
+
     /// Forwards: what has something new to read, and so makes something new.
     fn renew(
         &mut self,
@@ -357,14 +416,8 @@ impl FrameState {
         first: bool,
         runs: &mut Vec<bool>,
     ) {
-        let changed = change.scene_bindings.and(change.resampled).and(SceneBindings::FRAME);
-        runs.clear();
-        runs.resize(plan.passes.len(), first || change.all);
-        for pass in change.passes.iter().chain(&change.values).chain(&change.again) {
-            if let Some(run) = runs.get_mut(pass.0 as usize) {
-                *run = true;
-            }
-        }
+        let changed = asked(plan, change, first, runs);
+        runs.iter_mut().for_each(|runs| *runs |= change.all);
         for (i, pass) in plan.passes.iter().enumerate() {
             if self.writes_of(i).is_empty() {
                 // It only hands on, or tells facts: there is nothing to do.
@@ -373,7 +426,7 @@ impl FrameState {
             }
             runs[i] = runs[i]
                 || pass.scene_bindings.0 & changed.0 != 0
-                || self.reads_of(i).any(|at| self.seen[at] != self.version(self.reads[at].from, resets));
+                || self.reads_of(i).any(|at| self.is_new(at, self.reads[at].from, resets));
             if runs[i] {
                 self.clock += 1;
                 self.versions[i] = self.clock;
@@ -421,11 +474,16 @@ impl FrameState {
     /// Swaps the copies of history buffers whose producers run.
     fn turn(&mut self, plan: &Plan, resets: &[Option<ResetCause>], schedule: &mut FrameSchedule) {
         let FrameSchedule { runs, histories: slots } = schedule;
-        slots.clear();
+        let nothing = HistorySlot { current: 0, previous: 0, age: 0, reset: None };
+        slots.resize(plan.histories.len(), nothing);
         for (i, history) in plan.histories.iter().enumerate() {
             let held = &mut self.histories[i];
             let producer = plan.resources[history.resource.0 as usize].producer;
             let written = producer.is_some_and(|p| runs[p.0 as usize]);
+            held.version = producer.map_or(CONSTANT, |p| self.versions[p.0 as usize]);
+            if held.rests {
+                continue;
+            }
             let mut previous = held.current;
             if written {
                 held.current = 1 - held.current;
@@ -434,10 +492,21 @@ impl FrameState {
                 previous = 1 - held.current;
             }
             held.age = if resets[i].is_some() { 0 } else { held.age.saturating_add(1) };
-            held.version = producer.map_or(CONSTANT, |p| self.versions[p.0 as usize]);
-            slots.push(HistorySlot { current: held.current, previous, age: held.age, reset: resets[i] });
+            slots[i] = HistorySlot { current: held.current, previous, age: held.age, reset: resets[i] };
         }
     }
+}
+
+/// Marks the passes that a change asks for by name, or all at first; returns the scene bindings that changed.
+fn asked(plan: &Plan, change: &Change, first: bool, runs: &mut Vec<bool>) -> SceneBindings {
+    runs.clear();
+    runs.resize(plan.passes.len(), first);
+    for pass in change.passes.iter().chain(&change.values).chain(&change.again) {
+        if let Some(run) = runs.get_mut(pass.0 as usize) {
+            *run = true;
+        }
+    }
+    change.scene_bindings.and(change.resampled).and(SceneBindings::FRAME)
 }
 
 /// For each pass, whether it is one of these or reads, now or of the past, what follows from one. Empty where none

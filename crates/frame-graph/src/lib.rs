@@ -32,7 +32,7 @@
 //! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)`; `kind` is the pass type |
 //! | SUB | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, repeat: COUNT?, carry: { "input": "output" * }?, index: "parameter"?, when: …?, off: …?)`: a sub-graph, that is, the passes of another file, which are named `sub-graph/pass` |
 //! | COUNT | an integer, or an expression that gives one: the number of copies of the sub-graph, one after the other |
-//! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a sub-graph, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Moved]?)` |
+//! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a sub-graph, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Setting, Moved]?, rest: 64?)` |
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or an expression: text that contains `$`, such as `"$parameter"` or `"$lights * 16"`. In plain text each `$` is written `$$`; text that begins with `$$` is never an expression |
 //! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?, facts: { "name": VALUE }?)`, `None` as a value for no such fact; for pass types that take their ports from a shader |
 //! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`. Any number may be an expression (`"frame / $tile"`, `"like(input) * ($n + 1)"`, `("$map * 2", 64)`), as may `count` |
@@ -49,6 +49,9 @@
 //! before, and `reset` lists the events that discard the history (if it is left out, the first four).
 //! `Reload` is a change of a setting, a shader or a link of the pass that writes the history buffer, or of a
 //! pass that feeds it; `Moved` is any change of the camera, the lights or the scene that the pass reads.
+//! A loop is new in every frame, so its passes run in every frame. With `rest: n` they stop after n frames
+//! in which nothing changed but the history buffer itself: the last of these frames stands until something
+//! changes. Where several links have a `rest`, the longest counts for all.
 //!
 //! **Repeated sub-graphs.** With `repeat: "$n"`, a sub-graph is copied n times, and the passes of the copies
 //! are named `sub-graph/0/pass`, `sub-graph/1/pass`, and so on. The first copy takes its inputs from `in:`.

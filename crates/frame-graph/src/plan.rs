@@ -200,6 +200,9 @@ pub struct History {
     pub init: Clear,
     /// The events that reset it.
     pub reset: Vec<crate::frame::ResetCause>,
+    /// After how many frames in which nothing but history buffers changes the passes that follow from it stop, and the
+    /// last of these frames stands; `None` where they go on for ever.
+    pub rest: Option<u32>,
 }
 
 /// An output of the pipeline.

@@ -181,6 +181,7 @@ impl Encoder {
         for history in &plan.histories {
             e.u32(history.resource.0);
             e.clear(&history.init);
+            e.u32(history.rest.unwrap_or(0));
         }
     }
 

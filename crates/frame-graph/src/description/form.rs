@@ -134,6 +134,8 @@ pub(crate) struct Target {
 pub(crate) struct Past {
     pub(crate) init: Clear,
     pub(crate) reset: Vec<ResetCause>,
+    /// After how many frames in which nothing else changes it rests.
+    pub(crate) rest: Option<u32>,
 }
 
 /// One entry of `set`.

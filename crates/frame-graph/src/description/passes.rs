@@ -9,7 +9,7 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::expression;
 use crate::frame::ResetCause;
-use crate::reader::{Fields, Form, Node};
+use crate::reader::{Fields, Form, Node, Number};
 use crate::resource::{Clear, Format};
 use data_file::Name;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ impl Grammar<'_, '_> {
         if prev.is_none() {
             return Some(Link::new(port, self.target(node)?, Self::content_end(node)));
         }
-        let known = ["port", "init", "reset"].as_slice();
+        let known = ["port", "init", "reset", "rest"].as_slice();
         let expected = "a link or `Prev(port: \"pass.port\")`";
         let fields = self.fields(node, expected, &[("Prev", known)])?;
         let init = fields.get("init").map_or(Some(Clear::Zero), |n| self.clear(n, "Zero", &["Black"]));
@@ -60,9 +60,19 @@ impl Grammar<'_, '_> {
                 causes
             }
         };
+        let rest = match fields.get("rest") {
+            None => None,
+            Some(node) => match node.form {
+                Form::Number(Number::Integer(n)) if u32::try_from(n).is_ok_and(|n| n > 0) => Some(n as u32),
+                _ => {
+                    self.wrong(node, "a number of frames, at least 1");
+                    return None;
+                }
+            },
+        };
         let node = self.need(&fields, "port")?;
         let link = Link::new(port, self.target(node)?, Self::content_end(node));
-        Some(Link { past: Some(Arc::new(Past { init: init?, reset })), ..link })
+        Some(Link { past: Some(Arc::new(Past { init: init?, reset, rest })), ..link })
     }
 
     pub(super) fn pass(

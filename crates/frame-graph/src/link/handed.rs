@@ -204,13 +204,13 @@ impl Linker<'_> {
                     let first = *known.entry(self.made_at(at, ports)).or_insert((past, place));
                     if first.0 != past && errors.is_empty() {
                         let message = format!(
-                            "two `Prev` links of `{}` differ in `init` or `reset`",
+                            "two `Prev` links of `{}` differ in `init`, `reset` or `rest`",
                             self.end_text(&wire.end)
                         );
                         let error = Diagnostic::new(&codes::PAST, message)
-                            .label(self.span(place), "with one `init` and `reset` here")
+                            .label(self.span(place), "with these values here")
                             .label(self.span(first.1), "and others here, where it is read by another name")
-                            .note("a resource has one history buffer: give both links the same `init` and `reset`");
+                            .note("a resource has one history buffer: give both links the same `init`, `reset` and `rest`");
                         errors.push(error);
                     }
                 }

@@ -66,14 +66,14 @@ impl<'a> Linker<'a> {
                 let differs = |other: &Wire<'_>| other.end.past.is_some_and(|other| other != past);
                 if let Some((_, other)) = others.iter().find(|(other, _)| meets(other) && differs(other)) {
                     let message = format!(
-                        "two `Prev` links of `{}` differ in `init` or `reset`",
+                        "two `Prev` links of `{}` differ in `init`, `reset` or `rest`",
                         self.end_text(&wire.end)
                     );
                     let error = Diagnostic::new(&codes::PAST, message)
-                        .label(self.span(place), "with one `init` and `reset` here")
+                        .label(self.span(place), "with these values here")
                         .label(self.span(*other), "and others here")
                         .note(
-                            "a resource has one history buffer: give both links the same `init` and `reset`",
+                            "a resource has one history buffer: give both links the same `init`, `reset` and `rest`",
                         );
                     errors.push(error);
                 }

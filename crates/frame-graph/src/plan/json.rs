@@ -91,7 +91,7 @@ pub(super) fn json(plan: &Plan) -> Json {
     let history = |h: &super::History| {
         json!({
             "resource": name_of(&h.resource), "init": h.init.to_string(),
-            "reset": h.reset.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "reset": h.reset.iter().map(ToString::to_string).collect::<Vec<_>>(), "rest": h.rest,
         })
     };
     let output = |o: &super::PlannedOutput| {

@@ -26,7 +26,10 @@ pub(super) fn text(plan: &Plan) -> String {
         for history in &plan.histories {
             let reset: Vec<String> = history.reset.iter().map(ToString::to_string).collect();
             let name = &plan.resources[history.resource.0 as usize].name;
-            let _ = writeln!(out, "  {name}, at first {}, reset by {}", history.init, reset.join(", "));
+            let rest = history
+                .rest
+                .map_or_else(String::new, |frames| format!("; rests after {frames} still frames"));
+            let _ = writeln!(out, "  {name}, at first {}, reset by {}{rest}", history.init, reset.join(", "));
         }
     }
     let _ = writeln!(out, "memory\n  {}", plan.memory);

@@ -42,7 +42,8 @@ pub(super) fn link(link: &Link) -> String {
         None => port,
         Some(past) => {
             let reset: Vec<String> = past.reset.iter().map(|cause| cause.to_string()).collect();
-            format!("Prev(port: {port}, init: {}, reset: [{}])", past.init, reset.join(", "))
+            let rest = past.rest.map_or_else(String::new, |frames| format!(", rest: {frames}"));
+            format!("Prev(port: {port}, init: {}, reset: [{}]{rest})", past.init, reset.join(", "))
         }
     }
 }

@@ -71,3 +71,33 @@ fn what_is_continued_has_the_same_shape() {
     assert_eq!(error.0[0].code, "E035");
     assert!(error.to_string().contains("continues its input `own`"), "{error}");
 }
+
+/// A loop rests once nothing else has changed for long enough, and goes on with the next change.
+#[test]
+fn a_loop_rests_while_nothing_changes() {
+    let passes = STATE.replace("reset: [Cut]", "reset: [Cut], rest: 3").replace("\"noise\")", "\"gbuffer\")");
+    let plan = plan(&passes, r#""a": "state""#);
+    assert_eq!(begins(&plan, "state"), Begins::CopyOfPast(HistoryId(0)), "what it was made of is kept");
+    assert!(plan.to_text().contains("reset by Cut; rests after 3 still frames"));
+    let mut state = FrameState::new(&plan);
+    let mut run = |change: &Change| {
+        let schedule = state.begin(&plan, change);
+        let slot = schedule.histories[0];
+        (schedule.runs.clone(), slot.age, slot.current)
+    };
+    let nothing = Change::default();
+    let frames: Vec<_> = (0..7).map(|_| run(&nothing)).collect();
+    let stateful: Vec<bool> = frames.iter().map(|(runs, ..)| runs[1]).collect();
+    assert_eq!(stateful, [true, true, true, true, false, false, false]);
+    assert_eq!(frames[3].1, 3);
+    assert_eq!((frames[4].1, frames[6].2), (3, frames[3].2), "neither its age nor its content goes on");
+    // Run once more, it writes what it wrote: over the same copy, out of the same past.
+    let again = run(&Change { all: true, ..Change::default() });
+    assert_eq!(again, (vec![true; 2], 3, frames[3].2));
+    assert!(!run(&nothing).0[1]);
+    let feeds = plan.pass("noise").unwrap();
+    let changed = run(&Change { again: vec![feeds], ..Change::default() });
+    assert_eq!((changed.0, changed.1), (vec![true; 2], 4));
+    assert_ne!(changed.2, frames[3].2);
+    assert!(run(&nothing).0[1]);
+}

@@ -126,7 +126,7 @@ fn the_past_of_what_is_handed_on_is_the_past_of_what_was_made() {
     let error = plan_with(&with(r#"Prev(port: "first")"#), outputs, &CompileOptions::default())
         .unwrap_err()
         .to_string();
-    assert!(error.contains("differ in `init` or `reset`") && error.contains("p.ron:"), "{error}");
+    assert!(error.contains("differ in `init`, `reset` or `rest`") && error.contains("p.ron:"), "{error}");
 }
 
 #[test]
