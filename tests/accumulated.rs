@@ -88,7 +88,7 @@ fn a_change_of_exposure_keeps_the_samples() {
         for _ in 0..4 {
             renderer.frame().unwrap();
             if changes {
-                renderer.set_value("image/mean.exposure", Value::F32(2.0)).unwrap();
+                renderer.set_value("image/screen.exposure", Value::F32(2.0)).unwrap();
             }
         }
         assert_eq!(step(&renderer), 4);
@@ -111,7 +111,9 @@ fn a_sample_runs_what_differs_between_samples_alone() {
         ran[at]
     };
     assert!(!ran("rsm"), "the lights of the scene stand still");
-    for name in ["view", "lights", "shadows/splat", "gather", "filter", "direct", "image/mean"] {
+    for name in
+        ["view", "lights", "shadows/splat", "gather", "filter", "direct", "image/image", "image/screen"]
+    {
         assert!(ran(name), "{name} has another sample");
     }
 }

@@ -23,6 +23,7 @@ mod reference;
 mod reload;
 mod rendered;
 mod sequential;
+mod still;
 mod stress;
 mod study;
 mod surface_lights;

@@ -3,7 +3,6 @@
 #import "tonemap.wgsl"
 
 struct Settings {
-    view_size: vec2<u32>,
     // DEVIATION(exposure): a setting, where Reinhard et al. derive it from the picture's mean.
     /// Brightness of `display`: each step doubles it. [default: 0.0, min: -40.0, max: 40.0, unit: "EV"]
     exposure: f32,
@@ -20,7 +19,7 @@ var display: texture_storage_2d<rgba8unorm, write>;
 
 @compute @workgroup_size(8, 8)
 fn show(@builtin(global_invocation_id) id: vec3<u32>) {
-    if any(id.xy >= settings.view_size) {
+    if any(id.xy >= textureDimensions(radiance)) {
         return;
     }
     let seen = textureLoad(radiance, id.xy, 0).rgb;

@@ -1,0 +1,58 @@
+//! Scenes in which nothing moves: in the end every frame is the same, bit by bit.
+
+use crate::adapter::{bits, renderer};
+use glam::Vec3;
+use renderer::Renderer;
+
+const SIZE: (u32, u32) = (24, 16);
+
+const FEW: &[&str] = &["lights=16", "rsm.size=32"];
+
+fn moved(renderer: &mut Renderer) {
+    let camera = renderer.scene().camera;
+    let moved = scene::Camera { position: camera.position + Vec3::X * 0.1, ..camera };
+    renderer.set_camera(Some(moved), false);
+}
+
+/// k-means that merges and splits has no end by itself.
+#[test]
+fn clusters_rest_in_a_still_scene() {
+    for pipeline in ["acrsm", "acrsm-unshadowed", "rsm-clustering"] {
+        let map: &[&str] = if pipeline == "acrsm" { &["map=16"] } else { &[] };
+        let Some(mut renderer) = renderer(pipeline, "cornell-box", SIZE, &[FEW, map].concat()) else {
+            return;
+        };
+        let run = |renderer: &mut Renderer, frames: usize| {
+            let mut pictures = Vec::new();
+            for _ in 0..frames {
+                renderer.frame().unwrap();
+                pictures.push(bits(&renderer.output("image").unwrap()));
+            }
+            pictures
+        };
+        let pictures = run(&mut renderer, 68);
+        assert!(pictures[1] != pictures[64], "{pipeline}: clusters move at first");
+        assert!(pictures[64..].iter().all(|picture| *picture == pictures[64]), "{pipeline}: they rest");
+        assert!(renderer.report().ran.iter().all(|ran| !ran), "{pipeline}: nothing runs");
+        moved(&mut renderer);
+        let after = run(&mut renderer, 3);
+        assert!(after[0] != after[1] && after[1] != after[2], "{pipeline}: they go on");
+    }
+}
+
+/// Of what a pixel shows nothing follows the newest sample alone: not the lamp, and not whether there is a surface.
+#[test]
+fn the_mean_of_all_samples_stays() {
+    for scene in ["cornell-box-lamp", "plane"] {
+        let set = [FEW, &["map=16", "frames=3"]].concat();
+        let Some(mut renderer) = renderer("ism-invtm-accumulated", scene, SIZE, &set) else { return };
+        let pictures: Vec<_> = (0..6)
+            .map(|_| {
+                renderer.frame().unwrap();
+                bits(&renderer.output("image").unwrap())
+            })
+            .collect();
+        assert!(pictures[1] != pictures[2], "{scene}: samples differ");
+        assert!(pictures[2..].iter().all(|picture| *picture == pictures[2]), "{scene}: three are all");
+    }
+}
