@@ -112,7 +112,8 @@ impl Pass for PullPush {
         let layout = AtlasLayout::new(count, tile, self.side).filter(|_| count <= MAX_GROUPS);
         let layout = layout.ok_or_else(|| {
             PassTypeError::input("depth", format!("{count} maps of {tile}² are more than an atlas holds"))
-                .help(format!("take smaller maps, or at most {most} virtual lights"))
+                .help("take smaller maps")
+                .limit("depth", depth_atlas::COUNT, most, "virtual lights")
         })?;
         let bias = DepthBias {
             depth: cx.fact("depth", depth_atlas::DEPTH_BIAS)?,
