@@ -124,21 +124,19 @@ pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
         .with_message(what.to_owned())
 }
 
+/// Least time between two lines of progress.
+const BETWEEN_LINES: Duration = Duration::from_secs(10);
+
 /// When to print a line about work that goes on, where standard error is no terminal on which a bar could show it.
 pub(crate) struct Pace {
     /// Since when nothing was printed; `None` on a terminal.
     since: Option<Instant>,
-    between: Duration,
 }
 
 impl Pace {
     /// A line now and then.
     pub(crate) fn new() -> Pace {
-        Pace::every(Duration::from_secs(10), std::io::stderr().is_terminal())
-    }
-
-    fn every(between: Duration, on_terminal: bool) -> Pace {
-        Pace { since: (!on_terminal).then(Instant::now), between }
+        Pace { since: (!std::io::stderr().is_terminal()).then(Instant::now) }
     }
 
     /// Says that something was printed.
@@ -148,9 +146,13 @@ impl Pace {
 
     /// Returns whether it is time for a line; if so, the next is due later.
     pub(crate) fn is_due(&mut self) -> bool {
-        let due = self.since.is_some_and(|since| since.elapsed() >= self.between);
+        self.is_due_at(Instant::now())
+    }
+
+    fn is_due_at(&mut self, now: Instant) -> bool {
+        let due = self.since.is_some_and(|since| now.duration_since(since) >= BETWEEN_LINES);
         if due {
-            self.restart();
+            self.since = Some(now);
         }
         due
     }
@@ -172,11 +174,9 @@ mod tests {
 
     #[test]
     fn a_line_is_due_now_and_then_where_there_is_no_terminal() {
-        assert!(Pace::every(Duration::ZERO, false).is_due());
-        assert!(!Pace::every(Duration::ZERO, true).is_due());
-        let mut hourly = Pace::every(Duration::from_secs(3600), false);
-        assert!(!hourly.is_due());
-        hourly.since = hourly.since.and_then(|since| since.checked_sub(Duration::from_secs(3601)));
-        assert!(hourly.is_due() && !hourly.is_due(), "once");
+        let start = Instant::now();
+        let due = |pace: &mut Pace| [9, 10, 19, 21].map(|s| pace.is_due_at(start + Duration::from_secs(s)));
+        assert_eq!(due(&mut Pace { since: Some(start) }), [false, true, false, true]);
+        assert_eq!(due(&mut Pace { since: None }), [false; 4]);
     }
 }

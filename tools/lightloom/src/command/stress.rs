@@ -111,8 +111,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             // A run of hours that ends early leaves what it found. That it cannot be written is told at the end.
             finished.push(cell.clone());
             if pace.is_due() {
-                let rest = start.elapsed().mul_f64(count as f64 / finished.len() as f64 - 1.0);
-                let (done, left) = (finished.len(), HumanDuration(rest));
+                let rest = count.saturating_sub(finished.len()) as f64 / finished.len() as f64;
+                let (done, left) = (finished.len(), HumanDuration(start.elapsed().mul_f64(rest)));
                 tell!("{done}/{count} {} · {}, about {left} left", cell.pipeline, cell.case);
             }
             if written.elapsed() > BETWEEN_REPORTS {
