@@ -367,7 +367,7 @@ pub struct PassTypeError {
     /// What is wrong, and what was expected.
     pub message: String,
     /// The setting at fault, for the place in the file.
-    pub setting: Option<String>,
+    pub setting: Option<Box<str>>,
     /// The input at fault, for the place in the file.
     pub input: Option<String>,
     /// The output whose `out:` declaration is at fault, for the place in the file.
@@ -407,7 +407,7 @@ impl PassTypeError {
 
     /// Creates an error of one setting.
     pub fn setting(name: &str, message: impl Into<String>) -> PassTypeError {
-        PassTypeError { message: message.into(), setting: Some(name.to_owned()), ..PassTypeError::default() }
+        PassTypeError { message: message.into(), setting: Some(name.into()), ..PassTypeError::default() }
     }
 
     /// Creates an error of one input.

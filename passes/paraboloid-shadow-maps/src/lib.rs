@@ -101,7 +101,12 @@ impl Pass for ParaboloidShadowMaps {
                 format!("{count} maps of {tile}² do not fit in {layers} layers of {side}² texels"),
             )
             .help("take smaller maps")
-            .limit("lights", virtual_lights::COUNT, AtlasLayout::most(tile, side), "virtual lights"));
+            .limit(
+                "lights",
+                virtual_lights::COUNT,
+                AtlasLayout::most(tile, side),
+                "virtual lights",
+            ));
         };
         let bias = DEPTH_BIAS.times(DepthBiasSettings::read(cx.settings).depth_bias);
         // One layer after the other.
