@@ -22,6 +22,7 @@ mod precision;
 mod reference;
 mod reload;
 mod rendered;
+mod rerun;
 mod sequential;
 mod still;
 mod stress;

@@ -74,13 +74,13 @@ fn a_camera_that_sees_nothing_is_told() {
                 intensity: (0.8, 0.8, 0.8), outer_deg: 30)";
     let away = "Spot(name: \"spot\", position: (0.278, 0.273, -0.1), direction: (0.0, 0.0, -1.0), \
                 intensity: (0.8, 0.8, 0.8), outer_deg: 30)";
-    let far = "Camera(position: (278.0, 273.0, -800.0), target: (278.0, 273.0, 0.0), vertical_fov_deg: 39)";
+    let far = "Camera(position: (278.0, 273.0, -800.0), target: (278.0, 273.0, 0.1), vertical_fov_deg: 39)";
     let near = "Camera(position: (0.278, 0.273, -0.8), target: (0.278, 0.273, 0.0), vertical_fov_deg: 39)";
     let cases = [
         (
             "far.ron",
             scene(far, spot),
-            Some("nothing is seen: the camera at (278, 273, -800) looks at (278, 273, 0)"),
+            Some("nothing is seen: the camera at (278, 273, -800) looks at (278, 273, 0.1)"),
         ),
         ("dark.ron", scene(near, away), Some("no light reaches what is seen")),
         ("lit.ron", scene(near, spot), None),

@@ -3,7 +3,7 @@
 use crate::adapter::root;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 fn lightloom(folder: &Path, arguments: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_lightloom");
@@ -127,6 +127,67 @@ fn names_that_are_nothing_are_told_in_a_line() {
         "{told}"
     );
     assert!(!out(&lightloom(&root, &["pipelines"])).contains("parts/"));
+    let parts = out(&lightloom(&root, &["pipelines", "--parts"]));
+    assert!(
+        parts.lines().all(|line| line.starts_with("parts/")) && parts.contains("parts/clusters "),
+        "{parts}"
+    );
+}
+
+#[test]
+fn the_exit_code_does_not_depend_on_who_reads() {
+    let mine = folder(&[("bad.ron", "Pipeline(extends: \"nosuch.ron\")")]);
+    for (arguments, code) in [(&["check", "bad.ron"][..], 1), (&["pipelines"], 0)] {
+        let program = env!("CARGO_BIN_EXE_lightloom");
+        let mut child = Command::new(program)
+            .args(arguments)
+            .current_dir(mine.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        drop((child.stdout.take(), child.stderr.take()));
+        assert_eq!(child.wait().expect("it ends").code(), Some(code), "{arguments:?}");
+    }
+}
+
+#[test]
+fn warnings_of_a_graph_stay_out_of_what_programs_read() {
+    let mine = folder(&[("rm.ron", REMOVED)]);
+    let drawn = lightloom(mine.path(), &["graph", "rm.ron"]);
+    assert!(drawn.status.success() && out(&drawn).starts_with("plan "), "{}", out(&drawn));
+    assert_eq!(err(&drawn).matches("warning[W001]").count(), 1, "{}", err(&drawn));
+    let drawn = lightloom(mine.path(), &["graph", "rm.ron", "--json"]);
+    assert!(json(&out(&drawn))["passes"].is_array(), "{}", out(&drawn));
+    assert_eq!(json(&err(&drawn))["warnings"][0]["code"], "W001", "{}", err(&drawn));
+    // That a pipeline of the tree leaves out shadows is meant.
+    let drawn = lightloom(mine.path(), &["graph", "exhaustive-unshadowed"]);
+    assert!(drawn.status.success() && err(&drawn).is_empty(), "{}", err(&drawn));
+}
+
+#[test]
+fn a_study_tells_names_that_could_mean_another_file() {
+    let study = "Study(about: \"x\", scenes: [\"cornell-box\"], pipelines: [\"ism\", \"tcas\"], output: \"display\", \
+                 size: (8, 8), budget: Frames(1), measures: [\"gpu-ms\"])";
+    let mine = folder(&[("s.ron", study), ("ism.ron", "Pipeline(extends: \"ism.ron\", about: \"mine\")")]);
+    let told = out(&lightloom(mine.path(), &["check", "s.ron"]));
+    assert!(
+        told.contains("note[W002]: `ism` means `ism.ron`, and there is `pipelines/ism.ron` too"),
+        "{told}"
+    );
+    assert_eq!(told.matches("W002").count(), 1, "{told}");
+}
+
+#[test]
+fn advised_numbers_of_lights_are_taken() {
+    let told = err(&lightloom(&root(), &["graph", "ism-invtm", "--set", "lights=2000000"]));
+    let advice = "at most 65535 virtual lights, since `shadows/fill` takes no more";
+    assert!(told.contains("E025") && told.contains(advice), "{told}");
+    let taken = lightloom(&root(), &["graph", "ism-invtm", "--set", "lights=65535"]);
+    assert!(taken.status.success(), "{}", err(&taken));
+    // The pass that refuses has a history buffer, whose size is not known yet when it does.
+    let told = err(&lightloom(&root(), &["graph", "smc-ir", "--set", "lights=2000000"]));
+    assert!(told.contains("E025") && told.contains("virtual lights") && !told.contains("E051"), "{told}");
 }
 
 /// The examples are whole folders: nothing in them is found by where the tree is.

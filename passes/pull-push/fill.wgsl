@@ -9,7 +9,7 @@ struct Settings {
     visibility_tile: u32,
     visibility_columns: u32,
     visibility_rows: u32,
-    /// The first of these maps; the finest level, where it is bound, begins with it.
+    /// The first map of the dispatch; what is bound of maps and of pyramids begins with it.
     first_map: u32,
     /// How many maps there are. The atlas has room for more, where nothing is.
     maps: u32,
@@ -20,13 +20,13 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read> depth: array<u32>;
-/// The pyramid, which begins with level 1.
+/// The pyramids of a window, which begin with level 1.
 var<storage, read> level_1: array<f32>;
 var visibility_atlas: texture_storage_2d_array<r32float, write>;
 
 fn coarse(map: u32, x: u32, y: u32) -> f32 {
     let side = settings.coarse_side;
-    let value = level_1[(map * side + y) * side + x];
+    let value = level_1[((map - settings.first_map) * side + y) * side + x];
     return select(NOTHING, value, max(x, y) < side);
 }
 

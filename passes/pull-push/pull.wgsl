@@ -14,8 +14,6 @@ struct Settings {
     coarse_begin: u32,
     /// 2^l of the finer level.
     scale: f32,
-    /// The first of these maps; the finest level, where it is bound, begins with it.
-    first_map: u32,
     /// Distances are averaged if they differ by less than this fraction of the scene's extent, doubled with each level;
     /// otherwise the coarser texel is a hole. Larger: holes close at silhouettes, but surfaces mix. By the median, only
     /// the middle two of an even number are averaged.
@@ -24,6 +22,7 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
+/// The maps and the pyramids of a window: both begin with the first map of the dispatch.
 var<storage, read> depth: array<u32>;
 var<storage, read_write> pyramid: array<f32>;
 
@@ -31,21 +30,21 @@ fn fine(map: u32, texel: vec2<u32>) -> f32 {
     let side = settings.fine_side;
 #if FINEST
     // +∞ is a hole.
-    let value = min(bitcast<f32>(depth[((map - settings.first_map) * side + texel.y) * side + texel.x]), NOTHING);
+    let value = min(bitcast<f32>(depth[(map * side + texel.y) * side + texel.x]), NOTHING);
 #else
     let value = pyramid[settings.fine_begin + (map * side + texel.y) * side + texel.x];
 #endif
     return select(NOTHING, value, all(texel < vec2(side)));
 }
 
-/// One thread per coarse texel; z counts maps from the first.
+/// One thread per coarse texel; z is the map, from the first of the window.
 @compute @workgroup_size(8, 8)
 fn pull(@builtin(global_invocation_id) id: vec3<u32>) {
     let side = settings.coarse_side;
     if any(id.xy >= vec2(side)) {
         return;
     }
-    let map = settings.first_map + id.z;
+    let map = id.z;
     let corner = id.xy * 2u;
     let values = vec4(
         fine(map, corner),

@@ -17,6 +17,7 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
+/// The pyramids of a window, level 1 first.
 var<storage, read_write> pyramid: array<f32>;
 
 fn coarse(map: u32, x: u32, y: u32) -> f32 {
@@ -25,7 +26,7 @@ fn coarse(map: u32, x: u32, y: u32) -> f32 {
     return select(NOTHING, value, max(x, y) < side);
 }
 
-/// One thread per fine texel; z is the map.
+/// One thread per fine texel; z is the map, from the first of the window.
 @compute @workgroup_size(8, 8)
 fn push(@builtin(global_invocation_id) id: vec3<u32>) {
     let side = settings.fine_side;

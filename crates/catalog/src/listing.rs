@@ -2,7 +2,7 @@
 
 use crate::{Catalog, SceneAssets};
 use frame_graph::resolve::Files;
-use frame_graph::{Overrides, resolve};
+use frame_graph::{Overrides, Resolved, resolve};
 
 /// A pipeline or a scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,15 +16,26 @@ pub struct Named {
 impl Catalog {
     /// Returns the pipelines, sorted by name. Parts of pipelines are left out: those with inputs, and all of `parts/`.
     pub fn list_pipelines(&self) -> Vec<Named> {
+        self.listed(false)
+    }
+
+    /// Returns the parts of pipelines, which others use by `Sub(file: …)`, sorted by name: those with inputs, and all of
+    /// `parts/`.
+    pub fn list_parts(&self) -> Vec<Named> {
+        self.listed(true)
+    }
+
+    fn listed(&self, parts: bool) -> Vec<Named> {
         let files = self.pipelines();
-        let whole = files.list().into_iter().filter(|path| path.split('/').all(|part| part != "parts"));
-        sorted(whole.filter_map(|path| {
-            let about = match resolve(&path, files, &Overrides::default()) {
-                Ok(resolved) if resolved.is_part() => return None,
-                Ok(resolved) => Some(resolved.about().unwrap_or_default().to_owned()),
-                Err(_) => None,
-            };
-            Some(Named { name: path.trim_end_matches(".ron").to_owned(), about })
+        sorted(files.list().into_iter().filter_map(|path| {
+            let in_parts = path.split('/').any(|part| part == "parts");
+            if in_parts && !parts {
+                return None;
+            }
+            let resolved = resolve(&path, files, &Overrides::default()).ok();
+            let is_part = in_parts || resolved.as_ref().is_some_and(Resolved::is_part);
+            let about = resolved.map(|resolved| resolved.about().unwrap_or_default().to_owned());
+            (is_part == parts).then(|| Named { name: path.trim_end_matches(".ron").to_owned(), about })
         }))
     }
 

@@ -181,7 +181,12 @@ const SECTIONS: &[Section] = &[
         "Examples are in `crates/study/tests/broken` and `crates/study/tests/snapshots`.",
         study::CODES,
     ),
-    ("Warnings and notes", "With these, everything runs; `lightloom check` tells them.", warning::CODES),
+    (
+        "Warnings and notes",
+        "With these, everything runs. `lightloom check` tells all of them; `render`, `graph` and `study` tell warnings, \
+         and W002, on standard error.",
+        warning::CODES,
+    ),
 ];
 
 /// Returns every code there is.

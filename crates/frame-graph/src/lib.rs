@@ -136,8 +136,8 @@ pub use interface::{Content, Fact, FactDecl, FactValue, Figure, Interface, Membe
 pub use link::{Graph, LinkContext, link};
 pub use plan::{Plan, PlanId};
 pub use port::{
-    Facts, HandedOn, InputPort, Module, OutputContext, OutputDesc, OutputPort, PassTypeError, PassTypes,
-    Ports, SceneBindings, Usage, Use,
+    Facts, HandedOn, InputPort, Limit, Module, OutputContext, OutputDesc, OutputPort, PassTypeError,
+    PassTypes, Ports, SceneBindings, Usage, Use,
 };
 pub use resolve::{
     Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description, variant,

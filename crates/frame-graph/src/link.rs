@@ -5,6 +5,7 @@ mod checks;
 mod cycle;
 mod handed;
 mod joints;
+mod limits;
 mod needs;
 mod sizes;
 mod switches;

@@ -367,7 +367,7 @@ pub struct PassTypeError {
     /// What is wrong, and what was expected.
     pub message: String,
     /// The setting at fault, for the place in the file.
-    pub setting: Option<String>,
+    pub setting: Option<Box<str>>,
     /// The input at fault, for the place in the file.
     pub input: Option<String>,
     /// The output whose `out:` declaration is at fault, for the place in the file.
@@ -376,6 +376,22 @@ pub struct PassTypeError {
     pub shader: bool,
     /// What to do about it.
     pub help: Option<String>,
+    /// The fact that is too great, and up to which value it is taken.
+    pub limit: Option<Box<Limit>>,
+}
+
+/// The most that a pass type takes of something that a fact of an input counts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// The input.
+    pub input: String,
+    /// The fact's name.
+    pub fact: &'static str,
+    /// The greatest value with which this pass type does not refuse the use.
+    pub most: u32,
+    /// What is counted, as a user calls it: `virtual lights`. Limits of several passes on the same things have the same
+    /// text.
+    pub what: &'static str,
 }
 
 impl PassTypeError {
@@ -391,7 +407,7 @@ impl PassTypeError {
 
     /// Creates an error of one setting.
     pub fn setting(name: &str, message: impl Into<String>) -> PassTypeError {
-        PassTypeError { message: message.into(), setting: Some(name.to_owned()), ..PassTypeError::default() }
+        PassTypeError { message: message.into(), setting: Some(name.into()), ..PassTypeError::default() }
     }
 
     /// Creates an error of one input.
@@ -412,6 +428,14 @@ impl PassTypeError {
     /// Adds advice to the message.
     pub fn help(mut self, help: impl Into<String>) -> PassTypeError {
         self.help = Some(help.into());
+        self
+    }
+
+    /// Says that the use is refused because a fact of an input is above `most`, which counts `what`: `virtual lights`.
+    /// Linking asks the passes that follow as well, and advises the greatest value that all of them take.
+    pub fn limit(mut self, input: &str, fact: Fact<u32>, most: u64, what: &'static str) -> PassTypeError {
+        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        self.limit = Some(Box::new(Limit { input: input.to_owned(), fact: fact.name, most, what }));
         self
     }
 }

@@ -287,12 +287,12 @@ impl StepLinker<'_> {
             let found: Vec<String> =
                 entries.iter().map(|e| format!("`{}` ({:?})", e.name, e.stage)).collect();
             let has = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
-            self.error(
-                &codes::ENTRY,
-                format!("{} has no {stage:?} entry point `{name}`", request.path),
-                Some(shader.start()),
-                vec![format!("it has {has}")],
-            )
+            let (file, variant) = (self.file(request), shader.variant());
+            let of_variant =
+                if variant.is_empty() { String::new() } else { format!("in the variant {variant} ") };
+            let notes = vec![format!("{of_variant}it has {has}")];
+            let message = format!("{file} has no {stage:?} entry point `{name}`");
+            self.error(&codes::ENTRY, message, Some(shader.place_of_name(file, name)), notes)
         })
     }
 

@@ -30,7 +30,7 @@ pub use error::RenderError;
 pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, Timings, wgpu};
 pub use figures::PortFigures;
 pub use interfaces::progress::Progress;
-pub use provenance::{Provenance, RecordedCamera, RecordedLight, parse_value};
+pub use provenance::{Provenance, RecordedCamera, RecordedLight, is_path_from, parse_value};
 pub use reload::{Reload, reload_all};
 pub use shared::SharedScene;
 

@@ -6,7 +6,7 @@ use metrics::{Display, FileFormat};
 use scene::{Camera, Light, LightKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The record kept with every picture, as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +54,10 @@ pub struct Provenance {
     /// How linear light became display light, in a file that holds display light.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub display: Option<Display>,
+    /// The working folder, where the names of the pipeline or the scene are paths from it: from the folder of the picture
+    /// if that is below, so that both can be moved, else from the root of the disk.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub folder: Option<String>,
 }
 
 /// A [`Camera`] in a record: its places are relative to the [`Scene::origin`](scene::Scene::origin) of the scene, which
@@ -186,14 +190,39 @@ impl Provenance {
                 Clock::Scene | Clock::Step(_) => None,
             },
             display: None,
+            folder: None,
         }
     }
 
-    /// Records how the picture goes into a file: by `display` where the file holds display light, else as it is.
+    /// Records how the picture goes into a file, by `display` where the file holds display light, else as it is; and where
+    /// the pipeline and the scene are from there, where they are files.
     #[must_use]
     pub fn written_to(mut self, path: &Path, display: Display) -> Provenance {
         self.display = FileFormat::of(path).filter(|format| format.is_display_referred()).map(|_| display);
+        let here = std::env::current_dir().ok();
+        let is_path = |name: &String| is_path_from(Path::new("."), name);
+        self.folder = here
+            .filter(|_| is_path(&self.pipeline) || is_path(&self.scene))
+            .map(|here| way_back(&here, path).to_string_lossy().into_owned());
         self
+    }
+
+    /// Returns the folders from which the names of the record may be paths, the likeliest first: the working folder, that
+    /// of the record, and that of the picture, which is at `picture`.
+    pub fn folders(&self, picture: &Path) -> Vec<PathBuf> {
+        let own = picture.parent().filter(|own| !own.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        // The root of the disk holds all files, which the files of a picture from elsewhere could then name.
+        let recorded = self.folder.as_ref().and_then(|folder| own.join(folder).canonicalize().ok());
+        let recorded = recorded.filter(|folder| folder.parent().is_some());
+        let mut folders: Vec<PathBuf> = Vec::new();
+        for folder in
+            [Path::new(".").canonicalize().ok(), recorded, own.canonicalize().ok()].into_iter().flatten()
+        {
+            if !folders.contains(&folder) {
+                folders.push(folder);
+            }
+        }
+        folders
     }
 
     /// Gives a renderer the camera, the lights and the time of the record, where it has them.
@@ -253,6 +282,21 @@ impl Provenance {
         }
         lines
     }
+}
+
+/// Returns whether a name of a record is the path of a file from a folder, also where its ending `.ron` is left out.
+pub fn is_path_from(folder: &Path, name: &str) -> bool {
+    let path = folder.join(name);
+    Path::new(name).is_relative() && (path.is_file() || folder.join(format!("{name}.ron")).is_file())
+}
+
+/// The way from the folder of a file to a folder `here`: of `..` where that is around the file, else `here` itself.
+fn way_back(here: &Path, file: &Path) -> PathBuf {
+    let folder = file.parent().map(|folder| here.join(folder));
+    let folder = folder.and_then(|folder| folder.canonicalize().ok());
+    let inside = folder.zip(here.canonicalize().ok());
+    let inside = inside.and_then(|(folder, here)| Some(folder.strip_prefix(here).ok()?.components().count()));
+    inside.map_or_else(|| here.to_owned(), |depth| std::iter::repeat_n("..", depth).collect())
 }
 
 /// Parses a value from the text of a command line: a boolean, an integer, a real number, a vector as `(x, y, z)`,

@@ -118,11 +118,16 @@ impl Composed {
         let mut notes: Vec<String> = notes.into_iter().collect();
         notes.extend(import_chain(&self.origins, &labels[0].span.source.name));
         if !self.values.is_empty() {
-            let values: Vec<String> =
-                self.values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-            notes.push(format!("in the variant {}", values.join(", ")));
+            notes.push(format!("in the variant {}", self.variant()));
         }
         Diagnostic { labels, notes, ..Diagnostic::new(code, message) }
+    }
+
+    /// The values of the options.
+    pub(crate) fn variant(&self) -> String {
+        let values: Vec<String> =
+            self.values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+        values.join(", ")
     }
 }
 

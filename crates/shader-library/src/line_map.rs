@@ -1,7 +1,9 @@
 //! From a byte of the composed text back to the byte of the file it came from.
 
+use crate::files;
 use data_file::{Source, Span};
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 /// The origin of each byte of a composed text.
@@ -62,6 +64,12 @@ impl LineMap {
         }
         let byte = (piece.range.start + (at - piece.composed)).min(piece.range.end);
         Some((&piece.source, byte..(byte + 1).min(piece.range.end)))
+    }
+
+    /// The file that was requested as `path`, from whichever root, where anything came from it.
+    pub(crate) fn source(&self, path: &str) -> Option<&Arc<Source>> {
+        let path = files::normalise(path)?;
+        self.pieces.iter().map(|piece| &piece.source).find(|source| Path::new(&source.name).ends_with(&path))
     }
 
     /// The place in the user's file of a range of the composed text. A range that runs over into another file

@@ -102,6 +102,19 @@ impl Shader {
         span(&self.composed.main, 0..0)
     }
 
+    /// Returns the place in one of its files, or else in the file that was requested, where a name first stands: in any
+    /// variant of the file. Where it does not stand there, this is the file's first byte.
+    pub fn place_of_name(&self, file: &str, name: &str) -> Span {
+        let source = self.composed.map.source(file).unwrap_or(&self.composed.main);
+        let range = scan::find_word(&source.text, name).map_or(0..0, |at| at..at + name.len());
+        span(source, range)
+    }
+
+    /// Returns the values of the options of this variant, as `A = true, B = 2`; empty where there are no options.
+    pub fn variant(&self) -> String {
+        self.composed.variant()
+    }
+
     /// Returns the names of the resources that the functions of the requested file use, with all that they call:
     /// what a module adds to the shader that imports it. Functions of imports count where they
     /// are called.

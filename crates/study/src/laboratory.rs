@@ -39,6 +39,13 @@ pub trait Registry {
         None
     }
 
+    /// Returns the path of the file that a name would mean if there were none at `own`, in the folder of the study: a scene
+    /// (`folder` is `scenes`) or a pipeline (`pipelines`) of the roots that is another one. The default is that there is none.
+    fn shadowed(&self, folder: &str, name: &str, own: &str) -> Option<String> {
+        let _ = (folder, name, own);
+        None
+    }
+
     /// Returns the folders on disk in which files may be that a study names, beside its own folder and the working
     /// folder. The default is that there are none.
     fn roots(&self) -> Vec<PathBuf> {

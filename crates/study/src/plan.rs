@@ -1,6 +1,7 @@
 //! Derives the cells of a study: every name is looked up and every value checked before anything runs.
 
 mod check;
+mod names;
 
 use crate::description::{
     At, Budget, Group, Phase, Reference, SEED, SIZE, Study, StudyFigure, Vary, size_of,
@@ -8,8 +9,9 @@ use crate::description::{
 use crate::laboratory::{PipelineFacts, Registry, RunRequest, SceneFacts, Values};
 use crate::measure::Measure;
 use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord};
-use check::{Checker, located};
+use check::Checker;
 use frame_graph::{Diagnostics, Setting};
+use names::located;
 use std::collections::{BTreeMap, HashSet};
 
 /// A study with all names resolved.
@@ -27,6 +29,8 @@ pub struct Plan {
     pub measures: Vec<Measure>,
     /// The differences of each pipeline from the first.
     pub differences: Vec<Difference>,
+    /// What is no error: names that mean a file beside the study, and could mean one of the roots.
+    pub notes: Diagnostics,
     /// The cells, ordered by scene, pipeline, axes, seed.
     pub cells: Vec<PlannedCell>,
     pub(crate) references: Vec<PlannedReference>,
@@ -113,7 +117,7 @@ impl Plan {
         checker.claims(&pipelines);
         let combinations =
             checker.combinations(MOST_CELLS, scenes.len() * pipelines.len() * study.seeds.len());
-        checker.finish()?;
+        let notes = checker.finish()?;
         let measures = study.measures.iter().map(|at| at.value).collect();
         let records: Vec<PipelineRecord> = pipelines.iter().map(|pipeline| pipeline.record.clone()).collect();
         let differences = differences(registry, &pipelines);
@@ -126,6 +130,7 @@ impl Plan {
             axes,
             measures,
             differences,
+            notes,
             cells: Vec::new(),
             references: Vec::new(),
             meant,

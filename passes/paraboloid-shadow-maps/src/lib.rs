@@ -100,10 +100,13 @@ impl Pass for ParaboloidShadowMaps {
                 ParaboloidShadowMapsSettings::map,
                 format!("{count} maps of {tile}² do not fit in {layers} layers of {side}² texels"),
             )
-            .help(format!(
-                "take smaller maps, or at most {} virtual lights",
-                AtlasLayout::most(tile, side)
-            )));
+            .help("take smaller maps")
+            .limit(
+                "lights",
+                virtual_lights::COUNT,
+                AtlasLayout::most(tile, side),
+                "virtual lights",
+            ));
         };
         let bias = DEPTH_BIAS.times(DepthBiasSettings::read(cx.settings).depth_bias);
         // One layer after the other.

@@ -18,7 +18,7 @@ pub const PASS: &dyn Pass = &PullPush { side: AtlasLayout::SIDE, window: LARGEST
 pub struct PullPush {
     /// The greatest side of a layer of the atlas \[px\].
     pub side: u32,
-    /// The bytes of the splatted maps that a step binds at most.
+    /// The bytes of the splatted maps that a step binds at most; of their pyramids it binds those of the same maps.
     pub window: u64,
 }
 
@@ -41,11 +41,15 @@ pass::settings! {
     }
 }
 
-/// The pyramids of all maps without their finest levels: one buffer, level 1 first.
+/// The pyramids of the maps of a window without their finest levels, level 1 first. Those of one window after those of
+/// another make one buffer.
 #[derive(Clone, Copy)]
 struct Pyramid {
     tile: u32,
+    /// How many maps there are.
     count: u32,
+    /// Levels above the maps.
+    levels: u32,
 }
 
 impl Pyramid {
@@ -59,6 +63,17 @@ impl Pyramid {
         (1..level).map(|finer| self.count * self.side(finer).pow(2)).sum()
     }
 
+    /// Bytes of this many maps.
+    fn bytes(self, maps: u32) -> u64 {
+        let texels: u64 = (1..=self.levels).map(|level| u64::from(self.side(level)).pow(2)).sum();
+        u64::from(maps) * texels * 4
+    }
+
+    /// The bytes of a window in the buffer; they begin where a window can.
+    fn window(self, maps: &Range<u32>) -> Range<u64> {
+        self.bytes(maps.start)..self.bytes(maps.end).next_multiple_of(16)
+    }
+
     /// A step between a level and the coarser one, with one thread per texel of level `threads` of these maps.
     fn step(
         self,
@@ -70,8 +85,8 @@ impl Pyramid {
     ) -> Compute {
         let side = self.side(threads);
         let begin = |level| Value::U32(self.begin(level));
-        Compute::new(shader, entry, Threads::Grid([side, side, maps.end - maps.start]))
-            .value("first_map", Value::U32(maps.start))
+        Compute::new(shader, entry, Threads::Grid([side, side, self.count]))
+            .window("pyramid", self.window(maps))
             .value("fine_side", Value::U32(self.side(finer)))
             .value("coarse_side", Value::U32(self.side(finer + 1)))
             .value("fine_begin", begin(finer))
@@ -112,38 +127,38 @@ impl Pass for PullPush {
         let layout = AtlasLayout::new(count, tile, self.side).filter(|_| count <= MAX_GROUPS);
         let layout = layout.ok_or_else(|| {
             PassTypeError::input("depth", format!("{count} maps of {tile}² are more than an atlas holds"))
-                .help(format!("take smaller maps, or at most {most} virtual lights"))
+                .help("take smaller maps")
+                .limit("depth", depth_atlas::COUNT, most, "virtual lights")
         })?;
         let bias = DepthBias {
             depth: cx.fact("depth", depth_atlas::DEPTH_BIAS)?,
             slope: cx.fact("depth", depth_atlas::SLOPE_BIAS)?,
         };
-        let texels = Pyramid { tile, count }.begin(PullPushSettings::read(cx.settings).levels + 1);
-        let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(u64::from(texels) * 4));
+        let levels = PullPushSettings::read(cx.settings).levels;
+        let bytes = Pyramid { tile, count, levels }.bytes(count);
+        let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(bytes));
         Ok(vec![layout.visibility(bias), pyramid])
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let levels = PullPushSettings::read(cx.settings).levels;
         let (tile, count) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
-        let pyramid = Pyramid { tile, count };
+        let pyramid = |maps: &Range<u32>| Pyramid { tile, count: maps.end - maps.start, levels };
         let mut recording = Recording::default();
         let windows = depth_atlas::windows(count, tile, 1, self.window);
         let shader = |finest| cx.shader(PULL, &[("FINEST", Define::Bool(finest)), cx.option(PULL_BY)]);
-        if levels > 0 {
-            recording = recording.then_all(windows.iter().map(|window| {
-                let step = pyramid.step(0, 1, &window.maps, shader(true), "pull");
-                step.window("depth", window.bytes.clone())
-            }));
+        for depth_atlas::Window { maps, bytes } in &windows {
+            let pyramid = pyramid(maps);
+            for finer in 0..levels {
+                let step = pyramid.step(finer, finer + 1, maps, shader(finer == 0), "pull");
+                recording =
+                    recording.then(if finer == 0 { step.window("depth", bytes.clone()) } else { step });
+            }
+            for finer in (1..levels).rev() {
+                recording = recording.then(pyramid.step(finer, finer, maps, cx.shader(PUSH, &[]), "push"));
+            }
         }
-        for finer in 1..levels {
-            recording = recording.then(pyramid.step(finer, finer + 1, &(0..count), shader(false), "pull"));
-        }
-        for finer in (1..levels).rev() {
-            let step = pyramid.step(finer, finer, &(0..count), cx.shader(PUSH, &[]), "push");
-            recording = recording.then(step);
-        }
-        let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, pyramid.count));
+        let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, count));
         let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
         // What is left of the atlas after the last map holds nothing.
         let rest = count..layout.layers() * layout.maps_of_layer();
@@ -151,11 +166,13 @@ impl Pass for PullPush {
         let of_rest = windows.last().map(|window| (rest, window));
         for (maps, window) in of_windows.chain(of_rest).filter(|(maps, _)| !maps.is_empty()) {
             let shader = cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]);
+            let pyramid = pyramid(&window.maps);
             let fill = Compute::new(shader, "fill", Threads::Grid([tile, tile, maps.len() as u32]))
                 .value("first_map", Value::U32(maps.start))
                 .value("maps", Value::U32(count))
                 .value("coarse_side", Value::U32(pyramid.side(1)))
                 .bind("level_1", "pyramid")
+                .window("level_1", pyramid.window(&window.maps))
                 .window("depth", window.bytes.clone());
             recording = recording.then(fill);
         }

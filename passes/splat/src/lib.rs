@@ -120,7 +120,8 @@ impl Pass for Splat {
                 SplatSettings::map,
                 format!("{count} maps of {tile}² have more than 2³² texels"),
             )
-            .help(format!("take smaller maps, or at most {most} virtual lights")));
+            .help("take smaller maps")
+            .limit("lights", virtual_lights::COUNT, most, "virtual lights"));
         }
         // Surfels store the distances of the centres of texels, and a box that of the middle of a splat, of the usual two to
         // four texels.

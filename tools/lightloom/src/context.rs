@@ -19,6 +19,7 @@ impl Context {
     /// With the folder given, or the tree that the working folder is in, or the files built in alone.
     pub(crate) fn new(root: Option<PathBuf>, json: bool, phases: Phases) -> Context {
         let root = root.or_else(|| Assets::find_root(&std::env::current_dir().ok()?));
+        let root = root.map(|root| std::path::absolute(&root).unwrap_or(root));
         Context { catalog: Arc::new(Catalog::new(Assets::new(root))), json, phases }
     }
 

@@ -1,20 +1,23 @@
 //! How results and failures are printed.
 
 use anyhow::{Context as _, Result};
-use frame_graph::Diagnostics;
+use frame_graph::codes::warning::SHADOWED;
+use frame_graph::{Diagnostic, Diagnostics, Severity};
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer::RenderError;
 use scene::SceneError;
 use serde_json::{Value, json};
-use std::io::{ErrorKind, Write as _};
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
-/// Prints a line on standard output. Where its reader has gone (`lightloom passes | head`), there is nothing
-/// left to do. Where it cannot be written for another reason, such as a full disk, the program has failed.
+/// Prints a line on standard output. Where its reader has gone (`lightloom check | head`), nobody is left to be told, and
+/// the exit code is still that of what was done. Where it cannot be written for another reason, such as a full disk, the
+/// program has failed.
 pub(crate) fn line(text: std::fmt::Arguments<'_>) {
     match writeln!(std::io::stdout(), "{text}") {
         Ok(()) => {}
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => std::process::exit(0),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
         Err(error) => {
             failure(&anyhow::Error::new(error).context("standard output cannot be written"), false);
             std::process::exit(1);
@@ -38,6 +41,18 @@ macro_rules! say {
     ($($text:tt)*) => { $crate::output::line(format_args!($($text)*)) };
 }
 pub(crate) use say;
+
+/// Prints what is no error of a pipeline that is run, on standard error: warnings, and names that could mean two files; as
+/// JSON, `{ "warnings": [ … ] }`. That an input which may be left out was left out is for `check` to tell.
+pub(crate) fn warn(of: &Diagnostics, as_json: bool) {
+    let is_told = |told: &&Diagnostic| told.severity > Severity::Note || told.code == SHADOWED.code;
+    let told: Vec<Diagnostic> = of.0.iter().filter(is_told).cloned().collect();
+    match Diagnostics(told) {
+        told if told.0.is_empty() => {}
+        told if as_json => tell!("{:#}", json!({ "warnings": told.to_json() })),
+        told => tell!("{told}"),
+    }
+}
 
 /// Prints an error with its causes, each said once; as JSON, `{ "errors": [ … ] }` on standard error.
 pub(crate) fn failure(error: &anyhow::Error, as_json: bool) {
@@ -109,6 +124,40 @@ pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
         .with_message(what.to_owned())
 }
 
+/// Least time between two lines of progress.
+const BETWEEN_LINES: Duration = Duration::from_secs(10);
+
+/// When to print a line about work that goes on, where standard error is no terminal on which a bar could show it.
+pub(crate) struct Pace {
+    /// Since when nothing was printed; `None` on a terminal.
+    since: Option<Instant>,
+}
+
+impl Pace {
+    /// A line now and then.
+    pub(crate) fn new() -> Pace {
+        Pace { since: (!std::io::stderr().is_terminal()).then(Instant::now) }
+    }
+
+    /// Says that something was printed.
+    pub(crate) fn restart(&mut self) {
+        self.since = self.since.map(|_| Instant::now());
+    }
+
+    /// Returns whether it is time for a line; if so, the next is due later.
+    pub(crate) fn is_due(&mut self) -> bool {
+        self.is_due_at(Instant::now())
+    }
+
+    fn is_due_at(&mut self, now: Instant) -> bool {
+        let due = self.since.is_some_and(|since| now.duration_since(since) >= BETWEEN_LINES);
+        if due {
+            self.since = Some(now);
+        }
+        due
+    }
+}
+
 /// Writes a file, whole or not at all.
 pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
     whole_file::write(path, text).with_context(|| format!("{} was not written", path.display()))
@@ -117,4 +166,17 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
 /// Prints JSON.
 pub(crate) fn json(value: &serde_json::Value) {
     say!("{value:#}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_due_now_and_then_where_there_is_no_terminal() {
+        let start = Instant::now();
+        let due = |pace: &mut Pace| [9, 10, 19, 21].map(|s| pace.is_due_at(start + Duration::from_secs(s)));
+        assert_eq!(due(&mut Pace { since: Some(start) }), [false, true, false, true]);
+        assert_eq!(due(&mut Pace { since: None }), [false; 4]);
+    }
 }

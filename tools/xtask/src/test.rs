@@ -6,7 +6,7 @@ use crate::{gpu, optional};
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// Tests that run at once on a renderer on the CPU, where each of them takes all cores already.
@@ -23,6 +23,7 @@ pub fn run(root: &Path, consent: Consent) -> Result<()> {
 
     let mut command = cargo(root, "test");
     command.args(["--locked", "--workspace", "--no-fail-fast"]).stdout(Stdio::piped());
+    quieten_mesa(&mut command, std::env::var_os("XDG_RUNTIME_DIR").is_some());
     if gpu::on_cpu(&adapters) && std::env::var_os("RUST_TEST_THREADS").is_none() {
         command.env("RUST_TEST_THREADS", THREADS_ON_CPU);
     }
@@ -45,6 +46,14 @@ pub fn run(root: &Path, consent: Consent) -> Result<()> {
         bail!("not all tests pass");
     }
     Ok(())
+}
+
+/// Turns off the Vulkan layer of Mesa that asks Wayland which device to prefer: where there is no runtime folder it can ask
+/// nothing, and prints an error in each process that opens a device.
+fn quieten_mesa(command: &mut Command, has_runtime_folder: bool) {
+    if !has_runtime_folder {
+        command.env("NODEVICE_SELECT", "1");
+    }
 }
 
 /// What the tests said.
@@ -89,6 +98,16 @@ impl std::fmt::Display for Summary {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn mesa_asks_no_wayland_where_there_is_none() {
+        for (has_runtime_folder, expected) in [(false, Some("1")), (true, None)] {
+            let mut command = Command::new("cargo");
+            quieten_mesa(&mut command, has_runtime_folder);
+            let set = command.get_envs().find(|(name, _)| *name == "NODEVICE_SELECT");
+            assert_eq!(set.and_then(|(_, value)| value?.to_str()), expected);
+        }
+    }
 
     #[test]
     fn the_summary_adds_up_over_binaries() {

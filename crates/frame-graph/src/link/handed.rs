@@ -101,7 +101,7 @@ impl Linker<'_> {
         }
     }
 
-    fn is_on_now(&self, node: usize) -> bool {
+    pub(super) fn is_on_now(&self, node: usize) -> bool {
         self.on[node] != Some(false)
     }
 

@@ -49,7 +49,7 @@ impl<'a> Linker<'a> {
             waiting |= !question.whole;
             match self.answer(i, question, &ports, &mut answers) {
                 Ok(found) => ports[i] = Some(found),
-                Err(unknown) => self.note_unknown(i, unknown, false),
+                Err(unknown) => self.note_unknown(i, unknown, false, order, &ports),
             }
         }
         if waiting && self.errors.is_empty() {
@@ -90,7 +90,7 @@ impl<'a> Linker<'a> {
             }
             if !changed || last {
                 for (i, why) in unknown {
-                    self.note_unknown(i, why, true);
+                    self.note_unknown(i, why, true, order, ports);
                 }
                 return;
             }
@@ -99,15 +99,22 @@ impl<'a> Linker<'a> {
 
     /// Reports why the outputs of a pass are not known. A pass that is off is checked where something reads what replaces
     /// it.
-    fn note_unknown(&mut self, node: usize, unknown: Unknown, settled: bool) {
+    fn note_unknown(
+        &mut self,
+        node: usize,
+        unknown: Unknown,
+        settled: bool,
+        order: &[u32],
+        ports: &[Described],
+    ) {
         if !self.is_on(node) {
             return;
         }
         match unknown {
             Unknown::Wrong(error) => self.errors.push(error),
             Unknown::Refused(error) => {
-                let node = &self.nodes[node];
-                self.refused(node, &error);
+                let error = self.advised(node, error, order, ports);
+                self.refused(&self.nodes[node], &error);
             }
             Unknown::Waits(error) if settled => {
                 let past = self.wires_now(node).iter().find(|wire| wire.end.past.is_some());
@@ -129,12 +136,12 @@ impl<'a> Linker<'a> {
 
     /// Returns the wires that determine the outputs of a pass. A pass that is off is described as if all
     /// passes were on: what replaces it must have the same shape.
-    fn describing_wires(&self, node: usize) -> &[Wire<'a>] {
+    pub(super) fn describing_wires(&self, node: usize) -> &[Wire<'a>] {
         if self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] }
     }
 
     /// Returns the question to a pass type about the outputs of a node; `None` if the node is no pass.
-    fn question(&self, node: usize, ports: &[Described]) -> Option<Question> {
+    pub(super) fn question(&self, node: usize, ports: &[Described]) -> Option<Question> {
         let mut question = Question::of(self.uses[node].as_ref()?);
         for wire in self.describing_wires(node) {
             question.link(wire, ports[wire.end.node as usize].as_ref());
@@ -143,7 +150,7 @@ impl<'a> Linker<'a> {
     }
 
     /// Returns the outputs of a pass: the known answer to an equal question, or that of the pass type.
-    fn answer(
+    pub(super) fn answer(
         &self,
         node: usize,
         question: Question,
@@ -190,8 +197,11 @@ impl<'a> Linker<'a> {
 
     /// Asks the pass type for its outputs, and computes their sizes.
     fn describe(&self, node: usize, whole: bool, inputs: &[InputDesc]) -> Result<Vec<GraphPort>, Unknown> {
-        let waits =
-            |error: PassTypeError| if whole { Unknown::Refused(error) } else { Unknown::Waits(error) };
+        // A fact that is too great is known, whatever else is not.
+        let waits = |error: PassTypeError| match whole || error.limit.is_some() {
+            true => Unknown::Refused(error),
+            false => Unknown::Waits(error),
+        };
         let (Some(used), decl) = (&self.uses[node], &self.nodes[node].decl) else {
             return Ok(Vec::new());
         };

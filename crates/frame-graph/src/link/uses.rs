@@ -202,7 +202,8 @@ impl<'a> Linker<'a> {
     pub(super) fn refused(&mut self, node: &Node, error: &PassTypeError) {
         let decl = &node.decl;
         let Body::Pass { kind, shader } = &decl.body else { return };
-        let setting = error.setting.as_ref().and_then(|name| decl.set.iter().find(|s| s.name.value == *name));
+        let setting =
+            error.setting.as_ref().and_then(|name| decl.set.iter().find(|s| s.name.value == **name));
         let link = error.input.as_ref().and_then(|name| decl.link(name));
         let out = error.output.as_ref().and_then(|name| decl.outs.iter().find(|o| o.port.value == **name));
         let place = setting.map(|s| s.place).or(link.map(|l| l.place)).or(out.map(|o| o.port.place));

@@ -151,6 +151,33 @@ impl TestPassTypes {
                 },
             ),
             kind(
+                "splat",
+                vec![setting("map", Value::U32(8), 1.0, 512.0, &[])],
+                ports(&["lights: Lights"], &["maps: Lights"], none),
+                |c| {
+                    let (count, map) = (c.fact("lights", COUNT)?, given(c, "map").as_u32().unwrap());
+                    if count > 8192 / map {
+                        let error = PassTypeError::setting("map", format!("{count} maps are too many"));
+                        let most = u64::from(8192 / map);
+                        return Err(error.help("take smaller maps").limit("lights", COUNT, most, "lights"));
+                    }
+                    Ok(vec![OutputDesc::one("maps", ResourceDesc::buffer(64)).fact(COUNT, count)])
+                },
+            ),
+            kind(
+                "fill",
+                vec![setting("most", Value::U32(100), 0.0, 65536.0, &[])],
+                ports(&["maps: Lights", "past?: Visibility"], &["atlas: Visibility"], none),
+                |c| {
+                    let (count, most) = (c.fact("maps", COUNT)?, given(c, "most").as_u32().unwrap());
+                    if count > most {
+                        let error = PassTypeError::input("maps", format!("{count} maps are too many"));
+                        return Err(error.limit("maps", COUNT, u64::from(most), "lights"));
+                    }
+                    Ok(vec![OutputDesc::one("atlas", ResourceDesc::buffer(64))])
+                },
+            ),
+            kind(
                 "gather",
                 vec![],
                 ports(

@@ -8,6 +8,7 @@ mod formulas;
 mod handed;
 mod inherit;
 mod kinds;
+mod limits;
 mod off;
 mod random;
 mod reader;

@@ -35,10 +35,19 @@ impl TestPassTypes<'_> {
 
     /// The plan of a pipeline, and the steps of its only pass of a type, or what is wrong with them.
     pub(crate) fn linked(&self, pipeline: &str, kind: &str) -> (Plan, Result<LinkedSteps, String>) {
+        self.linked_for(pipeline, kind, &Traits::default())
+    }
+
+    /// As [`TestPassTypes::linked`], for a scene.
+    pub(crate) fn linked_for(
+        &self,
+        pipeline: &str,
+        kind: &str,
+        traits: &Traits,
+    ) -> (Plan, Result<LinkedSteps, String>) {
         let plan = self.plan(pipeline).unwrap_or_else(|error| panic!("{error}"));
         let id = PassId(plan.passes.iter().position(|pass| pass.kind == kind).expect("it is needed") as u32);
-        let steps =
-            pass::link_steps(&plan, id, self.find(kind), &Traits::default(), &self.library, INTERFACES);
+        let steps = pass::link_steps(&plan, id, self.find(kind), traits, &self.library, INTERFACES);
         (plan, steps.map_err(|error| error.to_string()))
     }
 }

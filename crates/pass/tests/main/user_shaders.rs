@@ -2,7 +2,7 @@
 
 use crate::pass_types::TestPassTypes;
 use pass::reflected::ShaderPass;
-use pass::{Info, Library};
+use pass::{Info, Library, Traits, Value};
 use shader_library::{MemoryFiles, Stage};
 use std::sync::Arc;
 
@@ -72,4 +72,34 @@ fn a_shader_that_is_not_there_is_told_where_it_is_named() {
         assert!(error.contains(part), "no `{part}` in\n{error}");
     }
     assert!(!error.contains("wrapper.wgsl:"), "{error}");
+}
+
+#[test]
+fn an_entry_point_that_the_scene_takes_away_names_the_users_file() {
+    let effect = "// A comment on darken.
+#option GLOSSY false
+#if GLOSSY
+@fragment fn shine() -> @location(0) vec4<f32> { return vec4(1.0); }
+#else
+@fragment fn darken() -> @location(0) vec4<f32> { return vec4(0.5); }
+#endif";
+    let files = MemoryFiles::new([("wrapper.wgsl", WRAPPER), ("effect.wgsl", effect)]);
+    let types = TestPassTypes { passes: &[&FRAGMENTS], library: Library::new(Arc::new(files)) };
+    let pipeline = "Pipeline(
+        passes: { \"darker\": Pass(kind: \"fragments\", shader: \"effect.wgsl\") },
+        outputs: { \"image\": \"darker\" },
+    )";
+    let glossy = Traits([("glossy".to_owned(), Value::Bool(true))].into());
+    let (_, steps) = types.linked_for(pipeline, "fragments", &glossy);
+    let error = steps.expect_err("a glossy scene has another entry point");
+    for part in [
+        "error[L002]: effect.wgsl has no Fragment entry point `darken`",
+        "effect.wgsl:6:14",
+        "in the variant GLOSSY = true it has",
+        "`shine` (Fragment)",
+        "in pass `darker` of pass type `fragments`, entry point `darken`",
+    ] {
+        assert!(error.contains(part), "no `{part}` in\n{error}");
+    }
+    assert!(!error.contains("wrapper.wgsl"), "{error}");
 }

@@ -1,5 +1,6 @@
 //! Checks the names and values of a study.
 
+use super::names::located;
 use super::{Resolved, combinations_of, product};
 use crate::description::{
     At, Budget, Group, Pipelines, Reference, Relation, SEED, SIZE, Set, Study, StudyFigure, TRIANGLES,
@@ -8,27 +9,32 @@ use crate::description::{
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
 use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
-use data_file::paths::{OUTSIDE, beside, is_from_own_folder, may_name};
 use frame_graph::codes::{Code, study as codes};
 use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, ValueType};
-use std::path::Path;
 
 pub(super) struct Checker<'a> {
     study: &'a Study,
-    registry: &'a dyn Registry,
-    errors: Vec<Diagnostic>,
+    pub(super) registry: &'a dyn Registry,
+    pub(super) errors: Vec<Diagnostic>,
+    /// Names that mean a file beside the study, and could mean one of the roots.
+    pub(super) notes: Vec<Diagnostic>,
     /// Each pipeline that was looked up, the reference's too, with its outputs, and whether it has the study's.
     outputs: Vec<(String, Vec<String>, bool)>,
 }
 
 impl<'a> Checker<'a> {
     pub(super) fn new(study: &'a Study, registry: &'a dyn Registry) -> Checker<'a> {
-        Checker { study, registry, errors: Vec::new(), outputs: Vec::new() }
+        Checker { study, registry, errors: Vec::new(), notes: Vec::new(), outputs: Vec::new() }
     }
 
-    pub(super) fn finish(mut self) -> Result<(), Diagnostics> {
+    /// Returns what is worth a note.
+    pub(super) fn finish(mut self) -> Result<Diagnostics, Diagnostics> {
         self.errors.extend(self.without_output());
-        if self.errors.is_empty() { Ok(()) } else { Err(Diagnostics::sorted(self.errors)) }
+        if self.errors.is_empty() {
+            Ok(Diagnostics::sorted(self.notes))
+        } else {
+            Err(Diagnostics::sorted(self.errors))
+        }
     }
 
     pub(super) fn scenes(&mut self) -> Vec<(String, SceneFacts)> {
@@ -37,6 +43,7 @@ impl<'a> Checker<'a> {
             if !self.may_name(&codes::SCENE, scene) {
                 continue;
             }
+            self.note_shadowed("scenes", scene);
             match self.registry.scene(&located(self.registry, scene)) {
                 Ok(mut facts) => {
                     facts.record.name.clone_from(&scene.value);
@@ -52,24 +59,11 @@ impl<'a> Checker<'a> {
         found
     }
 
-    /// Tells where a path of the study leads to a file that it may not name. What the command line gives has its own
-    /// source, whose name is the option.
-    fn may_name(&mut self, code: &'static Code, path: &At<String>) -> bool {
-        let by = &path.span.source.name;
-        let meant = located(self.registry, path);
-        let inside =
-            by.starts_with("--") || may_name(Path::new(by), Path::new(&meant), &self.registry.roots());
-        if !inside {
-            let message = format!("the file `{}` {OUTSIDE}", path.value);
-            self.errors.push(Diagnostic::new(code, message).label(path.span.clone(), "outside"));
-        }
-        inside
-    }
-
     fn facts(&mut self, name: &At<String>) -> Option<PipelineFacts> {
         if !self.may_name(&codes::PIPELINE, name) {
             return None;
         }
+        self.note_shadowed("pipelines", name);
         match self.registry.pipeline(&located(self.registry, name)) {
             Ok(facts) => Some(facts),
             Err(why) => {
@@ -452,18 +446,6 @@ impl<'a> Checker<'a> {
 
 /// Returns the error for a pipeline that cannot be used: the reason if it exists, otherwise the names that
 /// exist.
-/// The scene, pipeline or picture that a name means: one in the folder of the file that names it, or else what the name
-/// says. What the command line gives has its own source, whose name is the option.
-pub(super) fn located(registry: &dyn Registry, name: &At<String>) -> String {
-    let by = &name.span.source.name;
-    if by.starts_with("--") {
-        return name.value.clone();
-    }
-    let own = registry.beside(by, &name.value);
-    let explicit = || beside(by, &name.value).filter(|_| is_from_own_folder(&name.value));
-    own.or_else(explicit).unwrap_or_else(|| name.value.clone())
-}
-
 fn refused(
     code: &'static Code,
     (one, many): (&str, &str),

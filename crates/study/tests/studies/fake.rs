@@ -52,6 +52,10 @@ impl Registry for Shelf {
         }
     }
 
+    fn shadowed(&self, folder: &str, name: &str, own: &str) -> Option<String> {
+        (name == "neighbour" && own == "fast").then(|| format!("{folder}/neighbour.ron"))
+    }
+
     fn scene(&self, name: &str) -> Result<SceneFacts, String> {
         let triangles = triangles(name);
         if triangles.is_none() && !self.scenes().contains(&name.to_owned()) {

@@ -123,3 +123,23 @@ fn names_mean_what_is_beside_the_study_and_keep_their_words() {
     assert_eq!(found.pipelines[0].name, "neighbour");
     assert_eq!(found.scenes[0].record.name, "here");
 }
+
+#[test]
+fn a_name_that_could_mean_another_file_is_noted() {
+    let study = |pipeline: &str, reference: &str| {
+        let text = format!(
+            "Study(about: \"x\", scenes: [\"here\"], pipelines: [\"{pipeline}\"], output: \"indirect\", size: (8, 4), \
+             budget: Frames(1), measures: [\"rel-mse\"], reference: Pipeline(pipeline: \"{reference}\"))"
+        );
+        plan(::study::parse(Source::new("mine/a.ron", text)).unwrap_or_else(|error| panic!("{error}"))).notes
+    };
+    let notes = study("neighbour", "neighbour");
+    assert_eq!(notes.0.len(), 2, "one at each place: {notes}");
+    let told = notes.to_string();
+    assert!(
+        told.starts_with("note[W002]: `neighbour` means `fast`, and there is `pipelines/neighbour.ron` too"),
+        "{told}"
+    );
+    assert!(told.contains("mine/a.ron:1:"), "{told}");
+    assert!(study("fast", "exact").0.is_empty());
+}

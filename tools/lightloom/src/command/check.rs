@@ -145,6 +145,7 @@ fn check_study(
     let catalog = &context.catalog;
     let study = ::study::parse(study::source(context, name)?)?;
     let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(catalog)))?;
+    warnings.0.extend(plan.notes.0.iter().cloned());
     let runs = plan.distinct_runs();
     let mut errors: Vec<Diagnostic> = Vec::new();
     for run in runs.iter().take(MOST_RUNS) {

@@ -1,7 +1,7 @@
 //! `lightloom graph`: the compiled graph as text, SVG, DOT or JSON.
 
 use crate::context::{Context, overrides, parse_size};
-use crate::output::say;
+use crate::output::{say, warn};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{CompileOptions, LinkContext, compile, link, resolve};
 use std::path::PathBuf;
@@ -34,6 +34,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let catalog = &context.catalog;
     let link_context = LinkContext { frame: args.size, traits: context.traits(args.scene.as_deref())? };
     let resolved = resolve(&args.pipeline, catalog.pipelines(), &overrides(&args.set)?)?;
+    warn(&resolved.warnings(), context.json);
     let graph = link(&resolved, &**catalog, &link_context)?;
     let plan = compile(&graph, &CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() })?;
     let Some(out) = &args.out else {

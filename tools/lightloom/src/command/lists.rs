@@ -15,10 +15,13 @@ pub(crate) struct Args {}
 
 /// List the pipelines, or show one.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  lightloom pipelines tcas")]
+#[command(after_help = "Examples:\n  lightloom pipelines tcas\n  lightloom pipelines --parts")]
 pub(crate) struct PipelinesArgs {
     /// A pipeline
     pipeline: Option<String>,
+    /// List the parts in place of the pipelines: what these use by `Sub(file: …)`
+    #[arg(long, conflicts_with = "pipeline")]
+    parts: bool,
 }
 
 /// Names with a line about each.
@@ -28,7 +31,8 @@ fn print(context: &Context, rows: &[(String, String)]) {
             rows.iter().map(|(name, about)| json!({ "name": name, "about": about })).collect();
         output::json(&Value::Array(rows));
     } else {
-        rows.iter().for_each(|(name, about)| say!("{name:<26} {about}"));
+        let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or_default().max(26);
+        rows.iter().for_each(|(name, about)| say!("{name:<width$} {about}"));
     }
 }
 
@@ -43,7 +47,8 @@ pub(crate) fn pipelines(context: &Context, args: &PipelinesArgs) -> Result<()> {
     if let Some(name) = &args.pipeline {
         return pipeline(context, name);
     }
-    print_named(context, context.catalog.list_pipelines());
+    let catalog = &context.catalog;
+    print_named(context, if args.parts { catalog.list_parts() } else { catalog.list_pipelines() });
     Ok(())
 }
 

@@ -6,7 +6,7 @@ mod report;
 mod watch;
 
 use crate::context::{Context, overrides, parse_size};
-use crate::output::{progress, tell};
+use crate::output::{progress, tell, warn};
 use anyhow::{Context as _, Result, bail};
 use faults::tell_of_black;
 use frame_graph::{CompileOptions, LinkContext, Overrides, Value};
@@ -120,6 +120,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     renderer.set_seed(args.seed);
     renderer.set_compile_options(CompileOptions { sharing: !args.no_sharing, ..compile_options() })?;
     renderer.set_pipeline(&args.pipeline, &overrides)?;
+    if let Some(compiled) = renderer.compiled() {
+        warn(&compiled.resolved.warnings(), context.json);
+    }
     let display = set_display(args, &mut renderer, overrides)?;
     for output in &args.output {
         renderer.keep(output)?;

@@ -1,16 +1,20 @@
 //! `lightloom rerun`: a picture again, from the record that it carries.
 
 use crate::context::Context;
-use crate::output::{self, say};
+use crate::output::{self, say, tell};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{Overrides, Source, diff, parse, resolve_description};
 use metrics::{Display, Image, Pair, read_provenance};
-use renderer::{Gpu, Provenance, Renderer};
+use renderer::{Assets, Gpu, Provenance, Renderer, is_path_from};
 use serde_json::json;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf, absolute};
 
 /// Make a picture again from its own record, and say what differs.
+///
+/// A pipeline or scene that was given as the path of a file is looked for from the working folder, then from the folder
+/// that the picture was rendered from, then from that of the picture. The first from which both are found is that from
+/// which the picture is made again.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  lightloom rerun box.exr -o again.exr")]
 pub(crate) struct Args {
@@ -28,6 +32,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     };
     let record =
         Provenance::from_json(&text).with_context(|| format!("the record in {file} cannot be read"))?;
+    // Found from any folder.
+    let (picture_file, out) = (absolute(&args.file)?, args.out.as_ref().map(absolute).transpose()?);
+    go_to_files(context.catalog.assets(), &record, &picture_file)?;
     let scene = renderer::load_scene(&context.catalog, &record.scene)?;
     let mut renderer = Renderer::new(Gpu::open()?, context.catalog.clone(), scene, record.size)?;
     renderer.set_seed(record.seed);
@@ -48,16 +55,16 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         let again = tempfile::Builder::new().suffix(".png").tempfile()?;
         picture.write(again.path(), display, None)?;
         (
-            Pair::new(&Image::read(again.path())?, &Image::read(&args.file)?)?.max_abs_difference(),
+            Pair::new(&Image::read(again.path())?, &Image::read(&picture_file)?)?.max_abs_difference(),
             "the same picture, in 8 bits",
         )
     } else {
-        (Pair::new(&picture, &Image::read(&args.file)?)?.max_abs_difference(), "the same, bit for bit")
+        (Pair::new(&picture, &Image::read(&picture_file)?)?.max_abs_difference(), "the same, bit for bit")
     };
     if largest > 0.0 {
         differences.push(format!("picture: the largest difference of a channel is {largest:e}"));
     }
-    if let Some(out) = &args.out {
+    if let Some(out) = &out {
         picture.write(out, display, Some(&now.written_to(out, display).to_json()))?;
     }
     if context.json {
@@ -68,6 +75,36 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         differences.iter().for_each(|line| say!("{line}"));
     }
     Ok(())
+}
+
+/// Goes to the first folder from which the pipeline and the scene of a record are found, where they are paths and not in
+/// the tree. What they name in turn is then found as it was.
+fn go_to_files(assets: &Assets, record: &Provenance, picture: &Path) -> Result<()> {
+    let is_path = |folder: &str, name: &str| {
+        let known = ["", ".ron"].iter().any(|ending| assets.has(&format!("{folder}/{name}{ending}")));
+        Path::new(name).is_relative() && !known && !assets.root().is_some_and(|root| is_path_from(root, name))
+    };
+    let mut paths = vec![("pipeline", "pipelines", &record.pipeline), ("scene", "scenes", &record.scene)];
+    paths.retain(|(_, folder, name)| is_path(folder, name));
+    let folders = record.folders(picture);
+    let missing = |folder: &Path| paths.iter().find(|(_, _, name)| !is_path_from(folder, name));
+    match folders.iter().position(|folder| missing(folder).is_none()) {
+        Some(0) => Ok(()),
+        Some(index) => {
+            let folder = folders[index].display();
+            tell!("note: made again from {folder}, where the files of the record are");
+            std::env::set_current_dir(&folders[index]).with_context(|| format!("{folder} cannot be entered"))
+        }
+        None => {
+            let lacking = folders.first().and_then(|folder| missing(folder)).or(paths.first());
+            let Some((what, _, name)) = lacking else { return Ok(()) };
+            let folders: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
+            bail!(
+                "the {what} `{name}` of the record is not there: looked in the tree, and from {}",
+                folders.join(", then ")
+            )
+        }
+    }
 }
 
 /// What the flattened pipeline of the record and that of now differ in.

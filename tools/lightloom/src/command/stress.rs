@@ -1,9 +1,10 @@
 //! `lightloom stress`: every pipeline at the extremes.
 
 use crate::context::{Context, parse_size};
-use crate::output::{self, progress, say, write};
+use crate::output::{self, Pace, progress, say, tell, write};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{LinkContext, Overrides, Value, nearest};
+use indicatif::HumanDuration;
 use renderer::{Compiled, compile_options};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -93,8 +94,14 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let report = Report::new(args, &cases);
     let bar = progress(count as u64, "stress");
     let (mut finished, mut written) = (Vec::new(), Instant::now());
+    let (start, mut pace) = (Instant::now(), Pace::new());
     let cells = stress::run(&child, &subjects, &cases, &options, &mut |event| match event {
-        Event::Reference(case) => bar.set_message(format!("reference of {case}")),
+        Event::Reference(case) => {
+            bar.set_message(format!("reference of {case}"));
+            if pace.is_due() {
+                tell!("{}/{count} reference of {case}", finished.len());
+            }
+        }
         Event::Done(cell) => {
             bar.set_message(format!("{} {}", cell.pipeline, cell.case));
             bar.inc(1);
@@ -103,6 +110,11 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             }
             // A run of hours that ends early leaves what it found. That it cannot be written is told at the end.
             finished.push(cell.clone());
+            if pace.is_due() {
+                let rest = count.saturating_sub(finished.len()) as f64 / finished.len() as f64;
+                let (done, left) = (finished.len(), HumanDuration(start.elapsed().mul_f64(rest)));
+                tell!("{done}/{count} {} · {}, about {left} left", cell.pipeline, cell.case);
+            }
             if written.elapsed() > BETWEEN_REPORTS {
                 let _ = report.write(&finished);
                 written = Instant::now();

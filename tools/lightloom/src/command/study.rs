@@ -5,9 +5,9 @@ mod progress;
 mod registry;
 
 use crate::context::{Context, parse_size};
-use crate::output::{self, say};
+use crate::output::{self, say, warn};
 use anyhow::{Context as _, Result, bail};
-use frame_graph::{Source, nearest};
+use frame_graph::{Diagnostics, Overrides, Source, nearest, resolve};
 use laboratory::GpuLaboratory;
 use progress::Progress;
 pub(crate) use registry::{CatalogRegistry, overrides};
@@ -145,6 +145,7 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
     let mut study = study::parse(source(context, file)?)?;
     study.edit(&edits)?;
     let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(&context.catalog)))?;
+    warn(&warnings(context, &plan), context.json);
     let mut lab = GpuLaboratory::new(Arc::clone(&context.catalog), Gpu::open()?);
     let options =
         RunOptions { shard: args.shard, references: args.references.clone(), command: command(args, file) };
@@ -158,6 +159,25 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         bail!("{}", failed(ran.failed));
     }
     Ok(())
+}
+
+/// What is no error of a study and of its pipelines, each told once.
+fn warnings(context: &Context, plan: &Plan) -> Diagnostics {
+    let mut told = plan.notes.clone();
+    let mut pipelines: Vec<&str> =
+        plan.distinct_runs().into_iter().map(|run| run.pipeline.as_str()).collect();
+    pipelines.sort_unstable();
+    pipelines.dedup();
+    for name in pipelines {
+        // Pipelines of a plan are there; values change no warning.
+        let resolved = resolve(name, context.catalog.pipelines(), &Overrides::default());
+        for warning in resolved.map(|resolved| resolved.warnings().0).unwrap_or_default() {
+            if !told.0.contains(&warning) {
+                told.0.push(warning);
+            }
+        }
+    }
+    told
 }
 
 /// What is said at the end of a run with failed cells.

@@ -39,6 +39,8 @@ const TIDY: &[(&str, &str)] = &[
     ("passes/gather/src/lib.rs", "//! Gathers. DEVIATION( needs a name.\nInfo { paper: \"ISM §4\" }\n"),
     ("passes/gather/gather.wgsl", "// Gathers.\n// DEVIATION(runs): strides leave stripes.\n"),
     ("pipelines/ism.ron", "// ISM.\nPipeline()\n"),
+    ("pipelines/parts/maps.ron", "// Maps.\nPipeline()\n"),
+    ("pipelines/README.md", "# Pipelines\n\n| pipeline |\n|---|\n| [ism](ism.ron) |\n"),
     ("docs/first.md", "Look at net/work/x, https://host/home/ and `[this](no-link)`.\n"),
 ];
 
@@ -163,6 +165,11 @@ fn every_rule_fires() {
                 "header pipelines/ism.ron:1: begin with a comment that says what it computes, and its paper",
                 "header shaders/camera.wgsl:1: begin with a comment that says what it computes, and its paper",
             ],
+        ),
+        (
+            "pipelines",
+            &[("pipelines/tcas.ron", "// TCAS, named in the text of the table alone.\nPipeline()\n")],
+            &["pipelines pipelines/README.md:1: there is no row `| [tcas](tcas.ron) | …`"],
         ),
         (
             "unfinished",

@@ -51,7 +51,8 @@ pub(super) fn tell_of_black(renderer: &Renderer, picture: &Image, output: &str) 
     let (width, height) = renderer.size();
     let origin = scene.origin;
     let point = |at: glam::Vec3| {
-        let at = at.as_dvec3() + origin;
+        // To the digits of the numbers that the scene was given in.
+        let at = (at.as_dvec3() + origin).as_vec3();
         format!("({}, {}, {})", at.x, at.y, at.z)
     };
     let (low, high) = scene.bounds();

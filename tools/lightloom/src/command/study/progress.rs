@@ -1,13 +1,9 @@
 //! What a study tells while it runs: a bar on a terminal, lines elsewhere; on standard error.
 
-use crate::output::tell;
+use crate::output::{Pace, tell};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal as _, stderr};
-use std::time::{Duration, Instant};
 use study::{Event, Outcome, Step, name_of};
-
-/// Least time between two lines about the same reference, where nobody watches.
-const BETWEEN: Duration = Duration::from_secs(10);
 
 pub(crate) struct Progress {
     /// `None` where nobody watches.
@@ -15,8 +11,8 @@ pub(crate) struct Progress {
     cells: usize,
     /// How long the rest takes, in words; empty while nothing is known.
     left: String,
-    /// When the last line about a reference was printed.
-    last: Instant,
+    /// When the next line about a reference is due.
+    pace: Pace,
 }
 
 impl Progress {
@@ -26,7 +22,7 @@ impl Progress {
             ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Progress { bar, cells: 0, left: String::new(), last: Instant::now() }
+        Progress { bar, cells: 0, left: String::new(), pace: Pace::new() }
     }
 
     pub(crate) fn tell(&mut self, event: Event<'_>) {
@@ -45,7 +41,7 @@ impl Progress {
                 }
             }
             Event::Reference { name } => {
-                self.last = Instant::now();
+                self.pace.restart();
                 match &self.bar {
                     Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
                     None => tell!("reference of {name}"),
@@ -55,10 +51,7 @@ impl Progress {
                 let text = step_text(name, (frame, frames), step);
                 match &self.bar {
                     Some(bar) => bar.set_message(format!("{}{text}", self.left)),
-                    None if self.last.elapsed() >= BETWEEN => {
-                        self.last = Instant::now();
-                        tell!("{text}");
-                    }
+                    None if self.pace.is_due() => tell!("{text}"),
                     None => {}
                 }
             }

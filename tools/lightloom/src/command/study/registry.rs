@@ -59,6 +59,14 @@ impl Registry for CatalogRegistry {
         [own, with_ending].into_iter().find(|path| self.catalog.assets().has(path))
     }
 
+    fn shadowed(&self, folder: &str, name: &str, own: &str) -> Option<String> {
+        let assets = self.catalog.assets();
+        let paths = ["", ".ron"].map(|ending| format!("{folder}/{name}{ending}"));
+        let other = paths.into_iter().find(|path| path != own && assets.has(path))?;
+        // One file has several paths: from the root, and from the working folder.
+        (assets.text(&other) != assets.text(own)).then_some(other)
+    }
+
     fn roots(&self) -> Vec<PathBuf> {
         self.catalog.pipelines().roots()
     }
