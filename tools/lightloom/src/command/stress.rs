@@ -17,7 +17,8 @@ const BETWEEN_REPORTS: Duration = Duration::from_secs(20);
 ///
 /// Each case is rendered in a process of its own. Cases are scenes at the ends of scale, place, light, camera, geometry and
 /// frames; with --settings also both ends of the range of each setting. Exits with 1 where a picture is not finite, is
-/// negative or has another energy than expected, or where a run crashes.
+/// negative or has another energy than expected, or where a run crashes. Where the energy is off from the path tracer's, that
+/// of further seeds is looked at, and their mean judged.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   lightloom stress -o out/stress
