@@ -55,7 +55,10 @@ pub struct Options {
     pub size: (u32, u32),
     /// Values for all pipelines that have the parameter or setting; those of a case have precedence.
     pub set: Vec<(String, String)>,
-    /// Values for the path tracer.
+    /// Samples per pixel of the path tracer in frames of the run's size. Smaller ones have as many in all: of fewer, their
+    /// energy would be known less.
+    pub samples: u32,
+    /// Other values for the path tracer.
     pub set_reference: Vec<(String, String)>,
     /// How long one picture may take; a long run that long for each 200 frames.
     pub limit: Duration,
@@ -72,6 +75,12 @@ pub enum Event<'a> {
 
 /// The pipeline that others are measured by.
 pub const REFERENCE: &str = "reference";
+
+/// The most samples per pixel that a frame of few pixels takes: one pixel of the room is then known to 1 %.
+const MOST_SAMPLES: u32 = 1 << 17;
+
+/// Samples per pixel that the path tracer takes at once: in frames of few pixels, more are no slower.
+const SAMPLES_PER_FRAME: u32 = 32;
 
 /// Names of files of pictures: of the first of a cell, of those of further seeds, and of the path tracer's.
 const FIRST: &str = "picture";
@@ -240,12 +249,18 @@ impl Bench<'_> {
             return Ok(known.clone());
         }
         tell(Event::Reference(&case.name));
-        let bounces = ("bounces".to_owned(), subject.bounces.to_string());
+        let pixels = |(width, height): (u32, u32)| width.saturating_mul(height).max(1);
+        let times = pixels(self.options.size).div_ceil(pixels(size));
+        let least = self.options.samples;
+        let samples = least.saturating_mul(times).min(MOST_SAMPLES.max(least));
+        let own =
+            [("bounces", subject.bounces), ("samples", samples), ("samples_per_frame", SAMPLES_PER_FRAME)]
+                .map(|(path, value)| (path.to_owned(), value.to_string()));
         // What averages over pixels is measured by what does.
         let set =
             self.options.set_reference.iter().filter(|(path, _)| !(subject.sampled && path == "filter"));
         let still = Case { frames: 1, ..case.clone() };
-        let given = [&bounces].into_iter().chain(set).map(to_set);
+        let given = own.iter().chain(set).map(to_set);
         let (_, pictures) = self.picture(REFERENCE, &still, OF_REFERENCE, given)?;
         let picture = pictures.map(|(indirect, _)| indirect).filter(|picture| picture.not_finite == 0);
         self.references.insert(key, picture.clone());

@@ -126,6 +126,7 @@ fn options(folder: &Path) -> Options {
         folder: folder.to_owned(),
         size: (8, 8),
         set: Vec::new(),
+        samples: 4,
         set_reference: Vec::new(),
         limit: Duration::from_secs(1),
     }
@@ -159,6 +160,11 @@ impl Program for Grey {
             seed if is_case && arguments[2] != stress::REFERENCE => self.0(seed),
             _ => 1.0,
         };
+        // Of 8×8 pixels 4 each, so of 2×2 pixels 64.
+        if arguments[2] == stress::REFERENCE {
+            let samples = if is_case { "samples=64" } else { "samples=4" };
+            assert!(arguments.iter().any(|argument| argument == samples), "{arguments:?}");
+        }
         let picture = Image::from_fn(2, 2, |_, _| [grey, grey, grey, 1.0]).unwrap();
         let stem = after("-o").unwrap().trim_end_matches(".exr");
         for output in ["indirect", "image"] {
