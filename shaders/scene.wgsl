@@ -13,6 +13,11 @@ struct SceneInfo {
     vertices: u32,
     materials: u32,
     textures: u32,
+    /// The diagonal without empty space around what lies far from all else [m]: for lengths that are seen.
+    dense_extent: f32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 struct Vertex {

@@ -2,6 +2,7 @@
 
 use crate::adapter::renderer;
 use crate::surface_lights::{fluxes, lights};
+use frame_graph::Value;
 use std::ops::ControlFlow;
 
 /// Lights that are kept carry what photons carry, on each surface: while the source glides, too.
@@ -70,5 +71,18 @@ fn a_frame_moves_no_more_lights_than_it_may() {
             before = after;
         }
         assert_eq!(last > 0, scene == "cornell-box-glide", "{scene}: {last} lights move in the last frame");
+    }
+}
+
+/// Pipelines whose lights are of one bounce take no other number: it is what references and `lightloom stress` go by.
+#[test]
+fn lights_of_one_bounce_are_declared_as_such() {
+    for pipeline in ["incremental-instant-radiosity", "tcas-instant-radiosity"] {
+        let Some(mut renderer) = renderer(pipeline, "cornell-box", (8, 8), &["lights=16", "map=4"]) else {
+            return;
+        };
+        renderer.set_value("bounces", Value::U32(1)).unwrap();
+        let refused = renderer.set_value("bounces", Value::U32(2)).err().map(|error| error.to_string());
+        assert!(refused.is_some_and(|error| error.contains("bounces")), "{pipeline} takes two bounces");
     }
 }

@@ -61,6 +61,20 @@ fn extremes_hold() {
     assert!(CASES.iter().all(|case| page.contains(&format!(">{case}<"))), "{page}");
 }
 
+/// A bound on what lights give near them keeps to the room that lies far from a block, and to what many lights see.
+#[test]
+fn bounds_are_those_of_what_is_seen() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for (pipeline, case) in [("instant-radiosity", "far-block"), ("ism-uniform", "lights-256")] {
+        let cells = cells(&stress(folder.path(), &["--pipeline", pipeline, "--case", case]));
+        let energy = cells[0]["energy"].as_f64().unwrap();
+        assert!((energy - 1.0).abs() < 0.2, "{pipeline}, {case}: {:#}", cells[0]);
+    }
+}
+
 #[test]
 fn what_does_not_hold_is_told_with_the_command_that_shows_it() {
     if gpu().is_none() {

@@ -24,8 +24,8 @@ pub const INTERFACE: Interface = Interface::new(
 pub struct VirtualLight {
     /// Position in world space \[m\].
     pub position: [f32; 3],
-    /// Area of the surface that it represents \[m²\], 1 / (N p) where N lights were sampled with the density p; 0 for a
-    /// point light.
+    /// Area of the surface that it represents \[m²\], 1 / (N p) where N lights were sampled with the density p, of a surface
+    /// that several lights of the scene see their share; 0 for a point light.
     pub area: f32,
     /// Normal of that surface, unit.
     pub normal: [f32; 3],

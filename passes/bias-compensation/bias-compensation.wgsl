@@ -23,7 +23,7 @@ struct Settings {
     /// The window of the interleaving [px].
     interleave_x: u32,
     interleave_y: u32,
-    /// The distance b, as a fraction of the scene's extent.
+    /// The distance b, as a fraction of the scene's dense extent.
     bound: f32,
     /// Rays of a pixel. More: less noise near edges and contacts, and more time. [default: 1, min: 1, max: 64]
     rays_per_pixel: u32,
@@ -43,7 +43,7 @@ fn compensate(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var whole = vec4(textureLoad(irradiance, id.xy, 0).rgb, 0.0);
     let depth = textureLoad(view_depth, id.xy, 0).x;
-    let bound = settings.bound * scene_info.extent;
+    let bound = settings.bound * scene_info.dense_extent;
     if depth > 0.0 && bound > 0.0 {
         let at = camera.position + pixel_ray(vec2<f32>(id.xy), settings.view_size) * depth;
         let normal = normalize(textureLoad(view_normal, id.xy, 0).xyz);

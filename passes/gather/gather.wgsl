@@ -23,7 +23,7 @@ struct Settings {
     interleave_y: u32,
     /// 1 if a subset is consecutive lights, 0 if it is every (n·m)-th light.
     runs: u32,
-    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's extent.
+    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's dense extent.
     clamp: f32,
     /// The same in radii of the disc whose area is the light's own; only where GEOMETRY is bounded.
     area_bound: f32,
@@ -71,7 +71,7 @@ fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> 
     let rounding = 1e-6 * scene_info.extent;
     let distance2 = max(dot(offset, offset), rounding * rounding);
     let cosines = max(-dot(normal, offset), 0.0) * max(dot(light.normal, offset), 0.0) / distance2;
-    let closest = settings.clamp * scene_info.extent;
+    let closest = settings.clamp * scene_info.dense_extent;
     var whole = PI * distance2;
     var least = PI * closest * closest;
 #if GEOMETRY == bounded

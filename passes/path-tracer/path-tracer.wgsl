@@ -189,7 +189,7 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
         if bounce == 0u && settings.clamp > 0.0 {
             // SMC-IR §5.4: the geometry term of the first segment is bounded like that of a virtual light; segments
             // that end on a light are not bounded.
-            let offset = (vertex.position - from_point) / (settings.clamp * scene_info.extent);
+            let offset = (vertex.position - from_point) / (settings.clamp * scene_info.dense_extent);
             kept = min(dot(offset, offset), 1.0);
         }
     }

@@ -49,6 +49,10 @@ pub(crate) struct SceneInfo {
     vertices: u32,
     materials: u32,
     textures: u32,
+    dense_extent: f32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 /// `Material` of shaders/scene.wgsl.
@@ -125,6 +129,10 @@ pub fn layouts() -> Vec<StructLayout> {
             vertices: "u32",
             materials: "u32",
             textures: "u32",
+            dense_extent: "f32",
+            pad0: "u32",
+            pad1: "u32",
+            pad2: "u32",
         }),
         named(
             struct_layout!(GpuMaterial {
@@ -210,6 +218,10 @@ impl SceneInfo {
             vertices: scene.vertices.len() as u32,
             materials: scene.materials.len() as u32,
             textures,
+            dense_extent: scene.dense_extent(),
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
         }
     }
 }

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::animation::Track;
 use crate::budget::Budget;
 use crate::camera::Camera;
+use crate::dense::dense_extent;
 use crate::error::SceneError;
 use crate::hash;
 use crate::light::Light;
@@ -197,6 +198,7 @@ impl Flattened {
         motion.camera = assembly.camera_tracks;
         let mut scene = Scene {
             bounds: (Vec3::ZERO, Vec3::ZERO),
+            dense_extent: 0.0,
             origin: assembly.origin,
             name: assembly.name,
             about: assembly.about,
@@ -217,6 +219,7 @@ impl Flattened {
             motion,
         };
         scene.bounds = bounds(&scene);
+        scene.dense_extent = dense_extent(&scene.vertices, &scene.indices, &scene.instances, scene.extent());
         scene.camera = match (assembly.camera, assembly.cameras.first()) {
             (Some(camera), _) => camera,
             (None, Some((_, camera, node))) => {

@@ -21,6 +21,7 @@ mod assemble;
 mod budget;
 mod built_in;
 mod camera;
+mod dense;
 mod description;
 mod edit;
 mod emitters;

@@ -93,6 +93,7 @@ pub struct Scene {
     /// A hash of everything that can change a picture (xxh3), the same on every machine.
     pub hash: u128,
     pub(crate) bounds: (Vec3, Vec3),
+    pub(crate) dense_extent: f32,
     pub(crate) motion: Motion,
 }
 

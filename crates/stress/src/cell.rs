@@ -3,16 +3,18 @@
 use crate::case::Expect;
 use crate::child::{Ended, Guard, Ran};
 use crate::long::{self, Line, Long, Seen};
+use crate::seeds::Seeds;
 use crate::table::PLAIN;
 use metrics::{Epsilon, Glance, Image, Pair};
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 /// Where only units or the place differ, the most by which energy may differ from that of the plain scene.
 const SAME: f64 = 0.05;
 
-/// The most by which the share of the truth's energy may differ, as a factor, from the share in the plain scene. What a
-/// pipeline leaves out or blurs differs between scenes; what is wrong by more than this is not that.
-const ALIKE: f64 = 2.0;
+/// The share of the truth's energy, over that share in the plain scene. What a pipeline leaves out or blurs differs between
+/// scenes; what is wrong by more than this is not that.
+pub(crate) const ALIKE: RangeInclusive<f64> = 0.5..=2.0;
 
 /// Light that is none: as a share of the mean of the plain scene.
 const NOTHING: f64 = 1e-6;
@@ -67,7 +69,11 @@ pub struct Cell {
     /// Mean luminance of the indirect light \[W/(m² sr)\], over its finite pixels.
     pub mean: Option<f64>,
     /// That mean as a share of what was expected; where that is the path tracer's, over the same share in the plain scene.
+    /// Where there are `seeds`, it is theirs.
     pub energy: Option<f64>,
+    /// What further seeds say, where the energy of the first was off from the path tracer's.
+    #[serde(default)]
+    pub seeds: Option<Seeds>,
     /// relMSE to what was expected.
     pub error: Option<f64>,
     /// Number of pixels with a value that is not finite.
@@ -156,6 +162,7 @@ pub fn judge(
         verdict: Verdict::Crashed,
         mean: None,
         energy: None,
+        seeds: None,
         error: None,
         not_finite: 0,
         negative: 0,
@@ -204,7 +211,7 @@ pub fn judge(
             // Without light in the truth there is nothing to be as bright as.
             match known.truth.map_or(0.0, |truth| truth.mean) {
                 0.0 => indirect.mean == 0.0,
-                _ => cell.energy.is_some_and(|energy| (1.0 / ALIKE..=ALIKE).contains(&energy)),
+                _ => cell.energy.is_some_and(|energy| ALIKE.contains(&energy)),
             }
         }
         Expect::Black => indirect.mean <= NOTHING * known.plain.map_or(1.0, |plain| plain.mean),

@@ -2,7 +2,8 @@
 //!
 //! A [`Case`] is one extreme: a scene file, a size of frames, values of settings, and what is expected of the picture. A
 //! [`Subject`] is a pipeline with what can be set in it. [`run`] renders each case by each pipeline, in a process of its
-//! own, so that one that hangs or ends takes no other with it; [`judge`] says what became of it. The scene files stay in
+//! own, so that one that hangs or ends takes no other with it; [`judge`] says what became of it. Where the energy is off
+//! from the truth, the mean over further [`Seeds`] is judged. The scene files stay in
 //! the folder, and each [`Cell`] has the command that renders it again.
 //!
 //! This crate does not use the GPU: a [`Program`] renders.
@@ -14,6 +15,7 @@ mod long;
 mod report;
 mod room;
 mod run;
+mod seeds;
 mod settings;
 mod table;
 mod triangles;
@@ -24,5 +26,6 @@ pub use child::{Child, Ended, Guard, Program, Ran};
 pub use long::{Line, Long, Outputs, SHORTEST, Seen, Steady, long};
 pub use report::{html, json};
 pub use run::{Event, Options, REFERENCE, StressError, Subject, run};
+pub use seeds::Seeds;
 pub use settings::{of_pairs, of_settings};
 pub use table::cases;

@@ -2,6 +2,7 @@
 
 use crate::case::Case;
 use crate::cell::{Cell, Verdict};
+use crate::seeds::Seeds;
 use frame_graph::xml::{escape, page};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -43,7 +44,8 @@ pub fn html(cells: &[Cell], cases: &[Case], about: &str) -> String {
         let _ = write!(body, "<span class=\"{class}\">{count} {}</span> ", verdict.word());
     }
     body += "</p>\n<p>A number is the energy of the indirect light as a share of what is expected: of the plain scene's where \
-             only units or the place differ, else of the path tracer’s, over the same share in the plain scene.</p>\n";
+             only units or the place differ, else of the path tracer’s, over the same share in the plain scene. Where that is off, it is \
+             the mean over further seeds.</p>\n";
     body += "<table>\n<thead><tr><th scope=\"col\">case</th>";
     for pipeline in &pipelines {
         let _ = write!(body, "<th scope=\"col\"><span>{}</span></th>", escape(pipeline));
@@ -158,11 +160,19 @@ fn entry(cell: &Cell) -> String {
         (Verdict::Held | Verdict::Off | Verdict::Unsteady, Some(energy)) => format!("{energy:.2}"),
         (verdict, _) => verdict.word().to_owned(),
     };
+    let seeds = cell.seeds.map_or(String::new(), |seeds| format!("; {}", by_seeds(seeds)));
     let error = cell.error.map_or(String::new(), |error| format!("; relMSE {error:.1e}"));
     let guards: String =
         cell.guards.iter().map(|guard| format!("; {}: {}", guard.name, guard.value)).collect();
-    let title = format!("{}{error}{guards}", cell.verdict.word());
+    let title = format!("{}{seeds}{error}{guards}", cell.verdict.word());
     format!("<td class=\"{}\" title=\"{}\">{text}</td>", class(cell.verdict), escape(&title))
+}
+
+fn by_seeds(seeds: Seeds) -> String {
+    let Seeds { count, energy, half_width, first } = seeds;
+    format!(
+        "{energy:.3} ± {half_width:.3} is the mean of {count} seeds (95 % interval); the first picture has {first:.3}"
+    )
 }
 
 fn details(number: usize, cell: &Cell) -> String {
@@ -182,6 +192,9 @@ fn details(number: usize, cell: &Cell) -> String {
     }
     if let Some(energy) = cell.energy {
         line(format!("{energy:.3} of the energy expected"));
+    }
+    if let Some(seeds) = cell.seeds {
+        line(by_seeds(seeds));
     }
     if cell.not_finite + cell.negative > 0 {
         line(format!("{} pixels not finite, {} negative", cell.not_finite, cell.negative));

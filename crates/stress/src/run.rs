@@ -1,9 +1,10 @@
 //! Runs cases by pipelines.
 
 use crate::case::{Case, Expect};
-use crate::cell::{Cell, Known, Picture, Verdict, judge};
+use crate::cell::{ALIKE, Cell, Known, Picture, Verdict, judge};
 use crate::child::{Ended, Program, Ran};
 use crate::long::{self, Line};
+use crate::seeds::{self, Seeds};
 use metrics::Image;
 use std::collections::HashMap;
 use std::io;
@@ -54,7 +55,10 @@ pub struct Options {
     pub size: (u32, u32),
     /// Values for all pipelines that have the parameter or setting; those of a case have precedence.
     pub set: Vec<(String, String)>,
-    /// Values for the path tracer.
+    /// Samples per pixel of the path tracer in frames of the run's size. Smaller ones have as many in all: of fewer, their
+    /// energy would be known less.
+    pub samples: u32,
+    /// Other values for the path tracer.
     pub set_reference: Vec<(String, String)>,
     /// How long one picture may take; a long run that long for each 200 frames.
     pub limit: Duration,
@@ -71,6 +75,20 @@ pub enum Event<'a> {
 
 /// The pipeline that others are measured by.
 pub const REFERENCE: &str = "reference";
+
+/// The most samples per pixel that a frame of few pixels takes: one pixel of the room is then known to 1 %.
+const MOST_SAMPLES: u32 = 1 << 17;
+
+/// Samples per pixel that the path tracer takes at once: in frames of few pixels, more are no slower.
+const SAMPLES_PER_FRAME: u32 = 32;
+
+/// Names of files of pictures: of the first of a cell, of those of further seeds, and of the path tracer's.
+const FIRST: &str = "picture";
+const OF_SEED: &str = "seed";
+const OF_REFERENCE: &str = "reference";
+
+/// The seeds of a cell may take so many times as long as one picture.
+const LIMITS_OF_SEEDS: f64 = 5.0;
 
 /// A long run may take as long as a picture for each so many frames.
 const FRAMES_IN_LIMIT: u32 = 200;
@@ -94,7 +112,7 @@ pub fn run(
     let mut cells = Vec::new();
     for subject in subjects {
         bench.write(&plain)?;
-        let (ran, pictures) = bench.render(subject, &plain)?;
+        let (ran, pictures) = bench.render(subject, &plain, None)?;
         let plain_truth = bench.reference(subject, &plain, tell)?;
         let plain_picture = pictures.as_ref().map(|(indirect, _)| indirect.clone());
         let plain_known = Known {
@@ -109,7 +127,7 @@ pub fn run(
                 judge(identity, &ran, both(&pictures), plain_known)
             } else {
                 bench.write(case)?;
-                let (ran, pictures) = bench.render(subject, case)?;
+                let (ran, pictures) = bench.render(subject, case, None)?;
                 let truth = match case.expect {
                     Expect::Truth => bench.reference(subject, case, tell)?,
                     _ => None,
@@ -119,7 +137,8 @@ pub fn run(
                     _ => Vec::new(),
                 };
                 let known = Known { truth: truth.as_ref(), lines: &lines, ..plain_known };
-                judge(identity, &ran, both(&pictures), known)
+                let cell = judge(identity, &ran, both(&pictures), known);
+                bench.by_seeds(subject, case, cell, known)?
             };
             bench.keep_picture(&cell);
             tell(Event::Done(&cell));
@@ -161,14 +180,60 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// Renders a cell whose energy is off from the truth by further seeds, until their mean says whether it is, and returns
+    /// what they say; also if one of them has a defect of another sort.
+    fn by_seeds(
+        &self,
+        subject: &Subject,
+        case: &Case,
+        cell: Cell,
+        known: Known<'_>,
+    ) -> Result<Cell, StressError> {
+        let (Expect::Truth, Verdict::Off, Some(first)) = (case.expect, cell.verdict, cell.energy) else {
+            return Ok(cell);
+        };
+        let mut energies = Vec::new();
+        let mut sum = None;
+        let mut seconds = 0.0;
+        for seed in 1..=seeds::MOST {
+            let (ran, pictures) = self.render(subject, case, Some(seed))?;
+            seconds += ran.seconds;
+            let identity = (subject.name.as_str(), case.name.as_str(), case.expect);
+            let again = judge(identity, &ran, both(&pictures), known);
+            match (again.verdict, again.energy) {
+                (Verdict::Held | Verdict::Off, Some(energy)) => energies.push(energy),
+                (Verdict::TimedOut, _) => break,
+                _ => {
+                    // What is kept is the picture that has the defect.
+                    let _ = std::fs::rename(self.file(OF_SEED, "indirect"), self.file(FIRST, "indirect"));
+                    return Ok(again);
+                }
+            }
+            sum = Seeds::of(first, &energies);
+            let is_decided = sum.is_some_and(|sum| sum.is_decided(&ALIKE));
+            if is_decided || seconds > LIMITS_OF_SEEDS * self.options.limit.as_secs_f64() {
+                break;
+            }
+        }
+        let Some(sum) = sum else { return Ok(cell) };
+        let verdict = if ALIKE.contains(&sum.energy) { Verdict::Held } else { Verdict::Off };
+        let seconds = cell.seconds + seconds;
+        Ok(Cell { verdict, energy: Some(sum.energy), seeds: Some(sum), seconds, ..cell })
+    }
+
     /// Renders a case by a pipeline: the indirect light and the whole picture; none where it failed.
-    fn render(&self, subject: &Subject, case: &Case) -> Result<(Ran, Pictures), StressError> {
+    fn render(
+        &self,
+        subject: &Subject,
+        case: &Case,
+        seed: Option<u32>,
+    ) -> Result<(Ran, Pictures), StressError> {
         let given = case.set.iter().chain(self.options.set.iter().filter(|(path, _)| !sets(case, path)));
-        let given: Vec<String> = given
-            .filter(|(path, _)| subject.settable.iter().any(|known| known == path))
-            .map(|(path, value)| format!("{path}={value}"))
-            .collect();
-        self.picture(&subject.name, case, &given)
+        let known = given.filter(|(path, _)| subject.settable.iter().any(|known| known == path));
+        let seeds = seed.map(|seed| ["--seed".to_owned(), seed.to_string()]);
+        // The first picture of a cell is kept where there is a defect.
+        let stem = if seed.is_some() { OF_SEED } else { FIRST };
+        self.picture(&subject.name, case, stem, known.map(to_set).chain(seeds))
     }
 
     /// Renders a case by the path tracer, or finds what was rendered before.
@@ -184,16 +249,27 @@ impl Bench<'_> {
             return Ok(known.clone());
         }
         tell(Event::Reference(&case.name));
-        let mut given = vec![format!("bounces={}", subject.bounces)];
+        let pixels = |(width, height): (u32, u32)| width.saturating_mul(height).max(1);
+        let times = pixels(self.options.size).div_ceil(pixels(size));
+        let least = self.options.samples;
+        let samples = least.saturating_mul(times).min(MOST_SAMPLES.max(least));
+        let own =
+            [("bounces", subject.bounces), ("samples", samples), ("samples_per_frame", SAMPLES_PER_FRAME)]
+                .map(|(path, value)| (path.to_owned(), value.to_string()));
         // What averages over pixels is measured by what does.
         let set =
             self.options.set_reference.iter().filter(|(path, _)| !(subject.sampled && path == "filter"));
-        given.extend(set.map(|(path, value)| format!("{path}={value}")));
         let still = Case { frames: 1, ..case.clone() };
-        let (_, pictures) = self.picture(REFERENCE, &still, &given)?;
+        let given = own.iter().chain(set).map(to_set);
+        let (_, pictures) = self.picture(REFERENCE, &still, OF_REFERENCE, given)?;
         let picture = pictures.map(|(indirect, _)| indirect).filter(|picture| picture.not_finite == 0);
         self.references.insert(key, picture.clone());
         Ok(picture)
+    }
+
+    /// An output of the pictures of this name.
+    fn file(&self, stem: &str, output: &str) -> PathBuf {
+        self.options.folder.join(format!("{stem}-{output}.exr"))
     }
 
     fn log_file(&self) -> PathBuf {
@@ -205,11 +281,16 @@ impl Bench<'_> {
         long::lines(&std::fs::read_to_string(self.log_file()).unwrap_or_default())
     }
 
-    fn picture(&self, pipeline: &str, case: &Case, set: &[String]) -> Result<(Ran, Pictures), StressError> {
+    fn picture(
+        &self,
+        pipeline: &str,
+        case: &Case,
+        stem: &str,
+        set: impl IntoIterator<Item = [String; 2]>,
+    ) -> Result<(Ran, Pictures), StressError> {
         let (width, height) = case.size.unwrap_or(self.options.size);
-        let out = self.options.folder.join("picture.exr");
-        let files =
-            ["indirect", "image"].map(|output| self.options.folder.join(format!("picture-{output}.exr")));
+        let out = self.options.folder.join(format!("{stem}.exr"));
+        let files = ["indirect", "image"].map(|output| self.file(stem, output));
         for file in files.iter().chain([&self.log_file()]) {
             // That of the case before must not pass for this one's.
             let _ = std::fs::remove_file(file);
@@ -228,7 +309,7 @@ impl Bench<'_> {
             arguments.extend(["--log".to_owned(), self.log_file().display().to_string()]);
             limit *= case.frames.div_ceil(FRAMES_IN_LIMIT);
         }
-        arguments.extend(set.iter().flat_map(|set| ["--set".to_owned(), set.clone()]));
+        arguments.extend(set.into_iter().flatten());
         let ran = self.program.run(&arguments, limit).map_err(StressError::Start)?;
         if let Some(why) = ran.unwritten() {
             return Err(StressError::Picture(why));
@@ -251,8 +332,13 @@ impl Bench<'_> {
         let to = folder.join(format!("{}-{}.exr", file_name(&cell.pipeline), file_name(&cell.case)));
         // The report has the command that makes it again.
         let _ = std::fs::create_dir_all(&folder);
-        let _ = std::fs::rename(self.options.folder.join("picture-indirect.exr"), to);
+        let _ = std::fs::rename(self.file(FIRST, "indirect"), to);
     }
+}
+
+/// The arguments that give a value.
+fn to_set((path, value): &(String, String)) -> [String; 2] {
+    ["--set".to_owned(), format!("{path}={value}")]
 }
 
 fn sets(case: &Case, path: &str) -> bool {

@@ -2,7 +2,9 @@
 
 use data_file::{Setting, Value, ValueType};
 use frame_graph::resolve::Settable;
+use metrics::Image;
 use std::collections::HashSet;
+use std::path::Path;
 use std::time::Duration;
 use stress::{Ended, Expect, Options, Program, Ran, Subject, Verdict, cases, of_pairs, of_settings};
 
@@ -114,24 +116,27 @@ impl Program for Says {
     }
 }
 
+fn subject() -> Subject {
+    let name = "ism".to_owned();
+    Subject { name, settable: Vec::new(), bounces: 1, sampled: false, cases: Vec::new() }
+}
+
+fn options(folder: &Path) -> Options {
+    Options {
+        folder: folder.to_owned(),
+        size: (8, 8),
+        set: Vec::new(),
+        samples: 4,
+        set_reference: Vec::new(),
+        limit: Duration::from_secs(1),
+    }
+}
+
 /// A full disk says nothing of a pipeline.
 #[test]
 fn pictures_that_cannot_be_written_are_no_refusals() {
     let folder = tempfile::tempdir().unwrap();
-    let subject = Subject {
-        name: "ism".to_owned(),
-        settable: Vec::new(),
-        bounces: 1,
-        sampled: false,
-        cases: Vec::new(),
-    };
-    let options = Options {
-        folder: folder.path().to_owned(),
-        size: (8, 8),
-        set: Vec::new(),
-        set_reference: Vec::new(),
-        limit: Duration::from_secs(1),
-    };
+    let (subject, options) = (subject(), options(folder.path()));
     let run =
         |says| stress::run(&Says(says), std::slice::from_ref(&subject), &cases()[..2], &options, &mut |_| {});
     let full = "error: the picture a.exr was not written\n  because: a.exr: No space left on device\n";
@@ -139,4 +144,67 @@ fn pictures_that_cannot_be_written_are_no_refusals() {
     assert_eq!(told, "a picture could not be written: a.exr: No space left on device");
     let refused = run("error: the scene has no light\n").unwrap();
     assert_eq!(refused[1].verdict, Verdict::Refused);
+}
+
+/// A program that renders grey: the reference and the plain scene 1, and the case by seed.
+struct Grey(fn(u32) -> f32);
+
+impl Program for Grey {
+    fn run(&self, arguments: &[String], _: Duration) -> std::io::Result<Ran> {
+        let after = |name: &str| {
+            let at = arguments.iter().position(|argument| argument == name)?;
+            arguments.get(at + 1)
+        };
+        let is_case = arguments.iter().any(|argument| argument.ends_with("frame-2x2.ron"));
+        let grey = match after("--seed").map_or(0, |seed| seed.parse().unwrap()) {
+            seed if is_case && arguments[2] != stress::REFERENCE => self.0(seed),
+            _ => 1.0,
+        };
+        // Of 8×8 pixels 4 each, so of 2×2 pixels 64.
+        if arguments[2] == stress::REFERENCE {
+            let samples = if is_case { "samples=64" } else { "samples=4" };
+            assert!(arguments.iter().any(|argument| argument == samples), "{arguments:?}");
+        }
+        let picture = Image::from_fn(2, 2, |_, _| [grey, grey, grey, 1.0]).unwrap();
+        let stem = after("-o").unwrap().trim_end_matches(".exr");
+        for output in ["indirect", "image"] {
+            picture.write(format!("{stem}-{output}.exr"), metrics::Display::default(), None).unwrap();
+        }
+        let command = arguments.join(" ");
+        Ok(Ran { ended: Ended::Exit(0), output: String::new(), errors: String::new(), seconds: 0.1, command })
+    }
+}
+
+/// Only the mean over seeds tells a picture of few lights from one that is wrong.
+#[test]
+fn energy_that_is_off_is_judged_by_further_seeds() {
+    let run = |grey| {
+        let folder = tempfile::tempdir().unwrap();
+        let case: Vec<_> = cases().into_iter().filter(|case| case.name == "frame-2x2").collect();
+        let (subject, options) = (subject(), options(folder.path()));
+        let cells =
+            stress::run(&Grey(grey), std::slice::from_ref(&subject), &case, &options, &mut |_| {}).unwrap();
+        let kept = folder.path().join("pictures/ism-frame-2x2.exr");
+        (cells[0].clone(), Image::read(&kept).ok().map(|picture| picture.pixels()[0][0]))
+    };
+    let varies = |seed: u32| if seed.is_multiple_of(2) { 0.2 } else { 1.9 };
+    let (cell, kept) = run(varies);
+    let seeds = cell.seeds.unwrap();
+    assert_eq!((cell.verdict, kept), (Verdict::Held, None));
+    assert!((seeds.energy - 1.05).abs() < 1e-6 && cell.energy == Some(seeds.energy), "{seeds:?}");
+    assert!((seeds.first - 0.2).abs() < 1e-6 && seeds.half_width > 0.3, "{seeds:?}");
+
+    let is_dark = |seed: u32| if seed.is_multiple_of(2) { 0.2 } else { 0.5 };
+    let (cell, kept) = run(is_dark);
+    assert_eq!((cell.verdict, kept), (Verdict::Off, Some(0.2)), "the first picture is kept");
+    assert!((cell.energy.unwrap() - 0.35).abs() < 1e-6, "{cell:?}");
+
+    let breaks = |seed: u32| if seed == 7 { f32::NAN } else { 0.2 };
+    let (cell, kept) = run(breaks);
+    assert_eq!(cell.verdict, Verdict::NotFinite);
+    assert!(kept.unwrap().is_nan(), "the picture with the defect is kept");
+    assert!(cell.command.contains("--seed 7"), "{}", cell.command);
+
+    let (cell, _) = run(|seed| if seed == 0 { 1.5 } else { 0.0 });
+    assert_eq!((cell.verdict, cell.seeds), (Verdict::Held, None), "what holds at once is not repeated");
 }

@@ -7,7 +7,8 @@ use interfaces::{importance, virtual_lights};
 use pass::setting;
 use pass::{
     Compute, Define, Extent, Format, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, Threads, UseContext, Value, input, output,
+    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
+    input, output,
 };
 
 /// The pass, for the catalog.
@@ -54,7 +55,7 @@ impl Pass for SampleInverseTransform {
                 "VirtualLights",
                 "N lights; none where the importance is 0 everywhere.",
             )],
-            ..Ports::default()
+            scene_bindings: SceneBindings::LIGHTS,
         })
     }
 

@@ -6,7 +6,7 @@ use gpu_algorithms::{parts, reduce};
 use interfaces::{importance, virtual_lights};
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Struct, Threads, UseContext, Value, input, output,
+    ResourceDesc, SceneBindings, Setting, Settings, Struct, Threads, UseContext, Value, input, output,
 };
 
 /// The pass, for the catalog.
@@ -80,7 +80,7 @@ impl Pass for SampleMetropolis {
                 "VirtualLights",
                 "N lights; those of chains that met no importance are dark.",
             )],
-            ..Ports::default()
+            scene_bindings: SceneBindings::LIGHTS,
         })
     }
 

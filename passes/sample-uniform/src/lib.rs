@@ -4,8 +4,8 @@ pub mod cpu_reference;
 
 use interfaces::virtual_lights;
 use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Setting,
-    Settings, Threads, UseContext, input, output,
+    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    SceneBindings, Setting, Settings, Threads, UseContext, input, output,
 };
 
 /// The pass, for the catalog.
@@ -40,7 +40,7 @@ impl Pass for SampleUniform {
         Ok(Ports {
             inputs: vec![input("rsm", "ReflectiveShadowMap", "The texels to sample.")],
             outputs: vec![output("lights", "VirtualLights", "N lights; those from empty texels are dark.")],
-            ..Ports::default()
+            scene_bindings: SceneBindings::LIGHTS,
         })
     }
 

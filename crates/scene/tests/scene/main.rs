@@ -6,6 +6,7 @@ mod camera_and_light;
 mod cloth;
 mod common;
 mod deformation;
+mod dense;
 mod description;
 mod editing;
 mod extremes;

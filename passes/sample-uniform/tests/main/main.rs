@@ -1,9 +1,11 @@
 //! Uniform sampling: every texel alike, and the flux of the map.
 
+use glam::{Vec3, vec3};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{Format, ResourceDesc};
 use pass_test::{Harness, random};
 use sample_uniform::{PASS, cpu_reference};
+use scene::{Light, LightKind};
 
 const SIZE: (u32, u32) = (16, 10);
 
@@ -121,4 +123,61 @@ fn one_texel_and_one_light() {
     let two = draw((2, 1), 1, 100, 0).unwrap_or_default();
     let carried: f32 = two.iter().map(|light| light.flux[0]).sum();
     assert!((carried - 1.0).abs() < 0.05, "{carried} of 1 W");
+}
+
+/// What a light of the scene sees in its layer of maps of 2×2 texels, in the texel at the upper right: position, flux and area.
+struct Seen {
+    layer: u32,
+    position: Vec3,
+    flux: f32,
+    area: f32,
+}
+
+impl Seen {
+    /// Index of the texel.
+    fn texel(&self) -> u32 {
+        self.layer * 4 + 1
+    }
+}
+
+/// Two point lights see the same floor, which a third one does not see for what hangs above it.
+const SEEN: [Seen; 3] = [
+    Seen { layer: 5, position: vec3(0.5, 0.25, 0.0), flux: 2.0, area: 0.5 },
+    Seen { layer: 11, position: vec3(0.52, 0.25, 0.0), flux: 3.0, area: 0.25 },
+    Seen { layer: 17, position: vec3(0.1, 0.05, 2.5), flux: 7.0, area: 1.0 },
+];
+
+/// A surface that several lights see is shared by the virtual lights of their layers: by radiosity, 4 and 12 W/m².
+#[test]
+fn what_several_lights_see_is_shared_by_radiosity() {
+    const COUNT: u32 = 4096;
+    let (size, layers) = ((2, 2), 18);
+    let mut scene = pass_test::scene("plane");
+    let point = |z| Light { kind: LightKind::Point, position: vec3(0.0, 0.0, z), ..scene.lights[0].clone() };
+    scene.lights = [1.0, 2.0, 3.0].map(point).to_vec();
+    let bytes = |member: &dyn Fn(&Seen) -> [f32; 4]| -> Vec<u8> {
+        let of_texel = |i| SEEN.iter().find(|seen| seen.texel() == i).map_or([0.0; 4], member);
+        (0..size.0 * size.1 * layers).flat_map(|i| bytemuck::bytes_of(&of_texel(i)).to_vec()).collect()
+    };
+    let array = || ResourceDesc::texture_2d_array(Format::Rgba32Float, size, layers);
+    let members = vec![
+        ("position", array(), bytes(&|seen| seen.position.extend(1.0).to_array())),
+        ("normal", array(), bytes(&|_| [0.0, 0.0, 1.0, 0.0])),
+        ("flux", array(), bytes(&|seen| [seen.flux, seen.flux, seen.flux, seen.area])),
+    ];
+    let harness = Harness::new(PASS).with_scene(scene).set("count", COUNT);
+    let Some(outputs) = harness.input("rsm", "ReflectiveShadowMap", &[], members).run() else { return };
+    let weight = cpu_reference::weight(size, layers, COUNT) as f32;
+    for (seen, share) in SEEN.iter().zip([0.25, 0.75, 1.0]) {
+        let lights = outputs.lights("lights");
+        let mut areas =
+            lights.iter().filter(|light| light.texel == seen.texel()).map(|light| light.area).peekable();
+        assert!(areas.peek().is_some(), "layer {} has no virtual light", seen.layer);
+        let expected = weight * seen.area * share;
+        assert!(
+            areas.all(|area| (area / expected - 1.0).abs() < 1e-5),
+            "layer {}: {expected} m²",
+            seen.layer
+        );
+    }
 }
