@@ -13,8 +13,8 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
     return Given(0.1 + u.x, select(0.0, 1.0, u.y < 0.5), u32(magnitude));
 }
 
-/// [magnitude: 1 to 8192, frames]
-/// [samples: 6]
+/// [magnitude: 1 to 262144, frames]
+/// [samples: 2]
 /// [bound: 32]
 fn probe(given: Given) -> vec4<f32> {
     var mean = 0.0;
