@@ -1,6 +1,7 @@
 // The mean over the samples of a pixel, in the order of passes/path-tracer/path-tracer.wgsl with 64 samples per frame, by how many
-// samples there are. Half of the means are of equal samples: all roundings of their sum would be to the same side. Frames differ by
-// as much as means of 64 random numbers do.
+// samples there are. Half of the means are of equal samples: all roundings of their sum would be to the same side. The mean of others
+// is rounded once in each frame, to either side, so its error grows as the square root of their number. Frames differ by as much as
+// means of 64 random numbers do.
 
 #import "inputs/numbers.wgsl"
 
@@ -27,7 +28,7 @@ fn sum_of_first(given: Given, count: u32) -> f32 {
 
 /// [magnitude: 1 to 1048576, samples]
 /// [samples: 6]
-/// [bound: 32]
+/// [bound: 64]
 fn probe(given: Given) -> vec4<f32> {
     let first = sum_of_first(given, min(given.samples, PER_FRAME)) / f32(min(given.samples, PER_FRAME));
     var mean = 0.0;
