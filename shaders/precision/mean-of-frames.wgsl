@@ -14,7 +14,7 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
     return Given(0.1 + u.x, select(0.0, 1.0, u.y < 0.5), u32(magnitude));
 }
 
-/// [magnitude: 1 to 65536, frames]
+/// [magnitude: 1 to 32768, frames]
 /// [samples: 2]
 /// [bound: 64]
 fn probe(given: Given) -> vec4<f32> {
