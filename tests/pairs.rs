@@ -88,6 +88,7 @@ fn every_pipeline_lights_every_kind_of_scene() {
         "tcas",
         "ism-classic",
         "ism-ray-traced",
+        "ism-invtm-ray-traced",
         "exhaustive",
     ];
     for pipeline in pipelines {
@@ -95,7 +96,7 @@ fn every_pipeline_lights_every_kind_of_scene() {
             let values = match pipeline {
                 "ism-classic" => &["lights=32", "map=16", "rsm.size=32"][..],
                 // Rays need no maps.
-                "ism-ray-traced" | "exhaustive" => &["lights=64", "rsm.size=64"][..],
+                "ism-ray-traced" | "ism-invtm-ray-traced" | "exhaustive" => &["lights=64", "rsm.size=64"][..],
                 _ => SMALL,
             };
             let Some(mut renderer) = renderer(pipeline, scene, (20, 20), values) else { return };

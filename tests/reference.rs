@@ -1,7 +1,7 @@
 //! Against images of an independent path tracer, where its folder is there; the same quantities on built-in scenes
 //! against each other, everywhere.
 
-use crate::adapter::{mean, renderer, root};
+use crate::adapter::{done, mean, renderer, root};
 use metrics::{Epsilon, Image, Pair};
 
 const SEEDS: u32 = 3;
@@ -67,4 +67,19 @@ fn imperfect_maps_are_near_classic_ones() {
     let leak = Pair::new(&leaking, &exact).unwrap();
     assert!(pair.rmse() < leak.rmse(), "{} against {} without shadows", pair.rmse(), leak.rmse());
     assert!(mean(&leaking)[0] > mean(&exact)[0]);
+}
+
+/// Direct light of a spot at the centres of pixels is the same in every sample, and so is the mean of any number of them: a
+/// sum would round all of them to the same side.
+#[test]
+fn equal_samples_have_the_mean_of_one() {
+    let of = |samples: &str| {
+        let values = ["filter=centre", "bounces=0", "samples_per_frame=1", samples];
+        let mut renderer = renderer("reference", "cornell-box", (16, 12), &values)?;
+        done(&mut renderer);
+        Some(renderer.output("direct").unwrap())
+    };
+    let (Some(one), Some(many)) = (of("samples=1"), of("samples=100")) else { return };
+    assert!(mean(&one)[0] > 0.0);
+    assert_eq!(one.pixels(), many.pixels());
 }

@@ -288,7 +288,7 @@ fn the_trees_studies_run_in_miniature() {
         }
         // Rays, exact maps and what casts no shadow need no points.
         let pointless = ["approximations", "near-field", "acrsm-fig-3-10", "acrsm-fig-6-1"];
-        if !pointless.contains(&&*name) && !name.starts_with("smc-ir") {
+        if !pointless.contains(&&*name) && !name.contains("smc-ir") {
             arguments.extend(["--set", "shadows.points_per_map=256"]);
         }
         // Others make points on the fly.
@@ -299,6 +299,7 @@ fn the_trees_studies_run_in_miniature() {
             "ism-fig-4" => &["map=32", "rsm.size=32"],
             "filters" | "tcas-fig-6" | "tcas-weights" | "imperfect-maps" | "acrsm-fig-3-10"
             | "acrsm-fig-6-1" | "acrsm-fig-6-2" | "approximations" => &["lights=64", "rsm.size=32"],
+            "approximations-smc-ir-frame" => &["lights=16"],
             _ => &["samples=4", "bounces=1"],
         };
         for set in reference {

@@ -1,4 +1,4 @@
-//! Sums of a progressive picture.
+//! Means of a progressive picture.
 
 use crate::progress::PROGRESS;
 use pass::{Content, Format, Interface, Member};
@@ -6,17 +6,17 @@ use pass::{Content, Format, Interface, Member};
 /// The interface `PathSamples`.
 pub const INTERFACE: Interface = Interface::new(
     "PathSamples",
-    "Sums of a progressive picture: what the next frame goes on from.",
+    "Means of a progressive picture: what the next frame goes on from.",
     &[
         Member::required(
             "image",
             Content::Texture(Format::Rgba32Float),
-            "all light [W/(m² sr)]; in alpha the squares of what its luminance is away from its mean",
+            "all light [W/(m² sr)]; in alpha the sum of the squares of what its luminance is away from its mean",
         ),
         Member::required(
             "direct",
             Content::Texture(Format::Rgba32Float),
-            "light reflected once [W/(m² sr)]; in alpha the samples that saw something",
+            "light reflected once [W/(m² sr)]; in alpha the share of the samples that saw something",
         ),
         Member::required(
             "indirect",

@@ -42,7 +42,7 @@ fn samples_so_far() -> u32 {
     return before.step + steps_of_frame(before, settings.samples_per_frame, settings.samples);
 }
 
-/// Sums over the samples of a pixel.
+/// Means over the samples of a pixel, and in alpha the sum of their squared deviations.
 fn pixel(index: u32) -> vec4<f32> {
     let width = settings.samples_size.x;
     return textureLoad(samples_image, vec2(index % width, index / width), 0);
@@ -70,14 +70,13 @@ var<storage, read_write> samples_progress: Progress;
 fn reduce_element(i: u32) -> f32 {
     let samples = samples_so_far();
     // In units of the picture's mean, so that values neither vanish nor overflow at any intensity of the lights.
-    let mean = max(luminance_sum / f32(reduce_length()) / f32(max(samples, 1u)), 1e-30);
-    let sums = pixel(i) / f32(max(samples, 1u));
-    let variance = sums.a / mean / mean / f32(max(samples, 2u) - 1u);
-    let around = luminance_around(i) / f32(max(samples, 1u)) / mean;
+    let mean = max(luminance_sum / f32(reduce_length()), 1e-30);
+    let variance = pixel(i).a / f32(max(samples, 1u)) / mean / mean / f32(max(samples, 2u) - 1u);
+    let around = luminance_around(i) / mean;
     return variance / (around * around + 0.01);
 }
 
-/// Mean luminance of the sums of the up to eight pixels around one; its own where it is the only one of the frame.
+/// Mean luminance of the up to eight pixels around one; its own where it is the only one of the frame.
 fn luminance_around(index: u32) -> f32 {
     let size = vec2<i32>(settings.samples_size);
     let centre = vec2<i32>(vec2(index % settings.samples_size.x, index / settings.samples_size.x));

@@ -4,9 +4,9 @@
 // that was reflected once is direct; after k more reflections it belongs to the k-th bounce. Surfaces that emit are lights
 // too: each surface samples a point of one, and paths may meet them.
 //
-// Sums over all samples, one texel per pixel; the number of samples is in the buffer `samples_progress`:
-//   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: of deviations.wgsl, for the estimate
-//   samples_direct: radiance reflected once; alpha: number of samples that hit a surface
+// Means over all samples, one texel per pixel; the number of samples is in the buffer `samples_progress`:
+//   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: the sum of squares of deviations.wgsl, for the estimate
+//   samples_direct: radiance reflected once; alpha: share of the samples that hit a surface
 //   samples_indirect: radiance of bounces 1 to `bounces`
 //   samples_irradiance: indirect irradiance at the surface seen [W/m²]; alpha: luminance of what the clamp removed
 
@@ -97,21 +97,31 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
         indirect += vec4(sample.indirect, 0.0);
         irradiance += vec4(sample.irradiance, sample.removed);
     }
+    let samples = f32(max(count, 1u));
+    image /= samples;
+    direct /= samples;
+    indirect /= samples;
+    irradiance /= samples;
 #if PAST
-    // The samples of a frame are summed first: added one by one to the sum of many, each would lose digits.
+    // The mean moves by what the frame differs from it. A sum of equal samples, as of direct light at the centre of a pixel,
+    // would round all of them to the same side.
     let past = textureLoad(past_image, id.xy, 0);
-    let samples = f32(before.step);
-    let mean = min(luminance(past.rgb) / max(samples, 1.0), MOST_LUMINANCE);
-    deviations = of_both(Deviations(samples, mean, past.a), deviations);
-    image += past.rgb;
-    direct += textureLoad(past_direct, id.xy, 0);
-    indirect += textureLoad(past_indirect, id.xy, 0);
-    irradiance += textureLoad(past_irradiance, id.xy, 0);
+    deviations = of_both(Deviations(f32(before.step), min(luminance(past.rgb), MOST_LUMINANCE), past.a), deviations);
+    let share = f32(count) / f32(max(before.step + count, 1u));
+    image = moved(vec4(past.rgb, 0.0), vec4(image, 0.0), share).rgb;
+    direct = moved(textureLoad(past_direct, id.xy, 0), direct, share);
+    indirect = moved(textureLoad(past_indirect, id.xy, 0), indirect, share);
+    irradiance = moved(textureLoad(past_irradiance, id.xy, 0), irradiance, share);
 #endif
     textureStore(samples_image, id.xy, vec4(image, deviations.squares));
     textureStore(samples_direct, id.xy, direct);
     textureStore(samples_indirect, id.xy, indirect);
     textureStore(samples_irradiance, id.xy, irradiance);
+}
+
+/// The mean of all samples, of which those of this frame are a share.
+fn moved(past: vec4<f32>, frame: vec4<f32>, share: f32) -> vec4<f32> {
+    return past + (frame - past) * share;
 }
 
 fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {

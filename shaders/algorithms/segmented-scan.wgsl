@@ -9,6 +9,7 @@
 // A segment is summed in units of a power of two near its greatest weight, so neither weights of 1e30 nor of 1e-30 leave
 // the range of f32. Sums never fall, and a weight of zero leaves them as they are.
 
+#import "algorithms/carried-sum.wgsl"
 #import "algorithms/scaled.wgsl"
 
 @compute @workgroup_size(GROUP_SIZE)
@@ -20,7 +21,7 @@ fn scan_segments(@builtin(workgroup_id) segment: vec3<u32>, @builtin(local_invoc
     }
     let exponent = i32(workgroup_max(thread, f32(greatest)));
 
-    var before = 0.0;
+    var before: CarriedSum;
     for (var first = 0u; first < length; first += GROUP_SIZE) {
         let i = first + thread;
         var value = 0.0;
@@ -29,11 +30,11 @@ fn scan_segments(@builtin(workgroup_id) segment: vec3<u32>, @builtin(local_invoc
         }
         let sums = prefix_sum(thread, value);
         if i < length {
-            segment_store(segment, i, before + sums.x);
+            segment_store(segment, i, carried_sum(before, sums.x));
         }
-        before += sums.y;
+        before = with_number(before, sums.y);
     }
     if thread == 0u {
-        segment_total(segment, Scaled(before, exponent));
+        segment_total(segment, Scaled(carried_sum(before, 0.0), exponent));
     }
 }

@@ -19,8 +19,8 @@ const PATHS: &str = "passes/path-tracer/path-tracer.wgsl";
 const ESTIMATE: &str = "passes/path-tracer/estimate.wgsl";
 const MEAN: &str = "passes/path-tracer/mean.wgsl";
 
-/// Textures of the sums, by member of `PathSamples`.
-const SUMS: [&str; 4] = ["image", "direct", "indirect", "irradiance"];
+/// Textures of the means, by member of `PathSamples`.
+const MEANS: [&str; 4] = ["image", "direct", "indirect", "irradiance"];
 
 /// Most rays of a pixel in one dispatch. A driver may treat a dispatch that takes seconds as a hang, and
 /// lavapipe ends all loops of a thread after 65,535 iterations, of which a ray takes up to some hundreds.
@@ -88,7 +88,7 @@ impl Pass for PathTracer {
                 output("direct", "Radiance", "Light that was reflected once."),
                 output("indirect", "Radiance", "Light of bounces 1 to `bounces`."),
                 output("irradiance", "Irradiance", "Indirect irradiance where the camera sees a surface."),
-                output("samples", "PathSamples", "Sums over all samples so far."),
+                output("samples", "PathSamples", "Means over all samples so far."),
             ],
             scene_bindings: SceneBindings::SCENE.and(SceneBindings::CAMERA).and(SceneBindings::LIGHTS),
         })
@@ -100,10 +100,10 @@ impl Pass for PathTracer {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let texture = || ResourceDesc::texture_2d(Format::Rgba32Float, Extent::FRAME);
-        let sums = SUMS.iter().map(|name| ((*name).to_owned(), texture(), Usage::Overwrites));
+        let so_far = MEANS.iter().map(|name| ((*name).to_owned(), texture(), Usage::Overwrites));
         let progress = ("progress".to_owned(), progress::buffer(use_cx)?, Usage::Overwrites);
-        let samples = OutputDesc::of("samples", sums.chain([progress]).collect());
-        let means = SUMS.iter().map(|name| OutputDesc::one(name, texture()));
+        let samples = OutputDesc::of("samples", so_far.chain([progress]).collect());
+        let means = MEANS.iter().map(|name| OutputDesc::one(name, texture()));
         let pixels = cx.frame.0 * cx.frame.1;
         let sums = reduce::scratch(use_cx, "estimate_sums", pixels, 4)?;
         let luminance = OutputDesc::scratch("luminance_sum", ResourceDesc::buffer(4));

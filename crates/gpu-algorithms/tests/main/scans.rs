@@ -75,7 +75,8 @@ fn compactions_keep_the_order_and_leave_no_gaps() {
 
 #[test]
 fn segments_are_summed_each_by_itself() {
-    for (length, rows, layers) in [(1, 1, 1), (3, 5, 2), (255, 3, 1), (256, 1, 2), (257, 2, 2), (4097, 2, 1)]
+    for (length, rows, layers) in
+        [(1, 1, 1), (3, 5, 2), (255, 3, 1), (256, 1, 2), (257, 2, 2), (4097, 2, 1), (70_000, 1, 1)]
     {
         let segments = (rows * layers) as usize;
         // From 1e-30 to 1e30, a third of them zero.
@@ -111,4 +112,26 @@ fn segments_are_summed_each_by_itself() {
             }
         }
     }
+}
+
+/// Equal weights round to the same side wherever they are added to one sum; in parts, a million of them lose no more than a few
+/// bits.
+#[test]
+fn a_long_segment_of_equal_weights_keeps_its_digits() {
+    let length = 1 << 20;
+    let weight = 0.7_f32;
+    let shader = pass::request("crates/gpu-algorithms/tests/main/segments.wgsl", &[]);
+    let step = segmented_scan(&shader, 1, 1).value("length", Value::U32(length)).value("rows", Value::U32(1));
+    let outputs = Bench::default()
+        .input("weights", &vec![weight.to_bits(); length as usize])
+        .output("sums", length as usize)
+        .output("totals", 2)
+        .steps([], [step])
+        .run();
+    let Some(outputs) = outputs else { return };
+    let totals: Vec<u32> = outputs.read("totals");
+    let total = f64::from(f32::from_bits(totals[0])) * 2.0_f64.powi(totals[1] as i32);
+    let error = total / (f64::from(length) * f64::from(weight)) - 1.0;
+    // -4e-5 where blocks are added one by one.
+    assert!(error.abs() < 1e-6, "{error:e}");
 }
