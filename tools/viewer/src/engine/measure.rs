@@ -109,6 +109,11 @@ impl Measuring {
         self.measures = measures;
     }
 
+    /// Returns what is compared.
+    pub(super) fn measures(&self) -> Measures {
+        self.measures
+    }
+
     /// Hands the newest pictures over, if they are wanted and the thread has nothing to do.
     pub(super) fn offer(&mut self, sides: &[(SideId, Side)]) {
         let wanted = self.measures.errors || self.measures.map.is_some();

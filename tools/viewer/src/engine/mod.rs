@@ -19,7 +19,7 @@ pub(crate) use statistics::PassTimes;
 
 use crate::terminal;
 use renderer::Catalog;
-use session::Session;
+use session::{Lost, Session};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -70,13 +70,16 @@ impl Engine {
         let thread = std::thread::Builder::new().name("engine".to_owned()).spawn(move || {
             give_way();
             let publisher = Publisher { published: shared, repaint: Box::new(repaint) };
-            match Session::open(start, &publisher) {
-                Ok(session) => session.run(&received, (&waiting, &quitting), &publisher),
-                Err(error) => publisher.with(|published| {
-                    terminal::complain(format_args!("error: {error}"));
-                    published.stage = None;
-                    published.fatal = Some(error.to_string());
-                }),
+            let mut next = Some(Lost { start, commands: Vec::new() });
+            while let Some(Lost { start, commands }) = next.take() {
+                match Session::open(start, &publisher) {
+                    Ok(session) => next = session.run(commands, &received, (&waiting, &quitting), &publisher),
+                    Err(error) => publisher.with(|published| {
+                        terminal::complain(format_args!("error: {error}"));
+                        published.stage = None;
+                        published.fatal = Some(error.to_string());
+                    }),
+                }
             }
         });
         Engine { commands, waits, quits, published, thread: thread.ok() }

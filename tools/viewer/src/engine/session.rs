@@ -1,11 +1,13 @@
 //! The session: one scene on the device, and the pipelines that render it.
 
 mod frames;
+mod lost;
 mod reload;
+mod told;
 
 use super::jobs;
 use super::measure::Measuring;
-use super::model::{Command, Look, Published, SceneView, SideId, Trouble};
+use super::model::{Command, Look, SceneView, SideId};
 use super::side::Side;
 use super::watch::Files;
 use super::{Publisher, Start};
@@ -18,6 +20,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
+use told::report;
+
+pub(super) use lost::Lost;
 
 /// How long a session that has nothing to do sleeps before it asks about files.
 const NAP: Duration = Duration::from_millis(5);
@@ -38,6 +43,7 @@ const NOTHING: &str = "empty";
 const REFUSED: Duration = Duration::from_secs(8);
 
 pub(super) struct Session {
+    opened: Instant,
     catalog: Arc<Catalog>,
     scene: SharedScene,
     /// The scene that was asked for, where it could not be loaded: whenever a file changes it is tried again.
@@ -98,6 +104,7 @@ impl Session {
         };
         let now = Instant::now();
         let mut session = Session {
+            opened: now,
             catalog,
             scene: shared,
             waits_for_scene: wrong.is_some(),
@@ -139,32 +146,35 @@ impl Session {
         Ok(session)
     }
 
-    /// Renders until the interface ends.
+    /// Renders until the interface ends, or the device is gone: then it returns how to go on with another. `batch` is carried
+    /// out first.
     ///
     /// `waits` is set while a command waits: sides that only compare give way to it. `quits` is set once the window is
     /// closed: what writes many frames ends then.
     pub(super) fn run(
         mut self,
+        mut batch: Vec<Command>,
         commands: &Receiver<Command>,
         (waits, quits): (&AtomicBool, &AtomicBool),
         publisher: &Publisher,
-    ) {
+    ) -> Option<Lost> {
         loop {
-            let wait = if self.busy() { self.due.saturating_duration_since(Instant::now()) } else { NAP };
+            let idle = !self.busy() && batch.is_empty();
+            let wait = if idle { NAP } else { self.due.saturating_duration_since(Instant::now()) };
             let first = match commands.recv_timeout(wait) {
                 Ok(command) => Some(command),
                 Err(RecvTimeoutError::Timeout) => None,
-                Err(RecvTimeoutError::Disconnected) => return,
+                Err(RecvTimeoutError::Disconnected) => return None,
             };
             waits.store(false, Ordering::Release);
-            let mut batch: Vec<Command> = first.into_iter().chain(commands.try_iter()).collect();
+            batch.extend(first.into_iter().chain(commands.try_iter()));
             while !batch.is_empty() {
                 let command = batch.remove(0);
                 if batch.iter().any(|later| later.supersedes(&command)) {
                     continue;
                 }
                 if let Next::Quit = self.obey(command, quits, publisher) {
-                    return;
+                    return None;
                 }
             }
             if let Some(saved) = self.files.saved() {
@@ -173,6 +183,9 @@ impl Session {
             self.tick();
             if Instant::now() >= self.due {
                 self.frames(publisher, None, waits);
+            }
+            if self.is_lost() {
+                return self.lose(publisher);
             }
         }
     }
@@ -456,45 +469,4 @@ impl Session {
     fn gpu(&self) -> Gpu {
         self.scene.gpu().clone()
     }
-
-    fn trouble(&self, of: &'static str, error: &RenderError, publisher: &Publisher) {
-        self.trouble_until(of, error, None, publisher);
-    }
-
-    fn trouble_until(
-        &self,
-        of: &'static str,
-        error: &RenderError,
-        until: Option<Instant>,
-        publisher: &Publisher,
-    ) {
-        let text = error.to_string();
-        let mut again = false;
-        publisher.with(|published| {
-            let same = |trouble: &&Trouble| trouble.of == of && trouble.text == text;
-            again = published.troubles.iter().find(same).is_some_and(Trouble::stands);
-            if again {
-                return;
-            }
-            published.troubles.retain(|trouble| trouble.of != of);
-            published.troubles.push(Trouble { of, text: text.clone(), until });
-            published.say(text.clone(), true);
-        });
-        // What fails in every frame is told once.
-        if !again {
-            crate::terminal::complain(format_args!("{of}: {text}"));
-        }
-    }
-
-    fn clear(&self, of: &str, publisher: &Publisher) {
-        publisher.with(|published| published.troubles.retain(|trouble| trouble.of != of));
-    }
-}
-
-/// Adds a message, in the terminal too if it is an error.
-fn report(publisher: &Publisher, text: &str, error: bool) {
-    if error {
-        crate::terminal::complain(text);
-    }
-    publisher.with(|published: &mut Published| published.say(text.to_owned(), error));
 }
