@@ -4,6 +4,7 @@ use crate::case::Expect;
 use crate::child::{Ended, Guard, Ran};
 use crate::long::{self, Line, Long, Seen};
 use crate::seeds::Seeds;
+use crate::shown::Shown;
 use crate::table::PLAIN;
 use metrics::{Epsilon, Glance, Image, Pair};
 use serde::{Deserialize, Serialize};
@@ -84,6 +85,9 @@ pub struct Cell {
     pub guards: Vec<Guard>,
     /// What a long run came to.
     pub long: Option<Long>,
+    /// Where it is a defect, what was rendered, and what was expected.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pictures: Vec<Shown>,
     /// What the program said, where it failed: the first line. Of a long run, what is not as expected.
     pub message: String,
     /// From the start of the program to its end \[s\].
@@ -168,6 +172,7 @@ pub fn judge(
         negative: 0,
         guards: ran.guards(),
         long: None,
+        pictures: Vec::new(),
         message: ran.message(),
         seconds: ran.seconds,
         command: ran.command.clone(),

@@ -17,6 +17,7 @@ mod room;
 mod run;
 mod seeds;
 mod settings;
+mod shown;
 mod table;
 mod triangles;
 
@@ -28,4 +29,5 @@ pub use report::{html, json};
 pub use run::{Event, Options, REFERENCE, StressError, Subject, run};
 pub use seeds::Seeds;
 pub use settings::{of_pairs, of_settings};
+pub use shown::Shown;
 pub use table::cases;

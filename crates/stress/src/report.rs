@@ -3,6 +3,7 @@
 use crate::case::Case;
 use crate::cell::{Cell, Verdict};
 use crate::seeds::Seeds;
+use crate::shown::Shown;
 use frame_graph::xml::{escape, page};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -203,5 +204,13 @@ fn details(number: usize, cell: &Cell) -> String {
         line(format!("{}: {}", guard.name, guard.value));
     }
     line(format!("{:.1} s", cell.seconds));
-    out + "</ul></section>\n"
+    out += "</ul>\n";
+    for Shown { about, png } in &cell.pictures {
+        let about = escape(about);
+        let _ = writeln!(
+            out,
+            "<figure><img alt=\"{about}\" src=\"data:image/png;base64,{png}\"><figcaption>{about}</figcaption></figure>"
+        );
+    }
+    out + "</section>\n"
 }

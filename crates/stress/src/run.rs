@@ -5,6 +5,7 @@ use crate::cell::{ALIKE, Cell, Known, Picture, Verdict, judge};
 use crate::child::{Ended, Program, Ran};
 use crate::long::{self, Line};
 use crate::seeds::{self, Seeds};
+use crate::shown::Shown;
 use metrics::Image;
 use std::collections::HashMap;
 use std::io;
@@ -123,8 +124,8 @@ pub fn run(
         };
         for case in cases.iter().chain(&subject.cases) {
             let identity = (subject.name.as_str(), case.name.as_str(), case.expect);
-            let cell = if *case == plain {
-                judge(identity, &ran, both(&pictures), plain_known)
+            let (mut cell, expected) = if *case == plain {
+                (judge(identity, &ran, both(&pictures), plain_known), plain_truth.clone())
             } else {
                 bench.write(case)?;
                 let (ran, pictures) = bench.render(subject, case, None)?;
@@ -138,9 +139,10 @@ pub fn run(
                 };
                 let known = Known { truth: truth.as_ref(), lines: &lines, ..plain_known };
                 let cell = judge(identity, &ran, both(&pictures), known);
-                bench.by_seeds(subject, case, cell, known)?
+                let expected = known.truth.or(known.plain).cloned();
+                (bench.by_seeds(subject, case, cell, known)?, expected)
             };
-            bench.keep_picture(&cell);
+            bench.keep_picture(&mut cell, expected.as_ref());
             tell(Event::Done(&cell));
             cells.push(cell);
         }
@@ -323,16 +325,21 @@ impl Bench<'_> {
         Ok((ran, pictures))
     }
 
-    /// Keeps the picture of a defect.
-    fn keep_picture(&self, cell: &Cell) {
+    /// Keeps the picture of a defect, for the page beside the one that was expected.
+    fn keep_picture(&self, cell: &mut Cell, expected: Option<&Picture>) {
         if !cell.is_defect() || matches!(cell.verdict, Verdict::Crashed | Verdict::Refused) {
             return;
         }
+        let file = self.file(FIRST, "indirect");
+        let rendered = Image::read(&file).ok();
+        let expected = expected.map(|picture| &picture.image);
+        let pictures = [("rendered", rendered.as_ref()), ("expected", expected)];
+        cell.pictures = pictures.into_iter().filter_map(|(what, image)| Shown::new(what, image?)).collect();
         let folder = self.options.folder.join("pictures");
         let to = folder.join(format!("{}-{}.exr", file_name(&cell.pipeline), file_name(&cell.case)));
         // The report has the command that makes it again.
         let _ = std::fs::create_dir_all(&folder);
-        let _ = std::fs::rename(self.file(FIRST, "indirect"), to);
+        let _ = std::fs::rename(file, to);
     }
 }
 

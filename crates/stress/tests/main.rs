@@ -191,6 +191,7 @@ fn energy_that_is_off_is_judged_by_further_seeds() {
     let (cell, kept) = run(varies);
     let seeds = cell.seeds.unwrap();
     assert_eq!((cell.verdict, kept), (Verdict::Held, None));
+    assert!(cell.pictures.is_empty(), "nothing is wrong with it");
     assert!((seeds.energy - 1.05).abs() < 1e-6 && cell.energy == Some(seeds.energy), "{seeds:?}");
     assert!((seeds.first - 0.2).abs() < 1e-6 && seeds.half_width > 0.3, "{seeds:?}");
 
@@ -198,6 +199,11 @@ fn energy_that_is_off_is_judged_by_further_seeds() {
     let (cell, kept) = run(is_dark);
     assert_eq!((cell.verdict, kept), (Verdict::Off, Some(0.2)), "the first picture is kept");
     assert!((cell.energy.unwrap() - 0.35).abs() < 1e-6, "{cell:?}");
+    assert_eq!(cell.pictures.len(), 2, "what was rendered and what was expected");
+    let page = stress::html(std::slice::from_ref(&cell), &cases(), "");
+    for shown in &cell.pictures {
+        assert!(page.contains(&format!("src=\"data:image/png;base64,{}\"", shown.png)), "{}", shown.about);
+    }
 
     let breaks = |seed: u32| if seed == 7 { f32::NAN } else { 0.2 };
     let (cell, kept) = run(breaks);
