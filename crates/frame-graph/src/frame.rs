@@ -1,5 +1,7 @@
 //! Decides which passes a frame must run: what changed, what depends on it, and what the objects still hold.
 
+mod rest;
+
 use crate::plan::{AllocationId, HistoryId, PassId, Plan, ResourceId};
 use crate::port::SceneBindings;
 use crate::succession::Succession;
@@ -361,44 +363,6 @@ impl FrameState {
             ReadFrom::Past(history) if resets[history.0 as usize].is_some() => INIT,
             ReadFrom::Past(history) => self.histories[history.0 as usize].version,
         }
-    }
-
-    /// Finds which history buffers rest: those that follow, for long enough, from nothing new but each other.
-    fn find_rests(&mut self, plan: &Plan, change: &Change, resets: &[Option<ResetCause>], first: bool) {
-        let Some(rest) = self.rest else { return };
-        let mut moved = std::mem::take(&mut self.moved);
-        for (h, history) in plan.histories.iter().enumerate() {
-            // One that goes on for ever is news in each frame.
-            self.histories[h].rests = history.rest.is_some() && resets[h].is_none();
-        }
-        // One that moves is news for what reads it: then others may move too.
-        loop {
-            let changed = asked(plan, change, first, &mut moved);
-            for (i, pass) in plan.passes.iter().enumerate() {
-                moved[i] = moved[i]
-                    || pass.scene_bindings.0 & changed.0 != 0
-                    || self.reads_of(i).any(|at| match self.reads[at].from {
-                        ReadFrom::Pass(pass) if moved[pass.0 as usize] => true,
-                        from => self.is_new(at, from, resets),
-                    });
-            }
-            let mut more = false;
-            for (held, history) in self.histories.iter_mut().zip(&plan.histories) {
-                let producer = plan.resources[history.resource.0 as usize].producer;
-                if held.rests && producer.is_some_and(|pass| moved[pass.0 as usize]) {
-                    held.rests = false;
-                    more = true;
-                }
-            }
-            if !more {
-                break;
-            }
-        }
-        for held in &mut self.histories {
-            held.still = if held.rests { held.still.saturating_add(1) } else { 0 };
-            held.rests = held.still > rest;
-        }
-        self.moved = moved;
     }
 
     /// Whether an entry of `reads` has a version that its pass has not seen.

@@ -9,6 +9,7 @@ mod handed;
 mod inherit;
 mod kinds;
 mod limits;
+mod naive;
 mod off;
 mod random;
 mod reader;

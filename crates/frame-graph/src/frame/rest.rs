@@ -1,0 +1,50 @@
+//! Loops that stop while nothing changes.
+
+use super::{Change, FrameState, ReadFrom, ResetCause, asked};
+use crate::plan::Plan;
+
+impl FrameState {
+    /// Finds which history buffers rest: those that follow, for long enough, from nothing new but each other.
+    pub(super) fn find_rests(
+        &mut self,
+        plan: &Plan,
+        change: &Change,
+        resets: &[Option<ResetCause>],
+        first: bool,
+    ) {
+        let Some(rest) = self.rest else { return };
+        let mut moved = std::mem::take(&mut self.moved);
+        for (h, history) in plan.histories.iter().enumerate() {
+            // One that goes on for ever is news in each frame.
+            self.histories[h].rests = history.rest.is_some() && resets[h].is_none();
+        }
+        // One that moves is news for what reads it: then others may move too.
+        loop {
+            let changed = asked(plan, change, first, &mut moved);
+            for (i, pass) in plan.passes.iter().enumerate() {
+                moved[i] = moved[i]
+                    || pass.scene_bindings.0 & changed.0 != 0
+                    || self.reads_of(i).any(|at| match self.reads[at].from {
+                        ReadFrom::Pass(pass) if moved[pass.0 as usize] => true,
+                        from => self.is_new(at, from, resets),
+                    });
+            }
+            let mut more = false;
+            for (held, history) in self.histories.iter_mut().zip(&plan.histories) {
+                let producer = plan.resources[history.resource.0 as usize].producer;
+                if held.rests && producer.is_some_and(|pass| moved[pass.0 as usize]) {
+                    held.rests = false;
+                    more = true;
+                }
+            }
+            if !more {
+                break;
+            }
+        }
+        for held in &mut self.histories {
+            held.still = if held.rests { held.still.saturating_add(1) } else { 0 };
+            held.rests = held.still > rest;
+        }
+        self.moved = moved;
+    }
+}
