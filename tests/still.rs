@@ -56,3 +56,22 @@ fn the_mean_of_all_samples_stays() {
         assert!(pictures[2..].iter().all(|picture| *picture == pictures[2]), "{scene}: three are all");
     }
 }
+
+/// Paths are drawn anew in each frame, unless one asks that they are not.
+#[test]
+fn paths_that_do_not_vary_give_one_picture() {
+    let frames = |vary: &str| {
+        let set = [FEW, &["map=16", vary]].concat();
+        let mut renderer = renderer("metropolis-instant-radiosity", "cornell-box", SIZE, &set)?;
+        let pictures: Vec<_> = (0..3)
+            .map(|_| {
+                renderer.frame().unwrap();
+                bits(&renderer.output("image").unwrap())
+            })
+            .collect();
+        Some((pictures[0] == pictures[1], pictures[1] == pictures[2]))
+    };
+    let Some(same) = frames("lights/seen.vary=false") else { return };
+    assert_eq!(same, (true, true));
+    assert_eq!(frames("lights/seen.vary=true"), Some((false, false)));
+}

@@ -29,7 +29,7 @@ fn iteration() -> u32 {
     // A history buffer that holds nothing yet has no points.
     return select(past.header.iteration + 1u, 0u, past.header.count == 0u);
 #else
-    return frame.index;
+    return select(0u, frame.index, settings.vary != 0u);
 #endif
 }
 
