@@ -1,8 +1,8 @@
 //! Scenes in which nothing moves: in the end every frame is the same, bit by bit.
 
-use crate::adapter::{bits, renderer};
+use crate::adapter::{bits, renderer, root};
 use glam::Vec3;
-use renderer::Renderer;
+use renderer::{Assets, Catalog, Renderer};
 
 const SIZE: (u32, u32) = (24, 16);
 
@@ -54,6 +54,29 @@ fn the_mean_of_all_samples_stays() {
             .collect();
         assert!(pictures[1] != pictures[2], "{scene}: samples differ");
         assert!(pictures[2..].iter().all(|picture| *picture == pictures[2]), "{scene}: three are all");
+    }
+}
+
+/// What must be done before the first frame is done before all of it rests.
+#[test]
+fn lights_that_stay_do_not_rest_before_they_are_there() {
+    for pipeline in ["smc-ir", "smc-ir-voronoi"] {
+        let Some(renderer) = renderer(pipeline, "cornell-box", SIZE, &["lights=16", "map=16"]) else {
+            return;
+        };
+        let plan = renderer.plan().unwrap();
+        let catalog = Catalog::new(Assets::new(Some(root())));
+        let of_lights = |resource: &str| resource.starts_with("lights/");
+        let rests = plan
+            .histories
+            .iter()
+            .filter(|history| of_lights(&plan.resources[history.resource.0 as usize].name))
+            .map(|history| history.rest);
+        let least = rests.min().flatten().expect("all rest");
+        let settable = renderer.compiled().unwrap().resolved.settable(&catalog);
+        let warm_up = settable.iter().find(|settable| settable.path == "lights/replace.warm_up").unwrap();
+        let most = warm_up.setting.max.unwrap();
+        assert!(f64::from(least) > most, "{pipeline}: {least} frames, and up to {most} before the first");
     }
 }
 

@@ -30,7 +30,7 @@ pass::settings! {
         /// more lights move in frames in which all reach the view.
         quantile: f32 = 0.95, min: 0.0, max: 1.0;
         /// Iterations before the first frame. More: lights are better distributed when it comes, after a longer wait.
-        warm_up: u32 = 100, min: 0, max: 10_000;
+        warm_up: u32 = 100, min: 0, max: 1_000;
     }
 }
 
