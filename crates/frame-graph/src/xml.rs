@@ -20,12 +20,14 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// Returns a page of HTML that needs no other file, no script and no network. `body` is HTML; the title is text.
+/// Returns a page of HTML that needs no other file, no script and no network; pictures are within it. `body` is HTML; the
+/// title is text.
 pub fn page(title: &str, style: &str, body: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" \
+         content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\
          <title>{}</title>\n<style>\n{style}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
         escape(title)
     )

@@ -201,6 +201,7 @@ fn energy_that_is_off_is_judged_by_further_seeds() {
     assert!((cell.energy.unwrap() - 0.35).abs() < 1e-6, "{cell:?}");
     assert_eq!(cell.pictures.len(), 2, "what was rendered and what was expected");
     let page = stress::html(std::slice::from_ref(&cell), &cases(), "");
+    assert!(page.contains("img-src data:"), "the page may show them");
     for shown in &cell.pictures {
         assert!(page.contains(&format!("src=\"data:image/png;base64,{}\"", shown.png)), "{}", shown.about);
     }
