@@ -75,6 +75,19 @@ fn bounds_are_those_of_what_is_seen() {
     }
 }
 
+/// What the program says of a refusal is the reason, not how it is written for programs.
+#[test]
+fn refusals_are_told_with_their_reason() {
+    if gpu().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let cells = cells(&stress(folder.path(), &["--pipeline", "ism-invtm", "--case", "intensity-1e37"]));
+    assert_eq!(cells[0]["verdict"], "refused", "{:#}", cells[0]);
+    let message = cells[0]["message"].as_str().unwrap();
+    assert!(message.contains("10³⁰") && !message.contains('{'), "{message}");
+}
+
 #[test]
 fn what_does_not_hold_is_told_with_the_command_that_shows_it() {
     if gpu().is_none() {

@@ -45,9 +45,38 @@ pub struct Guard {
     pub value: String,
 }
 
+/// What the program tells on standard error with `--json`.
+#[derive(Deserialize)]
+struct Told {
+    #[serde(default)]
+    errors: Vec<ToldError>,
+}
+
+#[derive(Deserialize)]
+struct ToldError {
+    message: String,
+    #[serde(default)]
+    help: Vec<String>,
+}
+
 impl Ran {
+    /// Returns the first error that the program told as JSON, which may stand among lines of text.
+    fn told_error(&self) -> Option<ToldError> {
+        let objects = self.errors.match_indices('{').filter(|(at, _)| {
+            let before = self.errors[..*at].chars().next_back();
+            before.is_none_or(|c| c == '\n')
+        });
+        let told = objects.filter_map(|(at, _)| {
+            serde_json::Deserializer::from_str(&self.errors[at..]).into_iter::<Told>().next()?.ok()
+        });
+        told.flat_map(|told| told.errors).next()
+    }
+
     /// Returns the line that says what is wrong; empty where nothing is.
     pub(crate) fn message(&self) -> String {
+        if let Some(error) = self.told_error() {
+            return error.message;
+        }
         let lines = || self.errors.lines().map(str::trim).filter(|line| !line.is_empty());
         let line = lines().find(|line| line.contains("error") || line.contains("panicked"));
         line.or_else(|| lines().next().filter(|_| self.ended != Ended::Exit(0)))
@@ -57,10 +86,9 @@ impl Ran {
 
     /// Returns why it could not write a picture, if that is what it failed for.
     pub(crate) fn unwritten(&self) -> Option<String> {
-        let mut lines = self.errors.lines().skip_while(|line| !line.ends_with("was not written"));
-        let first = lines.next().filter(|_| self.ended == Ended::Exit(1))?;
-        let reason = lines.next().map(|line| line.trim().trim_start_matches("because: "));
-        Some(reason.unwrap_or(first).to_owned())
+        let error = self.told_error().filter(|_| self.ended == Ended::Exit(1))?;
+        let reason = error.help.into_iter().next().unwrap_or_else(|| error.message.clone());
+        error.message.ends_with("was not written").then_some(reason)
     }
 
     /// Returns the guards that it told of: repairs of the scene, light that clamping removed, and counters of lights that

@@ -139,11 +139,12 @@ fn pictures_that_cannot_be_written_are_no_refusals() {
     let (subject, options) = (subject(), options(folder.path()));
     let run =
         |says| stress::run(&Says(says), std::slice::from_ref(&subject), &cases()[..2], &options, &mut |_| {});
-    let full = "error: the picture a.exr was not written\n  because: a.exr: No space left on device\n";
+    let full = "note: a repair\n{\n  \"errors\": [{\n \"message\": \"the picture a.exr was not written\", \
+                \"help\": [\"a.exr: No space left on device\"]\n}]}\n";
     let told = run(full).unwrap_err().to_string();
     assert_eq!(told, "a picture could not be written: a.exr: No space left on device");
-    let refused = run("error: the scene has no light\n").unwrap();
-    assert_eq!(refused[1].verdict, Verdict::Refused);
+    let refused = run("{\"warnings\": []}\n{\"errors\": [{\"message\": \"no {light}\"}]}\n").unwrap();
+    assert_eq!((refused[1].verdict, refused[1].message.as_str()), (Verdict::Refused, "no {light}"));
 }
 
 /// A program that renders grey: the reference and the plain scene 1, and the case by seed.
