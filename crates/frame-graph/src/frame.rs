@@ -302,7 +302,11 @@ impl FrameState {
                 self.holds[allocation.0 as usize] = Some(id);
             }
             for at in self.reads_of(pass) {
-                self.seen[at] = self.version(self.reads[at].from, &resets);
+                let from = self.reads[at].from;
+                // Of one at rest it reads what it read before, which is not the newest.
+                if !self.is_at_rest(from) {
+                    self.seen[at] = self.version(from, &resets);
+                }
             }
         }
         self.turn(plan, &resets, &mut schedule);
@@ -367,8 +371,11 @@ impl FrameState {
 
     /// Whether an entry of `reads` has a version that its pass has not seen.
     fn is_new(&self, at: usize, from: ReadFrom, resets: &[Option<ResetCause>]) -> bool {
-        let rests = matches!(from, ReadFrom::Past(history) if self.histories[history.0 as usize].rests);
-        !rests && self.seen[at] != self.version(from, resets)
+        !self.is_at_rest(from) && self.seen[at] != self.version(from, resets)
+    }
+
+    fn is_at_rest(&self, from: ReadFrom) -> bool {
+        matches!(from, ReadFrom::Past(history) if self.histories[history.0 as usize].rests)
     }
 
     /// Forwards: what has something new to read, and so makes something new.

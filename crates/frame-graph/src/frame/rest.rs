@@ -13,12 +13,22 @@ impl FrameState {
         first: bool,
     ) {
         let Some(rest) = self.rest else { return };
-        let mut moved = std::mem::take(&mut self.moved);
         for (h, history) in plan.histories.iter().enumerate() {
             // One that goes on for ever is news in each frame.
             self.histories[h].rests = history.rest.is_some() && resets[h].is_none();
         }
-        // One that moves is news for what reads it: then others may move too.
+        self.wake(plan, change, resets, first);
+        for held in &mut self.histories {
+            held.still = if held.rests { held.still.saturating_add(1) } else { 0 };
+            held.rests = held.still > rest;
+        }
+        // One that does not rest yet is news for those that do.
+        self.wake(plan, change, resets, first);
+    }
+
+    /// Wakes the history buffers at rest whose producers have something new to read, until none has.
+    fn wake(&mut self, plan: &Plan, change: &Change, resets: &[Option<ResetCause>], first: bool) {
+        let mut moved = std::mem::take(&mut self.moved);
         loop {
             let changed = asked(plan, change, first, &mut moved);
             for (i, pass) in plan.passes.iter().enumerate() {
@@ -33,17 +43,13 @@ impl FrameState {
             for (held, history) in self.histories.iter_mut().zip(&plan.histories) {
                 let producer = plan.resources[history.resource.0 as usize].producer;
                 if held.rests && producer.is_some_and(|pass| moved[pass.0 as usize]) {
-                    held.rests = false;
+                    (held.rests, held.still) = (false, 0);
                     more = true;
                 }
             }
             if !more {
                 break;
             }
-        }
-        for held in &mut self.histories {
-            held.still = if held.rests { held.still.saturating_add(1) } else { 0 };
-            held.rests = held.still > rest;
         }
         self.moved = moved;
     }

@@ -101,3 +101,45 @@ fn a_loop_rests_while_nothing_changes() {
     assert_ne!(changed.2, frames[3].2);
     assert!(run(&nothing).0[1]);
 }
+
+/// Runs a plan until it rests; returns its state, and what runs in a frame for which the passes of these names are to run again.
+fn at_rest(plan: &Plan) -> impl FnMut(&[&str]) -> Vec<bool> {
+    let mut state = FrameState::new(plan);
+    let mut run = move |again: &[&str]| {
+        let again = again.iter().map(|name| plan.pass(name).unwrap()).collect();
+        state.begin(plan, &Change { again, ..Change::default() }).runs.clone()
+    };
+    (0..8).for_each(|_| drop(run(&[])));
+    assert!(run(&[]).iter().all(|runs| !runs));
+    run
+}
+
+/// What runs at rest reads what it read before: the newest is still new to it.
+#[test]
+fn what_runs_at_rest_has_not_seen_the_newest() {
+    let passes = r#"
+        "view": Pass(kind: "gbuffer"),
+        "state": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "i0": "view", "own": Prev(port: "state", reset: [Cut], rest: 2) }),
+        "late": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": Prev(port: "state", reset: [Cut], rest: 2) })"#;
+    let plan = plan(passes, r#""a": "state", "b": "late""#);
+    let mut run = at_rest(&plan);
+    let late = plan.pass("late").unwrap().0 as usize;
+    assert!(run(&["late"])[late]);
+    assert!(run(&["view"])[late], "the loop goes on, and what was its newest is the past");
+}
+
+/// What is fed by the past of something wakes a frame later than that.
+#[test]
+fn what_follows_from_a_past_wakes_with_it() {
+    let passes = r#"
+        "view": Pass(kind: "gbuffer"),
+        "second": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": Prev(port: "view", rest: 2) }),
+        "third": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": Prev(port: "second", rest: 2) })"#;
+    let plan = plan(passes, r#""a": "view", "b": "third""#);
+    let mut run = at_rest(&plan);
+    let at = |name: &str| plan.pass(name).unwrap().0 as usize;
+    assert!(run(&["view"])[at("view")]);
+    assert!(run(&[])[at("second")]);
+    assert!(run(&[])[at("third")]);
+    assert!(run(&[]).iter().all(|runs| !runs));
+}

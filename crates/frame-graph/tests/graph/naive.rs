@@ -61,22 +61,16 @@ impl Naive {
         // By the definition: what would the frame be if those that can rest were read as in the frame before?
         let mut rests: Vec<bool> =
             plan.histories.iter().zip(resets).map(|(h, reset)| h.rest.is_some() && !reset).collect();
-        loop {
-            let mut tried = self.contents.clone();
-            self.run(plan, revisions, &self.pasts(resets, &rests), &mut tried);
-            let changed = |h: &usize| {
-                let resource = plan.histories[*h].resource.0 as usize;
-                rests[*h] && tried[resource] != self.contents[resource]
-            };
-            let changed: Vec<usize> = (0..rests.len()).filter(changed).collect();
-            if changed.is_empty() {
-                break;
-            }
-            changed.into_iter().for_each(|h| rests[h] = false);
-        }
+        self.wake(plan, revisions, resets, &mut rests);
         for (still, rests) in self.still.iter_mut().zip(&mut rests) {
             *still = if *rests { *still + 1 } else { 0 };
             *rests = *still > 2;
+        }
+        // And what if those that do not rest yet are read as they are?
+        let slept = rests.clone();
+        self.wake(plan, revisions, resets, &mut rests);
+        for h in (0..rests.len()).filter(|h| slept[*h] && !rests[*h]) {
+            self.still[h] = 0;
         }
         self.read = self.pasts(resets, &rests);
         let mut contents = std::mem::take(&mut self.contents);
@@ -84,6 +78,23 @@ impl Naive {
         self.contents = contents;
         self.past = plan.histories.iter().map(|h| self.contents[h.resource.0 as usize]).collect();
         all
+    }
+
+    /// Wakes those that would change.
+    fn wake(&self, plan: &Plan, revisions: &Revisions, resets: &[bool], rests: &mut [bool]) {
+        loop {
+            let mut tried = self.contents.clone();
+            self.run(plan, revisions, &self.pasts(resets, rests), &mut tried);
+            let changed = |h: &usize| {
+                let resource = plan.histories[*h].resource.0 as usize;
+                rests[*h] && tried[resource] != self.contents[resource]
+            };
+            let changed: Vec<usize> = (0..rests.len()).filter(changed).collect();
+            if changed.is_empty() {
+                return;
+            }
+            changed.into_iter().for_each(|h| rests[h] = false);
+        }
     }
 
     /// What is read of each history buffer.
