@@ -14,6 +14,15 @@ fn moved(renderer: &mut Renderer) {
     renderer.set_camera(Some(moved), false);
 }
 
+/// The pictures of as many frames.
+fn pictures(renderer: &mut Renderer, frames: usize) -> Vec<Vec<[u32; 4]>> {
+    let picture = |_| {
+        renderer.frame().unwrap();
+        bits(&renderer.output("image").unwrap())
+    };
+    (0..frames).map(picture).collect()
+}
+
 /// k-means that merges and splits has no end by itself.
 #[test]
 fn clusters_rest_in_a_still_scene() {
@@ -22,20 +31,12 @@ fn clusters_rest_in_a_still_scene() {
         let Some(mut renderer) = renderer(pipeline, "cornell-box", SIZE, &[FEW, map].concat()) else {
             return;
         };
-        let run = |renderer: &mut Renderer, frames: usize| {
-            let mut pictures = Vec::new();
-            for _ in 0..frames {
-                renderer.frame().unwrap();
-                pictures.push(bits(&renderer.output("image").unwrap()));
-            }
-            pictures
-        };
-        let pictures = run(&mut renderer, 68);
-        assert!(pictures[1] != pictures[64], "{pipeline}: clusters move at first");
-        assert!(pictures[64..].iter().all(|picture| *picture == pictures[64]), "{pipeline}: they rest");
+        let before = pictures(&mut renderer, 68);
+        assert!(before[1] != before[64], "{pipeline}: clusters move at first");
+        assert!(before[64..].iter().all(|picture| *picture == before[64]), "{pipeline}: they rest");
         assert!(renderer.report().ran.iter().all(|ran| !ran), "{pipeline}: nothing runs");
         moved(&mut renderer);
-        let after = run(&mut renderer, 3);
+        let after = pictures(&mut renderer, 3);
         assert!(after[0] != after[1] && after[1] != after[2], "{pipeline}: they go on");
     }
 }
@@ -46,14 +47,9 @@ fn the_mean_of_all_samples_stays() {
     for scene in ["cornell-box-lamp", "plane"] {
         let set = [FEW, &["map=16", "frames=3"]].concat();
         let Some(mut renderer) = renderer("ism-invtm-accumulated", scene, SIZE, &set) else { return };
-        let pictures: Vec<_> = (0..6)
-            .map(|_| {
-                renderer.frame().unwrap();
-                bits(&renderer.output("image").unwrap())
-            })
-            .collect();
-        assert!(pictures[1] != pictures[2], "{scene}: samples differ");
-        assert!(pictures[2..].iter().all(|picture| *picture == pictures[2]), "{scene}: three are all");
+        let of_frames = pictures(&mut renderer, 6);
+        assert!(of_frames[1] != of_frames[2], "{scene}: samples differ");
+        assert!(of_frames[2..].iter().all(|picture| *picture == of_frames[2]), "{scene}: three are all");
     }
 }
 
@@ -86,13 +82,8 @@ fn paths_that_do_not_vary_give_one_picture() {
     let frames = |vary: &str| {
         let set = [FEW, &["map=16", vary]].concat();
         let mut renderer = renderer("metropolis-instant-radiosity", "cornell-box", SIZE, &set)?;
-        let pictures: Vec<_> = (0..3)
-            .map(|_| {
-                renderer.frame().unwrap();
-                bits(&renderer.output("image").unwrap())
-            })
-            .collect();
-        Some((pictures[0] == pictures[1], pictures[1] == pictures[2]))
+        let of_frames = pictures(&mut renderer, 3);
+        Some((of_frames[0] == of_frames[1], of_frames[1] == of_frames[2]))
     };
     let Some(same) = frames("lights/seen.vary=false") else { return };
     assert_eq!(same, (true, true));

@@ -1,6 +1,6 @@
 //! Errors as part of the product: what was wrong, where, what was expected, the nearest name.
 
-use crate::codes::Code;
+use crate::codes::{self, Code};
 use crate::excerpt::Excerpts;
 use codespan_reporting::diagnostic as codespan;
 use codespan_reporting::term;
@@ -147,6 +147,14 @@ impl Diagnostic {
     /// Creates what is no error.
     pub fn warning(code: &'static Code, severity: Severity, message: impl Into<String>) -> Diagnostic {
         Diagnostic { severity, ..Diagnostic::new(code, message) }
+    }
+
+    /// Notes that a name at `span` means the file `own` beside the one that names it, and could mean `other`, of a root.
+    pub fn shadowed(name: &str, own: &str, other: &str, span: Span) -> Diagnostic {
+        let message = format!("`{name}` means `{own}`, and there is `{other}` too");
+        Diagnostic::warning(&codes::warning::SHADOWED, Severity::Note, message)
+            .label(span, "named here")
+            .note("a file beside the one that names it comes before those of the roots")
     }
 
     /// Returns it for programs: code, severity, message, the main place, all places with what is there, and advice.

@@ -415,16 +415,13 @@ impl<'a> Work<'a> {
         let (input, from) = self.numbers.member_of(self.graph, pass, input, member)?;
         let from = self.numbers.made[from] as usize;
         let made = &self.resources[from];
-        Some(match input.past.is_some() {
-            false => Begins::Copy(ResourceId(ids[from])),
+        Some(match &input.past {
+            None => Begins::Copy(ResourceId(ids[from])),
             // Its own history buffer, which no other pass reads. One that rests keeps what its last frame was made of.
-            true if from == r
-                && made.past_readers == 1
-                && input.past.as_ref().is_none_or(|past| past.rest.is_none()) =>
-            {
+            Some(past) if from == r && made.past_readers == 1 && past.rest.is_none() => {
                 Begins::InPlace(HistoryId(made.history))
             }
-            true => Begins::CopyOfPast(HistoryId(made.history)),
+            Some(_) => Begins::CopyOfPast(HistoryId(made.history)),
         })
     }
 

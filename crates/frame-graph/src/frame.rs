@@ -1,57 +1,14 @@
 //! Decides which passes a frame must run: what changed, what depends on it, and what the objects still hold.
 
+mod cause;
 mod rest;
 
-use crate::plan::{AllocationId, HistoryId, PassId, Plan, ResourceId};
+use crate::plan::{AllocationId, HistoryId, PassId, Plan, PlannedPass, ResourceId};
 use crate::port::SceneBindings;
 use crate::succession::Succession;
-use std::fmt;
 use std::ops::Range;
 
-/// Why a history buffer was reset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum ResetCause {
-    /// There was no frame before.
-    FirstFrame,
-    /// The size of the frame changed.
-    Resize,
-    /// The camera jumped.
-    Cut,
-    /// Another scene, or one that changed by more than movement.
-    Scene,
-    /// A file brought another shader, setting or link of the pass that writes the history buffer, or of what feeds that
-    /// pass; or the pipeline before had no such history buffer.
-    Reload,
-    /// A value was set, between frames, that the pass that writes the history buffer depends on.
-    Setting,
-    /// A scene binding changed that the pass that writes the history buffer reads, other than the frame's number and
-    /// time: the camera moved, or a light, or geometry.
-    Moved,
-}
-
-impl ResetCause {
-    /// The causes that reset a history buffer whose link has no `reset:`. [`ResetCause::Moved`] is for passes that
-    /// accumulate a still picture, and [`ResetCause::Setting`] for those whose old content would be wrong with another
-    /// value: anything else goes on while a slider is moved.
-    pub const DEFAULT: [ResetCause; 4] =
-        [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
-    /// The causes that a link can name.
-    pub const NAMED: [ResetCause; 6] = [
-        ResetCause::Resize,
-        ResetCause::Cut,
-        ResetCause::Scene,
-        ResetCause::Reload,
-        ResetCause::Setting,
-        ResetCause::Moved,
-    ];
-}
-
-impl fmt::Display for ResetCause {
-    /// Writes the name, as in RON.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Debug::fmt(self, f)
-    }
-}
+pub use cause::ResetCause;
 
 /// The changes since the frame before.
 #[derive(Clone, Debug, Default)]
@@ -369,13 +326,19 @@ impl FrameState {
         }
     }
 
-    /// Whether an entry of `reads` has a version that its pass has not seen.
-    fn is_new(&self, at: usize, from: ReadFrom, resets: &[Option<ResetCause>]) -> bool {
-        !self.is_at_rest(from) && self.seen[at] != self.version(from, resets)
-    }
-
-    fn is_at_rest(&self, from: ReadFrom) -> bool {
-        matches!(from, ReadFrom::Past(history) if self.histories[history.0 as usize].rests)
+    /// Whether a pass reads a scene binding that changed, or a version that it has not seen.
+    fn has_news(
+        &self,
+        index: usize,
+        pass: &PlannedPass,
+        changed: SceneBindings,
+        resets: &[Option<ResetCause>],
+    ) -> bool {
+        let is_new = |at: usize| {
+            let from = self.reads[at].from;
+            !self.is_at_rest(from) && self.seen[at] != self.version(from, resets)
+        };
+        pass.scene_bindings.0 & changed.0 != 0 || self.reads_of(index).any(is_new)
     }
 
     /// Forwards: what has something new to read, and so makes something new.
@@ -395,9 +358,7 @@ impl FrameState {
                 runs[i] = false;
                 continue;
             }
-            runs[i] = runs[i]
-                || pass.scene_bindings.0 & changed.0 != 0
-                || self.reads_of(i).any(|at| self.is_new(at, self.reads[at].from, resets));
+            runs[i] = runs[i] || self.has_news(i, pass, changed, resets);
             if runs[i] {
                 self.clock += 1;
                 self.versions[i] = self.clock;

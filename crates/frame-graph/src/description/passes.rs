@@ -5,11 +5,12 @@ use super::form::{
 };
 use super::read::Grammar;
 use super::read::out_overrides;
+use super::values::positive;
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::expression;
 use crate::frame::ResetCause;
-use crate::reader::{Fields, Form, Node, Number};
+use crate::reader::{Fields, Form, Node};
 use crate::resource::{Clear, Format};
 use data_file::Name;
 use std::sync::Arc;
@@ -60,15 +61,13 @@ impl Grammar<'_, '_> {
                 causes
             }
         };
-        let rest = match fields.get("rest") {
+        let rest = match fields.get("rest").map(|node| (node, positive(node))) {
             None => None,
-            Some(node) => match node.form {
-                Form::Number(Number::Integer(n)) if u32::try_from(n).is_ok_and(|n| n > 0) => Some(n as u32),
-                _ => {
-                    self.wrong(node, "a number of frames, at least 1");
-                    return None;
-                }
-            },
+            Some((_, Some(frames))) => Some(frames),
+            Some((node, None)) => {
+                self.wrong(node, "a number of frames, at least 1");
+                return None;
+            }
         };
         let node = self.need(&fields, "port")?;
         let link = Link::new(port, self.target(node)?, Self::content_end(node));

@@ -150,13 +150,13 @@ impl Grammar<'_, '_> {
                 let formula = self.formula(node, *content, expression::parse(text))?;
                 return Some(Dim::Formula(Box::new(formula)));
             }
-            Form::Number(Number::Integer(n)) if u32::try_from(*n).is_ok_and(|n| n > 0) => {
-                return u32::try_from(*n).ok().map(Dim::Number);
-            }
             _ => {}
         }
-        self.wrong(node, expected);
-        None
+        let number = positive(node).map(Dim::Number);
+        if number.is_none() {
+            self.wrong(node, expected);
+        }
+        number
     }
 
     pub(super) fn size(&mut self, node: &Node) -> Option<At<Size>> {
@@ -220,4 +220,10 @@ fn base(text: &str) -> Option<(Option<Name>, usize)> {
     let (input, rest) = rest.trim_start().strip_prefix('(')?.split_once(')')?;
     let input = input.trim().trim_matches(['\'', '"']);
     is_name(input).then(|| (Some(Name::from(input)), at(rest)))
+}
+
+/// The number that a node is, where it is whole and above 0.
+pub(super) fn positive(node: &Node) -> Option<u32> {
+    let Form::Number(Number::Integer(n)) = node.form else { return None };
+    u32::try_from(n).ok().filter(|n| *n > 0)
 }

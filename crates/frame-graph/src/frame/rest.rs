@@ -26,18 +26,21 @@ impl FrameState {
         self.wake(plan, change, resets, first);
     }
 
+    /// Whether what is read is a history buffer at rest.
+    pub(super) fn is_at_rest(&self, from: ReadFrom) -> bool {
+        matches!(from, ReadFrom::Past(history) if self.histories[history.0 as usize].rests)
+    }
+
     /// Wakes the history buffers at rest whose producers have something new to read, until none has.
     fn wake(&mut self, plan: &Plan, change: &Change, resets: &[Option<ResetCause>], first: bool) {
         let mut moved = std::mem::take(&mut self.moved);
         loop {
             let changed = asked(plan, change, first, &mut moved);
             for (i, pass) in plan.passes.iter().enumerate() {
-                moved[i] = moved[i]
-                    || pass.scene_bindings.0 & changed.0 != 0
-                    || self.reads_of(i).any(|at| match self.reads[at].from {
-                        ReadFrom::Pass(pass) if moved[pass.0 as usize] => true,
-                        from => self.is_new(at, from, resets),
-                    });
+                let follows =
+                    |at: usize| matches!(self.reads[at].from, ReadFrom::Pass(p) if moved[p.0 as usize]);
+                moved[i] =
+                    moved[i] || self.reads_of(i).any(follows) || self.has_news(i, pass, changed, resets);
             }
             let mut more = false;
             for (held, history) in self.histories.iter_mut().zip(&plan.histories) {

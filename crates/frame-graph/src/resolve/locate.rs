@@ -3,7 +3,7 @@
 use super::flatten::Resolver;
 use crate::codes;
 use crate::description::{Body, Description, PassDecl, parse_file};
-use crate::diagnostic::{Diagnostic, Place, Severity, Source};
+use crate::diagnostic::{Diagnostic, Place, Source};
 use data_file::Name;
 use data_file::paths::{OUTSIDE, beside, is_from_own_folder, may_name};
 use std::path::Path;
@@ -53,11 +53,7 @@ impl Resolver<'_> {
             match own {
                 Some(own) => {
                     if !explicit && let Some(other) = in_roots(self).filter(|other| other.name != own) {
-                        let message = format!("`{path}` means `{own}`, and there is `{}` too", other.name);
-                        let note = Diagnostic::warning(&codes::warning::SHADOWED, Severity::Note, message)
-                            .label(span, "named here")
-                            .note("a file beside the one that names it comes before those of the roots");
-                        self.notes.push(note);
+                        self.notes.push(Diagnostic::shadowed(path, &own, &other.name, span));
                     }
                     Located::Beside(own)
                 }

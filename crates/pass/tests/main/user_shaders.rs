@@ -25,6 +25,18 @@ const FRAGMENTS: ShaderPass = ShaderPass {
     example: "",
 };
 
+/// A pipeline of a user's shader.
+const DARKER: &str = "Pipeline(
+    passes: { \"darker\": Pass(kind: \"fragments\", shader: \"effect.wgsl\") },
+    outputs: { \"image\": \"darker\" },
+)";
+
+/// The pass type, and a user's shader.
+fn types(effect: &str) -> TestPassTypes<'static> {
+    let files = MemoryFiles::new([("wrapper.wgsl", WRAPPER), ("effect.wgsl", effect)]);
+    TestPassTypes { passes: &[&FRAGMENTS], library: Library::new(Arc::new(files)) }
+}
+
 #[test]
 fn a_value_that_nothing_gives_names_the_users_file_and_its_entry_point() {
     let effect = "struct Settings {
@@ -32,13 +44,8 @@ fn a_value_that_nothing_gives_names_the_users_file_and_its_entry_point() {
 }
 var<uniform> settings: Settings;
 @fragment fn darken() -> @location(0) vec4<f32> { return vec4(settings.strength); }";
-    let files = MemoryFiles::new([("wrapper.wgsl", WRAPPER), ("effect.wgsl", effect)]);
-    let types = TestPassTypes { passes: &[&FRAGMENTS], library: Library::new(Arc::new(files)) };
-    let pipeline = "Pipeline(
-        passes: { \"darker\": Pass(kind: \"fragments\", shader: \"effect.wgsl\") },
-        outputs: { \"image\": \"darker\" },
-    )";
-    let (_, steps) = types.linked(pipeline, "fragments");
+    let types = types(effect);
+    let (_, steps) = types.linked(DARKER, "fragments");
     let error = steps.expect_err("`strength` has no value");
     for part in [
         "effect.wgsl: nothing gives `settings.strength` a value",
@@ -53,9 +60,7 @@ var<uniform> settings: Settings;
 
 #[test]
 fn a_shader_that_is_not_there_is_told_where_it_is_named() {
-    let files = MemoryFiles::new([("wrapper.wgsl", WRAPPER), ("effect.wgsl", "")]);
-    let types = TestPassTypes { passes: &[&FRAGMENTS], library: Library::new(Arc::new(files)) };
-    let error = types
+    let error = types("")
         .plan(
             "Pipeline(
     passes: { \"darker\": Pass(kind: \"fragments\", shader: \"efect.wgsl\") },
@@ -83,14 +88,9 @@ fn an_entry_point_that_the_scene_takes_away_names_the_users_file() {
 #else
 @fragment fn darken() -> @location(0) vec4<f32> { return vec4(0.5); }
 #endif";
-    let files = MemoryFiles::new([("wrapper.wgsl", WRAPPER), ("effect.wgsl", effect)]);
-    let types = TestPassTypes { passes: &[&FRAGMENTS], library: Library::new(Arc::new(files)) };
-    let pipeline = "Pipeline(
-        passes: { \"darker\": Pass(kind: \"fragments\", shader: \"effect.wgsl\") },
-        outputs: { \"image\": \"darker\" },
-    )";
+    let types = types(effect);
     let glossy = Traits([("glossy".to_owned(), Value::Bool(true))].into());
-    let (_, steps) = types.linked_for(pipeline, "fragments", &glossy);
+    let (_, steps) = types.linked_for(DARKER, "fragments", &glossy);
     let error = steps.expect_err("a glossy scene has another entry point");
     for part in [
         "error[L002]: effect.wgsl has no Fragment entry point `darken`",

@@ -4,9 +4,8 @@ use super::check::Checker;
 use crate::description::At;
 use crate::laboratory::Registry;
 use data_file::paths::{OUTSIDE, beside, is_from_own_folder, may_name};
+use frame_graph::Diagnostic;
 use frame_graph::codes::Code;
-use frame_graph::codes::warning::SHADOWED;
-use frame_graph::{Diagnostic, Severity};
 use std::path::Path;
 
 impl Checker<'_> {
@@ -32,11 +31,7 @@ impl Checker<'_> {
             return;
         };
         if let Some(other) = self.registry.shadowed(folder, &name.value, &own) {
-            let message = format!("`{}` means `{own}`, and there is `{other}` too", name.value);
-            let note = Diagnostic::warning(&SHADOWED, Severity::Note, message)
-                .label(name.span.clone(), "named here")
-                .note("a file beside the one that names it comes before those of the roots");
-            self.notes.push(note);
+            self.notes.push(Diagnostic::shadowed(&name.value, &own, &other, name.span.clone()));
         }
     }
 }

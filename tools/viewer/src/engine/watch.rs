@@ -45,6 +45,11 @@ fn git_folder(root: &Path) -> Option<PathBuf> {
     Some(root.join(text.strip_prefix("gitdir:")?.trim()))
 }
 
+/// When a file was written, as far as the system says.
+fn written(file: &Path) -> Option<SystemTime> {
+    std::fs::metadata(file).and_then(|data| data.modified()).ok()
+}
+
 /// Files that changed.
 pub(super) struct Saved {
     /// Their paths.
@@ -76,9 +81,7 @@ impl Files {
         let watcher = Watcher::new(&folders).map_err(|error| format!("{error}: {}", error.source))?;
         self.before = self.watcher.replace(watcher).map(|before| (before, Instant::now()));
         let since = self.asked - COARSE;
-        let is_new = |file: &PathBuf| {
-            std::fs::metadata(file).and_then(|data| data.modified()).is_ok_and(|written| written >= since)
-        };
+        let is_new = |file: &PathBuf| written(file).is_some_and(|written| written >= since);
         let unseen = folders.iter().filter(|folder| !self.folders.contains(folder));
         self.missed.extend(unseen.flat_map(|folder| files_under(folder)).filter(is_new));
         self.folders = folders;
@@ -119,8 +122,7 @@ impl Files {
                 break;
             }
         }
-        let written = |file: &PathBuf| std::fs::metadata(file).and_then(|data| data.modified()).ok();
-        let at = files.iter().filter_map(written).max();
+        let at = files.iter().filter_map(|file| written(file)).max();
         Some(Saved { files, at })
     }
 }

@@ -1,0 +1,48 @@
+//! Why history buffers are reset.
+
+use std::fmt;
+
+/// Why a history buffer was reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ResetCause {
+    /// There was no frame before.
+    FirstFrame,
+    /// The size of the frame changed.
+    Resize,
+    /// The camera jumped.
+    Cut,
+    /// Another scene, or one that changed by more than movement.
+    Scene,
+    /// A file brought another shader, setting or link of the pass that writes the history buffer, or of what feeds that
+    /// pass; or the pipeline before had no such history buffer.
+    Reload,
+    /// A value was set, between frames, that the pass that writes the history buffer depends on.
+    Setting,
+    /// A scene binding changed that the pass that writes the history buffer reads, other than the frame's number and
+    /// time: the camera moved, or a light, or geometry.
+    Moved,
+}
+
+impl ResetCause {
+    /// The causes that reset a history buffer whose link has no `reset:`. [`ResetCause::Moved`] is for passes that
+    /// accumulate a still picture, and [`ResetCause::Setting`] for those whose old content would be wrong with another
+    /// value: anything else goes on while a slider is moved.
+    pub const DEFAULT: [ResetCause; 4] =
+        [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
+    /// The causes that a link can name.
+    pub const NAMED: [ResetCause; 6] = [
+        ResetCause::Resize,
+        ResetCause::Cut,
+        ResetCause::Scene,
+        ResetCause::Reload,
+        ResetCause::Setting,
+        ResetCause::Moved,
+    ];
+}
+
+impl fmt::Display for ResetCause {
+    /// Writes the name, as in RON.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
+    }
+}
