@@ -1,4 +1,4 @@
-// How many points each triangle is amplified into (TCAS §5.2).
+// The number of points that each triangle is amplified into (TCAS §5.2).
 
 struct Amplification {
     /// Points that the rule asks for; ANY_NUMBER where it is content with all that are wanted.

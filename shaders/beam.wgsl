@@ -1,14 +1,14 @@
-// What a light sends through the texels of its reflective shadow map.
+// The light that a source sends through the texels of its reflective shadow map.
 
 #import "lights.wgsl"
 
-/// What a light sends through a texel.
+/// The light that a source sends through a texel.
 struct Beam {
     /// [W]
     flux: vec3<f32>,
     /// Across the beam [m²]: of a spot or point light, at the distance of 1 m from it.
     section: f32,
-    /// Where the light is; a directional light is nowhere.
+    /// Position of the light; a directional light has none.
     origin: vec3<f32>,
     /// The way the light of the texel's centre travels, unit.
     direction: vec3<f32>,

@@ -6,13 +6,13 @@
 /// A node or a triangle, so that a step of a ray has the same three loads for either. Bytes of a word begin with the
 /// lowest.
 struct BvhItem {
-    /// Of a node: the origin of its boxes, and a byte for each axis with the exponent of their unit, as floats have it.
-    /// Of a triangle: its first vertex, and its index as Hit has it; NO_HIT for one that cannot be hit.
+    /// In a node: the origin of its boxes, and a byte for each axis with the exponent of their unit, as floats have it.
+    /// In a triangle: its first vertex, and its index as Hit has it; NO_HIT for one that cannot be hit.
     a: vec4<u32>,
-    /// Of a node: low x, low y, low z and high x of its boxes, a byte for each of four children. Of a triangle: its
+    /// In a node: low x, low y, low z and high x of its boxes, a byte for each of four children. In a triangle: its
     /// second vertex.
     b: vec4<u32>,
-    /// Of a node: high y and high z; the index of the first child, which the others follow; and the kind of each child
+    /// In a node: high y and high z; the index of the first child, which the others follow; and the kind of each child
     /// in a byte: the number of its items, which is 0 for none, and the highest bits of what stands for it (see
     /// BVH_TRIANGLE). Of a triangle: its third vertex.
     c: vec4<u32>,
@@ -45,7 +45,7 @@ fn occluded(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32
     return bvh_search(bvh_ray(origin, direction), nearest, farthest, true).triangle != NO_HIT;
 }
 
-/// What tests of boxes and triangles need of a ray.
+/// A ray, prepared for tests of boxes and triangles.
 struct BvhRay {
     origin: vec3<f32>,
     inverse: vec3<f32>,
@@ -130,7 +130,7 @@ fn bvh_floats(word: u32) -> vec4<f32> {
     return vec4<f32>(vec4<i32>(bvh_bytes(word)));
 }
 
-/// Where a ray enters the boxes of each of four children, at least `nearest`; BVH_MISS where it does not before
+/// Returns the distance at which a ray enters the boxes of each of four children, at least `nearest`; BVH_MISS where it does not before
 /// `farthest`.
 fn bvh_enter(ray: BvhRay, node: BvhItem, nearest: f32, farthest: f32) -> vec4<f32> {
     let start = (bitcast<vec3<f32>>(node.a.xyz) - ray.origin) * ray.inverse;

@@ -18,7 +18,7 @@ struct Camera {
     half_extent: vec2<f32>,
     /// Size of the frame [px].
     size: vec2<f32>,
-    /// Where the sample of each pixel lies, from its centre [px, y down].
+    /// Offset of the sample of each pixel from its centre [px, y down].
     jitter: vec2<f32>,
     pad: vec2<f32>,
 }
@@ -39,7 +39,7 @@ fn pixel_ray(pixel: vec2<f32>, size: vec2<u32>) -> vec3<f32> {
     return view_ray((pixel + 0.5) * camera.size / vec2<f32>(size));
 }
 
-/// How `pixel_ray` changes from a pixel to the next on the right, and to the one below: in large views, the difference of
+/// Returns the change of `pixel_ray` from a pixel to the next on the right, and to the one below: in large views, the difference of
 /// two rays has lost digits.
 fn pixel_ray_steps(size: vec2<u32>) -> mat2x3<f32> {
     let step = 2.0 * camera.half_extent / vec2<f32>(size);

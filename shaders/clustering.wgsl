@@ -1,11 +1,11 @@
-// What the passes that cluster the texels of a reflective shadow map agree on: which texels there are to cluster, what
+// The conventions of the passes that cluster the texels of a reflective shadow map: which texels there are to cluster, what
 // they hold, and the window in which a cluster looks for them. The CPU reference is in
 // crates/gpu-algorithms/src/reference/clustering.rs.
 
 #import "algorithms/scaled.wgsl"
 #import "clusters.wgsl"
 
-/// What the map of clusters holds where a texel belongs to none.
+/// The entry of the map of clusters for a texel that belongs to none.
 const NO_CLUSTER: u32 = 0xffffffffu;
 
 /// Whether every component is a number: neither NaN nor infinite.

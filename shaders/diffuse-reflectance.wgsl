@@ -1,4 +1,4 @@
-// How surfaces reflect, and where paths go on, if all are diffuse.
+// Reflection at surfaces, and the next direction of paths, if all surfaces are diffuse.
 
 #import "color.wgsl"
 #import "path-vertex.wgsl"

@@ -1,5 +1,17 @@
 // Threads in a row. A dispatch of more workgroups than one dimension allows is folded into two.
 
+/// The place of a thread in a row: the parameter of an entry point.
+struct Row {
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) groups: vec3<u32>,
+    @builtin(local_invocation_index) local: u32,
+}
+
+/// Index of this thread among those of workgroups of this size.
+fn index_in(row: Row, group_size: u32) -> u32 {
+    return (row.group.y * row.groups.x + row.group.x) * group_size + row.local;
+}
+
 /// Index of this thread, for dispatches made with `Threads::Row`.
 fn row_index(group: vec3<u32>, groups: vec3<u32>, local: u32, group_size: u32) -> u32 {
     return (group.y * groups.x + group.x) * group_size + local;

@@ -1,4 +1,4 @@
-// What surfaces that a path meets reflect of the emitters: by sampling emitters, and by paths that meet them. What both may
+// The light of emitters that the surfaces along a path reflect: by sampling emitters, and by paths that meet them. What both may
 // find is weighted by the balance heuristic. [Veach & Guibas 1995]
 //
 // A file that imports this one imports also how surfaces reflect and where paths go on: scatter.wgsl, or

@@ -14,7 +14,7 @@
 struct EmitterPoint {
     /// World space [m].
     position: vec3<f32>,
-    /// Of the triangle, unit. Its sign means nothing: both sides emit.
+    /// Unit normal of the triangle. Its sign means nothing: both sides emit.
     normal: vec3<f32>,
     /// [1/m²] 0 where there is nothing to sample.
     density: f32,

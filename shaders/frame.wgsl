@@ -1,7 +1,8 @@
 // The number of the frame and its time. A pass that imports this runs in every frame.
 
+/// The frame and its time.
 struct Frame {
-    /// Frames since the start.
+    /// Number of frames since the start.
     index: u32,
     /// Seconds since the start.
     time: f32,

@@ -1,4 +1,4 @@
-// What a light of the scene gives at a point, were nothing in the way.
+// The light that a source of the scene gives at a point, without shadows.
 
 #import "lights.wgsl"
 #import "scene.wgsl"

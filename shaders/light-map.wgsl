@@ -1,4 +1,4 @@
-// Which map of a light sees a point.
+// The map of a light that sees a point.
 
 #import "lights.wgsl"
 

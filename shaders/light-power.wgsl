@@ -1,4 +1,4 @@
-// How much the lights of the scene send out.
+// The power of the lights of the scene.
 
 #import "algorithms/scaled.wgsl"
 #import "color.wgsl"

@@ -63,7 +63,7 @@ fn light_intensity(light: Light, leaving: vec3<f32>) -> vec3<f32> {
         return light.intensity;
     }
     let cap = cap_of(light, leaving);
-    // Equal angles make a hard edge: the ramp's width is kept above what single precision can tell apart.
+    // Equal angles make a hard edge: the ramp's width is kept above the resolution of single precision.
     let ramp = (light.cap_outer - cap) / max(light.cap_outer - light.cap_inner, 1e-6 * light.cap_outer);
     let falloff = clamp(ramp, 0.0, 1.0);
     return light.intensity * (falloff * falloff);

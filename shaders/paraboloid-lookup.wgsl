@@ -1,4 +1,4 @@
-// Where a receiver falls in the paraboloid map of a virtual light, and whether what a texel stores hides it.
+// Shadow-map lookups in the paraboloid map of a virtual light: the position of a receiver, and its depth test.
 
 #import "paraboloid.wgsl"
 #import "virtual-lights.wgsl"

@@ -7,7 +7,7 @@
 
 #import "tangent-frame.wgsl"
 
-/// What an atlas of distances holds where nothing is: more than any distance. Finite, because arithmetic with
+/// The distance that an atlas holds where nothing is: more than any other. Finite, because arithmetic with
 /// infinity differs between drivers.
 const NOTHING: f32 = 3.0e38;
 
@@ -57,7 +57,7 @@ fn above_horizon(local: vec3<f32>, extent: f32) -> bool {
     return local.z > 1e-3 * length(local) + 1e-6 * extent;
 }
 
-/// Returns column, row and layer of the first texel of a light's tile, in an atlas whose layers have so many columns and
+/// Returns column, row and layer of the first texel of a light's tile, in an atlas whose layers have these columns and
 /// rows of tiles.
 fn tile_origin(light: u32, columns: u32, rows: u32, tile: u32) -> vec3<u32> {
     let row = light / columns;

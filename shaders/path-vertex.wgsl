@@ -8,14 +8,14 @@
 struct PathVertex {
     /// World space [m].
     position: vec3<f32>,
-    /// Of the triangle, unit, on the side from which the ray came.
+    /// Unit normal of the triangle, on the side from which the ray came.
     geometric: vec3<f32>,
     /// For shading, unit, on the same side.
     normal: vec3<f32>,
     surface: Surface,
 }
 
-/// What a ray along `direction` met. Textures are read at their finest level.
+/// Returns the vertex where a ray along `direction` hit. Textures are read at their finest level.
 fn path_vertex(hit: Hit, direction: vec3<f32>) -> PathVertex {
     let a = scene_vertices[scene_indices[3u * hit.triangle]];
     let b = scene_vertices[scene_indices[3u * hit.triangle + 1u]];

@@ -33,7 +33,7 @@ fn multiply_high(a: u32, b: u32) -> u32 {
     return (a >> 16u) * (b >> 16u) + (first >> 16u) + (second >> 16u);
 }
 
-/// How many samples to generate, for all maps together: what the triangles ask for, or ANY_NUMBER.
+/// Returns the number of samples to generate for all maps together: the triangles' sum, or ANY_NUMBER.
 fn samples_requested() -> u32 {
     return points.requested;
 }

@@ -6,14 +6,14 @@
 #import "surface-sample.wgsl"
 
 struct PointsFacts {
-    /// How many different points there are.
+    /// The number of different points.
     count: u32,
 }
 
 var<uniform> points_facts: PointsFacts;
 var<storage, read> points: array<Point>;
 
-/// How many samples to generate, for all maps together: what the triangles ask for, or ANY_NUMBER.
+/// Returns the number of samples to generate for all maps together: the triangles' sum, or ANY_NUMBER.
 fn samples_requested() -> u32 {
     return ANY_NUMBER;
 }

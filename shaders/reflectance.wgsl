@@ -1,4 +1,4 @@
-// How surfaces reflect: diffusely, and by microfacets where GLOSSY.
+// Reflection at surfaces: diffuse, and by microfacets where GLOSSY is set.
 
 #option GLOSSY false // whether anything reflects other than diffusely
 

@@ -1,4 +1,4 @@
-// What a surface reflects of the lights of the scene, with a ray to each light.
+// The light of the scene's lights that a surface reflects, with a ray to each light.
 //
 // A file that imports this one imports also how surfaces reflect: reflectance.wgsl, or diffuse-reflectance.wgsl where they are
 // all diffuse.

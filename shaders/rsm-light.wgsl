@@ -14,14 +14,14 @@ fn dark_light(texel: u32) -> VirtualLight {
     return VirtualLight(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), texel, vec3(0.0), 0.0);
 }
 
-/// How far off the plane of a surface another map's texel may lie to show the same surface, in sides of a square of a texel's
+/// The farthest distance off the plane of a surface at which another map's texel may lie to show the same surface, in sides of a square of a texel's
 /// area.
 const COPLANAR: f32 = 0.25;
 
 /// The least cosine between the normals of texels of two maps that show the same surface.
 const ALIKE: f32 = 0.5;
 
-/// What a light reflects from a surface, as its own layer of the map has it.
+/// Returns the light of a source that a surface reflects, as its own layer of the map has it.
 struct Reflected {
     /// [m]
     position: vec3<f32>,

@@ -1,4 +1,4 @@
-// What is averaged over frames.
+// The sample of a frame, which is averaged over frames.
 //
 // A pipeline with a pass whose shader imports this takes another sample in each frame, even where nothing moves: other
 // random numbers, and another place within each pixel. Without it a still picture stays the same, bit by bit.

@@ -86,7 +86,7 @@ var<storage, read> scene_area_guide: array<u32>;
 var<storage, read> scene_emitters: SceneEmitters;
 /// Decoded from sRGB on load.
 var scene_textures: texture_2d_array<f32>;
-/// The same texels as they stand, for data that is not colour.
+/// The same texels as they stand, for data that is not color.
 var scene_textures_linear: texture_2d_array<f32>;
 /// Trilinear and anisotropic, repeating.
 var scene_sampler: sampler;

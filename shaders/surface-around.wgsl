@@ -1,4 +1,4 @@
-// How alike two pixels of a view are: the distance of one from the plane of the other, and their normals. For filters that
+// The similarity of two pixels of a view: the distance of one from the plane of the other, and their normals. For filters that
 // stop at edges of the geometry.
 
 #import "camera.wgsl"
@@ -6,7 +6,7 @@
 var view_depth: texture_2d<f32>;
 var view_normal: texture_2d<f32>;
 
-/// What the centre pixel of a window sees.
+/// The surface at the centre pixel of a window.
 struct SurfaceAround {
     pixel: vec2<i32>,
     /// Along the viewing axis [m]; 0 where nothing is seen.

@@ -6,11 +6,11 @@
 #import "surface-points.wgsl"
 #import "surface.wgsl"
 
-/// Where on a triangle a point is.
+/// A place on a triangle.
 struct OnTriangle {
     /// World space [m].
     position: vec3<f32>,
-    /// Of the triangle, unit; zero where it has no area. Its sign means nothing.
+    /// Unit normal of the triangle; zero where it has no area. Its sign means nothing.
     normal: vec3<f32>,
 }
 

@@ -1,7 +1,7 @@
-// What the scene is made of at a point of its surface: a fragment, or a point of a triangle.
+// The material of the scene at a point of its surface: a fragment, or a point of a triangle.
 //
 // Surfaces are two-sided. Materials are those of glTF's metallic-roughness model: the diffuse part is Lambertian
-// with reflectance base colour × (1 − metallic).
+// with reflectance base color × (1 − metallic).
 
 #option TEXTURED false // whether any material of the scene has a texture
 
@@ -18,7 +18,7 @@ struct Attributes {
     @location(4) instance: u32,
 }
 
-/// How position and texture coordinates change: from a pixel to its neighbours on the right and below, or along
+/// Changes of position and texture coordinates: from a pixel to its neighbours on the right and below, or along
 /// two edges of a triangle.
 struct Change {
     position_x: vec3<f32>,

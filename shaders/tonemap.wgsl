@@ -4,7 +4,7 @@
 
 #import "color.wgsl"
 
-/// The encoded colour, in 0..1, of a radiance [W/(m² sr)].
+/// The encoded color, in 0..1, of a radiance [W/(m² sr)].
 ///
 /// `exposure` [EV] doubles the radiance with each step; `white` is the exposed luminance that becomes white, where
 /// the curve has one. A channel that is infinite or no number shows as magenta, which no curve makes of light.
@@ -39,7 +39,7 @@ fn tonemap(rgb: vec3<f32>, white: f32) -> vec3<f32> {
     return hable(rgb) / hable(vec3(white));
 }
 
-/// (x (0.15 x + 0.05) + 0.004) / (x (0.15 x + 0.5) + 0.06) - 0.02 / 0.3, over one denominator: of dark colours, the difference
+/// (x (0.15 x + 0.05) + 0.004) / (x (0.15 x + 0.5) + 0.06) - 0.02 / 0.3, over one denominator: of dark colors, the difference
 /// has no digits.
 fn hable(x: vec3<f32>) -> vec3<f32> {
     return x * (0.14 * x + 1.0 / 60.0) / (x * (0.15 * x + 0.5) + 0.06);

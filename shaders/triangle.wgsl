@@ -2,7 +2,7 @@
 
 #import "scene.wgsl"
 
-/// Where a triangle is, in world space [m].
+/// The corners of a triangle, in world space [m].
 struct Triangle {
     /// The first vertex.
     corner: vec3<f32>,

@@ -1,11 +1,11 @@
-// What a module of the interface Visibility answers: the visibility of a light by its own map or, where lights share maps,
+// The function of a module of the interface Visibility: the visibility of a light by its own map or, where lights share maps,
 // by the map of its owner.
 //
 // The module that imports this file gives
 //   fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32
 // the part of the light of map `index` that is seen.
 
-#option SHARED false // whether lights share maps: the pass share-visibility sets it
+#option SHARED false internal // whether lights share maps: the pass share-visibility sets it
 
 #import "virtual-lights.wgsl"
 

@@ -1,10 +1,10 @@
-//! What the tests share: one device a process, and renderers on small frames.
+//! Shared by the tests: one device a process, and renderers on small frames.
 
 use frame_graph::Overrides;
 use metrics::Image;
 use renderer::{Assets, Catalog, Gpu, Renderer, parse_value};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 /// The root of the tree.
@@ -26,14 +26,14 @@ pub(crate) fn set(values: &[&str]) -> Overrides {
 
 /// A renderer on the files of a folder.
 pub(crate) fn renderer_in(
-    root: PathBuf,
+    root: &Path,
     pipeline: &str,
     scene: &str,
     size: (u32, u32),
     values: &[&str],
 ) -> Option<Renderer> {
     let gpu = gpu()?;
-    let catalog = Arc::new(Catalog::new(Assets::new(Some(root))));
+    let catalog = Arc::new(Catalog::new(Assets::new(Some(root.to_owned()))));
     let scene = renderer::load_scene(&catalog, scene).unwrap_or_else(|error| panic!("{error}"));
     let mut renderer = Renderer::new(gpu, catalog, scene, size).unwrap_or_else(|error| panic!("{error}"));
     renderer.set_pipeline(pipeline, &set(values)).unwrap_or_else(|error| panic!("{error}"));
@@ -42,7 +42,7 @@ pub(crate) fn renderer_in(
 
 /// A renderer on the files of the tree.
 pub(crate) fn renderer(pipeline: &str, scene: &str, size: (u32, u32), values: &[&str]) -> Option<Renderer> {
-    renderer_in(root(), pipeline, scene, size, values)
+    renderer_in(&root(), pipeline, scene, size, values)
 }
 
 /// Runs frames until the pipeline says that it is done, and returns their number.
@@ -72,4 +72,28 @@ pub(crate) fn mean(image: &Image) -> [f64; 3] {
         (0..3).for_each(|c| sum[c] += f64::from(pixel[c]));
     }
     sum.map(|s| s / image.pixels().len() as f64)
+}
+
+/// Renders a frame and returns an output.
+#[track_caller]
+pub(crate) fn shown(renderer: &mut Renderer, output: &str) -> Image {
+    renderer.frame().unwrap();
+    renderer.output(output).unwrap()
+}
+
+/// Returns the sum of the mean red, green and blue of a picture, all of whose pixels are finite.
+#[track_caller]
+pub(crate) fn energy(image: &Image) -> f64 {
+    assert!(image.pixels().iter().flatten().all(|value| value.is_finite()));
+    mean(image).iter().sum()
+}
+
+/// Returns the folder of real scenes beside the tree, where there is one.
+pub(crate) fn references() -> Option<PathBuf> {
+    let folder = root().join("../shared/scenes/references");
+    if !folder.is_dir() {
+        eprintln!("skipped: the references are not here");
+        return None;
+    }
+    Some(folder)
 }

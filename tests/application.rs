@@ -1,6 +1,6 @@
 //! An application hands in its own device, and draws with the texture of an output.
 
-use crate::adapter::{SMALL, bits, gpu, root, set};
+use crate::adapter::{SMALL, bits, gpu, root, set, shown};
 use executor::wgpu;
 use frame_graph::Value;
 use renderer::{Assets, Catalog, Gpu, Renderer, SharedScene};
@@ -58,8 +58,7 @@ fn several_renderers_share_a_scene() {
     for _ in 0..2 {
         for (renderer, (pipeline, size, frame)) in renderers.iter_mut().zip(&views) {
             renderer.set_frame_index(*frame);
-            renderer.frame().unwrap();
-            let picture = bits(&renderer.output("image").unwrap());
+            let picture = bits(&shown(renderer, "image"));
             assert!(Some(picture) == alone(pipeline, *size, *frame), "{pipeline} at frame {frame}");
         }
     }
@@ -74,10 +73,7 @@ fn values_and_lights_are_set_between_frames() {
     let mut renderer = Renderer::new(gpu, catalog, scene, (16, 16)).unwrap();
     assert!(renderer.set_value("lights", Value::U32(16)).is_err(), "no pipeline is set");
     renderer.set_pipeline("ism", &set(SMALL)).unwrap();
-    let picture = |renderer: &mut Renderer| {
-        renderer.frame().unwrap();
-        renderer.output("image").unwrap()
-    };
+    let picture = |renderer: &mut Renderer| shown(renderer, "image");
     let first = picture(&mut renderer);
 
     renderer.set_value("lights", Value::U32(8)).unwrap();

@@ -1,27 +1,33 @@
 //! The benchmark command: small, but whole.
 
 use crate::adapter::{gpu, root};
+use crate::program::{Done, command_of_tree, lightloom};
 use serde_json::Value;
-use std::process::{Command, Output};
+use std::process::Command;
 
 fn command(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lightloom"));
-    command.args(["--root", &root().to_string_lossy(), "bench"]).args(arguments);
+    let mut command = command_of_tree(&root());
+    command.arg("bench").args(arguments);
     command
 }
 
-fn bench(arguments: &[&str]) -> Output {
-    command(&["--quick", "--runs", "2"]).args(arguments).output().unwrap()
-}
-
-fn text(output: &Output) -> String {
-    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+fn bench(arguments: &[&str]) -> Done {
+    Done::of(command(&["--quick", "--runs", "2"]).args(arguments)).success()
 }
 
 fn json(arguments: &[&str]) -> Value {
-    let done = bench(&[arguments, &["--json"]].concat());
-    assert!(done.status.success(), "{}", text(&done));
-    serde_json::from_slice(&done.stdout).unwrap_or_else(|error| panic!("{error}: {}", text(&done)))
+    bench(&[arguments, &["--json"]].concat()).json()
+}
+
+fn has_timestamps() -> bool {
+    gpu().is_some_and(|gpu| gpu.has_timestamps())
+}
+
+/// Returns three numbers of a row that rise: its least, median and greatest value.
+fn spread(row: &Value) -> [f64; 3] {
+    let spread = ["least", "median", "greatest"].map(|key| row[key].as_f64().unwrap());
+    assert!(spread.is_sorted() && spread[2].is_finite(), "{row}");
+    spread
 }
 
 fn rows<'a>(json: &'a Value, figure: &str) -> Vec<&'a Value> {
@@ -31,39 +37,27 @@ fn rows<'a>(json: &'a Value, figure: &str) -> Vec<&'a Value> {
 
 /// Every figure is there, is a number, and lies within its spread.
 #[test]
+#[ignore = "slow"]
 fn all_that_can_be_measured_is() {
-    if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
+    if !has_timestamps() {
         return;
     }
     let json = json(&[]);
     assert_eq!(json["adapter"], gpu().unwrap().describe());
-    let figures = [
-        "rays",
-        "shadow-maps",
-        "samplers",
-        "points",
-        "ism-frame",
-        "compile",
-        "encode",
-        "memory",
-        "value",
-        "reload",
-        "start",
-    ];
-    for figure in figures {
+    let of_gpu = ["rays", "shadow-maps", "samplers", "points", "ism-frame"];
+    let of_cpu = ["compile", "encode", "memory", "value", "reload", "start"];
+    for figure in of_gpu.into_iter().chain(of_cpu) {
         assert!(!rows(&json, figure).is_empty(), "{figure}: {json}");
         assert!(json["notes"][figure].as_str().is_some_and(|note| !note.is_empty()), "{figure}");
     }
     for row in json["rows"].as_array().unwrap() {
-        let [least, median, greatest] = ["least", "median", "greatest"].map(|key| row[key].as_f64().unwrap());
-        assert!(least <= median && median <= greatest && greatest.is_finite(), "{row}");
         // A pass may take no step at all.
-        assert!(least > 0.0 || row["figure"] == "ism-frame", "{row}");
+        assert!(spread(row)[0] > 0.0 || row["figure"] == "ism-frame", "{row}");
         assert!(row["goal"].is_null() && row["met"].is_null(), "goals are for whole sizes: {row}");
     }
     // The frame is what its passes add up to, in one run, without and with that of stored points; medians of two are means.
     let frame = rows(&json, "ism-frame");
-    let median = |row: &serde_json::Value| row["median"].as_f64().unwrap();
+    let median = |row: &Value| row["median"].as_f64().unwrap();
     let sum: f64 = frame[2..].iter().map(|row| median(row)).sum();
     let points = frame.iter().find(|row| row["name"] == "ism: shadows/points").expect("points are stored");
     for (found, sum) in [(median(frame[0]), sum - median(points)), (median(frame[1]), sum)] {
@@ -74,7 +68,7 @@ fn all_that_can_be_measured_is() {
 /// Both kinds of search find the same, and what is counted is what the scenes say.
 #[test]
 fn rays_are_counted() {
-    if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
+    if !has_timestamps() {
         return;
     }
     let json = json(&["--only", "rays", "--scene", "plane"]);
@@ -108,17 +102,13 @@ fn rays_are_counted() {
     assert!(rays / 2 < hits && hits < rays, "most stay in the box, some leave it: {hits} of {rays}");
 }
 
-/// What is counted needs no adapter, and says which pipelines there are.
+/// Counts need no adapter, and name all pipelines.
 #[test]
 fn memory_is_that_of_every_pipeline() {
     let json = json(&["--only", "memory"]);
     assert!(json["adapter"].is_null());
     let rows = rows(&json, "memory");
-    let listed = Command::new(env!("CARGO_BIN_EXE_lightloom"))
-        .args(["--root", &root().to_string_lossy(), "pipelines", "--json"])
-        .output()
-        .unwrap();
-    let listed: Value = serde_json::from_slice(&listed.stdout).unwrap();
+    let listed = lightloom(&["pipelines", "--json"]).json();
     let names: Vec<String> = listed
         .as_array()
         .unwrap()
@@ -143,7 +133,7 @@ fn memory_is_that_of_every_pipeline() {
 /// Every ceiling is a rate, and each pass of each frame has what it must do, a bound, and the ceiling that sets it.
 #[test]
 fn passes_are_held_against_ceilings() {
-    if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
+    if !has_timestamps() {
         return;
     }
     let json = json(&["--roofline"]);
@@ -156,9 +146,7 @@ fn passes_are_held_against_ceilings() {
         assert!(ceilings.iter().any(|ceiling| ceiling["name"] == name), "{name}: {json}");
     }
     for ceiling in ceilings {
-        let [least, median, greatest] =
-            ["least", "median", "greatest"].map(|key| ceiling[key].as_f64().unwrap());
-        assert!(0.0 < least && least <= median && median <= greatest && greatest.is_finite(), "{ceiling}");
+        assert!(spread(ceiling)[0] > 0.0, "{ceiling}");
     }
     let frames = json["frames"].as_array().unwrap();
     assert_eq!(frames.len(), 3);
@@ -178,7 +166,7 @@ fn passes_are_held_against_ceilings() {
         let [time, at_least] = ["median", "at_least"].map(|key| frame[key].as_f64().unwrap());
         assert!(0.0 < at_least && at_least <= NOISE * time, "{frame}");
     }
-    // What the settings of a quick look make: eight maps of 32², of a quarter of a point for each texel of the disc.
+    // The settings of a quick run give eight maps of 32², of a quarter of a point for each texel of the disc.
     let count = |frame: usize, pass: &str, key: &str| -> u64 {
         let passes = frames[frame]["passes"].as_array().unwrap();
         let pass = passes.iter().find(|known| known["name"] == pass).unwrap_or_else(|| panic!("{pass}"));
@@ -195,39 +183,36 @@ fn passes_are_held_against_ceilings() {
     assert!(count(0, "gather", "bytes") > 32 * 32 * (4 + 8 + 16));
 }
 
-/// How much shorter than its bound a frame may seem where two cores do other work now and then.
+/// A frame may seem this many times shorter than its bound where two cores do other work now and then.
 const NOISE: f64 = 2.0;
 
 #[test]
 fn tables_are_for_people_and_pages() {
-    let done = bench(&["--only", "memory"]);
-    let said = text(&done);
-    assert!(done.status.success() && said.starts_with("what"), "{said}");
-    assert!(said.contains("transients of ism, ") && said.contains("\nmemory: "), "{said}");
+    let done = bench(&["--only", "memory"]).says(&["transients of ism, ", "\nmemory: "]);
+    assert!(done.out.starts_with("what"), "{done}");
     let done = bench(&["--only", "memory", "--markdown"]);
-    let said = text(&done);
-    let table: Vec<&str> = said.lines().filter(|line| line.starts_with('|')).collect();
-    assert!(done.status.success() && table.len() > 3, "{said}");
+    let table: Vec<&str> = done.out.lines().filter(|line| line.starts_with('|')).collect();
+    assert!(table.len() > 3, "{done}");
     assert_eq!(table[1], "|---|---|---|---|---|");
-    assert!(table.iter().all(|line| line.matches('|').count() == 6), "{said}");
+    assert!(table.iter().all(|line| line.matches('|').count() == 6), "{done}");
 }
 
 /// The roofline has a table of ceilings and one for each frame, in columns and as Markdown.
 #[test]
+#[ignore = "slow"]
 fn rooflines_are_for_people_and_pages() {
-    if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
+    if !has_timestamps() {
         return;
     }
-    let said = text(&bench(&["--roofline"]));
-    assert!(said.starts_with("ceiling ") && said.contains("\nism-classic, 8 maps of 32², "), "{said}");
-    assert!(said.contains("\nshadows/splat ") && said.contains(" atomics, "), "{said}");
-    let said = text(&bench(&["--roofline", "--markdown"]));
-    let tables = said.lines().filter(|line| line.starts_with("|---")).count();
-    assert_eq!(tables, 4, "{said}");
+    let words = ["\nism-classic, 8 maps of 32², ", "\nshadows/splat ", " atomics, "];
+    let done = bench(&["--roofline"]).says(&words);
+    assert!(done.out.starts_with("ceiling "), "{done}");
+    let done = bench(&["--roofline", "--markdown"]);
+    assert_eq!(done.out.lines().filter(|line| line.starts_with("|---")).count(), 4, "{done}");
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     let cases: [(&[&str], i32, &str); 5] = [
         (&["--only", "ray"], 2, "rays"),
         (&["--runs", "0"], 2, "1..=1000000"),
@@ -237,15 +222,10 @@ fn mistakes_are_told() {
     ];
     let needs_gpu = |code| code == 1;
     for (arguments, code, word) in cases.iter().filter(|(_, code, _)| !needs_gpu(*code) || gpu().is_some()) {
-        let done = command(arguments).output().unwrap();
-        assert_told(&done, *code, word);
+        Done::of(&mut command(arguments)).failure(*code, &[word]);
     }
     // The environment hides every adapter.
-    let done = command(&["--only", "encode"]).env("WGPU_ADAPTER_NAME", "an adapter that nobody has").output();
-    assert_told(&done.unwrap(), 1, "no graphics adapter");
-}
-
-fn assert_told(done: &Output, code: i32, word: &str) {
-    assert_eq!(done.status.code(), Some(code), "{}", text(done));
-    assert!(text(done).contains(word) && !text(done).contains("panicked"), "{}", text(done));
+    let mut command = command(&["--only", "encode"]);
+    command.env("WGPU_ADAPTER_NAME", "an adapter that nobody has");
+    Done::of(&mut command).failure(1, &["no graphics adapter"]);
 }

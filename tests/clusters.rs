@@ -6,7 +6,7 @@ use renderer::{PortFigures, Renderer};
 
 const CLUSTERED: [&str; 3] = ["acrsm", "rsm-clustering", "clustered-visibility"];
 
-/// What the clusters of a frame say of themselves.
+/// Returns the figures of the clusters of a frame.
 fn clusters(renderer: &Renderer) -> PortFigures {
     let figures = renderer.figures().unwrap();
     figures
@@ -63,8 +63,8 @@ fn clusters_stay_alive_while_the_light_glides() {
     for frame in 0..40 {
         gliding.set_frame_index(80 + 2 * frame);
         gliding.frame().unwrap();
-        let told = clusters(&gliding);
-        let (alive, vanished) = (told.value("alive").unwrap(), told.value("vanished").unwrap());
+        let figures = clusters(&gliding);
+        let (alive, vanished) = (figures.value("alive").unwrap(), figures.value("vanished").unwrap());
         assert_eq!(alive + vanished, 64.0, "frame {frame}: those that have vanished are back in the next");
         assert!(vanished <= 8.0, "frame {frame}: {vanished} vanish at once");
         let (mapped, all) = flux(&gliding);
@@ -89,13 +89,13 @@ fn lights(renderer: &Renderer) -> Vec<VirtualLight> {
     interfaces::virtual_lights::from_bytes(&bytes).expect("a buffer of lights")
 }
 
-/// What a resource holds after the last frame.
+/// Returns the content of a resource after the last frame.
 fn resource(renderer: &Renderer, name: &str) -> Vec<u8> {
     let id = renderer.plan().unwrap().resource(name).expect("a resource of the plan");
     renderer.resource_bytes(id).unwrap()
 }
 
-/// What is merged is split elsewhere or seeded again: figures add up, and a restart forgets the past.
+/// Merged clusters are split elsewhere or seeded again: figures add up, and a restart forgets the past.
 #[test]
 fn a_restart_forgets_the_frames_before() {
     let Some(first) = after("acrsm", "cornell-box", 1, &["lights.restart=true"]) else { return };
@@ -110,6 +110,7 @@ fn a_restart_forgets_the_frames_before() {
 /// More clusters than lit texels, one cluster, the least and the greatest windows and thresholds, no light, several, and the
 /// faces of a point light: every frame is finite, nothing is in two clusters, and the flux of the lights is that of the map.
 #[test]
+#[ignore = "slow"]
 fn at_the_edges_of_what_can_be_asked() {
     if gpu().is_none() {
         return;
@@ -130,11 +131,11 @@ fn at_the_edges_of_what_can_be_asked() {
         let more = [&["map=8", "interleave_x=1", "interleave_y=1", "rsm.size=64"], values].concat();
         let renderer = after("acrsm", scene, 5, &more).expect("there is an adapter");
         let case = format!("{scene}, {values:?}");
-        let told = clusters(&renderer);
-        let (alive, vanished) = (told.value("alive").unwrap(), told.value("vanished").unwrap());
+        let figures = clusters(&renderer);
+        let (alive, vanished) = (figures.value("alive").unwrap(), figures.value("vanished").unwrap());
         let side: f64 = if values.contains(&"rsm.size=8") { 8.0 } else { 64.0 };
         assert!(alive <= side * side * 7.0, "{case}: {alive} clusters of fewer texels");
-        assert!(told.values.iter().all(|(_, value)| value.is_finite()), "{case}: {told:?}");
+        assert!(figures.values.iter().all(|(_, value)| value.is_finite()), "{case}: {figures:?}");
         let picture = renderer.output("indirect").unwrap();
         assert!(picture.pixels().iter().flatten().all(|value| value.is_finite()), "{case}");
         let (mapped, all) = flux(&renderer);
@@ -143,7 +144,7 @@ fn at_the_edges_of_what_can_be_asked() {
             assert_eq!((alive, all), (0.0, 0.0), "{case}: {vanished}");
             continue;
         }
-        assert!(alive > 0.0 && mapped > 0.0, "{case}: {told:?}");
+        assert!(alive > 0.0 && mapped > 0.0, "{case}: {figures:?}");
         let shining: f32 = lights(&renderer).iter().flat_map(|light| light.flux).sum();
         assert!((shining / all - 1.0).abs() < 1e-3, "{case}: lights have {shining} W of {all} W");
     }

@@ -1,20 +1,20 @@
 //! Direct light and its shadows with the maps that lights see, against closed forms.
 
-use crate::adapter::{SMALL, renderer};
+use crate::adapter::{SMALL, renderer, shown};
 use glam::{DVec3, Vec3, dvec3, vec3};
 use scene::{Light, LightKind, Scene, Vertex};
 use std::f64::consts::PI;
 
 const WIDTH: u32 = 80;
 const HEIGHT: u32 = 60;
-/// Of the small square above the floor \[m\].
+/// Height of the small square above the floor \[m\].
 const HALF_WAY: f64 = 0.4;
 /// Half the side of the small square \[m\].
 const HALF_SIDE: f64 = 0.25;
 /// Within this of a shadow's edge, in metres on the small square, filtering blurs it.
 const RIM: f64 = 0.03;
 
-/// What `plane` has under its light: a floor at y = 0 of side 2 and albedo ½.
+/// Puts a light over `plane`: a floor at y = 0 of side 2 and albedo ½.
 fn lit_by(kind: LightKind, position: Vec3, direction: Vec3) -> impl Fn(&mut Scene) {
     move |scene| scene.lights = vec![Light { kind, position, direction, ..scene.lights[0].clone() }]
 }
@@ -37,12 +37,11 @@ fn render(change: impl Fn(&mut Scene), values: &[&str]) -> Option<(Scene, Vec<[f
     let mut scene = renderer.scene().clone();
     change(&mut scene);
     renderer.set_scene(scene.clone()).unwrap();
-    renderer.frame().unwrap();
-    let direct = renderer.output("direct").unwrap();
+    let direct = shown(&mut renderer, "direct");
     Some((scene, direct.pixels().to_vec()))
 }
 
-/// What a pixel sees.
+/// The surface in a pixel.
 enum Seen {
     /// Nothing.
     Nothing,
@@ -109,7 +108,7 @@ fn compare(light: impl Fn(&mut Scene), expected: impl Fn(DVec3) -> Option<f64>) 
     assert!(lit > 200 && dark > 30, "{lit} pixels are lit and {dark} dark");
 }
 
-/// How far within the shadow of the small square a place is, in metres on the small square; negative outside.
+/// Returns the depth of a place in the shadow of the small square, in metres on the small square; negative outside.
 fn depth_of_shadow(at: DVec3, to_light: DVec3) -> f64 {
     let on_screen = at + to_light * ((HALF_WAY - at.y) / to_light.y);
     HALF_SIDE - on_screen.x.abs().max(on_screen.z.abs())

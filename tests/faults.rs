@@ -2,20 +2,13 @@
 //! stays, what is half written never passes for whole, and the exit code and the message are right.
 
 use crate::adapter::{gpu, root};
+use crate::program::{Done, Folder, QUICK, command, wait_for};
 use metrics::Image;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-
-const QUICK: &[&str] = &["--size", "24x16", "--set", "lights=32", "--set", "rsm.size=32"];
+use std::process::{Command, Stdio};
 
 fn lightloom() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lightloom"));
-    command.current_dir(root());
-    command
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    command(&root())
 }
 
 /// The names in a folder, in order.
@@ -43,11 +36,8 @@ fn pictures(folder: &Path) -> Vec<PathBuf> {
 
 #[test]
 fn pictures_of_a_killed_program_are_whole_and_what_is_half_is_cleared() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let pattern = folder.path().join("####.exr");
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
+    let pattern = folder.at("####.exr");
     let render = |frames: &str| {
         let mut command = lightloom();
         command.args(["render", "ism", "cornell-box", "--frames", frames, "-o"]).arg(&pattern).args(QUICK);
@@ -56,71 +46,54 @@ fn pictures_of_a_killed_program_are_whole_and_what_is_half_is_cleared() {
     // After the first picture of each, at whatever moment: over those of the one before.
     for _ in 0..3 {
         let first = pattern.with_file_name("0000.exr");
-        let before = first.metadata().ok().map(|about| about.modified().unwrap());
+        let modified = || first.metadata().ok().map(|about| about.modified().unwrap());
+        let before = modified();
         let mut child = render("100000").stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        while first.metadata().ok().map(|about| about.modified().unwrap()) == before {
-            assert!(child.try_wait().unwrap().is_none(), "it ended before its first picture");
-            std::thread::sleep(std::time::Duration::from_millis(5));
-        }
+        wait_for(&mut child, "picture", || modified() != before);
         child.kill().unwrap();
         child.wait().unwrap();
-        assert!(!pictures(folder.path()).is_empty());
+        assert!(!pictures(&folder).is_empty());
     }
     // As a program leaves it that was killed in the middle of a file.
-    std::fs::write(folder.path().join(".lightloom-killed.part"), "half").unwrap();
-    assert!(render("1").output().unwrap().status.success());
-    assert!(!names(folder.path()).iter().any(|name| is_part(name)), "{:?}", names(folder.path()));
+    std::fs::write(folder.at(".lightloom-killed.part"), "half").unwrap();
+    Done::of(&mut render("1")).success();
+    assert!(!names(&folder).iter().any(|name| is_part(name)), "{:?}", names(&folder));
 }
 
 #[test]
 fn a_trace_of_a_killed_program_does_not_pass_for_whole() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let (trace, picture) = (folder.path().join("trace.json"), folder.path().join("0000.png"));
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
+    let (trace, picture) = (folder.at("trace.json"), folder.at("0000.png"));
     let mut command = lightloom();
     command.args(["render", "ism", "cornell-box", "--frames", "100000", "-o"]);
-    command.arg(folder.path().join("####.png")).args(QUICK).arg("--trace").arg(&trace);
+    command.arg(folder.at("####.png")).args(QUICK).arg("--trace").arg(&trace);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    while !picture.exists() {
-        assert!(child.try_wait().unwrap().is_none(), "it ended before its first picture");
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
+    wait_for(&mut child, "picture", || picture.exists());
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(!trace.exists());
-    assert!(
-        lightloom()
-            .arg("scenes")
-            .arg("--trace")
-            .arg(&trace)
-            .stdout(Stdio::null())
-            .status()
-            .unwrap()
-            .success()
-    );
-    let whole = std::fs::read_to_string(&trace).unwrap();
+    Done::of(lightloom().arg("scenes").arg("--trace").arg(&trace)).success();
+    let whole = folder.read("trace.json");
     assert!(serde_json::from_str::<Vec<serde_json::Value>>(&whole).is_ok(), "{whole}");
-    assert!(!names(folder.path()).iter().any(|name| is_part(name)), "{:?}", names(folder.path()));
+    assert!(!names(&folder).iter().any(|name| is_part(name)), "{:?}", names(&folder));
 }
 
 /// Limits the size of files to 4 KiB, which stands for a full disk and needs no rights.
 #[cfg(target_os = "linux")]
-fn limited(arguments: &[&str]) -> Output {
+fn limited(arguments: &[&str]) -> Done {
     // Of 512 or of 1024 bytes by the shell.
     let script = "ulimit -f 4; exec \"$0\" \"$@\"";
     let mut command = Command::new("sh");
     command.args(["-c", script, env!("CARGO_BIN_EXE_lightloom")]).args(arguments);
-    command.current_dir(root()).output().unwrap()
+    Done::of(command.current_dir(root()))
 }
 
 /// The file before stays, nothing half is left, and the message names the file.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_does_not_fit_on_the_disk_changes_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let (graph, trace) = (folder.path().join("graph.svg"), folder.path().join("trace.json"));
+    let folder = Folder::new(&[]);
+    let (graph, trace) = (folder.at("graph.svg"), folder.at("trace.json"));
     let [graph_text, trace_text] = [&graph, &trace].map(|path| path.to_str().unwrap());
     for path in [&graph, &trace] {
         std::fs::write(path, "before").unwrap();
@@ -129,38 +102,32 @@ fn what_does_not_fit_on_the_disk_changes_nothing() {
         (vec!["graph", "ism", "-o", graph_text], graph_text),
         (vec!["--trace", trace_text, "check", "ism-invtm", "tcas"], trace_text),
     ];
-    let picture = folder.path().join("picture.pfm");
+    let picture = folder.at("picture.pfm");
     let picture_text = picture.to_str().unwrap();
     if gpu().is_some() {
         Image::from_fn(1, 1, |_, _| [1.0; 4])
             .unwrap()
             .write(&picture, metrics::Display::AS_IS, None)
             .unwrap();
-        let size = ["--size", "64x64", "--set", "lights=32", "--set", "rsm.size=32"];
-        let render = ["render", "ism", "cornell-box", "-o", picture_text];
-        cases.push(([&render[..], &size].concat(), picture_text));
+        let render = ["render", "ism", "cornell-box", "-o", picture_text, "--size", "64x64"];
+        cases.push(([&render[..], &QUICK[2..]].concat(), picture_text));
     }
-    let before = names(folder.path());
+    let before = names(&folder);
     for (arguments, path) in cases {
         let length = Path::new(path).metadata().unwrap().len();
-        let done = limited(&arguments);
-        assert_eq!(done.status.code(), Some(1), "{arguments:?}: {:?}, {}", done.status, err(&done));
-        assert!(err(&done).contains(path), "{}", err(&done));
-        assert!(err(&done).contains("File too large"), "{}", err(&done));
-        assert!(!err(&done).contains("panicked"), "{}", err(&done));
+        limited(&arguments).failure(1, &[path, "File too large"]);
         assert_eq!(Path::new(path).metadata().unwrap().len(), length, "{path}");
-        assert_eq!(names(folder.path()), before);
+        assert_eq!(names(&folder), before);
     }
 }
 
-/// What a script takes from standard output is whole, or the exit code tells.
+/// Standard output is whole, or the exit code reports a failure.
 #[cfg(target_os = "linux")]
 #[test]
 fn output_and_messages_on_a_full_disk_end_the_program_as_they_should() {
     let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
-    let done = lightloom().args(["passes", "--json"]).stdout(full()).output().unwrap();
-    assert_eq!(done.status.code(), Some(1), "{}", err(&done));
-    assert!(err(&done).contains("standard output cannot be written"), "{}", err(&done));
+    let done = Done::of(lightloom().args(["passes", "--json"]).stdout(full()));
+    done.failure(1, &["standard output cannot be written"]);
     for (arguments, code) in [(["passes", "gathr"], 1), (["check", "ism"], 0)] {
         let status = lightloom().args(arguments).stdout(Stdio::null()).stderr(full()).status().unwrap();
         assert_eq!(status.code(), Some(code), "{arguments:?}: {status:?}");
@@ -173,25 +140,17 @@ fn output_and_messages_on_a_full_disk_end_the_program_as_they_should() {
 
 #[test]
 fn a_folder_or_a_read_only_file_is_not_replaced() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("graph.svg");
-    let draw = || lightloom().args(["graph", "ism", "-o"]).arg(&path).output().unwrap();
+    let folder = Folder::new(&[]);
+    let path = folder.at("graph.svg");
+    let draw = || Done::of(lightloom().args(["graph", "ism", "-o"]).arg(&path));
     std::fs::create_dir(&path).unwrap();
-    let done = draw();
-    assert_eq!(done.status.code(), Some(1));
-    assert!(
-        err(&done).contains("graph.svg was not written") && err(&done).contains("it is a folder"),
-        "{}",
-        err(&done)
-    );
+    draw().failure(1, &["graph.svg was not written", "it is a folder"]);
     std::fs::remove_dir(&path).unwrap();
     std::fs::write(&path, "kept").unwrap();
     let mut permissions = path.metadata().unwrap().permissions();
     permissions.set_readonly(true);
     std::fs::set_permissions(&path, permissions).unwrap();
-    let done = draw();
-    assert_eq!(done.status.code(), Some(1));
-    assert!(err(&done).contains("the file is read-only"), "{}", err(&done));
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), "kept");
-    assert_eq!(names(folder.path()), ["graph.svg"]);
+    draw().failure(1, &["the file is read-only"]);
+    assert_eq!(folder.read("graph.svg"), "kept");
+    assert_eq!(names(&folder), ["graph.svg"]);
 }

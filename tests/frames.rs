@@ -1,6 +1,6 @@
-//! What frames run, and that pictures do not depend on how memory is used.
+//! The passes that frames run; pictures do not depend on how memory is used.
 
-use crate::adapter::{SMALL, bits, gpu, renderer, root, set};
+use crate::adapter::{SMALL, bits, gpu, renderer, root, set, shown};
 use frame_graph::CompileOptions;
 use glam::Vec3;
 use renderer::{Assets, Catalog, FrameOptions, Renderer};
@@ -96,8 +96,7 @@ fn seeds_repeat_and_differ() {
     let Some(mut renderer) = renderer("ism-invtm", "cornell-box", (24, 24), SMALL) else { return };
     let mut picture = |seed| {
         renderer.set_seed(seed);
-        renderer.frame().unwrap();
-        bits(&renderer.output("indirect").unwrap())
+        bits(&shown(&mut renderer, "indirect"))
     };
     let (first, other, again) = (picture(1), picture(2), picture(1));
     assert!(first == again, "the same seed gives the same bits");
@@ -108,8 +107,7 @@ fn seeds_repeat_and_differ() {
 #[test]
 fn animations_move() {
     let Some(mut renderer) = renderer("ism", "cornell-box-moving", (24, 24), SMALL) else { return };
-    renderer.frame().unwrap();
-    let first = bits(&renderer.output("image").unwrap());
+    let first = bits(&shown(&mut renderer, "image"));
     renderer.set_frame_index(20);
     renderer.frame().unwrap();
     assert!(first != bits(&renderer.output("image").unwrap()));
@@ -135,8 +133,7 @@ fn passes_are_timed() {
 fn frames_of_any_size() {
     for size in [(1, 1), (3, 1), (17, 9)] {
         let Some(mut renderer) = renderer("ism-invtm", "cornell-box", size, SMALL) else { return };
-        renderer.frame().unwrap();
-        let image = renderer.output("image").unwrap();
+        let image = shown(&mut renderer, "image");
         assert_eq!((image.width(), image.height()), (size.0 as usize, size.1 as usize));
         assert!(image.pixels().iter().flatten().all(|v| v.is_finite()), "{size:?}");
         renderer.set_size((5, 7)).unwrap();
@@ -145,7 +142,7 @@ fn frames_of_any_size() {
     }
 }
 
-/// What no output needs is made where it is requested, and shown.
+/// A culled resource is made and shown where it is requested.
 #[test]
 fn what_is_culled_can_be_asked_for() {
     let Some(mut renderer) = renderer("ism-uniform", "cornell-box", (32, 32), SMALL) else { return };

@@ -1,5 +1,6 @@
 //! Errors of linking shaders to a pipeline name the line of the shader and the pass that uses it; no GPU takes part.
 
+use crate::program::Folder;
 use frame_graph::{LinkContext, Overrides};
 use renderer::{Assets, Catalog, Compiled};
 
@@ -8,7 +9,7 @@ const PIPELINE: &str = r#"Pipeline(
         "view": Pass(kind: "gbuffer"),
         "count": Pass(
             kind: "compute", shader: "shaders/count.wgsl",
-            in: { "view": "view", "before": Prev(port: "count.after", init: Zero) },
+            in: { "view": "view", "before": "prev count.after" },
             out: { "after": Out(size: (1, 1)) },
         ),
     },
@@ -30,21 +31,16 @@ fn count() {
 
 const SETTINGS: &str = "// Imported.\nstruct Settings {\n    before_age: u32,\n}\n";
 
-/// The errors of the pipeline with this text replaced in its shaders, as shown.
+/// Returns the errors of the pipeline with this text replaced in its files.
 fn errors_with(from: &str, to: &str) -> String {
-    let folder = tempfile::tempdir().expect("a folder");
-    for name in ["pipelines", "shaders"] {
-        std::fs::create_dir(folder.path().join(name)).expect("a folder");
-    }
     let files = [
         ("pipelines/own.ron", PIPELINE),
         ("shaders/count.wgsl", SHADER),
         ("shaders/settings.wgsl", SETTINGS),
     ];
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text.replace(from, to)).expect("a file");
-    }
-    let catalog = Catalog::new(Assets::new(Some(folder.path().to_owned())));
+    let files = files.map(|(name, text)| (name, text.replace(from, to)));
+    let folder = Folder::new(&files.each_ref().map(|(name, text)| (*name, text.as_str())));
+    let catalog = Catalog::new(Assets::new(Some(folder.to_path_buf())));
     let scene = renderer::load_scene(&catalog, "cornell-box").expect("it is built in");
     let context = LinkContext { frame: (16, 16), traits: scene.traits() };
     let options = renderer::compile_options();
@@ -52,7 +48,7 @@ fn errors_with(from: &str, to: &str) -> String {
     compiled.err().map_or_else(String::new, |errors| errors.to_string())
 }
 
-fn assert_tells(errors: &str, words: &[&str]) {
+fn assert_states(errors: &str, words: &[&str]) {
     for word in words {
         assert!(errors.contains(word), "expected `{word}` in: {errors}");
     }
@@ -62,7 +58,7 @@ fn assert_tells(errors: &str, words: &[&str]) {
 fn a_member_without_a_value_is_shown_where_it_is_declared() {
     let errors = errors_with("before_age", "befor_age");
     let place = "shaders/settings.wgsl:3:5";
-    assert_tells(
+    assert_states(
         &errors,
         &["L006", place, "did you mean `before_age`?", "pipelines/own.ron:4:9", "in this pass"],
     );
@@ -71,5 +67,5 @@ fn a_member_without_a_value_is_shown_where_it_is_declared() {
 #[test]
 fn a_global_that_does_not_fit_is_shown_where_it_is_declared() {
     let errors = errors_with("var view_depth: texture_2d<f32>;", "var view_depth: texture_2d<u32>;");
-    assert_tells(&errors, &["L004", "shaders/count.wgsl:3:5", "pipelines/own.ron:4:9"]);
+    assert_states(&errors, &["L004", "shaders/count.wgsl:3:5", "pipelines/own.ron:4:9"]);
 }

@@ -1,6 +1,6 @@
 //! Each pipeline on a small scene against a stored picture, by ꟻLIP. `cargo xtask bless lightloom` stores new ones.
 
-use crate::adapter::{renderer, root};
+use crate::adapter::{renderer, root, shown};
 use metrics::{Display, Image, PIXELS_PER_DEGREE, Pair, flip};
 
 #[test]
@@ -21,16 +21,15 @@ fn pictures_are_those_stored() {
             _ => &["lights=128", "map=32", "rsm.size=128"],
         };
         let Some(mut renderer) = renderer(pipeline, scene, (64, 64), values) else { return };
-        renderer.frame().unwrap();
-        let picture = renderer.output("display").unwrap();
+        let picture = shown(&mut renderer, "display");
         let path = folder.join(format!("{pipeline}-{scene}.png"));
         if bless {
             picture.write(&path, Display::AS_IS, None).unwrap();
             continue;
         }
         let stored = Image::read(&path).unwrap_or_else(|error| panic!("{error}"));
-        let shown = as_stored(&picture);
-        let pair = Pair::new(&shown, &stored).unwrap();
+        let read = as_stored(&picture);
+        let pair = Pair::new(&read, &stored).unwrap();
         let map = flip(&pair, Display::AS_IS, PIXELS_PER_DEGREE);
         // Adapters differ in the last bits of depth and so in single texels of shadow maps: 0.005 was seen between
         // two versions of lavapipe; a light lost gives 0.03.

@@ -1,26 +1,11 @@
 //! `lightloom precision`: probes by the interpreter and on the GPU, files of one's own, and what is no probe.
 
-use crate::adapter::{gpu, root};
-use serde_json::Value;
-use std::path::Path;
-use std::process::{Command, Output};
+use crate::program::{Done, Folder, command_of_tree};
 
-fn precision(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lightloom"))
-        .args(["--json", "--root"])
-        .arg(root())
-        .args(["precision", "-o"])
-        .arg(folder.join("out"))
-        .args(["--magnitudes", "5", "--samples", "64"])
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    serde_json::from_slice(&output.stdout)
-        .unwrap_or_else(|error| panic!("{error}: {}", String::from_utf8_lossy(&output.stderr)))
+fn precision(folder: &Folder, arguments: &[&str]) -> Done {
+    let mut command = command_of_tree(folder);
+    command.args(["precision", "--json", "-o", "out", "--magnitudes", "5", "--samples", "64"]);
+    Done::of(command.args(arguments))
 }
 
 const LOST: &str = "// A difference that is lost.
@@ -32,50 +17,38 @@ fn probe(given: Given) -> vec4<f32> { return vec4(1.0 - sqrt(1.0 - given.x), 0.0
 
 #[test]
 fn probes_by_name_are_measured_and_reported() {
-    let folder = tempfile::tempdir().unwrap();
-    let done = precision(folder.path(), &["spot-caps", "triangles", "--interpret"]);
-    let record = json(&done);
-    assert_eq!(done.status.code(), Some(0));
+    let folder = Folder::new(&[]);
+    let record = precision(&folder, &["spot-caps", "triangles", "--interpret"]).success().json();
     assert_eq!(record["by"], "interpreter");
     let names: Vec<_> = record["probes"].as_array().unwrap().iter().map(|probe| &probe["probe"]).collect();
     assert_eq!(names, ["spot-caps", "triangles"]);
-    let page = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
-    assert!(page.contains("id=\"triangles\""));
-    assert!(folder.path().join("out/probes.json").exists());
+    assert!(folder.read("out/report.html").contains("id=\"triangles\""));
+    assert!(folder.at("out/probes.json").exists());
 }
 
 #[test]
-fn what_is_lost_fails() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("own.wgsl"), LOST).unwrap();
-    let done = precision(folder.path(), &["own.wgsl", "--interpret"]);
-    assert_eq!(done.status.code(), Some(1));
-    assert_eq!(json(&done)["probes"][0]["holds"], false);
-    assert!(String::from_utf8_lossy(&done.stderr).contains("1 of 1 probes exceed their bound"));
+fn a_loss_of_precision_fails() {
+    let folder = Folder::new(&[("own.wgsl", LOST)]);
+    let done = precision(&folder, &["own.wgsl", "--interpret"]);
+    let done = done.failure(1, &["1 of 1 probes exceed their bound"]);
+    assert_eq!(done.json()["probes"][0]["holds"], false);
 }
 
 #[test]
-fn names_are_listed_and_misspelt_ones_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let listed = json(&precision(folder.path(), &["--list"]));
+fn names_are_listed_and_misspelt_ones_reported() {
+    let folder = Folder::new(&[]);
+    let listed = precision(&folder, &["--list"]).json();
     assert!(listed.as_array().unwrap().iter().any(|probe| probe["name"] == "spot-caps"));
-    let misspelt = precision(folder.path(), &["spot-cap"]);
-    assert_eq!(misspelt.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&misspelt.stderr).contains("did you mean `spot-caps`"));
-    let absent = precision(folder.path(), &["absent.wgsl"]);
-    assert!(String::from_utf8_lossy(&absent.stderr).contains("absent.wgsl"));
+    precision(&folder, &["spot-cap"]).failure(1, &["did you mean `spot-caps`"]);
+    precision(&folder, &["absent.wgsl"]).says(&["absent.wgsl"]);
 }
 
 /// Additions and square roots are exact to half a unit everywhere: on the GPU and by the interpreter, the same is lost.
 #[test]
 fn the_gpu_computes_what_the_interpreter_does() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("own.wgsl"), LOST).unwrap();
+    let Some(folder) = Folder::with_gpu(&[("own.wgsl", LOST)]) else { return };
     let [on_gpu, interpreted] = [&["own.wgsl"][..], &["own.wgsl", "--interpret"]].map(|arguments| {
-        let record = json(&precision(folder.path(), arguments));
+        let record = precision(&folder, arguments).json();
         let points = record["probes"][0]["points"].as_array().unwrap().clone();
         (
             record["by"].clone(),

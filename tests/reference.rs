@@ -1,19 +1,16 @@
 //! Against images of an independent path tracer, where its folder is there; the same quantities on built-in scenes
 //! against each other, everywhere.
 
-use crate::adapter::{done, mean, renderer, root};
+use crate::adapter::{done, mean, references, renderer, shown};
 use metrics::{Epsilon, Image, Pair};
 
 const SEEDS: u32 = 3;
 
 /// One bounce with exact visibility: mean energy within 3 % of Mitsuba's, so units are right.
 #[test]
+#[ignore = "slow"]
 fn energy_is_that_of_a_path_tracer() {
-    let folder = root().join("../shared/scenes/references");
-    if !folder.is_dir() {
-        eprintln!("skipped: the references are not here");
-        return;
-    }
+    let Some(folder) = references() else { return };
     let cases = [
         ("cornell_spot", (256, 256), "ism-classic", "map=64"),
         ("sponza_spot", (320, 240), "ism-classic", "map=32"),
@@ -28,8 +25,7 @@ fn energy_is_that_of_a_path_tracer() {
         let (mut energy, mut error) = (0.0, 0.0);
         for seed in 0..SEEDS {
             renderer.set_seed(seed);
-            renderer.frame().unwrap();
-            let indirect = renderer.output("indirect").unwrap();
+            let indirect = shown(&mut renderer, "indirect");
             let pair = Pair::new(&indirect, &reference).unwrap();
             energy += pair.energy_ratio().unwrap() / f64::from(SEEDS);
             error += pair.rel_mse(Epsilon::default()).unwrap() / f64::from(SEEDS);
@@ -48,11 +44,9 @@ fn imperfect_maps_are_near_classic_ones() {
     let values =
         ["lights=256", "map=64", "rsm.size=128", "interleave_x=1", "interleave_y=1", "gather.clamp=0.02"];
     let Some(mut classic) = renderer("ism-classic", "cornell-box", (64, 64), &values) else { return };
-    classic.frame().unwrap();
-    let exact = classic.output("indirect").unwrap();
+    let exact = shown(&mut classic, "indirect");
     let Some(mut imperfect) = renderer("ism", "cornell-box", (64, 64), &values) else { return };
-    imperfect.frame().unwrap();
-    let pair_picture = imperfect.output("indirect").unwrap();
+    let pair_picture = shown(&mut imperfect, "indirect");
     let pair = Pair::new(&pair_picture, &exact).unwrap();
     let energy = pair.energy_ratio().unwrap();
     assert!((0.85..1.05).contains(&energy), "energy {energy}");
@@ -62,8 +56,7 @@ fn imperfect_maps_are_near_classic_ones() {
     else {
         return;
     };
-    open.frame().unwrap();
-    let leaking = open.output("indirect").unwrap();
+    let leaking = shown(&mut open, "indirect");
     let leak = Pair::new(&leaking, &exact).unwrap();
     assert!(pair.rmse() < leak.rmse(), "{} against {} without shadows", pair.rmse(), leak.rmse());
     assert!(mean(&leaking)[0] > mean(&exact)[0]);

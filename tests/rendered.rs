@@ -1,30 +1,22 @@
-//! What `lightloom render` says of the picture that it made, and how light becomes a PNG.
+//! Notes that `lightloom render` prints about its picture, and how light becomes a PNG.
 
-use crate::adapter::{gpu, root};
+use crate::program::{Done, Folder, command_of_tree};
 use metrics::Image;
-use std::path::Path;
-use std::process::{Command, Output};
+use serde_json::Value;
 
-fn render(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lightloom"))
-        .args(["render", "--size", "24x16", "--set", "lights=64", "--root"])
-        .arg(root())
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
+fn render(folder: &Folder, arguments: &[&str]) -> Done {
+    let mut command = command_of_tree(folder);
+    Done::of(command.args(["render", "--size", "24x16", "--set", "lights=64"]).args(arguments))
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+/// Returns the lines of the log of frames.
+fn log(folder: &Folder) -> Vec<Value> {
+    folder.read("frames.jsonl").lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
 #[test]
-fn pixels_that_are_not_finite_are_told_and_fail() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+fn pixels_that_are_not_finite_are_reported_and_fail() {
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
     // No compiler knows the value, which is a root of what is negative.
     let effect = "#import interface \"effect\"
         var picture: texture_2d<f32>;
@@ -33,7 +25,7 @@ fn pixels_that_are_not_finite_are_told_and_fail() {
             let seen = textureLoad(picture, vec2<u32>(at.xy), 0);
             return vec4(sqrt(vec3(-1.0) - seen.rgb), 1.0);
         }";
-    std::fs::write(folder.path().join("effect.wgsl"), effect).unwrap();
+    folder.write("effect.wgsl", effect);
     let pipeline = r#"Pipeline(
         extends: "ism.ron",
         about: "A square root of what is negative",
@@ -43,28 +35,21 @@ fn pixels_that_are_not_finite_are_told_and_fail() {
             between: ("image.image", "out.image"),
         )],
     )"#;
-    std::fs::write(folder.path().join("broken.ron"), pipeline).unwrap();
+    folder.write("broken.ron", pipeline);
     for file in ["x.exr", "x.png", "x.pfm"] {
-        let done = render(folder.path(), &["broken.ron", "cornell-box", "-o", file]);
-        let text = said(&done);
-        assert_eq!(done.status.code(), Some(1), "{file}: {text}");
-        assert!(text.contains("384 pixels are not finite: the first is (0, 0) of `image`"), "{file}: {text}");
-        assert!(folder.path().join(file).exists(), "the picture shows where");
+        let words = "384 pixels are not finite: the first is (0, 0) of `image`";
+        render(&folder, &["broken.ron", "cornell-box", "-o", file]).failure(1, &[words]);
+        assert!(folder.at(file).exists(), "the picture shows where");
     }
-    let done = render(folder.path(), &["broken.ron", "cornell-box", "-o", "x.exr", "--json"]);
-    let told: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
-    assert_eq!(told["pixels_not_finite"], 384);
-    let done = render(folder.path(), &["ism", "cornell-box", "-o", "y.exr", "--json"]);
-    let told: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
-    assert_eq!((done.status.code(), &told["pixels_not_finite"]), (Some(0), &0.into()));
+    let done = render(&folder, &["broken.ron", "cornell-box", "-o", "x.exr", "--json"]);
+    assert_eq!(done.json()["pixels_not_finite"], 384);
+    let done = render(&folder, &["ism", "cornell-box", "-o", "y.exr", "--json"]).success();
+    assert_eq!(done.json()["pixels_not_finite"], 0);
 }
 
 #[test]
-fn a_camera_that_sees_nothing_is_told() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+fn a_camera_that_sees_nothing_is_reported() {
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
     let scene = |camera: &str, light: &str| {
         format!(
             "Scene(about: \"A room\", geometry: BuiltIn(\"cornell-box\"), camera: {camera}, lights: [{light}])"
@@ -86,26 +71,21 @@ fn a_camera_that_sees_nothing_is_told() {
         ("lit.ron", scene(near, spot), None),
     ];
     for (name, text, expected) in cases {
-        std::fs::write(folder.path().join(name), text).unwrap();
-        let done = render(folder.path(), &["ism", name, "-o", "x.png"]);
-        assert_eq!(done.status.code(), Some(0), "{}", said(&done));
+        folder.write(name, &text);
+        let done = render(&folder, &["ism", name, "-o", "x.png"]).success();
         match expected {
-            Some(expected) => assert!(said(&done).contains(expected), "{name}: {}", said(&done)),
-            None => assert!(!said(&done).contains("note"), "{}", said(&done)),
+            Some(expected) => assert!(done.err.contains(expected), "{name}: {done}"),
+            None => assert!(!done.err.contains("note"), "{done}"),
         }
     }
 }
 
 #[test]
 fn tone_mapping_is_that_of_the_pipeline_in_every_output() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
     let picture = |arguments: &[&str]| {
-        let done = render(folder.path(), &[&["ism", "cornell-box", "-o", "x.png"], arguments].concat());
-        assert_eq!(done.status.code(), Some(0), "{}", said(&done));
-        Image::read(folder.path().join("x.png")).unwrap()
+        render(&folder, &[&["ism", "cornell-box", "-o", "x.png"], arguments].concat()).success();
+        Image::read(folder.at("x.png")).unwrap()
     };
     // A step of 8 bits: the GPU rounds otherwise.
     let same = |a: &Image, b: &Image| {
@@ -134,45 +114,30 @@ fn tone_mapping_is_that_of_the_pipeline_in_every_output() {
             assert!(same(&all[0], other), "{set:?} and {flags:?} give one picture in every output");
         }
     }
-    let done = render(folder.path(), &["ism", "cornell-box", "-o", "x.exr", "--exposure", "1"]);
-    assert!(said(&done).contains("x.exr holds light as it is"), "{}", said(&done));
+    render(&folder, &["ism", "cornell-box", "-o", "x.exr", "--exposure", "1"])
+        .says(&["x.exr holds light as it is"]);
 }
 
 #[test]
-fn what_only_the_last_frame_shows_is_told() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let done = render(folder.path(), &["ism", "cornell-box", "-o", "x.png", "--frames", "3"]);
-    assert!(said(&done).contains("x.png holds the last of 3 frames"), "{}", said(&done));
-    let done = render(folder.path(), &["ism", "cornell-box", "-o", "x.png", "--time"]);
-    assert!(String::from_utf8_lossy(&done.stdout).contains("GPU ms of the first frame"), "{done:?}");
-    let log = folder.path().join("frames.jsonl");
-    let done = render(
-        folder.path(),
-        &["ism", "cornell-box", "-o", "####.png", "--frames", "3", "--log", "frames.jsonl"],
-    );
-    assert_eq!(done.status.code(), Some(0), "{}", said(&done));
-    let lines: Vec<serde_json::Value> = std::fs::read_to_string(log)
-        .unwrap()
-        .lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
+fn results_of_the_last_frame_alone_are_named() {
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
+    let render = |more: &[&str]| render(&folder, &[&["ism", "cornell-box", "-o"], more].concat()).success();
+    render(&["x.png", "--frames", "3"]).says(&["x.png holds the last of 3 frames"]);
+    let done = render(&["x.png", "--time"]);
+    assert!(done.out.contains("GPU ms of the first frame"), "{done}");
+    render(&["####.png", "--frames", "3", "--log", "frames.jsonl"]);
+    let lines = log(&folder);
     assert_eq!(lines.iter().map(|line| line["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [0, 1, 2]);
-    let hash = |line: &serde_json::Value| line["outputs"]["image"]["hash"].as_str().unwrap().to_owned();
+    let hash = |line: &Value| line["outputs"]["image"]["hash"].as_str().unwrap().to_owned();
     assert_eq!(hash(&lines[1]), hash(&lines[2]), "nothing moves");
     assert!(lines[2]["outputs"]["image"]["mean"].as_f64().unwrap() > 0.0);
     assert!(lines[2]["objects"].as_u64().unwrap() > 10);
 }
 
-/// Where something moves, each frame of the lavapipe of Mesa 22 once kept 0.7 MiB.
+/// Moving scenes once kept 0.7 MiB per frame with the lavapipe of Mesa 22.
 #[test]
 fn frames_in_which_a_light_moves_keep_no_memory() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
     let scene = "Scene(
         about: \"A spot that goes to and fro\",
         geometry: BuiltIn(\"cornell-box\"),
@@ -185,16 +150,13 @@ fn frames_in_which_a_light_moves_keep_no_memory() {
             Key(time: 1.0, position: (0.13, 0.5, 0.1)),
         ] }),
     )";
-    std::fs::write(folder.path().join("spot.ron"), scene).unwrap();
+    folder.write("spot.ron", scene);
     let few = ["--set", "map=16", "--set", "rsm.size=32", "--frames", "120", "--log", "frames.jsonl"];
-    let done = render(folder.path(), &[&["ism-invtm", "spot.ron", "-o", "x.exr"][..], &few].concat());
-    assert_eq!(done.status.code(), Some(0), "{}", said(&done));
-    let text = std::fs::read_to_string(folder.path().join("frames.jsonl")).unwrap();
-    let lines: Vec<serde_json::Value> =
-        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    render(&folder, &[&["ism-invtm", "spot.ron", "-o", "x.exr"][..], &few].concat()).success();
+    let lines = log(&folder);
     let grown = |of: &str| Some(lines[119][of].as_i64()? - lines[29][of].as_i64()?);
     assert_eq!(grown("objects"), Some(0));
-    // Other systems than Linux do not tell.
+    // Only Linux reports it.
     if let Some(bytes) = grown("memory") {
         assert!(bytes < 8 << 20, "90 frames keep {bytes} bytes");
     }

@@ -1,6 +1,6 @@
 //! Scenes in which nothing moves: in the end every frame is the same, bit by bit.
 
-use crate::adapter::{bits, renderer, root};
+use crate::adapter::{bits, renderer, root, shown};
 use glam::Vec3;
 use renderer::{Assets, Catalog, Renderer};
 
@@ -14,12 +14,9 @@ fn moved(renderer: &mut Renderer) {
     renderer.set_camera(Some(moved), false);
 }
 
-/// The pictures of as many frames.
+/// Returns the pictures of `frames` frames.
 fn pictures(renderer: &mut Renderer, frames: usize) -> Vec<Vec<[u32; 4]>> {
-    let picture = |_| {
-        renderer.frame().unwrap();
-        bits(&renderer.output("image").unwrap())
-    };
+    let picture = |_| bits(&shown(renderer, "image"));
     (0..frames).map(picture).collect()
 }
 
@@ -41,7 +38,7 @@ fn clusters_rest_in_a_still_scene() {
     }
 }
 
-/// Of what a pixel shows nothing follows the newest sample alone: not the lamp, and not whether there is a surface.
+/// No part of a pixel follows the newest sample alone: not the lamp, and not whether there is a surface.
 #[test]
 fn the_mean_of_all_samples_stays() {
     for scene in ["cornell-box-lamp", "plane"] {
@@ -53,7 +50,7 @@ fn the_mean_of_all_samples_stays() {
     }
 }
 
-/// What must be done before the first frame is done before all of it rests.
+/// The work before the first frame is done before all of it rests.
 #[test]
 fn lights_that_stay_do_not_rest_before_they_are_there() {
     for pipeline in ["smc-ir", "smc-ir-voronoi"] {
@@ -70,13 +67,13 @@ fn lights_that_stay_do_not_rest_before_they_are_there() {
             .map(|history| history.rest);
         let least = rests.min().flatten().expect("all rest");
         let settable = renderer.compiled().unwrap().resolved.settable(&catalog);
-        let warm_up = settable.iter().find(|settable| settable.path == "lights/replace.warm_up").unwrap();
+        let warm_up = settable.iter().find(|settable| settable.path == "lights/replacement.warm_up").unwrap();
         let most = warm_up.setting.max.unwrap();
         assert!(f64::from(least) > most, "{pipeline}: {least} frames, and up to {most} before the first");
     }
 }
 
-/// Paths are drawn anew in each frame, unless one asks that they are not.
+/// Paths are sampled again in each frame, unless `vary` is false.
 #[test]
 fn paths_that_do_not_vary_give_one_picture() {
     let frames = |vary: &str| {

@@ -51,7 +51,7 @@ fn paths_from_the_camera_carry_the_flux_of_photons() {
         }
         let [photons, paths] = &found[..] else { panic!("two of them") };
         for (direction, flux) in photons {
-            // Of a surface that is hardly lit there are too few lights to say.
+            // Surfaces that are hardly lit have too few lights.
             if *flux < 0.05 {
                 continue;
             }
@@ -64,7 +64,7 @@ fn paths_from_the_camera_carry_the_flux_of_photons() {
     }
 }
 
-/// Of three bounces, the picture of paths from the camera and that of photons have the energy of path tracing.
+/// With three bounces, the picture of paths from the camera and that of photons have the energy of path tracing.
 #[test]
 fn three_bounces_have_the_energy_of_path_tracing() {
     for scene in ["cornell-box", "cornell-box-lamp"] {
@@ -105,7 +105,7 @@ fn moved(before: &[VirtualLight], after: &[VirtualLight]) -> usize {
 fn a_frame_replaces_no_more_lights_than_it_may() {
     for (most, scene) in [(16, "cornell-box"), (3, "cornell-box-glide"), (0, "cornell-box-glide")] {
         let count = format!("moved={most}");
-        let values = ["lights=256", "map=4", "lights/replace.warm_up=10", count.as_str()];
+        let values = ["lights=256", "map=4", "lights/replacement.warm_up=10", count.as_str()];
         let Some(mut renderer) = renderer("smc-ir", scene, (32, 32), &values) else { return };
         let mut before = lights(&mut renderer);
         assert!(before.iter().all(|light| light.area > 0.0), "all places are taken");
@@ -145,9 +145,9 @@ fn a_frame_replaces_no_more_lights_than_it_may() {
 /// keep away from each other stand for more than there is.
 #[test]
 fn areas_of_lights_add_up() {
-    // Of several runs, since few lights settle in one way here and in another there.
+    // The mean of several runs, since few lights converge to different places.
     let share = |pipeline: &str| {
-        let values = ["lights=256", "map=4", "lights/replace.warm_up=30"];
+        let values = ["lights=256", "map=4", "lights/replacement.warm_up=30"];
         let mut shares = 0.0;
         for seed in [1, 2, 3] {
             let mut renderer = renderer(pipeline, "cornell-box", (32, 32), &values)?;
@@ -163,11 +163,11 @@ fn areas_of_lights_add_up() {
     assert!(distances > cells + 0.05, "{distances} by distances, {cells} by cells");
 }
 
-/// Where the light went out or nothing is seen, everything stays finite, and the first lit frame has lights again.
+/// Without light or view everything stays finite, and the first lit frame has lights again.
 #[test]
 fn without_light_or_view_everything_is_finite() {
     for scene in ["empty", "cornell-box"] {
-        let values = ["lights=64", "map=4", "lights/replace.warm_up=5", "moved=64"];
+        let values = ["lights=64", "map=4", "lights/replacement.warm_up=5", "moved=64"];
         let Some(mut renderer) = renderer("smc-ir", scene, (16, 16), &values) else { return };
         let check = |lights: &[VirtualLight]| {
             let finite = |light: &VirtualLight| {

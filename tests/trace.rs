@@ -1,20 +1,17 @@
-//! What `--trace` writes, read as a program that draws it does.
+//! The file of `--trace`, read as a program that draws it does.
 
-use crate::adapter::{gpu, root};
+use crate::program::{Done, Folder, command};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::process::{Command, Output};
 
-fn lightloom(arguments: &[&str], trace: &Path) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lightloom"));
-    command.args(arguments).arg("--trace").arg(trace).current_dir(root()).output().unwrap()
+fn lightloom(arguments: &[&str], trace: &Path) -> Done {
+    Done::of(command(&crate::adapter::root()).args(arguments).arg("--trace").arg(trace))
 }
 
-/// The spans of a trace, each as `outer/inner`, having checked that each ends where it began.
-fn spans(trace: &Path) -> BTreeSet<String> {
-    let text = std::fs::read_to_string(trace).unwrap();
-    let events: Vec<Value> = serde_json::from_str(&text).unwrap();
+/// Returns the spans of a trace, each as `outer/inner`, having checked that each ends where it began.
+fn spans(folder: &Folder) -> BTreeSet<String> {
+    let events: Vec<Value> = serde_json::from_str(&folder.read("trace.json")).unwrap();
     let mut spans = BTreeSet::new();
     let threads: BTreeSet<u64> = events.iter().map(|event| event["tid"].as_u64().unwrap()).collect();
     for thread in threads {
@@ -41,31 +38,25 @@ fn spans(trace: &Path) -> BTreeSet<String> {
 
 #[test]
 fn a_trace_without_a_gpu_has_the_phases() {
-    let folder = tempfile::tempdir().unwrap();
-    let trace = folder.path().join("graph.json");
-    let done = lightloom(&["graph", "ism-invtm"], &trace);
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let spans = spans(&trace);
+    let folder = Folder::new(&[]);
+    lightloom(&["graph", "ism-invtm"], &folder.at("trace.json")).success();
+    let spans = spans(&folder);
     assert!(spans.contains("shaders validated and reflected"), "{spans:#?}");
 
     // Also where the command fails, and without spans.
-    let done = lightloom(&["graph", "no-such-pipeline"], &trace);
-    assert_eq!(done.status.code(), Some(1));
-    assert!(serde_json::from_str::<Vec<Value>>(&std::fs::read_to_string(&trace).unwrap()).is_ok());
+    lightloom(&["graph", "no-such-pipeline"], &folder.at("trace.json")).failure(1, &[]);
+    assert!(serde_json::from_str::<Vec<Value>>(&folder.read("trace.json")).is_ok());
 }
 
 #[test]
 fn a_trace_of_frames_names_their_passes() {
-    if gpu().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let (trace, picture) = (folder.path().join("render.json"), folder.path().join("box.png"));
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
     let arguments = ["render", "ism-invtm", "cornell-box", "--frames", "2", "--size", "24x16", "-o"];
     let small = ["--set", "lights=32", "--set", "rsm.size=32"];
-    let done = lightloom(&[&arguments[..], &[picture.to_str().unwrap()], &small].concat(), &trace);
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let spans = spans(&trace);
+    let picture = folder.name("box.png");
+    let arguments = [&arguments[..], &[&picture], &small].concat();
+    lightloom(&arguments, &folder.at("trace.json")).success();
+    let spans = spans(&folder);
     for span in ["pose and upload", "shadows/splat", "gather", "submit"] {
         let span = format!("frames/frame/{span}");
         assert!(spans.contains(&span), "{span} is missing: {spans:#?}");
@@ -73,11 +64,8 @@ fn a_trace_of_frames_names_their_passes() {
 }
 
 #[test]
-fn a_trace_that_cannot_be_written_is_said_before_anything_is_done() {
-    let trace = Path::new("no-such-folder/trace.json");
-    let done = lightloom(&["scenes"], trace);
-    assert_eq!(done.status.code(), Some(1));
-    assert!(done.stdout.is_empty());
-    let said = String::from_utf8_lossy(&done.stderr);
-    assert!(said.contains("no-such-folder/trace.json cannot be written"), "{said}");
+fn a_trace_that_cannot_be_written_is_reported_before_anything_is_done() {
+    let done = lightloom(&["scenes"], Path::new("no-such-folder/trace.json"));
+    let done = done.failure(1, &["no-such-folder/trace.json cannot be written"]);
+    assert!(done.out.is_empty());
 }

@@ -1,7 +1,8 @@
 //! The reference pipeline: it accumulates, stops, begins again where something moves, and agrees with virtual lights
 //! that have nothing wrong with them but their number.
 
-use crate::adapter::{bits, done, mean, renderer, root};
+use crate::adapter::{bits, done, mean, references, renderer, shown};
+use crate::program::Folder;
 use frame_graph::Value;
 use glam::Vec3;
 use metrics::statistics::Summary;
@@ -9,7 +10,7 @@ use metrics::{Epsilon, Image, Pair};
 use renderer::Renderer;
 
 fn samples(renderer: &Renderer) -> u32 {
-    renderer.progress().unwrap().expect("the reference tells its progress").step
+    renderer.progress().unwrap().expect("the reference reports its progress").step
 }
 
 #[test]
@@ -124,8 +125,7 @@ fn virtual_lights_converge_to_clamped_paths() {
     let size = (32, 32);
     let lights = ["lights=4096", "rsm.size=256", "gather.clamp=0.2", "gather.area_bound=0.0"];
     let Some(mut exhaustive) = renderer("exhaustive", "cornell-box", size, &lights) else { return };
-    exhaustive.frame().unwrap();
-    let found = exhaustive.output("indirect").unwrap();
+    let found = shown(&mut exhaustive, "indirect");
     let reference = |clamp: &str| {
         let values = ["samples=512", "samples_per_frame=64", "filter=centre", clamp];
         let mut renderer = renderer("reference", "cornell-box", size, &values)?;
@@ -145,8 +145,7 @@ fn virtual_lights_converge_to_clamped_paths() {
     // Short rays return it, where there is more of it than errors of the lights.
     let rays = [&lights[..], &["near-field.rays_per_pixel=64"]].concat();
     let Some(mut compensated) = renderer("bias-compensated", "cornell-box", size, &rays) else { return };
-    compensated.frame().unwrap();
-    let found = compensated.output("indirect").unwrap();
+    let found = shown(&mut compensated, "indirect");
     let energy = Pair::new(&found, &whole).unwrap().energy_ratio().unwrap();
     assert!((energy - 1.0).abs() < 0.01, "energy {energy} of the whole");
 }
@@ -168,11 +167,7 @@ fn shrunk(image: &Image, by: usize) -> Image {
 /// The same quantity by another program: Mitsuba's, whose pictures have squares of 4×4 pixels for each of these.
 #[test]
 fn another_path_tracer_agrees() {
-    let folder = root().join("../shared/scenes/references");
-    if !folder.is_dir() {
-        eprintln!("skipped: the references are not here");
-        return;
-    }
+    let Some(folder) = references() else { return };
     let cases = [
         ("cornell_spot", (64, 64), "direct", 0, 64, 0.02),
         ("cornell_spot", (64, 64), "indirect", 1, 512, 0.02),
@@ -203,18 +198,15 @@ fn another_path_tracer_agrees() {
 /// A path tracer takes the place of every maker of irradiance.
 #[test]
 fn paths_make_irradiance_too() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::create_dir(folder.path().join("pipelines")).unwrap();
-    std::fs::create_dir(folder.path().join("shaders")).unwrap();
+    let folder = Folder::new(&[]);
     let text = r#"Pipeline(
         extends: "reference.ron",
         passes: { "lit": Pass(kind: "composite", in: { "view": "view", "indirect": "path.irradiance" }) },
         outputs: { "indirect": "lit.indirect_radiance", "radiance": "path.indirect" },
     )"#;
-    std::fs::write(folder.path().join("pipelines/mixed.ron"), text).unwrap();
+    folder.write("pipelines/mixed.ron", &text);
     let values = ["samples=32", "samples_per_frame=32", "filter=centre"];
-    let folder = folder.path().to_owned();
-    let Some(mut mixed) = crate::adapter::renderer_in(folder, "mixed", "cornell-box", (24, 24), &values)
+    let Some(mut mixed) = crate::adapter::renderer_in(&folder, "mixed", "cornell-box", (24, 24), &values)
     else {
         return;
     };

@@ -10,10 +10,10 @@ use std::time::Duration;
 use viewer::{Home, Tree, Viewer, flip, turn};
 use window_test::Button;
 
-/// Longer than anything takes here on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Longer than anything takes on a slow and busy machine.
+const PATIENCE: Duration = Duration::from_secs(600);
 
-/// How long a picture must stay the same before it counts as the last one.
+/// The least time that a picture must stay the same before it counts as the last one. A slower machine needs more.
 const STILL: Duration = Duration::from_millis(2_000);
 
 /// The window of most tests \[pixels\].
@@ -86,9 +86,9 @@ fn the_window_shows_the_picture_and_obeys() {
     viewer.wait_for_same("the keys gone", &first);
 
     // The camera goes and comes back.
-    viewer.window.drag((200, 160), (260, 170), 6, Button::Left).unwrap();
+    viewer.window.drag((200, 160), (260, 170), 6, Button::Left);
     let orbited = viewer.wait_for_other("another side of the scene", &first);
-    viewer.window.hold("w", Duration::from_millis(400)).unwrap();
+    viewer.window.hold("w", Duration::from_millis(400));
     viewer.wait_for_other("a step forward", &orbited);
     viewer.key("c");
     viewer.wait_for_same("the scene's own camera", &first);
@@ -98,17 +98,17 @@ fn the_window_shows_the_picture_and_obeys() {
         viewer.wait_for_same("the scene's own camera", &first);
     };
     for key in ["w", "a", "s", "d", "q", "e"] {
-        viewer.window.hold(key, Duration::from_millis(300)).unwrap();
+        viewer.window.hold(key, Duration::from_millis(300));
         back(key);
     }
-    viewer.window.drag((200, 160), (230, 160), 3, Button::Right).unwrap();
+    viewer.window.drag((200, 160), (230, 160), 3, Button::Right);
     back("a look aside");
-    viewer.window.drag((200, 160), (230, 180), 3, Button::Middle).unwrap();
+    viewer.window.drag((200, 160), (230, 180), 3, Button::Middle);
     back("a shift");
-    viewer.window.scroll(200, 160, 3).unwrap();
+    viewer.window.scroll(200, 160, 3);
     viewer.wait_for_other("a step nearer", &first);
     back("a step nearer");
-    viewer.window.double_click(170, 200).unwrap();
+    viewer.window.double_click(170, 200);
     viewer.wait_for_other("the point that was clicked", &first);
     back("the point that was clicked");
 
@@ -117,7 +117,7 @@ fn the_window_shows_the_picture_and_obeys() {
     assert!(flip(&dim, &first) > 0.1, "the pipelines look different");
     viewer.key("ctrl+p");
     viewer.wait_for_picture("the palette", |seen| *seen != first);
-    viewer.window.type_text("dim\n").unwrap();
+    viewer.window.type_text("dim\n");
     viewer.wait_for_picture("the other pipeline", |seen| flip(seen, &dim) <= 0.02);
     viewer.quit();
 }
@@ -266,6 +266,7 @@ fn edit(tree: &Tree, random: &mut Random, name: &str, original: &str, changed: &
 
 /// A hundred edits, good and bad, some within the same breath: the session goes on, and ends where a fresh one begins.
 #[test]
+#[ignore = "slow"]
 fn no_edit_ends_the_session() {
     let Some(_turn) = turn() else { return };
     let (tree, home) = (Tree::new(), Home::new(false));
@@ -287,8 +288,11 @@ fn no_edit_ends_the_session() {
         let done = edit(&tree, &mut random, name, &originals[which], &changed, sound);
         assert!(viewer.ended().is_none(), "after edit {number}: {done}\n{}", viewer.told());
         // Many in the same breath, many while the one before is being taken in, some with time for that.
-        let pause = [random.next() % 20, 20 + random.next() % 60, 250][random.below(3)];
-        std::thread::sleep(Duration::from_millis(pause));
+        match random.below(3) {
+            0 => std::thread::sleep(Duration::from_millis(random.next() % 20)),
+            1 => std::thread::sleep(Duration::from_millis(20 + random.next() % 60)),
+            _ => viewer.wait_for_output(),
+        }
         if number % 25 == 24 {
             restore();
             broken.clear();
@@ -320,8 +324,8 @@ fn what_a_slider_found_is_saved_as_a_variant() {
     let first = viewer.rest("the first picture");
     // The settings begin under the name, the buttons and the filter; how far is a matter of fonts.
     let moved = (130..260).step_by(12).any(|y| {
-        viewer.window.drag((30, y), (14, y), 4, Button::Left).unwrap();
-        viewer.window.move_to(700, 200).unwrap();
+        viewer.window.drag((30, y), (14, y), 4, Button::Left);
+        viewer.window.move_to(700, 200);
         picture(&viewer.rest("a row of the settings")) != picture(&first)
     });
     assert!(moved, "no slider changes the picture");
@@ -330,7 +334,7 @@ fn what_a_slider_found_is_saved_as_a_variant() {
     viewer.key("ctrl+s");
     // Its cursor blinks, so that it never comes to rest.
     viewer.wait_for_picture("the dialog", |seen| *seen != found);
-    viewer.key("enter");
+    viewer.key("Return");
     viewer.wait_for("file", |viewer| viewer.stdout().contains("wrote "));
     let file = home.at("small-variant.ron");
     let text = std::fs::read_to_string(&file).unwrap();
@@ -369,8 +373,8 @@ fn the_window_remembers() {
     let Some(viewer) = Viewer::bare(&tree, &home, &["dim", "cornell-box-point"]) else { return };
     viewer.wait_for_picture("a picture", |seen| mean(seen, 100..380, 50..270)[0] > 0.01);
     let first = viewer.rest("the first picture");
-    viewer.window.drag((200, 160), (150, 150), 5, Button::Left).unwrap();
-    viewer.window.move_to(479, 319).unwrap();
+    viewer.window.drag((200, 160), (150, 150), 5, Button::Left);
+    viewer.window.move_to(479, 319);
     let orbited = viewer.wait_for_other("another side of the scene", &first);
     viewer.quit();
 

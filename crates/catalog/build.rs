@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Folders whose files are embedded, with the extension wanted.
 const EMBEDDED: &[(&str, &str)] = &[
     ("shaders", "wgsl"),
-    ("interfaces", "wgsl"),
+    ("crates/interfaces", "wgsl"),
     ("passes", "wgsl"),
     ("pipelines", "ron"),
     ("scenes", "ron"),
@@ -29,7 +29,7 @@ fn main() {
     out.push_str("];\n\n/// Path from the root of the tree, and text.\npub(crate) static EMBEDDED: &[(&str, &str)] = &[\n");
     let root = Path::new("../..").canonicalize().expect("the root of the tree");
     for (folder, extension) in EMBEDDED {
-        // Of a pass not all: an edit of a test would make the whole program again. A new shader is named by Rust or by
+        // Not all files of a pass: an edit of a test would rebuild the whole program. A new shader is named by Rust or by
         // another shader, which changes with it.
         if *folder == "passes" {
             sources(&root.join(folder));

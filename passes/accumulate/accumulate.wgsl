@@ -1,10 +1,16 @@
-// Adds a frame's radiance to the mean over the frames before.
+// Takes the mean of a picture over frames, each of which is another sample of it. [Haeberli & Akeley 1990]
 //
 // mean_radiance and image: rgba32float. Once there are as many frames as are wanted, they stay.
+
+#input radiance: Radiance // The picture of a frame.
+#input past: RadianceMean optional // The mean so far: `prev` of the output `mean`. Without it each frame begins again.
+#output image: Radiance // The mean of all frames so far.
+#output mean: RadianceMean // The same, and how many frames there were.
 
 #option PAST false // whether there is a mean of earlier frames
 
 #import "progress.wgsl"
+#import "sample.wgsl"
 
 struct Settings {
     radiance_size: vec2<u32>,

@@ -1,7 +1,11 @@
-// Averages irradiance over a Gaussian window, weighted by how alike the surfaces are that pixels see. [Eisemann & Durand
-// 2004; Petschnigg et al. 2004]
+// Averages irradiance over a Gaussian window, weighted by how alike surfaces are. [Eisemann & Durand 2004; Petschnigg et
+// al. 2004]
 //
 // filtered: rgba32float [W/m²]; all four channels are averaged alike.
+
+#input view: GBuffer // Determines which pixels see the same surface.
+#input irradiance: Irradiance like view // The irradiance to average.
+#output filtered: Irradiance // The averages.
 
 #import "surface-around.wgsl"
 

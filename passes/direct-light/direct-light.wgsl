@@ -1,9 +1,14 @@
-// Direct light from every light of the scene, shadowed by the maps that are rendered from it.
+// Computes the direct light of all lights, with filtered shadows from the reflective shadow map. [percentage-closer
+// filtering: Reeves, Salesin & Cook 1987]
 //
 // Visibility is percentage-closer filtering (Reeves, Salesin & Cook 1987) with a receiver-plane depth bias: each tap is
 // compared with the distance of the plane through the receiver in that texel (after Isidoro 2006).
 
-#option SPECULAR false // whether the G-buffer has the member `specular`
+#input view: GBuffer // The surfaces to light.
+#input rsm: ReflectiveShadowMap // What the lights see; its positions are the shadow maps.
+#output direct: Radiance // Direct light, reflected towards the camera.
+
+#option VIEW_SPECULAR false // whether the G-buffer has the member `specular`
 
 #import "camera.wgsl"
 #import "color.wgsl"
@@ -28,7 +33,7 @@ var<uniform> settings: Settings;
 var view_depth: texture_2d<f32>;
 var view_normal: texture_2d<f32>;
 var view_albedo: texture_2d<f32>;
-#if SPECULAR
+#if VIEW_SPECULAR
 var view_specular: texture_2d<f32>;
 #endif
 var rsm_position: texture_2d_array<f32>;
@@ -57,7 +62,7 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
             continue;
         }
         var reflected = albedo / PI;
-#if SPECULAR
+#if VIEW_SPECULAR
         let specular = textureLoad(view_specular, id.xy, 0);
         let towards_camera = -normalize(view_ray(vec2<f32>(id.xy) + 0.5));
         reflected += ggx(normal, -incident.direction, towards_camera, specular.rgb, specular.a);

@@ -1,13 +1,25 @@
-// Sums the irradiance of the virtual lights at the pixels of a G-buffer. [ISM §4, after Segovia et al. 2006]
+// Sums the irradiance of virtual lights at the camera's pixels, interleaved. [ISM §4]
 //
-// The pixels are split into n×m interleaved sub-images, and each sub-image takes one of n·m subsets of the lights.
+// The pixels are split into n×m interleaved sub-images, and each sub-image takes one of n·m subsets of the lights
+// (Segovia et al. 2006).
 // A workgroup is 8×8 pixels of one sub-image, so all its threads read the same lights and nearby texels of their maps.
 //
 // irradiance: rgba32float [W/m²]; in alpha the luminance of what the clamp removed [W/m²].
 
-#option GEOMETRY bounded one_of [bounded, disc] // What a light near a receiver gives. bounded: no more than at the bound, so what is nearer is lost. disc: what a disc of the light's area gives straight ahead, Φ cosθ cosθ' / (π d² + A), for lights that stand for an area of known shape (ACRSM).
+#input view: GBuffer // The pixels at which light is gathered.
+#input lights: VirtualLights // The lights.
+#input visibility: Visibility optional // The visibility of the lights; without it, all are visible.
+#output irradiance: Irradiance(
+    interleave_x: min(settings.interleave_x, view.width),
+    interleave_y: min(settings.interleave_y, view.height),
+    clamp: settings.clamp when settings.area_bound == 0 && settings.geometry == 'bounded',
+) // Diffuse irradiance, with noise if interleaved.
+
+#option GEOMETRY bounded one_of [bounded, disc] // What a light near a receiver gives. bounded: no more than at the bound, so
+    // what is nearer is lost. disc: what a disc of the light's area gives straight ahead, Φ cosθ cosθ' / (π d² + A), for lights
+    // that stand for an area of known shape (ACRSM).
 #option VISIBILITY false // whether something says which lights are seen
-#option PARTS false // whether the lights take several dispatches
+#option PARTS false internal // whether the lights take several dispatches
 
 #import "camera.wgsl"
 #import "color.wgsl"
@@ -19,13 +31,23 @@
 
 struct Settings {
     view_size: vec2<u32>,
+    /// Number of sub-images along a row, at most one per pixel. Each pixel takes one of interleave_x · interleave_y subsets of
+    /// the lights. More: less time, but more noise for a filter to remove. With 1 × 1 each pixel takes all lights. ISM Tab. 1
+    /// uses 4 and 8. [default: 4, min: 1, max: 16]
     interleave_x: u32,
+    /// Number of sub-images along a column, as `interleave_x` of a row. [default: 4, min: 1, max: 16]
     interleave_y: u32,
-    /// 1 if a subset is consecutive lights, 0 if it is every (n·m)-th light.
-    runs: u32,
-    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's dense extent.
+    /// Which lights form a subset. runs: consecutive lights. strides: every (n·m)-th light. Consecutive elements of a Halton
+    /// sequence are stratified; every (n·m)-th ones share digits, and so lie in strips. Strides suit lights that are sorted by
+    /// position. [default: "runs", one_of: ["runs", "strides"]]
+    subsets: u32,
+    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's dense extent; 0 is no such bound.
+    /// Larger: smaller bright spots near lights, but more energy lost near corners, which alpha has and `bias-compensation`
+    /// returns. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
-    /// The same in radii of the disc whose area is the light's own; only where GEOMETRY is bounded.
+    /// The same in radii of a disc of the area that each light stands for, where `geometry` is bounded: where lights are dense,
+    /// they are bounded at less distance. 0 is no such bound. With more lights, less is lost. [default: 1.0, min: 0.0, max:
+    /// 100.0]
     area_bound: f32,
     /// The lights of each subset that this dispatch takes: `begin` to `end`.
     begin: u32,
@@ -56,7 +78,7 @@ struct Subset {
 
 /// Subset s of `subsets`. Every light is in exactly one, also if the count is not a multiple of `subsets`.
 fn subset(s: u32, subsets: u32, count: u32) -> Subset {
-    if settings.runs != 0u {
+    if settings.subsets == 0u {
         let first = s * count / subsets;
         return Subset(first, (s + 1u) * count / subsets - first, 1u);
     }

@@ -1,7 +1,7 @@
 // A virtual light of each cluster of texels of a reflective shadow map; all of them together have the flux of the map.
 // [ACRSM §4.3, §5.3.3]
 
-#option ENERGY texels one_of [texels, centre] // What the flux of a light comes from, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the colour of one place.
+#option ENERGY texels one_of [texels, centre] // What the flux of a light comes from, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the color of one place.
 #option PLACE mean one_of [mean, texel] // Where a light is. mean: at the mean of its texels (ACRSM §4.7), which lies within or before the surfaces where a cluster goes around an edge. texel: on a surface, at the texel that is nearest to the mean place in the map.
 #option AREA true // whether lights have the area of their clusters; otherwise they are points
 

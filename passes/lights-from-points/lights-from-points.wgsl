@@ -1,4 +1,11 @@
-// Virtual lights at points on surfaces: each stands for the part of the surfaces that its density leaves it. [SMC-IR Eq. 6]
+// Makes virtual lights of points on surfaces, by their radiosity and density. [SMC-IR Eq. 6]
+//
+// Each stands for the part of the surfaces that its density leaves it.
+
+#input points: SurfacePoints // Where the lights are.
+#input radiosity: Radiosity // What leaves the surface there.
+#input density: Density // How densely the points lie.
+#output lights: VirtualLights(count: points.count) // A light for each point; dark where there is none.
 
 #import "algorithms/scaled.wgsl"
 #import "dispatch.wgsl"
@@ -14,6 +21,7 @@ var<uniform> settings: Settings;
 var<storage, read> points: SurfacePoints;
 var<storage, read> radiosity: PointRadiosities;
 var<storage, read> density: array<f32>;
+/// Points that become lights. [scratch]
 var<storage, read_write> present: u32;
 var<storage, read_write> lights: VirtualLights;
 
@@ -22,7 +30,7 @@ fn is_light(index: u32) -> bool {
     return points.points[index].triangle != NO_TRIANGLE && density[index] > 0.0;
 }
 
-/// Counts the points that become lights, in one workgroup.
+/// Counts the points that become lights, in one workgroup. [threads: 1]
 @compute @workgroup_size(GROUP_SIZE)
 fn count_points(@builtin(local_invocation_index) thread: u32) {
     var here = 0u;
@@ -36,12 +44,8 @@ fn count_points(@builtin(local_invocation_index) thread: u32) {
 }
 
 @compute @workgroup_size(64)
-fn make_lights(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn make_lights(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.points_count {
         return;
     }

@@ -1,62 +1,22 @@
-// Visibility by an atlas of paraboloid distance maps, filtered after the depth test: the mean of taps × taps lookups
-// one texel apart, each of them bilinear. [Reeves, Salesin & Cook 1987]
+// Filters shadow-map lookups after the depth test. [Reeves, Salesin & Cook 1987]
 //
-// Neighbouring taps share texels, so (taps + 1)² are loaded. Texels at the edge of the window count in part, so that
-// visibility changes continuously as the receiver moves.
+// The farthest texel is farther from the receiver than with one tap, in proportion to the width of the window: so are the
+// depth biases.
 
-#import "paraboloid.wgsl"
-#import "paraboloid-lookup.wgsl"
-#import "virtual-lights.wgsl"
-#import "visibility-shared.wgsl"
+#input maps: Visibility with atlas // An atlas of depth maps.
+#output visibility: Visibility(
+    tile: maps.tile,
+    columns: maps.columns,
+    rows: maps.rows,
+    depth_bias: maps.depth_bias * ((settings.taps + 1) / 2.0),
+    slope_bias: maps.slope_bias * ((settings.taps + 1) / 2.0),
+    taps: settings.taps,
+    loop_iterations: (settings.taps + 1) * (settings.taps + 1),
+) hands on maps module "lookup.wgsl" // The same atlas, with filtered lookups.
 
-struct VisibilityFacts {
-    /// Side of a map [px].
-    tile: u32,
-    /// Maps in a row of a layer.
-    columns: u32,
-    /// Rows of maps in a layer.
-    rows: u32,
-    /// Depth bias, in widths of a texel at the receiver.
-    depth_bias: f32,
-    /// The same, times the slope of the receiver's plane.
-    slope_bias: f32,
-    /// Taps along each side of the window.
+struct Settings {
+    /// Bilinear taps along each side of the window, one texel apart; 1 is bilinear filtering of four texels. More: softer
+    /// edges of shadows; but contact shadows fade, since the depth bias grows with the window, and time grows with the square.
+    /// [default: 1, min: 1, max: 16]
     taps: u32,
-}
-
-var<uniform> visibility_facts: VisibilityFacts;
-var visibility_atlas: texture_2d_array<f32>;
-
-fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
-    let tile = visibility_facts.tile;
-    let taps = visibility_facts.taps;
-    let facts = visibility_facts;
-    let lookup = paraboloid_lookup(light, at, normal, tile, facts.depth_bias, facts.slope_bias);
-    if lookup.behind {
-        return 0.0;
-    }
-    let origin = tile_origin(index, facts.columns, facts.rows, tile);
-    let start = lookup.position - 0.5 * f32(taps);
-    let corner = floor(start);
-    let weight = start - corner;
-    var sum = 0.0;
-    var above = 0.0;
-    for (var y = 0u; y <= taps; y++) {
-        var row = 0.0;
-        var left = 0.0;
-        for (var x = 0u; x <= taps; x++) {
-            let texel = texel_in_map(corner + vec2(f32(x), f32(y)), tile);
-            let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
-            let seen = select(0.0, 1.0, is_seen(lookup, texel, tile, stored));
-            if x > 0u {
-                row += mix(left, seen, weight.x);
-            }
-            left = seen;
-        }
-        if y > 0u {
-            sum += mix(above, row, weight.y);
-        }
-        above = row;
-    }
-    return sum / f32(taps * taps);
 }

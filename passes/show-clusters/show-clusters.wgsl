@@ -1,4 +1,4 @@
-// The cells of clusters of a reflective shadow map, on the surfaces that the camera sees: a colour for each cluster, darker
+// The cells of clusters of a reflective shadow map, on the surfaces that the camera sees: a color for each cluster, darker
 // where the light that the cell belongs to does not shine, and a dot at the texel at its centre.
 
 #import "camera.wgsl"
@@ -26,7 +26,7 @@ const OUTSIDE: vec3<f32> = vec3(0.1);
 const UNMAPPED: vec3<f32> = vec3(0.4);
 const DOT: vec3<f32> = vec3(0.0);
 
-/// Share of its brightness that a colour has in shadow.
+/// Share of its brightness that a color has in shadow.
 const IN_SHADOW: f32 = 0.35;
 
 /// How far behind the surface in the map what is lit may lie, in sides of a texel, times 1 + its slope: a texel covers
@@ -86,9 +86,9 @@ fn place_of(at: vec3<f32>, normal: vec3<f32>) -> Place {
     return best;
 }
 
-/// The colour of a cluster. Hues step by the golden ratio, so that those of near indices are far apart; brightness and
+/// The color of a cluster. Hues step by the golden ratio, so that those of near indices are far apart; brightness and
 /// saturation tell others apart.
-fn colour_of(index: u32) -> vec3<f32> {
+fn color_of(index: u32) -> vec3<f32> {
     let hue = unit_float(index * 2654435769u) * 6.0;
     let bits = hash(index);
     let value = 0.6 + 0.2 * f32(bits % 3u);
@@ -119,22 +119,22 @@ fn show(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let depth = textureLoad(view_depth, id.xy, 0).x;
-    var colour = vec3(0.0);
+    var color = vec3(0.0);
     if depth > 0.0 {
         let at = camera.position + pixel_ray(vec2<f32>(id.xy), settings.view_size) * depth;
         let place = place_of(at, direction_of(textureLoad(view_normal, id.xy, 0).xyz));
-        colour = OUTSIDE;
+        color = OUTSIDE;
         if place.is_inside {
             let index = textureLoad(map, place.texel, place.layer, 0).x;
-            colour = UNMAPPED;
+            color = UNMAPPED;
             if index != NO_CLUSTER {
-                colour = colour_of(index);
+                color = color_of(index);
                 if is_in_dot(index, at, depth) {
-                    colour = DOT;
+                    color = DOT;
                 }
             }
-            colour *= select(IN_SHADOW, 1.0, place.is_lit);
+            color *= select(IN_SHADOW, 1.0, place.is_lit);
         }
     }
-    textureStore(display, id.xy, vec4(colour, 1.0));
+    textureStore(display, id.xy, vec4(color, 1.0));
 }

@@ -1,5 +1,11 @@
-// Where virtual lights lie on the surfaces that the camera sees: a dot each, over the indirect light in false colours.
-// [TCAS Fig. 5]
+// Shows where virtual lights lie on the surfaces in view, over what they light.
+//
+// Each light has a dot, over the indirect light in false colors, as in TCAS Fig. 5.
+
+#input lights: VirtualLights // The lights, whose places get a dot each.
+#input view: GBuffer // The surfaces to show them on.
+#input irradiance: Irradiance optional // What is shown under the dots in false colors; else gray.
+#output display: Display(size: like(view)) // Dots over false colors.
 
 #option IRRADIANCE false // whether there is light to show under the dots
 
@@ -12,7 +18,7 @@ struct Settings {
     view_size: vec2<u32>,
     /// Radius of a dot. More: lights are easier to see, and hide more of each other. [default: 1.5, min: 0.5, max: 16.0, unit: "px"]
     dot: f32,
-    /// Luminance of the irradiance in the middle of the scale of colours. [default: 0.2, min: 1e-12, max: 1e12, unit: "W/m²"]
+    /// Luminance of the irradiance in the middle of the scale of colors. [default: 0.2, min: 1e-12, max: 1e12, unit: "W/m²"]
     middle: f32,
 }
 
@@ -22,7 +28,7 @@ var view_depth: texture_2d<f32>;
 var irradiance: texture_2d<f32>;
 #endif
 var<storage, read> lights: VirtualLights;
-/// The least index of the lights whose places fall into a pixel.
+/// The least index of the lights whose places fall into a pixel. [scratch, count: view.width * view.height]
 var<storage, read_write> nearest: array<atomic<u32>>;
 var display: texture_storage_2d<rgba8unorm, write>;
 
@@ -32,25 +38,19 @@ const NO_LIGHT: u32 = 0xffffffffu;
 const BRIGHT: vec3<f32> = vec3(1.0);
 const DARK: vec3<f32> = vec3(0.0);
 
+/// [threads: view.width * view.height]
 @compute @workgroup_size(64)
-fn clear(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let pixel = row_index(group, groups, local, 64u);
+fn clear(row: Row) {
+    let pixel = index_in(row, 64u);
     if pixel < arrayLength(&nearest) {
         atomicStore(&nearest[pixel], NO_LIGHT);
     }
 }
 
+/// [threads: lights.count]
 @compute @workgroup_size(64)
-fn place(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn place(row: Row) {
+    let index = index_in(row, 64u);
     if index >= min(lights.count, arrayLength(&lights.lights)) {
         return;
     }
@@ -69,12 +69,12 @@ fn seen_at(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
     return camera.position + pixel_ray(vec2<f32>(pixel), settings.view_size) * depth;
 }
 
-/// The colour of the dot that covers what a pixel sees; negative where none does. Of several, the one whose light is nearest.
+/// The color of the dot that covers what a pixel sees; negative where none does. Of several, the one whose light is nearest.
 fn dot_over(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
     let at = seen_at(pixel, depth);
     // The dot is a disc on the surface, so lights that something hides have none.
     var farthest = settings.dot * 2.0 * camera.half_extent.y * depth / f32(settings.view_size.y);
-    var colour = vec3(-1.0);
+    var color = vec3(-1.0);
     let reach = i32(ceil(settings.dot)) + 1;
     for (var y = -reach; y <= reach; y++) {
         for (var x = -reach; x <= reach; x++) {
@@ -89,15 +89,15 @@ fn dot_over(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
             let away = distance(at, lights.lights[index].position);
             if away < farthest {
                 farthest = away;
-                colour = select(DARK, BRIGHT, any(lights.lights[index].flux > vec3(0.0)));
+                color = select(DARK, BRIGHT, any(lights.lights[index].flux > vec3(0.0)));
             }
         }
     }
-    return colour;
+    return color;
 }
 
 /// From blue over green to red, as `scale` goes from 0 to 1.
-fn false_colour(scale: f32) -> vec3<f32> {
+fn false_color(scale: f32) -> vec3<f32> {
     return clamp(1.5 - abs(4.0 * scale - vec3(3.0, 2.0, 1.0)), vec3(0.0), vec3(1.0)) * 0.8;
 }
 
@@ -107,15 +107,15 @@ fn show(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let depth = textureLoad(view_depth, id.xy, 0).x;
-    var colour = vec3(0.0);
+    var color = vec3(0.0);
     if depth > 0.0 {
-        colour = vec3(0.2);
+        color = vec3(0.2);
 #if IRRADIANCE
         let light = luminance(textureLoad(irradiance, id.xy, 0).rgb);
-        colour = false_colour(light / (light + settings.middle));
+        color = false_color(light / (light + settings.middle));
 #endif
         let over = dot_over(id.xy, depth);
-        colour = select(over, colour, over.x < 0.0);
+        color = select(over, color, over.x < 0.0);
     }
-    textureStore(display, id.xy, vec4(colour, 1.0));
+    textureStore(display, id.xy, vec4(color, 1.0));
 }

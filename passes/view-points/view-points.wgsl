@@ -1,4 +1,10 @@
-// Points that the camera sees: where rays through places of the image meet the scene. [SMC-IR Alg. 1, line 3; §3.2]
+// Samples the surfaces that the camera sees, stratified over the image. [SMC-IR §3.2, Alg. 1]
+//
+// Points are where rays through places of the image meet the scene: line 3 of the algorithm.
+
+#input past: SurfacePoints optional // Points whose iteration is the one before this: a link with `prev`. Without it, the
+    // frame's number counts.
+#output points: SurfacePoints(count: settings.count * settings.rate) // Points; empty where the camera sees nothing.
 
 #option PAST false // whether there are points of the frame before
 
@@ -13,6 +19,13 @@
 
 struct Settings {
     points_count: u32,
+    /// Number I of virtual lights that the points are for. More than 2,796,202 points in all require an adapter that binds
+    /// buffers of more than 128 MiB. [default: 2048, min: 1, max: 2097152]
+    count: u32,
+    /// Points for each virtual light. More: candidates for lights are more uniform, and small parts of the image have points
+    /// in each frame, but the time for rays and densities grows. [default: 16, min: 1, max: 4096]
+    rate: u32,
+    /// Whether each iteration has other points. [bool, default: true]
     vary: u32,
     seed: u32,
 }
@@ -45,12 +58,8 @@ fn point_at(place: vec2<f32>, seed: u32) -> SurfacePoint {
 }
 
 @compute @workgroup_size(64)
-fn see(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn see(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.points_count {
         return;
     }

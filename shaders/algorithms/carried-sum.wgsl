@@ -4,7 +4,7 @@
 /// Parts of a running sum: of the numbers themselves, of sums of CARRIED numbers, and so on. The last takes what is left.
 struct CarriedSum {
     parts: vec4<f32>,
-    /// How many numbers there are.
+    /// The count of numbers.
     count: u32,
 }
 

@@ -1,8 +1,8 @@
 // One pass of a stable radix sort, least significant digit first: `gpu_algorithms::RadixSort` dispatches it for each
 // digit of four bits. Between its two entry points radix-offsets.wgsl sums the counts.
 
-#option INDICES false // whether the value of an element is its index; else values are given
-#option COUNTED false // whether the first word of a buffer says how many elements there are
+#option INDICES false internal // whether the value of an element is its index; else values are given
+#option COUNTED false internal // whether the first word of a buffer says how many elements there are
 
 #import "algorithms/workgroup.wgsl"
 #import "dispatch.wgsl"

@@ -1,4 +1,4 @@
-// How far select.wgsl has come.
+// The state of select.wgsl.
 
 const SELECT_DIGITS: u32 = 256u;
 

@@ -1,4 +1,4 @@
-// What reduce.wgsl needs for sums of f32 that are not negative.
+// The functions of reduce.wgsl for sums of f32 that are not negative.
 
 #import "algorithms/reduce.wgsl"
 

@@ -1,4 +1,4 @@
-// What reduce.wgsl needs for sums of weights whose sum may leave the range of f32.
+// The functions of reduce.wgsl for sums of weights whose sum may leave the range of f32.
 
 #import "algorithms/reduce.wgsl"
 #import "algorithms/scaled.wgsl"

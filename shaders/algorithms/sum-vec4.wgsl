@@ -1,4 +1,4 @@
-// What reduce.wgsl needs for four sums of f32 of either sign.
+// The functions of reduce.wgsl for four sums of f32 of either sign.
 
 #import "algorithms/reduce.wgsl"
 

@@ -13,7 +13,7 @@ var<workgroup> shared_numbers: array<f32, GROUP_SIZE>;
 var<workgroup> shared_whole_numbers: array<u32, GROUP_SIZE>;
 var<workgroup> shared_vectors: array<vec4<f32>, GROUP_SIZE>;
 
-/// Blocks that so many elements fill.
+/// Returns the number of blocks that `length` elements fill.
 fn blocks_of(length: u32) -> u32 {
     return length / BLOCK_SIZE + select(0u, 1u, length % BLOCK_SIZE > 0u);
 }

@@ -1,4 +1,4 @@
-// What an adapter can do at most: one kernel for each sort of work that passes do, and little else in it. `lightloom
+// The limits of an adapter: one kernel for each sort of work that passes do, and little else in it. `lightloom
 // bench --roofline` times them.
 //
 // Lengths of buffers and sides of textures are powers of two, so that an index is kept inside by a mask. No kernel can be
@@ -199,7 +199,7 @@ fn out_of_view(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32
     return tiny_triangle(index) + vec4(2.0, 0.0, 0.0, 0.0);
 }
 
-/// A colour that differs from pixel to pixel.
+/// A color that differs from pixel to pixel.
 @fragment
 fn paint(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     return position;

@@ -1,4 +1,4 @@
-// How a surface's height above the camera changes from pixel to pixel, by the height of the image.
+// The change of a surface's height above the camera from pixel to pixel, by the height of the image.
 
 #import "surface-around.wgsl"
 #import "inputs/directions.wgsl"

@@ -1,4 +1,4 @@
-// What a pixel sees at a depth, relative to the camera, which is as far from the origin; and the depth as it is stored.
+// The position that a pixel sees at a depth, relative to the camera, which is as far from the origin; and the depth as it is stored.
 
 #import "camera.wgsl"
 #import "inputs/directions.wgsl"

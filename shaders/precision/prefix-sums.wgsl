@@ -19,7 +19,7 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
 /// Blocks with elements of their own.
 const DIFFERENT: u32 = 16u;
 
-/// Of `prefix_sum`, what the last thread has: the upper half of each block adds the sum of its lower half.
+/// Returns the result of `prefix_sum` in the last thread: the upper half of each block adds the sum of its lower half.
 fn block_sum(given: Given, first: u32) -> f32 {
     var values: array<f32, GROUP_SIZE>;
     for (var thread = 0u; thread < GROUP_SIZE; thread++) {

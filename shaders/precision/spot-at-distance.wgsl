@@ -1,4 +1,4 @@
-// What a spot gives at a point at a distance from it: direction and irradiance.
+// The light of a spot at a distance from it: direction and irradiance.
 
 #import "incident-light.wgsl"
 #import "inputs/directions.wgsl"

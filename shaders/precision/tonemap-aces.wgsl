@@ -1,4 +1,4 @@
-// What a screen shows of a radiance by the curve aces.
+// The screen value of a radiance by the curve aces.
 
 #import "tonemap.wgsl"
 

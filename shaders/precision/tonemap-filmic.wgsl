@@ -1,4 +1,4 @@
-// What a screen shows of a radiance by the curve filmic.
+// The screen value of a radiance by the curve filmic.
 
 #import "tonemap.wgsl"
 

@@ -1,4 +1,4 @@
-// What a screen shows of a radiance by the curve reinhard-simple.
+// The screen value of a radiance by the curve reinhard-simple.
 
 #import "tonemap.wgsl"
 

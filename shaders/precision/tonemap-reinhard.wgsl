@@ -1,4 +1,4 @@
-// What a screen shows of a radiance by the curve of Reinhard with a white point, and its luminance.
+// The screen value of a radiance by the curve of Reinhard with a white point, and its luminance.
 
 #import "tonemap.wgsl"
 

@@ -1,4 +1,4 @@
-// How far visible microfacet normals are from the surface's normal, seen along it, by the random number that decides it.
+// The angle between visible microfacet normals and the surface's normal, seen along it, by the random number that decides it.
 
 #import "scatter.wgsl"
 

@@ -24,7 +24,7 @@ pub(super) struct Tree(TempDir);
 impl Tree {
     pub(super) fn new() -> Tree {
         let tree = Tree(tempfile::tempdir().unwrap());
-        for name in ["interfaces", "passes", "pipelines", "scenes", "shaders"] {
+        for name in ["crates/interfaces", "passes", "pipelines", "scenes", "shaders"] {
             copy(&root().join(name), &tree.at(name));
         }
         std::fs::write(tree.at("pipelines/small.ron"), SMALL).unwrap();
@@ -87,7 +87,7 @@ impl Tree {
 }
 
 pub(super) fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir(to).unwrap();
+    std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {
         let path = entry.unwrap().path();
         let copied = to.join(path.file_name().unwrap());
@@ -120,6 +120,9 @@ impl Home {
 /// The program while its window is open.
 pub(super) struct Viewer {
     pub(super) window: Window,
+    /// How long a picture must stay the same before it counts as the last one: longer than steps of the program take, by
+    /// how long it took to start.
+    still: Duration,
     pub(super) program: RefCell<Child>,
     pub(super) home: PathBuf,
     pub(super) _display: Display,
@@ -135,6 +138,7 @@ impl Viewer {
     ) -> Option<Viewer> {
         let display = Display::start()?;
         let told = |name: &str| std::fs::File::create(home.at(name)).unwrap();
+        let start = Instant::now();
         let mut program = Command::new(env!("CARGO_BIN_EXE_lightloom"))
             .arg("view")
             .args(arguments)
@@ -154,13 +158,15 @@ impl Viewer {
             .spawn()
             .unwrap();
         let window = display.wait_for_window("Lightloom", PATIENCE);
-        let window = window.unwrap_or_else(|error| {
+        let mut window = window.unwrap_or_else(|error| {
             program.kill().unwrap();
             panic!("{error}: {}", std::fs::read_to_string(home.at("stderr")).unwrap())
         });
-        window.resize(width, height).unwrap();
+        let still = STILL.max(3 * start.elapsed());
+        window.resize(width, height);
         Some(Viewer {
             window,
+            still,
             program: RefCell::new(program),
             home: home.0.path().to_owned(),
             _display: display,
@@ -190,7 +196,7 @@ impl Viewer {
     }
 
     pub(super) fn key(&self, chord: &str) {
-        self.window.key(chord).unwrap();
+        self.window.key(chord);
     }
 
     /// Waits until the window shows what is wanted.
@@ -217,8 +223,17 @@ impl Viewer {
             if last.as_ref() != Some(seen) {
                 (last, since) = (Some(seen.clone()), Instant::now());
             }
-            since.elapsed() > STILL
+            since.elapsed() > self.still
         })
+    }
+
+    /// Waits until the program prints something, or a picture would count as the last one.
+    pub(super) fn wait_for_output(&self) {
+        let length = || self.stdout().len() + self.stderr().len();
+        let (before, start) = (length(), Instant::now());
+        while length() == before && start.elapsed() < self.still {
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 
     /// Waits until something has been printed.

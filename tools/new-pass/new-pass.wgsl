@@ -1,4 +1,7 @@
-// Radiance times a gain, one thread a pixel.
+// Multiplies radiance by a gain.
+
+#input radiance: Radiance // What is multiplied.
+#output image: Radiance // The product, as large as `radiance`; alpha is kept.
 
 struct Settings {
     image_size: vec2<u32>,

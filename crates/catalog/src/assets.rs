@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Where pipelines, shaders and scenes come from.
+/// The source of pipelines, shaders and scenes.
 #[derive(Clone, Debug)]
 pub struct Assets {
     root: Option<PathBuf>,
@@ -145,7 +145,9 @@ impl Files for ShaderAssets {
     }
 
     fn list(&self) -> Vec<String> {
-        ["shaders", "interfaces", "passes", "pipelines"].map(|folder| self.0.list(folder, "wgsl")).concat()
+        ["shaders", "crates/interfaces", "passes", "pipelines"]
+            .map(|folder| self.0.list(folder, "wgsl"))
+            .concat()
     }
 
     fn elsewhere(&self) -> Option<&'static str> {

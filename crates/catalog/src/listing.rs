@@ -9,7 +9,7 @@ use frame_graph::{Overrides, Resolved, resolve};
 pub struct Named {
     /// The name, as it is opened.
     pub name: String,
-    /// What it is, in a line; `None` where its file is broken.
+    /// Its summary, in a line; `None` where its file is broken.
     pub about: Option<String>,
 }
 

@@ -15,8 +15,9 @@ pub struct Catalog {
     passes: Vec<&'static dyn Pass>,
     interfaces: Vec<Interface>,
     shaders: Arc<Library>,
-    /// Schemas of pass types that take no shader: asked for at every link, and never different.
-    settings: Mutex<HashMap<String, Arc<[Setting]>>>,
+    /// Settings of pass types that take no shader, which are queried at every link, and the generation of the shaders that
+    /// declare them.
+    settings: Mutex<(u64, HashMap<String, Arc<[Setting]>>)>,
 }
 
 impl Catalog {
@@ -49,7 +50,7 @@ impl Catalog {
         thread_order: Option<u32>,
     ) -> Result<Catalog, NameTaken> {
         let mut names = HashSet::new();
-        if let Some(name) = passes.iter().map(|pass| pass.info().kind).find(|name| !names.insert(*name)) {
+        if let Some(name) = passes.iter().map(|pass| pass.kind()).find(|name| !names.insert(*name)) {
             return Err(NameTaken::PassType { name });
         }
         let interfaces = interfaces::with_those_of(passes.iter().copied())?;
@@ -84,7 +85,7 @@ impl Catalog {
 
     /// Returns the pass type of that name.
     pub fn pass(&self, kind: &str) -> Option<&'static dyn Pass> {
-        self.passes.iter().copied().find(|pass| pass.info().kind == kind)
+        self.passes.iter().copied().find(|pass| pass.kind() == kind)
     }
 
     /// Returns the pass types, in the order of the documentation.
@@ -110,7 +111,7 @@ impl std::fmt::Debug for Catalog {
 
 impl PassTypes for Catalog {
     fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = self.passes.iter().map(|pass| pass.info().kind.to_owned()).collect();
+        let mut names: Vec<String> = self.passes.iter().map(|pass| pass.kind().to_owned()).collect();
         names.sort();
         names
     }
@@ -129,7 +130,12 @@ impl PassTypes for Catalog {
         if pass.takes_shader() {
             return Ok(pass.settings(&context)?.into());
         }
-        let mut known = self.settings.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut guard = self.settings.lock().unwrap_or_else(PoisonError::into_inner);
+        let (generation, known) = &mut *guard;
+        if *generation != self.shaders.generation() {
+            *generation = self.shaders.generation();
+            known.clear();
+        }
         if let Some(settings) = known.get(use_.kind) {
             return Ok(Arc::clone(settings));
         }

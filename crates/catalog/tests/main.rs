@@ -1,4 +1,4 @@
-//! What is written elsewhere about passes and scenes agrees with what they declare.
+//! Pages about passes and scenes agree with their declarations.
 
 mod brought;
 mod variants;
@@ -18,7 +18,7 @@ fn assets() -> Assets {
 fn passes() -> Vec<(&'static str, Arc<[Setting]>)> {
     let catalog = Catalog::new(assets());
     let (inputs, outputs) = (Vec::new(), BTreeMap::new());
-    let kinds = PASSES.iter().filter(|pass| !pass.takes_shader()).map(|pass| pass.info().kind);
+    let kinds = PASSES.iter().filter(|pass| !pass.takes_shader()).map(|pass| pass.kind());
     kinds
         .map(|kind| {
             let use_ = Use { kind, shader: None, inputs: &inputs, outputs: &outputs };
@@ -27,21 +27,21 @@ fn passes() -> Vec<(&'static str, Arc<[Setting]>)> {
         .collect()
 }
 
-/// The settings that a README tells in its table, with the default of each.
-fn told(readme: &str) -> Vec<(String, String)> {
+/// Returns the settings in the table of a README, with the default of each.
+fn stated(readme: &str) -> Vec<(String, String)> {
     let cells = |line: &str| -> Vec<String> { line.split('|').map(|cell| cell.trim().to_owned()).collect() };
     let table = readme.lines().skip_while(|line| !line.starts_with("| setting |")).skip(2);
-    let told = |row: Vec<String>| {
+    let stated = |row: Vec<String>| {
         let names: Vec<String> = row[1].split(", ").map(|name| name.trim_matches('`').to_owned()).collect();
         let defaults: Vec<String> = row[2].split(", ").map(|default| default.replace('`', "")).collect();
         // One default of several settings is the default of each.
         let default = move |i: usize| defaults.get(i).or(defaults.last()).cloned().unwrap_or_default();
         names.into_iter().enumerate().map(move |(i, name)| (name, default(i))).collect::<Vec<_>>()
     };
-    table.take_while(|line| line.starts_with('|')).map(cells).flat_map(told).collect()
+    table.take_while(|line| line.starts_with('|')).map(cells).flat_map(stated).collect()
 }
 
-/// The default as a README tells it: `64 px`.
+/// Returns the default as a README states it: `64 px`.
 fn default(setting: &Setting) -> String {
     let value = match &setting.default {
         Value::Text(word) => word.clone(),
@@ -57,23 +57,24 @@ fn readmes_tell_the_settings_that_passes_declare() {
     for (kind, settings) in passes() {
         let path = format!("passes/{kind}/README.md");
         let readme = assets().text(&path).unwrap();
-        let told = told(&readme);
+        let stated = stated(&readme);
         for setting in settings.iter() {
             let expected = default(setting);
-            match told.iter().find(|(name, _)| *name == setting.name) {
+            match stated.iter().find(|(name, _)| *name == setting.name) {
                 Some((_, default)) if *default == expected => {}
                 Some((name, default)) => {
-                    wrong.push(format!("{path}: `{name}` is told to be {default}, and is {expected}"));
+                    wrong
+                        .push(format!("{path}: the default of `{name}` must be {expected}; found {default}"));
                 }
                 None => wrong.push(format!("{path}: add a row | `{}` | {expected} | … |", setting.name)),
             }
             let words = setting.one_of.iter().filter_map(Value::as_text);
-            let untold = words.filter(|word| !readme.contains(*word));
+            let unstated = words.filter(|word| !readme.contains(*word));
             wrong.extend(
-                untold.map(|word| format!("{path}: `{}` can be `{word}`, which is not told", setting.name)),
+                unstated.map(|word| format!("{path}: `{}` can be `{word}`, which is missing", setting.name)),
             );
         }
-        let unknown = told.iter().filter(|(name, _)| !settings.iter().any(|setting| setting.name == *name));
+        let unknown = stated.iter().filter(|(name, _)| !settings.iter().any(|setting| setting.name == *name));
         wrong.extend(unknown.map(|(name, _)| format!("{path}: there is no setting `{name}`")));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

@@ -8,7 +8,7 @@ pub mod codes;
 pub mod diagnostic;
 mod excerpt;
 mod files;
-mod name;
+pub mod grammar;
 pub mod paths;
 pub mod reader;
 pub mod value;
@@ -18,5 +18,6 @@ pub use diagnostic::{
     Diagnostic, Diagnostics, Label, Place, Severity, Source, Sources, Span, nearest, nearest_of_few,
 };
 pub use files::{Files, MAX_TEXT, read_text, read_text_bytes};
-pub use name::Name;
+/// A name of a pass, a port, an interface or a member: text that is cheap to copy.
+pub use smol_str::SmolStr as Name;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

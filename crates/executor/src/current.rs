@@ -1,4 +1,4 @@
-//! Which objects hold the resources of a plan in a frame, and the views that are drawn to.
+//! The objects that hold the resources of a plan in a frame, and the views that are drawn to.
 
 use crate::object::{Object, ObjectUsage};
 use frame_graph::frame::FrameSchedule;

@@ -15,7 +15,7 @@ pub enum ExecutorError {
     Device {
         /// The adapter's name.
         adapter: String,
-        /// What it said.
+        /// Its message.
         message: String,
     },
     /// A resource is larger than the adapter allows.
@@ -29,7 +29,7 @@ pub enum ExecutorError {
         allowed: String,
         /// The limit's name in WebGPU.
         limit: &'static str,
-        /// What the size follows from, as a note on lines of its own: facts of the port and settings of the pass. Empty
+        /// The reasons for the size, as a note on lines of its own: facts of the port and settings of the pass. Empty
         /// where nothing is known.
         from: String,
     },
@@ -48,7 +48,7 @@ pub enum ExecutorError {
     Pass {
         /// Name of the pass.
         pass: String,
-        /// What the driver said.
+        /// The message of the driver.
         message: String,
     },
     /// A shader uses ray queries, and the adapter has none.
@@ -83,7 +83,7 @@ pub enum ExecutorError {
     /// The device is gone.
     #[error("the graphics device is gone: {message}")]
     Lost {
-        /// What it said.
+        /// Its message.
         message: String,
     },
     /// A shader or a binding is wrong.

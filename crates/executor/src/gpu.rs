@@ -19,7 +19,7 @@ pub struct Gpu {
     faults: Arc<Faults>,
 }
 
-/// What a device has reported outside of the calls that caused it.
+/// The errors that a device has reported outside of the calls that caused them.
 #[derive(Debug, Default)]
 struct Faults {
     /// The first error that nobody has taken.
@@ -155,8 +155,26 @@ impl Gpu {
         self.device.limits()
     }
 
+    /// Checks that steps can bind a storage buffer of `bytes`; `resource` says whose it is.
+    ///
+    /// # Errors
+    /// Where the adapter binds less.
+    pub fn check_storage(&self, resource: &str, bytes: u64) -> Result<(), ExecutorError> {
+        let allowed = self.limits().max_storage_buffer_binding_size;
+        if bytes <= allowed {
+            return Ok(());
+        }
+        Err(ExecutorError::Limit {
+            resource: resource.to_owned(),
+            wanted: format!("{bytes} bytes"),
+            allowed: format!("{allowed} bytes"),
+            limit: "max_storage_buffer_binding_size",
+            from: String::new(),
+        })
+    }
+
     /// Returns whether shaders should read what is uniform from storage buffers. The lavapipe of Mesa 22 compiles a shader
-    /// anew in each frame where values of a uniform buffer decide branches or loops that make up half of it, and keeps
+    /// again in each frame where values of a uniform buffer decide branches or loops that make up half of it, and keeps
     /// every version until the device is dropped.
     pub(crate) fn recompiles_by_uniforms(&self) -> bool {
         let mesa = self.info.driver_info.strip_prefix("Mesa ").and_then(|version| version.split('.').next());

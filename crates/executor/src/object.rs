@@ -33,7 +33,7 @@ pub enum SceneBinding {
     AccelerationStructure(wgpu::Tlas),
 }
 
-/// What an object is used for, in addition to being bound and read back.
+/// The uses of an object, in addition to being bound and read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ObjectUsage {
     /// It is a target of draws, or cleared.
@@ -172,7 +172,7 @@ fn create(
     }
 }
 
-/// Checks an object against the limits of the adapter; of a buffer, steps bind at most so many bytes at once.
+/// Checks an object against the limits of the adapter; steps bind at most this many bytes of a buffer at once.
 pub(crate) fn check_limits(
     gpu: &Gpu,
     name: &str,

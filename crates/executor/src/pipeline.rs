@@ -28,7 +28,7 @@ pub(crate) enum PipelineKind {
     Render(wgpu::RenderPipeline),
 }
 
-/// All that tells one pipeline from another.
+/// All that distinguishes one pipeline from another.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
     shader: u128,
@@ -88,7 +88,7 @@ impl Pipelines {
         let build = |(key, pass, step): &(Key, &str, &LinkedStep)| {
             caught(gpu, pass, || build(gpu, pass, &self.modules[&key.shader], step, key))
         };
-        // Collected first, so that of several errors the first in order is told.
+        // Collected first, so that the first error in order is reported.
         let pipelines: Vec<_> = missing.par_iter().map(build).collect();
         let pipelines = pipelines.into_iter().collect::<Result<Vec<Pipeline>, ExecutorError>>()?;
         let created = pipelines.len();

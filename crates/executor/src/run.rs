@@ -250,7 +250,7 @@ fn allocation_usages<'s>(plan: &Plan, steps: impl Iterator<Item = &'s LinkedStep
         copied.for_each(|c| add(c.resource, ObjectUsage { filled: true, ..ObjectUsage::default() }));
     }
     for (index, resource) in plan.resources.iter().enumerate() {
-        if resource.constant.is_some() || resource.history.is_some() {
+        if resource.history.is_some() {
             add(ResourceId(index as u32), attachment);
         }
         // Tests, applications and poisoning write into it; depth formats cannot be copied to.

@@ -68,7 +68,7 @@ pub struct Dispatch<'a> {
     pub workgroups: [u32; 3],
 }
 
-/// The greatest number of colour attachments: wgpu allows this many on every adapter.
+/// The greatest number of color attachments: wgpu allows this many on every adapter.
 const MAX_COLOR_ATTACHMENTS: usize = 8;
 
 impl LoadedStep {

@@ -1,4 +1,4 @@
-//! Shaders that read their uniforms from storage buffers, for drivers that compile a shader anew for values of uniforms.
+//! Shaders that read their uniforms from storage buffers, for drivers that compile a shader again for values of uniforms.
 
 use crate::gpu::Gpu;
 use shader_library::{GlobalKind, Shader};

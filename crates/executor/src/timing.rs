@@ -23,7 +23,7 @@ pub struct Timings {
 #[derive(Debug)]
 struct Slot {
     buffer: wgpu::Buffer,
-    /// One of the states below; wgpu tells of the mapping from any thread that polls.
+    /// One of the states below; wgpu reports the mapping from any thread that polls.
     state: Arc<AtomicU8>,
     frame: u64,
     /// The passes that left a stamp.
@@ -42,7 +42,7 @@ const REFUSED: u8 = 3;
 /// Frames that can be on their way at once, those beyond which are not timed: more than a queue holds as a rule.
 const MOST_SLOTS: usize = 4;
 
-/// Where the timestamps of a frame go.
+/// The place of the timestamps of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TimingTarget {
     /// To be waited for.
@@ -104,12 +104,12 @@ impl Timers {
     /// Stamps the start of a frame: the end of an empty pass, before which there is nothing to wait for.
     pub(crate) fn start(&self, encoder: &mut wgpu::CommandEncoder) {
         self.stamp(encoder, "start of the frame", 0);
-        self.settle(encoder);
+        self.take(encoder);
     }
 
-    /// To be called after a stamp. lavapipe takes a stamp not where it stands but where it next has to wait, which may
+    /// Makes the driver take a stamp that was just encoded. lavapipe takes a stamp not where it stands but where it next has to wait, which may
     /// be after the dispatches that follow, if they need nothing of those before: another stamp is such a place.
-    pub(crate) fn settle(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub(crate) fn take(&self, encoder: &mut wgpu::CommandEncoder) {
         if self.lazy {
             self.stamp(encoder, "take the stamp", self.count);
         }
@@ -193,7 +193,7 @@ impl Timers {
         if self.slots.iter().all(|slot| slot.state.load(Ordering::Acquire) == FREE) {
             return;
         }
-        // A device that is gone is told by the next frame.
+        // The next frame reports a lost device.
         let _ = gpu.poll(wgpu::PollType::Poll);
         for slot in &self.slots {
             let state = slot.state.load(Ordering::Acquire);

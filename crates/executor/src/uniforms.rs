@@ -127,7 +127,7 @@ fn reset_code(cause: ResetCause) -> u32 {
         ResetCause::Cut => 3,
         ResetCause::Scene => 4,
         ResetCause::Reload => 5,
-        ResetCause::Moved => 6,
+        ResetCause::Moved | ResetCause::MovedUpstream => 6,
         ResetCause::Setting => 7,
     }
 }

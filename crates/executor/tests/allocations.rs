@@ -6,7 +6,7 @@ mod harness;
 
 use executor::{Executor, FrameOptions, Gpu, Object, wgpu};
 use frame_graph::Change;
-use harness::{Kind, Running, Workshop, every_frame, gpu, shader, texture, words};
+use harness::{Running, TestPass, Workshop, every_frame, gpu, shader, texture, words};
 use pass::{Clear, Compute, Draw, Format, OutputDesc, Raster, Step, Target, Threads, Usage};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
@@ -33,7 +33,8 @@ fn alone() -> MutexGuard<'static, ()> {
 /// Frames that are counted.
 const FRAMES: usize = 25;
 
-/// What a frame of the executor allocates, and one by hand: the medians of many, since lists inside wgpu grow now and then.
+/// Returns the allocations of a frame of the executor, and of one by hand: medians of many, since lists inside wgpu grow now
+/// and then.
 /// The GPU is idle before each, so that wgpu finds the memory of earlier command buffers free.
 fn usual(gpu: &Gpu, mut frame: impl FnMut(), mut by_hand: impl FnMut()) -> (u64, u64) {
     let usual = |work: &mut dyn FnMut()| {
@@ -110,7 +111,7 @@ const FIRST: &str = "
 /// A chain of dispatches: each reads the texture of the one before and a uniform.
 fn chain(length: usize) -> Option<Running> {
     let texel = OutputDesc::one("out", texture(Format::R32Uint));
-    let kind = Kind::new("kind").input("before", "Texture").output(texel).steps(|cx| {
+    let kind = TestPass::new("kind").optional("before", "Texture").output(texel).steps(|cx| {
         let shader = shader(if cx.connected("before") { "next.wgsl" } else { "first.wgsl" });
         vec![Step::Compute(Compute::per_texel(shader, "main", cx.frame))]
     });
@@ -179,13 +180,13 @@ const DRAW: &str = "
 fn pasts_uniforms_clears_and_draws_allocate_what_wgpu_does() {
     let _alone = alone();
     let Some(gpu) = gpu() else { return };
-    let count = every_frame(Kind::new("count").input("past", "Buffer"));
+    let count = every_frame(TestPass::new("count").optional("past", "Buffer"));
     let count = count
         .output(OutputDesc::one("out", words(4)))
         .steps(|_| vec![Step::Compute(Compute::new(shader("count.wgsl"), "main", Threads::Grid([1; 3])))]);
     let mut cleared = OutputDesc::one("cleared", texture(Format::Rgba16Float));
     cleared.members[0].2 = Usage::ClearFirst(Clear::Color([1.0; 4]));
-    let draw = every_frame(Kind::new("draw").output(cleared));
+    let draw = every_frame(TestPass::new("draw").output(cleared));
     let draw = draw.output(OutputDesc::one("drawn", texture(Format::Rgba16Float))).steps(|_| {
         vec![Step::Raster(Raster {
             shader: shader("draw.wgsl"),
@@ -201,7 +202,7 @@ fn pasts_uniforms_clears_and_draws_allocate_what_wgpu_does() {
     });
     let workshop = Workshop::new(vec![count, draw], &[("count.wgsl", COUNT), ("draw.wgsl", DRAW)]);
     let passes = r#"
-        "count": Pass(kind: "count", in: { "past": Prev(port: "count") }),
+        "count": Pass(kind: "count", in: { "past": "prev count" }),
         "draw": Pass(kind: "draw")"#;
     let outputs = r#""count": "count", "cleared": "draw.cleared", "drawn": "draw.drawn""#;
     let Some(running) = workshop.start(passes, outputs) else { return };

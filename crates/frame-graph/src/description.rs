@@ -6,8 +6,8 @@ mod read;
 mod values;
 
 pub(crate) use form::{
-    At, Body, Dim, Entry, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, ParameterDecl, PassDecl,
-    Past, Patch, Repeat, SaidFact, Set, SetValue, Size, Target,
+    At, Body, Dim, Entry, Formula, Group, HistoryPolicy, InputDecl, Link, Off, OutDecl, OutputDecl,
+    ParameterDecl, PassDecl, Patch, SaidFact, Set, SetValue, Size, Sub, Target,
 };
 pub(crate) use read::{out_overrides, parse_file};
 
@@ -73,10 +73,19 @@ impl Description {
             Patch::Set { .. } | Patch::Remove { .. } => None,
         });
         let decls = self.passes.iter().map(|entry| &entry.decl).chain(patched);
-        let parts = decls.filter_map(|decl| match &decl.body {
-            Body::Sub { file, .. } => Some(file.value.as_str()),
-            Body::Pass { .. } | Body::Group(_) | Body::Removed => None,
-        });
-        self.extends().into_iter().chain(parts).collect()
+        let mut files: Vec<&str> = self.extends().into_iter().collect();
+        decls.for_each(|decl| named_files(decl, &mut files));
+        files
+    }
+}
+
+/// Adds the files that a sub-graph names.
+fn named_files<'d>(decl: &'d PassDecl, files: &mut Vec<&'d str>) {
+    match &decl.body {
+        Body::Sub(Sub::File(file)) => files.push(file.value.as_str()),
+        Body::Sub(Sub::Inline { passes, .. }) => {
+            passes.iter().for_each(|entry| named_files(&entry.decl, files));
+        }
+        Body::Pass { .. } | Body::Group(_) | Body::Removed => {}
     }
 }

@@ -1,8 +1,10 @@
-//! The closed expressions of `when:`, of settings and of sizes: over parameters, and in switches also over traits
-//! of the scene and whether an input is linked.
+//! The expressions of `when:`, of settings and of sizes: over parameters, and in switches also over traits of the
+//! scene.
 
+mod formula;
 mod parse;
 
+pub use formula::{Formula, FormulaError, NameError};
 pub(crate) use parse::{parse, parse_scale};
 
 use crate::codes::{self, Code};
@@ -30,8 +32,6 @@ pub(crate) enum ExprKind {
     Trait(Name),
     /// `$NAME` or `NAME`; its value, and where that was given, once they are known.
     Parameter(Name, Option<(Value, Place)>),
-    /// `connected(PORT)`
-    Connected(Name),
     Not(Box<Expr>),
     Binary(Op, Box<Expr>, Box<Expr>),
 }
@@ -80,10 +80,6 @@ pub(crate) trait Env {
     fn scene(&self, name: &str) -> Option<&Value>;
     /// The traits there are.
     fn scene_names(&self) -> Vec<String>;
-    /// Whether the pass links an input of that name to something that is on; `None` where it has none.
-    fn connected(&self, port: &str) -> Option<bool>;
-    /// The inputs there are.
-    fn ports(&self) -> Vec<String>;
 }
 
 /// What the names of a setting's or size's expression stand for, beside parameters: nothing.
@@ -93,14 +89,6 @@ impl Env for () {
     }
 
     fn scene_names(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    fn connected(&self, _: &str) -> Option<bool> {
-        None
-    }
-
-    fn ports(&self) -> Vec<String> {
         Vec::new()
     }
 }
@@ -233,27 +221,14 @@ impl Expr {
                 left.parameters(f);
                 right.parameters(f);
             }
-            ExprKind::Value(_) | ExprKind::Trait(_) | ExprKind::Connected(_) => {}
+            ExprKind::Value(_) | ExprKind::Trait(_) => {}
         }
     }
 
-    /// The inputs that it asks about.
-    pub(crate) fn connected<'e>(&'e self, out: &mut Vec<&'e Name>) {
-        match &self.kind {
-            ExprKind::Connected(port) => out.push(port),
-            ExprKind::Not(inner) => inner.connected(out),
-            ExprKind::Binary(_, left, right) => {
-                left.connected(out);
-                right.connected(out);
-            }
-            ExprKind::Value(_) | ExprKind::Trait(_) | ExprKind::Parameter(..) => {}
-        }
-    }
-
-    /// The first part that asks about the scene or an input.
+    /// The first part that asks about the scene.
     pub(crate) fn question(&self) -> Option<&Expr> {
         match &self.kind {
-            ExprKind::Trait(_) | ExprKind::Connected(_) => Some(self),
+            ExprKind::Trait(_) => Some(self),
             ExprKind::Not(inner) => inner.question(),
             ExprKind::Binary(_, left, right) => left.question().or_else(|| right.question()),
             ExprKind::Value(_) | ExprKind::Parameter(..) => None,
@@ -273,7 +248,7 @@ impl Expr {
                 left.origins(out);
                 right.origins(out);
             }
-            ExprKind::Value(_) | ExprKind::Trait(_) | ExprKind::Connected(_) | ExprKind::Parameter(..) => {}
+            ExprKind::Value(_) | ExprKind::Trait(_) | ExprKind::Parameter(..) => {}
         }
     }
 
@@ -291,14 +266,6 @@ impl Expr {
     }
 
     fn ty(&self, env: &dyn Env) -> Result<Ty, ExprError> {
-        let unknown = |message: String, name: &str, what: &str, known: Vec<String>| {
-            let mut error = self.error(&codes::EXPRESSION_NAME, message);
-            if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
-                error.notes.push(format!("did you mean `{near}`?"));
-            }
-            error.notes.push(format!("{what}: {}", known.join(", ")));
-            error
-        };
         match &self.kind {
             ExprKind::Value(value) => Ok(Ty::of(value)),
             ExprKind::Parameter(name, value) => match value {
@@ -306,13 +273,15 @@ impl Expr {
                 None => Err(self.error(&codes::UNKNOWN_PARAMETER, format!("there is no parameter `{name}`"))),
             },
             ExprKind::Trait(name) => env.scene(name).map(Ty::of).ok_or_else(|| {
+                let known = env.scene_names();
                 let message = format!("scenes have no trait `{name}`");
-                unknown(message, name, "traits of a scene", env.scene_names())
+                let mut error = self.error(&codes::EXPRESSION_NAME, message);
+                if let Some(near) = nearest(name, known.iter().map(String::as_str)) {
+                    error.notes.push(format!("did you mean `{near}`?"));
+                }
+                error.notes.push(format!("traits of a scene: {}", known.join(", ")));
+                error
             }),
-            ExprKind::Connected(port) => env
-                .connected(port)
-                .map(|_| Ty::Bool)
-                .ok_or_else(|| unknown(format!("there is no input `{port}`"), port, "inputs", env.ports())),
             ExprKind::Not(inner) => inner.check(env, Ty::Bool).map(|()| Ty::Bool),
             ExprKind::Binary(Op::And | Op::Or, left, right) => {
                 left.check(env, Ty::Bool)?;
@@ -365,7 +334,6 @@ impl Expr {
             ExprKind::Value(value) | ExprKind::Parameter(_, Some((value, _))) => Term::of(value),
             ExprKind::Parameter(_, None) => truth(false),
             ExprKind::Trait(name) => env.scene(name).map_or(truth(false), Term::of),
-            ExprKind::Connected(port) => truth(env.connected(port).unwrap_or(false)),
             ExprKind::Not(inner) => truth(!inner.holds(env)?),
             ExprKind::Binary(Op::And, left, right) => truth(left.holds(env)? && right.holds(env)?),
             ExprKind::Binary(Op::Or, left, right) => truth(left.holds(env)? || right.holds(env)?),
@@ -407,7 +375,6 @@ impl Expr {
             ExprKind::Value(_) => return,
             ExprKind::Parameter(name, value) => value.as_ref().map(|(value, _)| format!("{name} = {value}")),
             ExprKind::Trait(name) => env.scene(name).map(|value| format!("scene.{name} = {value}")),
-            ExprKind::Connected(port) => env.connected(port).map(|is| format!("connected({port}) = {is}")),
             ExprKind::Not(inner) => return inner.facts(env, out),
             ExprKind::Binary(_, left, right) => {
                 left.facts(env, out);
@@ -430,7 +397,6 @@ impl Expr {
             ExprKind::Parameter(_, Some((value, _))) if values => literal(value),
             ExprKind::Parameter(name, _) => format!("${name}"),
             ExprKind::Trait(name) => format!("scene.{name}"),
-            ExprKind::Connected(port) => format!("connected({port})"),
             ExprKind::Not(inner) => format!("!{}", nested(inner)),
             ExprKind::Binary(op @ (Op::Min | Op::Max), left, right) => {
                 format!("{}({}, {})", op.text(), left.text(values), right.text(values))

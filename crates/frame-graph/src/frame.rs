@@ -69,10 +69,10 @@ pub struct FrameSchedule {
 pub struct HistorySlot {
     /// Which copy holds this frame's version.
     pub current: usize,
-    /// Which copy `Prev` reads: it holds the version of the frame before, or must be filled with `init` where `reset`
+    /// Which copy a `prev` link reads: it holds the version of the frame before, or must be filled with zeros where `reset`
     /// is set. Equal to `current` where the producer does not run and the history buffer is neither reset nor at rest.
     pub previous: usize,
-    /// Frames since the last reset, without those at rest; 0 where there is no history and `init` is read.
+    /// Frames since the last reset, without those at rest; 0 where there is no history and zeros are read.
     pub age: u32,
     /// Why the history buffer was reset; `None` where it was not.
     pub reset: Option<ResetCause>,
@@ -124,7 +124,6 @@ struct Read {
 /// Which version of a resource is read.
 #[derive(Clone, Copy, Debug)]
 enum ReadFrom {
-    Constant,
     /// That of this frame, made by a pass.
     Pass(PassId),
     /// That of a frame before.
@@ -136,7 +135,7 @@ enum ReadFrom {
 struct Held {
     /// The copy that holds the newest version.
     current: usize,
-    /// The version at the end of the last frame; 0 for `init`.
+    /// The version at the end of the last frame; 0 where there is none.
     version: u64,
     age: u32,
     /// Frames in which nothing that it follows from had something new to read, other than history buffers that can rest.
@@ -146,10 +145,10 @@ struct Held {
     rests: bool,
 }
 
-/// The version of `init`, and of what was never written.
+/// The version of what was never written.
 const INIT: u64 = 0;
-/// The version of constants.
-const CONSTANT: u64 = 1;
+/// The clock before the first frame.
+const START: u64 = 1;
 
 impl FrameState {
     /// Creates the state in which nothing has run.
@@ -162,11 +161,7 @@ impl FrameState {
                 let past = |m: usize| input.history.as_ref().map(|past| past[m]);
                 reads.extend(input.members.iter().enumerate().map(|(m, (_, resource))| {
                     let producer = plan.resources[resource.0 as usize].producer;
-                    let from = match (past(m), producer) {
-                        (Some(history), _) => ReadFrom::Past(history),
-                        (None, Some(pass)) => ReadFrom::Pass(pass),
-                        (None, None) => ReadFrom::Constant,
-                    };
+                    let from = past(m).map_or(ReadFrom::Pass(producer), ReadFrom::Past);
                     Read { resource: *resource, from }
                 }));
             }
@@ -187,7 +182,7 @@ impl FrameState {
             ],
             rest: plan.histories.iter().filter_map(|history| history.rest).max(),
             moved: Vec::new(),
-            clock: CONSTANT,
+            clock: START,
             fresh: true,
             lacking: vec![Some(ResetCause::FirstFrame); plan.histories.len()],
             resets: Vec::new(),
@@ -201,7 +196,7 @@ impl FrameState {
         let mut next = FrameState::new(plan);
         next.clock = self.clock;
         // Before the first frame of all, that is the cause whatever else happened.
-        let begun = self.clock > CONSTANT;
+        let begun = self.clock > START;
         for (h, before) in succession.histories.iter().enumerate() {
             match before {
                 Ok(before) => {
@@ -285,17 +280,21 @@ impl FrameState {
             });
             let producer = plan.resources[history.resource.0 as usize].producer;
             let changed = |reached: &[bool], cause: ResetCause| {
-                let reached = producer.is_some_and(|pass| reached.get(pass.0 as usize) == Some(&true));
+                let reached = reached.get(producer.0 as usize) == Some(&true);
                 (reached && history.reset.contains(&cause)).then_some(cause)
             };
             let reload =
                 || changed(&reloaded, ResetCause::Reload).or_else(|| changed(&set, ResetCause::Setting));
             let event = || change.events.iter().find(|e| history.reset.contains(e)).copied();
             let moved = || {
-                let reads =
-                    producer.map_or(SceneBindings::NONE, |pass| plan.passes[pass.0 as usize].scene_bindings);
-                let changed = reads.0 & change.scene_bindings.0 & !SceneBindings::FRAME.0 != 0;
-                (changed && history.reset.contains(&ResetCause::Moved)).then_some(ResetCause::Moved)
+                let pass = &plan.passes[producer.0 as usize];
+                let changed = |read: SceneBindings, cause: ResetCause| {
+                    let changed = read.0 & change.scene_bindings.0 & !SceneBindings::FRAME.0 != 0;
+                    changed && history.reset.contains(&cause)
+                };
+                let moved = changed(pass.scene_bindings, ResetCause::Moved)
+                    || changed(pass.depends_on, ResetCause::MovedUpstream);
+                moved.then_some(ResetCause::Moved)
             };
             lacking.or_else(event).or_else(reload).or_else(moved)
         }));
@@ -319,7 +318,6 @@ impl FrameState {
     /// The version of what is read in this frame.
     fn version(&self, from: ReadFrom, resets: &[Option<ResetCause>]) -> u64 {
         match from {
-            ReadFrom::Constant => CONSTANT,
             ReadFrom::Pass(pass) => self.versions[pass.0 as usize],
             ReadFrom::Past(history) if resets[history.0 as usize].is_some() => INIT,
             ReadFrom::Past(history) => self.histories[history.0 as usize].version,
@@ -397,9 +395,7 @@ impl FrameState {
         }
         // Those before it in the list are written before it would be.
         let before = plan.allocations[allocation].resources.iter().take_while(|other| **other != id);
-        let written = |other: &ResourceId| {
-            plan.resources[other.0 as usize].producer.is_some_and(|p| runs[p.0 as usize])
-        };
+        let written = |other: &ResourceId| runs[plan.resources[other.0 as usize].producer.0 as usize];
         !before.into_iter().any(written)
     }
 
@@ -411,8 +407,8 @@ impl FrameState {
         for (i, history) in plan.histories.iter().enumerate() {
             let held = &mut self.histories[i];
             let producer = plan.resources[history.resource.0 as usize].producer;
-            let written = producer.is_some_and(|p| runs[p.0 as usize]);
-            held.version = producer.map_or(CONSTANT, |p| self.versions[p.0 as usize]);
+            let written = runs[producer.0 as usize];
+            held.version = self.versions[producer.0 as usize];
             if held.rests {
                 continue;
             }
@@ -420,7 +416,7 @@ impl FrameState {
             if written {
                 held.current = 1 - held.current;
             } else if resets[i].is_some() {
-                // `init` goes where nothing is held.
+                // Zeros go where nothing is held.
                 previous = 1 - held.current;
             }
             held.age = if resets[i].is_some() { 0 } else { held.age.saturating_add(1) };
@@ -456,7 +452,7 @@ fn reached(plan: &Plan, changed: &[PassId]) -> Vec<bool> {
     loop {
         let mut more = false;
         for (i, pass) in plan.passes.iter().enumerate() {
-            let mut producers = pass.inputs.iter().filter_map(|input| input.producer);
+            let mut producers = pass.inputs.iter().map(|input| input.producer);
             if !reached[i] && producers.any(|producer| reached[producer.0 as usize]) {
                 reached[i] = true;
                 more = true;

@@ -17,7 +17,7 @@
 //!     about: "text"?,  paper: "ISM §3"?,
 //!     extends: "base.ron"?,                            // this file is a variant of another one
 //!     parameters: { "name": PARAMETER * }?,
-//!     inputs: { "name": "Interface" or Optional("Interface") * }?,   // this file is a sub-graph
+//!     inputs: { "name": "Interface" * }?,              // this file is a sub-graph
 //!     passes: { "name": PASS or SUB * },
 //!     outputs: { "name": "pass.port" * },
 //!     patch: [ PATCH * ]?,                             // only with `extends`
@@ -28,15 +28,15 @@
 //!
 //! | form | meaning |
 //! |---|---|
-//! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `I32`, `F32`, `Bool`, `Text`. All fields are optional (see **Parameters**). A variant gives only the fields that differ |
-//! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, when: "EXPRESSION"?, off: OFF?)`; `kind` is the pass type |
-//! | SUB | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, repeat: COUNT?, carry: { "input": "output" * }?, index: "parameter"?, when: …?, off: …?)`: a sub-graph, that is, the passes of another file, which are named `sub-graph/pass` |
-//! | COUNT | an integer, or an expression that gives one: the number of copies of the sub-graph, one after the other |
-//! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a sub-graph, or `Prev(port: "…", init: Zero?, reset: [Resize, Cut, Scene, Reload, Setting, Moved]?, rest: 64?)` |
+//! | PARAMETER | `U32(default: 64, min: 1, max: 512, one_of: [32, 64], unit: "px", doc: "…")`, or `F32`, `Bool`, `Text`. All fields are optional (see **Parameters**). A variant gives only the fields that differ |
+//! | PASS | `Pass(kind: "…", shader: "x.wgsl"?, in: { "port": LINK * }?, set: { "setting": VALUE * }?, out: { "port": OUT * }?, history: HISTORY?, when: "EXPRESSION"?, off: OFF?)`; `kind` is the pass type |
+//! | SUB | `Sub(file: "parts/x.ron", in: …?, set: { "parameter": VALUE * }?, when: …?, off: …?)`: a sub-graph, that is, the passes of another file, which are named `sub-graph/pass`; or, written out, `Sub(inputs: …?, in: …?, passes: …, outputs: …?, when: …?, off: …?)` |
+//! | LINK | `"pass"`, `"pass.port"`, `"pass.port.member"`, `"in.input"` within a sub-graph, each of which may have `prev ` before it: `"prev pass.port"` |
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or an expression: text that contains `$`, such as `"$parameter"` or `"$lights * 16"`. In plain text each `$` is written `$$`; text that begins with `$$` is never an expression |
 //! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?, facts: { "name": VALUE }?)`, `None` as a value for no such fact; for pass types that take their ports from a shader |
 //! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`. Any number may be an expression (`"frame / $tile"`, `"like(input) * ($n + 1)"`, `("$map * 2", 64)`), as may `count` |
-//! | OFF | `Black`, `Color(r, g, b, a)`, `Input("port")`, or a link such as `"pass.port"` or `"in.input"`: what replaces the outputs when the switch is off |
+//! | HISTORY | `(reset: [Resize, Cut, Scene, Reload, Setting, Moved, MovedUpstream]?, rest: 64?)`, or `reset: All` for all of them |
+//! | OFF | `Input("port")`, or a link such as `"pass.port"` or `"in.input"`: what replaces the outputs when the switch is off |
 //! | PATCH | `Replace("pass", PASS)`, `Insert(name: "x", pass: PASS, between: ("a.port", "b.port"))`, `Set("path", VALUE)`, `Remove("pass")` |
 //!
 //! **Links.** The name of a pass alone means its only output of the interface that the input takes, or
@@ -44,28 +44,19 @@
 //! member of that name: `"view.depth"`. An input of the interface `Texture` or `Buffer` takes any single
 //! texture or buffer.
 //!
-//! **History buffers.** `Prev` reads what the port held in the frame before: its history buffer. It may name
-//! any pass, including a later one or the pass itself. `init` is the content as long as there is no frame
-//! before, and `reset` lists the events that discard the history (if it is left out, the first four).
-//! `Reload` is a change of a setting, a shader or a link of the pass that writes the history buffer, or of a
-//! pass that feeds it; `Moved` is any change of the camera, the lights or the scene that the pass reads.
+//! **History buffers.** `"prev pass.port"` reads what the port held in the frame before: its history buffer. It may
+//! name any pass, including a later one or the pass itself. The content is zero as long as there is no frame before.
+//! `history:` of the pass that makes the port says what becomes of it. `reset` lists the events that discard the
+//! history (if it is left out, the first four). `Reload` is a change of a setting, a shader or a link of the pass, or of
+//! a pass that feeds it; `Moved` is any change of the camera, the lights or the scene that the pass itself reads, and
+//! `MovedUpstream` one that a pass reads from which its outputs follow.
 //! A loop is new in every frame, so its passes run in every frame. With `rest: n` they stop after n frames
 //! in which nothing changed but the history buffer itself: the last of these frames stands until something
-//! changes. Where several links have a `rest`, the longest counts for all.
-//!
-//! **Repeated sub-graphs.** With `repeat: "$n"`, a sub-graph is copied n times, and the passes of the copies
-//! are named `sub-graph/0/pass`, `sub-graph/1/pass`, and so on. The first copy takes its inputs from `in:`.
-//! Each further copy takes an input that `carry` names from an output of the copy before it, and all others
-//! from `in:`. The outputs of the sub-graph, and their history buffers, are those of the last copy. Repeated
-//! 0 times, the sub-graph hands on what comes in for an output that is carried; reading another output is an
-//! error. `when:` and `off:` apply to the sub-graph as a whole. Values of `sub-graph.parameter` and
-//! `sub-graph/pass.setting` apply to all copies, those of `sub-graph/2.parameter` and
-//! `sub-graph/2/pass.setting` to one of them, in the order in which they are given. Errors are reported once
-//! for all copies.
+//! changes. Where several history buffers have a `rest`, the longest counts for all.
 //!
 //! **Patches.** They are applied in order, after the entries of the file itself.
 //!
-//! * `Replace` keeps those links of the old pass whose ports the new pass type has, and its `when` and `off`,
+//! * `Replace` keeps those links of the old pass whose ports the new pass type has, and its `history`, `when` and `off`,
 //!   unless they are given again.
 //! * `Insert` puts a pass or a sub-graph into a link. The link goes to the only required input of the pass
 //!   that takes it, or to the only input of the sub-graph that `in:` leaves unlinked. `"out.NAME"` means an
@@ -77,14 +68,13 @@
 //!   Command-line overrides ([`Overrides`]) take the same paths and are applied last.
 //!
 //! Inside a sub-graph, patches can only set values. To change the passes of a sub-graph, write a file that
-//! extends the file of the sub-graph, and put it in its place by `Replace`; `repeat` and `carry` must then be
-//! given again.
+//! extends the file of the sub-graph, and put it in its place by `Replace`.
 //!
 //! **Parameters.** A parameter that is the whole value of a setting (`set: { "count": "$lights" }`), even
 //! through sub-graphs, inherits all fields that it leaves out: `"lights": U32()` has the default, range,
 //! choices, unit and documentation of the setting. Its range is never wider than that of any such setting,
 //! even if it gives its own. A parameter needs a `default` if its value must be known before pass types are
-//! asked (in expressions, sizes, switches and `repeat`), and if its settings have different defaults.
+//! asked (in expressions, sizes and switches), and if its settings have different defaults.
 //!
 //! **Expressions.** Values, sizes and switches use the same small language: parameters (`$lights` or
 //! `lights`), booleans, numbers and `'text'`, with `+`, `-`, `*`, `/`, `%`, `min(a, b)`, `max(a, b)`, `!`,
@@ -94,18 +84,15 @@
 //! `-`, a minus needs spaces around it. The factor and the divisor of a size are a number, a parameter,
 //! `min`, `max` or an expression in parentheses; a divided size is rounded up.
 //!
-//! **Switches.** `when:` is an expression that may also use traits of the scene (`scene.glossy`) and
-//! `connected(input)`. Its types are checked, and so is everything else in a pass that is off. Whatever reads
+//! **Switches.** `when:` is an expression that may also use traits of the scene (`scene.glossy`). Its types are checked, and so is everything else in a pass that is off. Whatever reads
 //! a pass that is off gets what `off:` gives; without `off:`, optional inputs are left unlinked, and for
 //! other inputs it is an error. A link in `off:` replaces every output of its interface. It may name any pass
 //! or sub-graph, even one that is off itself: then the `off:` of that one applies. Passes that are off must
 //! not replace each other in a cycle. The pass that `off:` names is needed only if the switch is off.
 //!
-//! **The flattened file.** [`Resolved::to_ron`] writes files without `extends`, `patch` and `Sub`. Only these
-//! files contain `Group(inputs: …, in: …, outputs: …, when: …, off: …)` for the boundary of a sub-graph,
-//! whose inputs are `"sub-graph/in.input"`; `Removed` in place of a pass; `keep: { … }` in a pass for links
-//! that are dropped if the pass type has no such input; and `feed: "…"` for the link that an inserted pass
-//! takes.
+//! **One file.** [`Resolved::to_ron`] writes a pipeline as one file without `extends` and `patch`. Its sub-graphs are
+//! written out: `Sub(inputs: …, in: …, passes: …, outputs: …, when: …, off: …)`, whose values may name the parameters of
+//! the file. Any other file may say so too.
 //!
 //! # Errors
 //!
@@ -131,6 +118,7 @@ pub use compile::{CompileOptions, compile};
 pub use data_file::Name;
 pub use description::{Description, parse};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity, Source, Span, nearest, nearest_of_few};
+pub use expression::{Formula, FormulaError, NameError};
 pub use frame::{Change, FrameState, ResetCause};
 pub use interface::{Content, Fact, FactDecl, FactValue, Figure, Interface, Member, Struct};
 pub use link::{Graph, LinkContext, link};

@@ -13,14 +13,17 @@ mod uses;
 mod wires;
 
 use crate::codes;
-use crate::description::{Body, Link, OutputDecl, Past};
+use crate::description::{Body, HistoryPolicy, Link, OutputDecl};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Span};
 use crate::interface::Interface;
 use crate::port::{Facts, OutputOverride, PassTypes, SceneBindings, Usage};
-use crate::resolve::{Node, Resolved, told_once};
-use crate::resource::{Clear, ResourceDesc};
+use crate::resolve::{Node, Resolved};
+use crate::resource::ResourceDesc;
 use crate::value::{Settings, Traits};
 use data_file::Name;
+use petgraph::Direction::Incoming;
+use petgraph::graph::{DiGraph, NodeIndex};
+use petgraph::visit::EdgeRef as _;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::collections::BTreeMap;
@@ -42,8 +45,8 @@ pub struct LinkContext {
 #[derive(Clone, Debug)]
 pub struct Graph {
     pub(crate) frame: (u32, u32),
-    /// Every pass, in the order of the file.
-    pub(crate) passes: Vec<GraphPass>,
+    /// The passes in the order of the file, and the links from producers to readers.
+    pub(crate) passes: DiGraph<GraphPass, GraphLink>,
     pub(crate) outputs: Vec<GraphOutput>,
 }
 
@@ -58,7 +61,7 @@ pub(crate) struct GraphPass {
     pub(crate) scene_bindings: SceneBindings,
     pub(crate) depends_on: SceneBindings,
     pub(crate) remembers: bool,
-    pub(crate) inputs: SmallVec<[GraphInput; 2]>,
+    pub(crate) history: Option<Arc<HistoryPolicy>>,
     pub(crate) outputs: GraphPorts,
     pub(crate) off: Option<GraphOff>,
 }
@@ -70,20 +73,39 @@ pub(crate) struct GraphOff {
     pub(crate) instead: String,
 }
 
-/// A connected input.
+/// A link into an input.
 #[derive(Clone, Debug)]
-pub(crate) struct GraphInput {
+pub(crate) struct GraphLink {
+    /// The input.
     pub(crate) port: Name,
     pub(crate) from: LinkSource,
-    pub(crate) past: Option<Arc<Past>>,
-    /// What is put in place of a producer that is off.
-    pub(crate) constant: Option<Clear>,
+    /// Whether it reads the frame before.
+    pub(crate) past: bool,
+}
+
+impl GraphLink {
+    /// Returns whether the reader waits for the producer: not for a history buffer.
+    pub(crate) fn waits(&self) -> bool {
+        !self.past
+    }
+}
+
+impl Graph {
+    /// Returns the links into a pass, from its last input to its first: petgraph lists the newest edge first.
+    pub(crate) fn inputs(&self, pass: NodeIndex) -> impl Iterator<Item = &GraphLink> + Clone {
+        self.passes.edges_directed(pass, Incoming).map(|link| link.weight())
+    }
+
+    /// Returns the port that a link takes.
+    pub(crate) fn port(&self, source: &LinkSource) -> &GraphPort {
+        &self.passes[source.pass].outputs[source.port as usize]
+    }
 }
 
 /// What a link takes from a pass: a port, or one of its resources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct LinkSource {
-    pub(crate) pass: u32,
+    pub(crate) pass: NodeIndex,
     pub(crate) port: u32,
     /// Index into the members of the [`GraphPort`].
     pub(crate) member: Option<u32>,
@@ -121,7 +143,6 @@ pub(crate) enum Made {
 pub(crate) struct GraphOutput {
     pub(crate) name: Name,
     pub(crate) from: LinkSource,
-    pub(crate) constant: Option<Clear>,
 }
 
 /// Links a flat description.
@@ -140,16 +161,42 @@ pub fn link(resolved: &Resolved, kinds: &dyn PassTypes, context: &LinkContext) -
     linker.find_switches();
     linker.find_live_wires();
     linker.find_outputs();
-    let order = linker.order();
+    let (links, order) = linker.order();
     linker.find_instead();
     if !linker.errors.is_empty() {
         return Err(linker.told());
     }
-    let ports = linker.find_sizes(&order);
+    let nodes: Vec<u32> = order.iter().map(|pass| links[*pass]).collect();
+    let ports = linker.find_sizes(&nodes);
     if !linker.errors.is_empty() {
         return Err(linker.told());
     }
-    Ok(linker.graph(ports, &order))
+    Ok(linker.graph(&links, ports, &order))
+}
+
+/// What a pass takes of the links that its file names.
+pub(crate) struct Taken {
+    /// For each link, whether there is an input of that name.
+    pub(crate) links: Vec<bool>,
+    /// The input that takes what an insertion feeds to it.
+    pub(crate) feed: Option<Name>,
+}
+
+/// Returns what each node of a description takes; `None` where it is no pass, or its pass type cannot say.
+pub(crate) fn taken(resolved: &Resolved, kinds: &dyn PassTypes) -> Vec<Option<Taken>> {
+    let context = LinkContext::default();
+    let mut linker = Linker::new(resolved, kinds, &context);
+    linker.find_uses();
+    linker.find_wires();
+    let taken = |(i, used): (usize, &Option<Rc<UseOf>>)| {
+        let (used, fed) = (used.as_ref()?, linker.nodes[i].decl.links.len() as u32);
+        let feed = linker.wires[i].iter().find(|wire| wire.link == fed);
+        Some(Taken {
+            links: used.linked.iter().map(Option::is_some).collect(),
+            feed: feed.map(|wire| used.names.inputs[wire.input as usize].0.clone()),
+        })
+    };
+    linker.uses.iter().enumerate().map(taken).collect()
 }
 
 /// The work of linking: one entry a node in each list.
@@ -161,34 +208,33 @@ struct Linker<'a> {
     context: &'a LinkContext,
     uses: Rc<Vec<Option<Rc<UseOf>>>>,
     /// Wires as if everything were on.
-    wires: Vec<Wires<'a>>,
+    wires: Vec<Wires>,
     /// Wires with what is off taken out; empty where nothing can be off.
-    live: Vec<Wires<'a>>,
+    live: Vec<Wires>,
     /// Whether a node is on; known from the beginning where it has no switch.
     on: Vec<Option<bool>>,
     /// Why nodes are off, where their own switches say so.
     why: FxHashMap<usize, String>,
     /// What stands in place of passes that are off, where a link says so.
     instead: FxHashMap<usize, String>,
-    /// Whether some sub-graph is repeated 0 times.
-    copyless: bool,
-    /// How many switches wait for each other.
-    depth: u32,
-    outputs: Vec<(&'a OutputDecl, End<'a>)>,
+    outputs: Vec<(&'a OutputDecl, End)>,
     /// Links of sub-graphs that are wrong and have been reported.
     bad_borders: Vec<Place>,
     errors: Vec<Diagnostic>,
 }
 
 /// The wires of a pass: most have few.
-type Wires<'a> = SmallVec<[Wire<'a>; 2]>;
+type Wires = SmallVec<[Wire; 2]>;
+
+/// The passes, as indices of nodes, and the wires from producers to readers.
+type Links = DiGraph<u32, Wire>;
 
 /// A link that has been followed to its end.
 #[derive(Clone, Copy, Debug)]
-struct Wire<'a> {
+struct Wire {
     /// Index into the inputs of the pass type's ports.
     input: u32,
-    end: End<'a>,
+    end: End,
     /// Index into the links of the description; the number of links for its `feed`.
     link: u32,
 }
@@ -207,10 +253,6 @@ impl<'a> Linker<'a> {
             on: Vec::with_capacity(resolved.nodes.len()),
             why: FxHashMap::default(),
             instead: FxHashMap::default(),
-            copyless: resolved.nodes.iter().any(
-                |node| matches!(&node.decl.body, Body::Group(group) if matches!(group.copies, Some((0, _)))),
-            ),
-            depth: 0,
             outputs: Vec::new(),
             bad_borders: Vec::new(),
             errors: Vec::new(),
@@ -218,7 +260,7 @@ impl<'a> Linker<'a> {
     }
 
     fn told(self) -> Diagnostics {
-        Diagnostics::sorted(told_once(self.errors, self.nodes))
+        Diagnostics::sorted(self.errors)
     }
 
     fn span(&self, place: Place) -> Span {
@@ -226,14 +268,14 @@ impl<'a> Linker<'a> {
     }
 
     /// The link of a wire.
-    fn link_of(&self, node: usize, wire: &Wire<'_>) -> &'a Link {
+    fn link_of(&self, node: usize, wire: &Wire) -> &'a Link {
         let decl = &self.nodes[node].decl;
         let feed = decl.feed.as_ref();
         decl.links.get(wire.link as usize).or(feed).expect("a wire is made from a link or a feed")
     }
 
     fn check_root(&mut self) {
-        if let Some(input) = self.resolved.inputs.iter().find(|input| !input.optional) {
+        if let Some(input) = self.resolved.inputs.first() {
             let message = format!("this file is a sub-graph: it needs an input `{}`", input.name.value);
             let error = Diagnostic::new(&codes::SUB_AS_PIPELINE, message)
                 .label(self.span(input.name.place), format!("`{}` is expected here", input.interface.value))
@@ -257,8 +299,7 @@ impl<'a> Linker<'a> {
             // patch took out goes with it.
             let found = match self.follow(link, None, false) {
                 Found::End(_) => self.follow(link, None, true),
-                Found::Nothing(off) if self.without_copy(off).is_some() => Found::Nothing(off),
-                Found::Nothing(_) | Found::Unlinked | Found::Told => continue,
+                Found::Nothing(_) | Found::Told => continue,
             };
             match found {
                 Found::End(end) => self.outputs.push((output, end)),
@@ -266,109 +307,97 @@ impl<'a> Linker<'a> {
                     let error = self.off_read(format!("the output `{}`", output.name.value), link, off);
                     self.errors.push(error);
                 }
-                Found::Unlinked | Found::Told => {}
+                Found::Told => {}
             }
         }
     }
 
-    fn wires_now(&self, node: usize) -> &[Wire<'a>] {
+    fn wires_now(&self, node: usize) -> &[Wire] {
         if self.live.is_empty() { &self.wires[node] } else { &self.live[node] }
     }
 
-    fn graph(self, mut ports: Vec<Described>, order: &[u32]) -> Graph {
-        const NONE: u32 = u32::MAX;
-        // Sub-graphs are no passes: passes get indices of their own.
-        let mut index = vec![NONE; self.nodes.len()];
-        let mut count = 0;
-        for (i, used) in self.uses.iter().enumerate() {
-            if used.is_some() {
-                index[i] = count;
-                count += 1;
-            }
-        }
-        let source = |end: &End<'_>, bare: bool| {
+    fn graph(self, links: &Links, ports: Vec<Described>, order: &[NodeIndex]) -> Graph {
+        let source = |pass: NodeIndex, end: &End, bare: bool| {
             let port = ports[end.node as usize].as_ref().and_then(|ports| ports.get(end.port as usize));
             let member = port.zip(self.member(&self.interface_of(end), end.member));
             let member = member.and_then(|(port, name)| port.members.iter().position(|(n, _, _)| *n == name));
-            LinkSource {
-                pass: index[end.node as usize],
-                port: end.port,
-                member: member.map(|m| m as u32),
-                bare,
-            }
+            LinkSource { pass, port: end.port, member: member.map(|m| m as u32), bare }
         };
-        let mut passes = Vec::with_capacity(count as usize);
         let none = GraphPorts::default();
-        for i in 0..self.nodes.len() {
-            let Some(used) = &self.uses[i] else { continue };
-            let Body::Pass { kind, shader } = &self.nodes[i].decl.body else { continue };
-            let is_on = self.on[i] != Some(false);
-            // Of a pass that is off, what it would read.
-            let wires = if is_on { self.wires_now(i) } else { &self.wires[i] };
-            let modules = wires
-                .iter()
-                .filter(|wire| wire.end.constant.is_none() && wire.end.member.is_none())
-                .filter_map(|wire| {
-                    ports[wire.end.node as usize].as_ref()?[wire.end.port as usize].facts.module()
-                });
+        let pass = |pass: NodeIndex, node: usize| {
+            let (Some(used), Body::Pass { kind, shader }) = (&self.uses[node], &self.nodes[node].decl.body)
+            else {
+                unreachable!("only passes are linked")
+            };
+            let modules = links
+                .edges_directed(pass, Incoming)
+                .map(|link| &link.weight().end)
+                .filter(|end| end.member.is_none())
+                .filter_map(|end| ports[end.node as usize].as_ref()?[end.port as usize].facts.module());
             let scene_bindings =
                 modules.fold(used.ports.scene_bindings, |all, module| all.and(module.scene_bindings));
-            let inputs = wires.iter().map(|wire| {
-                let (port, wanted) = &used.names.inputs[wire.input as usize];
-                GraphInput {
-                    port: port.clone(),
-                    from: source(&wire.end, is_bare(wanted, &wire.end)),
-                    past: wire.end.past.filter(|_| wire.end.constant.is_none()).cloned(),
-                    constant: wire.end.constant,
-                }
-            });
-            passes.push(GraphPass {
-                name: self.nodes[i].name.clone(),
+            GraphPass {
+                name: self.nodes[node].name.clone(),
                 kind: kind.value.clone(),
                 shader: shader.as_ref().map(|s| s.value.clone()),
                 settings: Arc::clone(&used.settings),
-                overrides: Arc::clone(&self.nodes[i].decl.overrides),
+                overrides: Arc::clone(&self.nodes[node].decl.overrides),
                 scene_bindings,
                 depends_on: scene_bindings,
                 remembers: false,
-                inputs: inputs.collect(),
-                outputs: Arc::clone(&none),
-                off: if is_on { None } else { Some(self.off(i)) },
-            });
-        }
-        let output = |(output, end): &(&OutputDecl, End<'_>)| GraphOutput {
+                history: self.nodes[node].decl.history.as_ref().map(|policy| Arc::clone(&policy.value)),
+                outputs: ports[node].clone().unwrap_or_else(|| Arc::clone(&none)),
+                off: (self.on[node] == Some(false)).then(|| self.off(node)),
+            }
+        };
+        let link = |producer: NodeIndex, reader: NodeIndex, wire: &Wire| {
+            let used = self.uses[links[reader] as usize].as_ref().expect("only passes are linked");
+            let (port, wanted) = &used.names.inputs[wire.input as usize];
+            GraphLink {
+                port: port.clone(),
+                from: source(producer, &wire.end, is_bare(wanted, &wire.end)),
+                past: wire.end.past,
+            }
+        };
+        let ends = |edge| links.edge_endpoints(edge).expect("an edge of the graph");
+        let mut passes = links.map(
+            |index, node| pass(index, *node as usize),
+            |edge, wire| {
+                let (producer, reader) = ends(edge);
+                link(producer, reader, wire)
+            },
+        );
+        let pass_of = |node: u32| {
+            let pass = links.raw_nodes().binary_search_by_key(&node, |pass| pass.weight);
+            NodeIndex::new(pass.expect("outputs lead to passes"))
+        };
+        let output = |(output, end): &(&OutputDecl, End)| GraphOutput {
             name: output.name.value.clone(),
-            from: source(end, end.member.is_some()),
-            constant: end.constant,
+            from: source(pass_of(end.node), end, end.member.is_some()),
         };
         let outputs = self.outputs.iter().map(output).collect();
-        for (i, ports) in ports.iter_mut().enumerate().filter(|(i, _)| index[*i] != NONE) {
-            passes[index[i] as usize].outputs = ports.take().unwrap_or_else(|| Arc::clone(&none));
-        }
-        let order: Vec<u32> = order.iter().map(|i| index[*i as usize]).filter(|i| *i != NONE).collect();
-        dependencies(&mut passes, &order);
+        dependencies(&mut passes, order);
         Graph { frame: self.context.frame, passes, outputs }
     }
 }
 
 /// Unites what each pass depends on over all that it reads.
-fn dependencies(passes: &mut [GraphPass], order: &[u32]) {
-    let loops = passes.iter().any(|pass| pass.inputs.iter().any(|input| input.past.is_some()));
+fn dependencies(passes: &mut DiGraph<GraphPass, GraphLink>, order: &[NodeIndex]) {
+    let loops = passes.edge_weights().any(|link| link.past);
     loop {
         let mut changed = false;
-        for i in order {
-            let pass = &passes[*i as usize];
-            let (mut depends_on, mut remembers) = (pass.depends_on, pass.remembers);
-            for input in pass.inputs.iter().filter(|input| input.constant.is_none()) {
-                let producer = &passes[input.from.pass as usize];
+        for pass in order {
+            let (mut depends_on, mut remembers) = (passes[*pass].depends_on, passes[*pass].remembers);
+            for link in passes.edges_directed(*pass, Incoming) {
+                let producer = &passes[link.source()];
                 depends_on = depends_on.and(producer.depends_on);
-                remembers |= producer.remembers || input.past.is_some();
+                remembers |= producer.remembers || link.weight().past;
             }
-            let pass = &mut passes[*i as usize];
+            let pass = &mut passes[*pass];
             changed |= (pass.depends_on, pass.remembers) != (depends_on, remembers);
             (pass.depends_on, pass.remembers) = (depends_on, remembers);
         }
-        // The order follows the data of one frame; what comes out of the past may need another round.
+        // The order follows the data of one frame; what comes out of history buffers may need another round.
         if !(loops && changed) {
             return;
         }

@@ -113,7 +113,7 @@ pub enum Begins {
     InPlace(HistoryId),
     /// A copy of a history buffer.
     CopyOfPast(HistoryId),
-    /// A copy of a resource of this frame, or of a constant.
+    /// A copy of a resource of this frame.
     Copy(ResourceId),
 }
 
@@ -122,16 +122,15 @@ pub enum Begins {
 pub struct PlannedInput {
     /// The port.
     pub port: Name,
-    /// The pass that the link names; `None` for the constant of a pass that is switched off. That pass may hand on a
-    /// resource of another pass.
-    pub producer: Option<PassId>,
+    /// The pass that the link names. It may hand on a resource of another pass.
+    pub producer: PassId,
     /// The output port of that pass.
     pub producer_port: Name,
     /// The interface of the linked output.
     pub interface: Name,
     /// Member name and resource.
     pub members: PlannedMembers,
-    /// The history buffers of those resources, where the link is `Prev`: one entry per member.
+    /// The history buffers of those resources, where the link is a `prev` link: one entry per member.
     pub history: Option<Vec<HistoryId>>,
     /// Facts of the producer's port.
     pub facts: Arc<Facts>,
@@ -163,19 +162,17 @@ pub struct PlannedResource {
     pub desc: ResourceDesc,
     /// The object that backs it; for a resource with a history buffer, the first of the two that swap.
     pub allocation: AllocationId,
-    /// The pass that writes it; `None` for the constant of a pass that is switched off.
-    pub producer: Option<PassId>,
+    /// The pass that writes it.
+    pub producer: PassId,
     /// The passes that read it in the same frame.
     pub readers: SmallVec<[PassId; 4]>,
     /// First and last position in the order at which it is alive.
     pub lifetime: (u32, u32),
     /// Set where it must outlive its last reader, and so shares no object: an output of the pipeline, a history buffer,
-    /// a constant, or a resource that passes read in frames in which its producer does not run.
+    /// or a resource that passes read in frames in which its producer does not run.
     pub persistent: bool,
-    /// Its history buffer, if a `Prev` link reads it.
+    /// Its history buffer, if a `prev` link reads it.
     pub history: Option<HistoryId>,
-    /// The value, for the constant of a pass that is switched off.
-    pub constant: Option<Clear>,
 }
 
 /// An object on the GPU, which holds one resource, or several whose lifetimes do not overlap.
@@ -196,8 +193,6 @@ pub struct History {
     pub copies: [AllocationId; 2],
     /// Set where the only reader is the pass that continues it: one object is enough.
     pub in_place: bool,
-    /// The content where there is no history.
-    pub init: Clear,
     /// The events that reset it.
     pub reset: Vec<crate::frame::ResetCause>,
     /// After how many frames in which nothing but history buffers changes the passes that follow from it stop, and the
@@ -235,12 +230,12 @@ pub enum Fate {
     Off {
         /// The expression of `when:`, with the values that decided it.
         why: String,
-        /// What takes its place: `Black`, or the input that is passed on.
+        /// What takes its place: an input that is passed on, or another pass.
         instead: String,
     },
 }
 
-/// What sharing saves, in bytes of transient resources (histories and constants apart).
+/// What sharing saves, in bytes of transient resources (histories apart).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Memory {
     /// Every resource in an object of its own.
@@ -251,7 +246,7 @@ pub struct Memory {
     pub bound: u64,
     /// Number of objects as planned.
     pub objects: u32,
-    /// History buffers, constants and other resources that cannot share objects.
+    /// History buffers and other resources that cannot share objects.
     pub persistent: u64,
 }
 
@@ -319,19 +314,17 @@ impl Plan {
         drawing::drawing(self)
     }
 
-    /// Returns the drawing of the plan as SVG, with boxes coloured by whether they run.
+    /// Returns the drawing of the plan as SVG, with boxes colored by whether they run.
     pub fn to_svg(&self) -> String {
         svg::svg(self)
     }
 
-    /// The links that are read by a pass: the producer (`None` for a constant), the port of the reader, what is
+    /// The links that are read by a pass: the producer, the port of the reader, what is
     /// read, and whether it is the past.
     fn links(&self, pass: &PlannedPass) -> Vec<DrawnLink> {
         let link = |input: &PlannedInput| {
-            let (_, first) = input.members.first()?;
-            Some(DrawnLink {
+            (!input.members.is_empty()).then(|| DrawnLink {
                 producer: input.producer,
-                constant: *first,
                 input: input.port.clone(),
                 port: input.producer_port.to_string(),
                 past: input.history.is_some(),
@@ -340,23 +333,15 @@ impl Plan {
         pass.inputs.iter().filter_map(link).collect()
     }
 
-    /// The pass whose port an output shows; `None` where a constant stands in its place.
+    /// The pass whose port an output shows.
     fn shown_by(&self, output: &PlannedOutput) -> Option<PassId> {
         self.pass(output.from.split('.').next().unwrap_or(""))
-    }
-
-    /// The constants that stand in place of passes that are off.
-    fn constants(&self) -> impl Iterator<Item = (ResourceId, &PlannedResource)> {
-        let resources = self.resources.iter().enumerate();
-        resources.filter(|(_, r)| r.producer.is_none()).map(|(i, r)| (ResourceId(i as u32), r))
     }
 }
 
 /// A link as drawn.
 struct DrawnLink {
-    producer: Option<PassId>,
-    /// The resource read, which stands for itself where it is a constant.
-    constant: ResourceId,
+    producer: PassId,
     input: Name,
     port: String,
     past: bool,

@@ -70,6 +70,8 @@ pub struct Module {
     pub path: String,
     /// Values of the options that the file declares.
     pub options: BTreeMap<String, Value>,
+    /// Facts that its functions alone read, from the uniform `<port>_facts`, beside those that the interface declares.
+    pub facts: BTreeMap<String, Value>,
     /// The scene bindings that its functions read. They are found by reflection of the file; a pass that reads the port
     /// then depends on them too.
     pub scene_bindings: SceneBindings,
@@ -84,6 +86,12 @@ impl Module {
     /// Returns the same module with the value of an option.
     pub fn option(mut self, name: impl Into<String>, value: Value) -> Module {
         self.options.insert(name.into(), value);
+        self
+    }
+
+    /// Returns the same module with the value of a fact that its functions read.
+    pub fn fact(mut self, name: impl Into<String>, value: impl Into<Value>) -> Module {
+        self.facts.insert(name.into(), value.into());
         self
     }
 }
@@ -248,7 +256,7 @@ pub enum Usage {
     /// It must be cleared before the pass runs.
     ClearFirst(Clear),
     /// It begins with the content of this member of an input, which must be of the same format and size: the pass
-    /// writes only what differs. Where the input is the `Prev` of the output itself and nothing else reads that history
+    /// writes only what differs. Where the input is the history buffer of the output itself and nothing else reads that history
     /// buffer, both are one object and nothing is copied; otherwise the content is copied before the pass runs. The
     /// version is new in both cases. The pass must not bind that member of the input: it finds its content in the
     /// output.
@@ -314,7 +322,7 @@ impl OutputDesc {
     /// Creates a port that hands on every member of an input that the interface of the port has: a reader of
     /// `port` reads the same resources as a reader of what is linked to `input`, with the facts of `port`. The
     /// pass writes nothing for it, and nothing is copied. Members may be added with [`OutputDesc::handed`] or
-    /// to [`OutputDesc::members`]. The input must not be a `Prev` link.
+    /// to [`OutputDesc::members`]. The input must not be a `prev` link.
     pub fn hand_on(port: &str, input: &str) -> OutputDesc {
         let all = HandedOn::All { input: input.to_owned() };
         OutputDesc { handed: vec![all], ..OutputDesc::of(port, Vec::new()) }
@@ -330,6 +338,11 @@ impl OutputDesc {
     /// Describes a scratch resource, which the pass needs only while it runs.
     pub fn scratch(name: &str, desc: ResourceDesc<Extent>) -> OutputDesc {
         OutputDesc { scratch: true, ..OutputDesc::one(name, desc) }
+    }
+
+    /// Describes a scratch buffer of this many `u32` or `f32`; at least one.
+    pub fn scratch_u32(name: &str, count: u32) -> OutputDesc {
+        OutputDesc::scratch(name, ResourceDesc::buffer(4 * u64::from(count.max(1))))
     }
 
     /// Makes every member begin with the content of the member of the same name of an input: see [`Usage::Continue`].

@@ -1,6 +1,5 @@
 //! From a description to a flat one: `extends`, patches, subgraphs and parameters.
 
-mod copies;
 mod diff;
 mod document;
 mod figures;
@@ -20,8 +19,8 @@ pub use variant::variant;
 use crate::codes;
 use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, parse_file};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span, nearest_of_few};
+use crate::port::PassTypes;
 use crate::value::{Setting, Value};
-pub(crate) use copies::told_once;
 pub use data_file::Files;
 use data_file::Name;
 use flatten::{Assignment, Resolver};
@@ -36,8 +35,6 @@ use std::sync::Arc;
 pub struct Overrides(pub Vec<(String, Value)>);
 
 /// A flattened description, each value with its origin.
-///
-/// Two are equal if their pipelines are, wherever their values came from.
 #[derive(Clone, Debug)]
 pub struct Resolved {
     pub(crate) sources: Sources,
@@ -150,7 +147,7 @@ impl Resolved {
     pub fn passes(&self) -> impl Iterator<Item = (&Name, &Name)> {
         self.nodes.iter().filter_map(|node| match &node.decl.body {
             Body::Pass { kind, .. } => Some((&node.name, &kind.value)),
-            Body::Sub { .. } | Body::Group(_) | Body::Removed => None,
+            Body::Sub(_) | Body::Group(_) | Body::Removed => None,
         })
     }
 
@@ -188,15 +185,10 @@ impl Resolved {
         files(self).eq(files(other))
     }
 
-    /// Returns the flattened file. Behind each value that was inherited, patched or given from outside stands a comment
-    /// with its origin. Read again, it gives an equal [`Resolved`].
-    pub fn to_ron(&self) -> String {
-        print::print(self, true)
-    }
-}
-
-impl PartialEq for Resolved {
-    fn eq(&self, other: &Resolved) -> bool {
-        print::print(self, false) == print::print(other, false)
+    /// Returns the pipeline as one file, without `extends`, `patch` and parameters of sub-graphs. With `origins`, a
+    /// comment with its origin stands behind each value that was inherited, patched or given from outside. Read again,
+    /// the file gives the same pipeline.
+    pub fn to_ron(&self, kinds: &dyn PassTypes, origins: bool) -> String {
+        print::print(self, kinds, origins)
     }
 }

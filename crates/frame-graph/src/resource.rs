@@ -159,7 +159,7 @@ pub enum ResourceDesc<S = (u32, u32)> {
 pub enum Clear {
     /// Zero in every bit.
     Zero,
-    /// This colour in every texel; for textures of floats.
+    /// This color in every texel; for textures of floats.
     Color([f32; 4]),
 }
 

@@ -16,8 +16,8 @@ pub struct Succession {
 }
 
 impl Succession {
-    /// Compares a plan with the one that it replaces. History buffers continue where their names, descriptions and
-    /// initial values are the same, whatever else differs; their own `reset:` says what resets them.
+    /// Compares a plan with the one that it replaces. History buffers continue where their names and descriptions are
+    /// the same, whatever else differs; their own `reset:` says what resets them.
     pub fn between(old: &Plan, new: &Plan) -> Succession {
         let name =
             |plan: &'_ Plan, h: usize| plan.resources[plan.histories[h].resource.0 as usize].name.clone();
@@ -31,7 +31,7 @@ impl Succession {
                 let resized = old.frame != new.frame;
                 return Err(if resized { ResetCause::Resize } else { ResetCause::Reload });
             }
-            if a.init == b.init { Ok(HistoryId(before as u32)) } else { Err(ResetCause::Reload) }
+            Ok(HistoryId(before as u32))
         };
         let passes: FxHashMap<_, &PlannedPass> = old.passes.iter().map(|pass| (&pass.name, pass)).collect();
         let is_changed = |pass: &PlannedPass| {
@@ -56,12 +56,10 @@ fn same_pass(old: &Plan, a: &PlannedPass, new: &Plan, b: &PlannedPass) -> bool {
 
 /// Whether two inputs link to the same, by name.
 fn same_input(old: &Plan, a: &PlannedInput, new: &Plan, b: &PlannedInput) -> bool {
-    let producer = |plan: &'_ Plan, input: &PlannedInput| {
-        input.producer.map(|pass| plan.passes[pass.0 as usize].name.clone())
-    };
+    let producer = |plan: &'_ Plan, input: &PlannedInput| plan.passes[input.producer.0 as usize].name.clone();
     let member = |plan: &'_ Plan, (name, id): &(data_file::Name, crate::plan::ResourceId)| {
         let resource = &plan.resources[id.0 as usize];
-        (name.clone(), resource.name.clone(), resource.constant)
+        (name.clone(), resource.name.clone())
     };
     a.port == b.port
         && a.interface == b.interface

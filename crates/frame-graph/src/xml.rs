@@ -1,7 +1,7 @@
-//! Text of others inside XML, and pages.
+//! Foreign text inside XML.
 
-/// Escapes text for XML and HTML, outside of tags and in quoted attributes. Characters that XML 1.0 has no place for, not
-/// even as references, become U+FFFD; so do the control characters that it discourages.
+/// Escapes text for XML and HTML, outside of tags and in quoted attributes. Characters that XML 1.0 excludes, even as
+/// references, become U+FFFD; so do the control characters that it discourages.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -18,19 +18,6 @@ pub fn escape(text: &str) -> String {
         }
     }
     out
-}
-
-/// Returns a page of HTML that needs no other file, no script and no network; pictures are within it. `body` is HTML; the
-/// title is text.
-pub fn page(title: &str, style: &str, body: &str) -> String {
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" \
-         content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">\n\
-         <title>{}</title>\n<style>\n{style}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
-        escape(title)
-    )
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //! | the element of a rank | `algorithms/select.wgsl` | [`select::scratch`] | [`select::steps`] |
 //! | sort keys and values | (none) | [`RadixSort::scratch`] | [`RadixSort::steps`] |
 //! | sort elements into cells | `algorithms/grid.wgsl` | [`Grid::scratch`] | [`Grid::steps`] |
-//! | split a dispatch that would take too long | | | [`parts`] |
+//! | split a dispatch that would take too long | | | [`split`] |
 //!
 //! All of them compute the same bits in every run: sums of floating-point numbers have one order, and atomic operations
 //! are on integers alone. No workgroup waits for another. Lengths are upper bounds: a shader may read the true one from
@@ -38,7 +38,7 @@ pub mod scan;
 pub mod select;
 
 pub use grid::Grid;
-pub use parts::{LOOP_ITERATIONS, Part, parts};
+pub use parts::{LOOP_ITERATIONS, Part, parts, split, split_count};
 pub use radix_sort::RadixSort;
 
 use pass::{Compute, PassTypeError, Request, Threads, UseContext};

@@ -1,4 +1,4 @@
-//! Decoding of pictures that others made: bounded in size before memory is taken, and without panics.
+//! Decoding of foreign pictures: bounded in size before memory is allocated, and without panics.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read};
@@ -19,17 +19,17 @@ const MAX_PIXELS: u64 = 1 << 28;
 /// Pixels that a file of any size may hold: 8192 × 4096, 0.5 GiB once they are `f32`.
 const FREE_PIXELS: u64 = 1 << 25;
 
-/// What a PNG file begins with.
+/// The first bytes of a PNG file.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Pixels that each byte of a file may hold beyond that: deflate, the best of what the formats use, packs 258 bytes into
-/// two bits, so that a picture of a single colour stays below it, and a header that states any size does not.
+/// two bits, so that a picture of a single color stays below it, and a header that states any size does not.
 const PIXELS_PER_BYTE: u64 = 1024;
 
 /// Checks that a picture is not larger than its file can hold.
 ///
 /// # Errors
-/// What the file asks for, and the bound, in words that follow "but ".
+/// The requested size and the bound, in words that follow "but ".
 pub fn check_size(width: u64, height: u64, file_bytes: u64) -> Result<(), String> {
     let most = FREE_PIXELS.saturating_add(file_bytes.saturating_mul(PIXELS_PER_BYTE)).min(MAX_PIXELS);
     if width.saturating_mul(height) <= most {
@@ -42,7 +42,7 @@ pub fn check_size(width: u64, height: u64, file_bytes: u64) -> Result<(), String
 /// whether it is PNG or JPEG.
 ///
 /// # Errors
-/// What is wrong with the file, in words that follow "but ".
+/// The error of the file, in words that follow "but ".
 pub fn size(bytes: &[u8], format: Option<ImageFormat>) -> Result<(u32, u32), String> {
     match bytes.strip_prefix(PNG) {
         Some(chunks) => png_size(chunks),
@@ -54,7 +54,7 @@ pub fn size(bytes: &[u8], format: Option<ImageFormat>) -> Result<(u32, u32), Str
 /// whether it is PNG or JPEG.
 ///
 /// # Errors
-/// What is wrong with the file, in words that follow "but ".
+/// The error of the file, in words that follow "but ".
 pub fn picture(bytes: &[u8], format: Option<ImageFormat>) -> Result<DynamicImage, String> {
     let (width, height) = size(bytes, format)?;
     check_size(width.into(), height.into(), bytes.len() as u64)?;
@@ -97,7 +97,7 @@ pub(crate) fn guarded<T>(decoder: impl FnOnce() -> Result<T, String>) -> Result<
 }
 
 /// Returns the size that the chunks of a PNG file state. The decoder of `image` gives it only within a limit on memory,
-/// which has to follow from it. Also checks the palette, for which png 0.18 panics: it must have whole colours.
+/// which has to follow from it. Also checks the palette, for which png 0.18 panics: it must have whole colors.
 fn png_size(mut chunks: &[u8]) -> Result<(u32, u32), String> {
     let number = |bytes: &[u8]| u32::from_be_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
     let mut size = None;
@@ -108,7 +108,7 @@ fn png_size(mut chunks: &[u8]) -> Result<(u32, u32), String> {
             (b"IHDR", Some((sides, _))) => size = size.or(Some((number(sides), number(&sides[4..])))),
             (b"PLTE", _) if length == 0 || !length.is_multiple_of(3) || length > 3 * 256 => {
                 return Err(format!(
-                    "its palette has {length} bytes; expected 3 for each of 1 to 256 colours"
+                    "its palette has {length} bytes; expected 3 for each of 1 to 256 colors"
                 ));
             }
             (b"IDAT", _) => break,

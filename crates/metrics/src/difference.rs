@@ -17,7 +17,7 @@ impl Pair<'_> {
         self.pixelwise(|i, r| std::array::from_fn(|c| (i[c] - r[c]).abs() * gain))
     }
 
-    /// Returns the luminance of I − R, times `gain`, as colour: blue where the image is too dark (−1), white
+    /// Returns the luminance of I − R, times `gain`, as color: blue where the image is too dark (−1), white
     /// where it agrees (0), red where it is too bright (+1). The values are linear display light, to be
     /// written with [`Display::AS_IS`](crate::Display::AS_IS); NaN and infinite pixels stay NaN.
     pub fn signed_difference(&self, gain: f32) -> Image {
@@ -42,7 +42,7 @@ impl Pair<'_> {
     }
 }
 
-/// Maps values 0..=1 to the magma colour map (Smith and van der Walt 2015).
+/// Maps values 0..=1 to the magma color map (Smith and van der Walt 2015).
 pub(crate) fn magma(width: usize, height: usize, values: &[f32]) -> Image {
     Image::from_fn(width, height, |x, y| {
         let [r, g, b] = linear(MAGMA, values[y * width + x]);
@@ -51,7 +51,7 @@ pub(crate) fn magma(width: usize, height: usize, values: &[f32]) -> Image {
     .expect("the values are those of an image")
 }
 
-/// Returns the colour at `t`, clamped to 0..=1, as linear light.
+/// Returns the color at `t`, clamped to 0..=1, as linear light.
 fn linear(gradient: colorous::Gradient, t: f32) -> [f32; 3] {
     let colorous::Color { r, g, b } = gradient.eval_continuous(f64::from(t.clamp(0.0, 1.0)));
     [r, g, b].map(|channel| linear_from_srgb(f32::from(channel) / 255.0))

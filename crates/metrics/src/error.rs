@@ -4,7 +4,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
     /// The ending of the file name is not that of a format that this crate can read or write.
-    #[error("{}: cannot tell how to {verb} this; expected a name that ends in {expected}", path.display())]
+    #[error("{}: cannot {verb} this format; expected a name that ends in {expected}", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -18,7 +18,7 @@ pub enum ImageError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What was being done.
+        /// The action that failed.
         action: &'static str,
         /// The system's reason.
         source: std::io::Error,
@@ -36,9 +36,9 @@ pub enum ImageError {
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What the reader looked for.
+        /// The expected content.
         expected: &'static str,
-        /// What it found.
+        /// The content that was found.
         found: String,
     },
     /// The pixels could not be encoded.
@@ -61,17 +61,6 @@ pub enum ImageError {
         /// The length that was given.
         found: usize,
     },
-    /// Two images of different sizes cannot be compared.
-    #[error(
-        "the sizes differ: the image is {}x{}, the reference {}x{}; render both at one size",
-        image.0, image.1, reference.0, reference.1
-    )]
-    SizeMismatch {
-        /// Width and height of the image in pixels.
-        image: (usize, usize),
-        /// Width and height of the reference in pixels.
-        reference: (usize, usize),
-    },
     /// Images that belong together have different sizes.
     #[error(
         "the sizes differ: {what} is {}x{}, {other} {}x{}; all need one size",
@@ -90,11 +79,11 @@ pub enum ImageError {
     /// A measure over several images was given fewer than it needs.
     #[error("this takes at least {expected} {what}, got {found}")]
     TooFew {
-        /// What there are too few of, in the plural.
+        /// The missing items, in the plural.
         what: &'static str,
         /// The least number.
         expected: usize,
-        /// How many were given.
+        /// The number that was given.
         found: usize,
     },
     /// Every pixel is NaN or infinite in at least one of the images.

@@ -99,7 +99,10 @@ impl Image {
         let path = path.as_ref();
         match FileFormat::of(path) {
             Some(FileFormat::Exr) => replace(path, |out| write_exr(self, out, path, provenance)),
-            Some(FileFormat::Png) => replace(path, |out| write_png(self, out, path, display, provenance)),
+            Some(FileFormat::Png) => replace(path, |out| {
+                write_png(self, out, display, provenance)
+                    .map_err(|error| ImageError::Encode { path: path.into(), reason: error.to_string() })
+            }),
             Some(FileFormat::Pfm) => {
                 replace(path, |out| pfm::write(self, out).map_err(io(path, "cannot write the picture")))
             }
@@ -109,6 +112,29 @@ impl Image {
                 expected: ".exr, .png or .pfm",
             }),
         }
+    }
+
+    /// Returns the bytes of a PNG file, as [`Image::write`] writes it.
+    ///
+    /// # Errors
+    /// [`ImageError::Encode`] if the picture is too large for the format.
+    pub fn png(&self, display: Display) -> Result<Vec<u8>, ImageError> {
+        let mut file = Vec::new();
+        write_png(self, &mut file, display, None)
+            .map_err(|error| ImageError::Encode { path: "PNG".into(), reason: error.to_string() })?;
+        Ok(file)
+    }
+
+    /// Returns the pixels as 8-bit sRGB after applying `display`; NaN and infinite pixels are pure magenta.
+    pub fn srgb8(&self, display: Display) -> impl Iterator<Item = [u8; 3]> {
+        self.pixels().iter().map(move |&rgba| {
+            let [r, g, b, _] = rgba;
+            if is_finite(rgba) {
+                display.map([r, g, b]).map(|channel| byte(srgb_from_linear(channel)))
+            } else {
+                [255, 0, 255]
+            }
+        })
     }
 }
 
@@ -188,38 +214,30 @@ fn write_exr(
 
 fn write_png(
     image: &Image,
-    out: &mut BufWriter<&File>,
-    path: &Path,
+    out: impl Write,
     display: Display,
     provenance: Option<&str>,
-) -> Result<(), ImageError> {
+) -> Result<(), png::EncodingError> {
     let has_alpha = has_alpha(image);
-    let byte = |value: f32| (value * 255.0).round() as u8;
     let mut bytes = Vec::with_capacity(image.pixels().len() * 4);
-    for &rgba in image.pixels() {
-        let [r, g, b, a] = rgba;
-        if is_finite(rgba) {
-            bytes.extend(display.map([r, g, b]).map(|channel| byte(srgb_from_linear(channel))));
-        } else {
-            bytes.extend([255, 0, 255]);
-        }
-        bytes.extend(has_alpha.then(|| byte(a)));
+    for (rgb, [.., alpha]) in image.srgb8(display).zip(image.pixels()) {
+        bytes.extend(rgb);
+        bytes.extend(has_alpha.then(|| byte(*alpha)));
     }
-    let wrong = |e: png::EncodingError| ImageError::Encode { path: path.into(), reason: e.to_string() };
-    let side = |pixels: usize| {
-        u32::try_from(pixels)
-            .map_err(|e| ImageError::Encode { path: path.into(), reason: format!("{pixels} pixels: {e}") })
-    };
-    let mut encoder = png::Encoder::new(out, side(image.width())?, side(image.height())?);
+    let mut encoder = png::Encoder::new(out, image.width() as u32, image.height() as u32);
     encoder.set_color(if has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     if let Some(provenance) = provenance {
-        encoder.add_itxt_chunk(PROVENANCE_KEY.into(), provenance.into()).map_err(wrong)?;
+        encoder.add_itxt_chunk(PROVENANCE_KEY.into(), provenance.into())?;
     }
-    let mut writer = encoder.write_header().map_err(wrong)?;
-    writer.write_image_data(&bytes).map_err(wrong)?;
-    writer.finish().map_err(wrong)
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&bytes)?;
+    writer.finish()
+}
+
+fn byte(value: f32) -> u8 {
+    (value * 255.0).round() as u8
 }
 
 /// Calls `write` with a temporary file in the folder of `path`, then renames that to `path`.

@@ -13,9 +13,9 @@ use crate::{Display, Image, Pair};
 /// wide, seen from 0.7 m, which is 3840·π/180.
 pub const PIXELS_PER_DEGREE: f32 = 67.020_645;
 
-/// Exponent q_c of the colour difference (§4.1.3).
-const COLOUR_EXPONENT: f32 = 0.7;
-/// p_c and p_t (§4.1.3): the share p_c of the greatest possible colour difference is mapped to the error p_t.
+/// Exponent q_c of the color difference (§4.1.3).
+const COLOR_EXPONENT: f32 = 0.7;
+/// p_c and p_t (§4.1.3): the share p_c of the greatest possible color difference is mapped to the error p_t.
 const KNEE: f32 = 0.4;
 const KNEE_ERROR: f32 = 0.95;
 /// Peak-to-trough width w of the feature detectors (degrees) (§4.2.1).
@@ -53,7 +53,7 @@ impl FlipMap {
         *sorted.select_nth_unstable_by(rank.saturating_sub(1), f32::total_cmp).1
     }
 
-    /// Returns the error in the magma colour map, as the original tool shows it: linear display light, to be
+    /// Returns the error in the magma color map, as the original tool shows it: linear display light, to be
     /// written with [`Display::AS_IS`].
     pub fn to_image(&self) -> Image {
         crate::difference::magma(self.width, self.height, &self.errors)
@@ -75,7 +75,6 @@ pub fn flip(pair: &Pair<'_>, display: Display, pixels_per_degree: f32) -> FlipMa
 /// The exposures range, in steps of at most 1 EV, from the one that maps the reference's maximum luminance to
 /// 0.85 to the one that maps its median luminance to 0.85; a median of 0 counts as `f32::EPSILON`. Pixels
 /// that are NaN or infinite are treated as in [`flip`].
-/// luminance, maps to 0.85; a median of 0 counts as `f32::EPSILON`. Broken pixels as in [`flip`].
 pub fn hdr_flip(pair: &Pair<'_>, pixels_per_degree: f32) -> FlipMap {
     let filters = Filters::new(pixels_per_degree);
     let [start, stop] = exposure_range(pair.reference());
@@ -147,28 +146,28 @@ fn map(pair: &Pair<'_>, tone_map: impl Fn([f32; 3]) -> [f32; 3] + Sync, filters:
             .collect();
         filters.see(&opponent, width, height)
     });
-    let greatest = greatest_colour_difference();
+    let greatest = greatest_color_difference();
     let errors = (0..width * height)
         .into_par_iter()
         .map(|pixel| {
             if broken[pixel] {
                 return 1.0;
             }
-            let difference = hyab(seen.colour[pixel], expected.colour[pixel]).powf(COLOUR_EXPONENT);
-            let colour = remap(difference, greatest);
+            let difference = hyab(seen.color[pixel], expected.color[pixel]).powf(COLOR_EXPONENT);
+            let color = remap(difference, greatest);
             let [edge, point] = [0, 1].map(|k| (seen.features[pixel][k] - expected.features[pixel][k]).abs());
             let feature = (edge.max(point) * std::f32::consts::FRAC_1_SQRT_2).powf(FEATURE_EXPONENT);
-            // §4.3. 0^0 is 1 in powf; equal colours with unequal features still differ, as in the original.
-            colour.powf(1.0 - feature).clamp(0.0, 1.0)
+            // §4.3. 0^0 is 1 in powf; equal colors with unequal features still differ, as in the original.
+            color.powf(1.0 - feature).clamp(0.0, 1.0)
         })
         .collect();
     FlipMap { width, height, errors }
 }
 
-/// The features of a picture that the eye perceives: for each pixel the filtered colour (Hunt-adjusted
+/// The features of a picture that the eye perceives: for each pixel the filtered color (Hunt-adjusted
 /// L*a*b*) and the strengths of the edge and of the point there.
 struct Seen {
-    colour: Vec<[f32; 3]>,
+    color: Vec<[f32; 3]>,
     features: Vec<[f32; 2]>,
 }
 
@@ -224,7 +223,7 @@ impl Filters {
         let cz = plane(2);
         let [wide, narrow] = self.blue_yellow.each_ref().map(|(kernel, _)| blur(&cz, kernel));
         let [share_wide, share_narrow] = self.blue_yellow.each_ref().map(|&(_, share)| share);
-        let colour = (0..y.len())
+        let color = (0..y.len())
             .into_par_iter()
             .map(|p| {
                 let cz = share_wide * wide[p] + share_narrow * narrow[p];
@@ -241,7 +240,7 @@ impl Filters {
         };
         let (edge, point) = (strength(&self.edge), strength(&self.point));
         let features = edge.into_iter().zip(point).map(|(edge, point)| [edge, point]).collect();
-        Seen { colour, features }
+        Seen { color, features }
     }
 }
 
@@ -342,12 +341,12 @@ fn hyab(p: [f32; 3], q: [f32; 3]) -> f32 {
     (p[0] - q[0]).abs() + (p[1] - q[1]).hypot(p[2] - q[2])
 }
 
-/// Returns the colour difference between the green and the blue primary (§4.1.3).
-fn greatest_colour_difference() -> f32 {
-    hyab(hunt_lab([0.0, 1.0, 0.0]), hunt_lab([0.0, 0.0, 1.0])).powf(COLOUR_EXPONENT)
+/// Returns the color difference between the green and the blue primary (§4.1.3).
+fn greatest_color_difference() -> f32 {
+    hyab(hunt_lab([0.0, 1.0, 0.0]), hunt_lab([0.0, 0.0, 1.0])).powf(COLOR_EXPONENT)
 }
 
-/// Maps a colour difference to an error 0..=1, by two linear segments (§4.1.3).
+/// Maps a color difference to an error 0..=1, by two linear segments (§4.1.3).
 fn remap(difference: f32, greatest: f32) -> f32 {
     let knee = KNEE * greatest;
     if difference < knee {

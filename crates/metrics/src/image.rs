@@ -1,6 +1,6 @@
 use crate::ImageError;
 
-/// Linear Rec. 709 colour with alpha, row by row from the top left.
+/// Linear Rec. 709 color with alpha, row by row from the top left.
 ///
 /// RGB is radiance [W/(m² sr)] for a rendered picture, or display light in 0..=1 for one that was
 /// read from an 8-bit file. Values may be NaN or infinite; the measures count such pixels.
@@ -11,19 +11,19 @@ pub struct Image {
     pixels: Vec<[f32; 4]>,
 }
 
-/// What a picture comes to at a glance.
+/// Mean and counts of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Glance {
-    /// Mean luminance over the pixels whose colour is finite; 0 where there is none.
+    /// Mean luminance over the pixels whose color is finite; 0 where there is none.
     pub mean: f64,
-    /// Number of pixels whose colour is not finite.
+    /// Number of pixels whose color is not finite.
     pub not_finite: usize,
-    /// Number of pixels whose colour is finite and has a negative channel.
+    /// Number of pixels whose color is finite and has a negative channel.
     pub negative: usize,
 }
 
 impl Image {
-    /// Looks at the colours of all pixels.
+    /// Computes mean and counts over all pixels.
     pub fn glance(&self) -> Glance {
         let (mut sum, mut finite, mut negative) = (0.0, 0, 0);
         for &[r, g, b, _] in self.pixels() {
@@ -111,7 +111,7 @@ impl Image {
     }
 }
 
-/// Returns the relative luminance Y of a linear Rec. 709 colour (ITU-R BT.709: 0.2126, 0.7152, 0.0722).
+/// Returns the relative luminance Y of a linear Rec. 709 color (ITU-R BT.709: 0.2126, 0.7152, 0.0722).
 pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }

@@ -8,7 +8,7 @@
 //! * [`Comparison`]: all of these at once, as a table or as JSON.
 //! * [`temporal`]: flicker, error over time, and lag of a sequence of frames.
 //! * [`virtual_lights`]: how many lights reach the image, how many move, and how much energy a clamp removes.
-//! * [`decode`]: decodes pictures that others made, within bounds; scenes use it for their textures.
+//! * [`decode`]: decodes foreign pictures, within bounds; scenes use it for their textures.
 //! * [`tev`]: sends pictures to a running tev.
 //! * [`seeds`] and [`statistics`]: separate estimates of bias and variance, and intervals over several runs.
 //!

@@ -54,12 +54,9 @@ impl<'a> Pair<'a> {
     /// Pairs an image with its reference. O(pixels).
     ///
     /// # Errors
-    /// [`ImageError::SizeMismatch`]; [`ImageError::NoFinitePixels`] if no pixel is finite in both.
+    /// [`ImageError::SizesDiffer`]; [`ImageError::NoFinitePixels`] if no pixel is finite in both.
     pub fn new(image: &'a Image, reference: &'a Image) -> Result<Self, ImageError> {
-        let sizes = [image, reference].map(|i| (i.width(), i.height()));
-        if sizes[0] != sizes[1] {
-            return Err(ImageError::SizeMismatch { image: sizes[0], reference: sizes[1] });
-        }
+        image.expect_size_of(reference, "the image", "the reference")?;
         let mut non_finite = NonFinite { image: 0, reference: 0, excluded: 0 };
         for (&i, &r) in image.pixels().iter().zip(reference.pixels()) {
             let broken = [!is_finite(i), !is_finite(r)];

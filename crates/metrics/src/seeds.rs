@@ -46,8 +46,7 @@ pub struct Decomposition {
     pub non_finite: usize,
 }
 
-/// What one picture adds to the estimates over all (squared radiance). The means over the pictures are the
-/// estimates.
+/// The contribution of one picture to the estimates (squared radiance). Their means are the estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PseudoValues {
     /// The pseudo-value of bias².

@@ -125,7 +125,7 @@ impl Tev {
     /// Shows a picture under a name, in place of one with the same name.
     ///
     /// `values: [height, width, channel]`, row by row from the top left. tev shows channels called R, G, B and A as a
-    /// colour; others, such as `depth.Z`, in groups by what is before the dot.
+    /// color; others, such as `depth.Z`, in groups by what is before the dot.
     ///
     /// # Errors
     /// [`TevError::ValueCount`], [`TevError::TooLarge`] and [`TevError::ZeroInName`], before anything is sent;

@@ -41,7 +41,7 @@ const NUMBERS: &[&str] = &[
     "0x7fffffff",
 ];
 
-/// What opens, and what closes it.
+/// An opening bracket and its closing one.
 const BRACKETS: &[(u8, u8)] = &[(b'(', b')'), (b'[', b']'), (b'{', b'}'), (b'<', b'>')];
 
 /// Pieces that mean something to some parser.
@@ -94,15 +94,15 @@ pub(crate) enum Edit {
     Cut(Index, usize),
     /// Leaves the end out.
     End(Index),
-    /// Says a part again, so many times.
+    /// Repeats a part `n` times.
     Repeat(Index, usize, usize),
     /// Puts a part of another file, or of this one, over one.
     Splice(Index, usize, Index, Index, usize),
     /// Puts an odd number in the place of a number.
     Number(Index, Index),
-    /// Puts so many pieces in.
+    /// Inserts `n` pieces.
     Insert(Index, Index, usize),
-    /// Puts a bracket with all that it holds into itself, so many times.
+    /// Nests a bracket with its content in itself, `n` times.
     Nest(Index, usize),
     /// Changes a bit.
     Flip(Index, u8),

@@ -10,6 +10,7 @@ mod edit;
 use edit::{Edit, Seeds};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread::Builder;
@@ -18,17 +19,20 @@ use std::time::Duration;
 /// The stack of the thread that runs a case: that of any thread which Rust starts.
 const STACK: usize = 2 << 20;
 
+/// The number of limits that pass at most where a case waits and does not run.
+const MOST_LIMITS: u32 = 30;
+
 /// Returns a configuration of so many cases, the same in every run; of as many as `PROPTEST_CASES` says, and others in each run,
 /// where that is set.
 pub fn config(cases: u32) -> Config {
-    let told = std::env::var_os("PROPTEST_CASES").is_some();
-    let config = if told { Config::default() } else { Config::with_cases(cases) };
+    let given = std::env::var_os("PROPTEST_CASES").is_some();
+    let config = if given { Config::default() } else { Config::with_cases(cases) };
     Config {
         failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
         // A case that takes its whole time would be shrunk for hours.
         max_shrink_iters: 200,
-        // What a test run says of a change must not be chance.
-        rng_seed: if told { config.rng_seed } else { RngSeed::Fixed(0) },
+        // The verdict on a change must not depend on chance.
+        rng_seed: if given { config.rng_seed } else { RngSeed::Fixed(0) },
         ..config
     }
 }
@@ -72,15 +76,28 @@ fn edited(good: impl IntoIterator<Item = Vec<u8>>) -> impl Strategy<Value = Vec<
 /// Runs a case on a thread of its own, of the stack that threads have, and returns what it returns.
 ///
 /// # Panics
-/// If the case panics, or takes longer than `limit`.
+/// If the case panics, or takes longer than `limit`: on Linux of the time that its thread runs, so that other programs do
+/// not count, elsewhere of any time.
 pub fn within<T: Send + 'static>(limit: Duration, case: impl FnOnce() -> T + Send + 'static) -> T {
     let (sender, receiver) = channel();
+    let (starting, started) = channel();
     let case = move || {
-        // A receiver that has stopped waiting has told why.
+        // Neither receiver waits any longer where sending fails.
+        let _ = starting.send(std::fs::read_link("/proc/thread-self"));
         let _ = sender.send(case());
     };
     let thread = Builder::new().name("case".into()).stack_size(STACK).spawn(case).expect("a thread");
-    match receiver.recv_timeout(limit) {
+    let statistics = started.recv().ok().and_then(Result::ok);
+    let statistics = statistics.map(|thread| Path::new("/proc").join(thread).join("schedstat"));
+    let is_over = || statistics.as_deref().and_then(ran).is_none_or(|ran| ran >= limit);
+    let mut result = receiver.recv_timeout(limit);
+    for _ in 0..MOST_LIMITS {
+        if result.is_ok() || is_over() {
+            break;
+        }
+        result = receiver.recv_timeout(limit);
+    }
+    match result {
         Ok(result) => result,
         Err(RecvTimeoutError::Timeout) => panic!("it takes longer than {limit:?}"),
         Err(RecvTimeoutError::Disconnected) => match thread.join() {
@@ -88,6 +105,12 @@ pub fn within<T: Send + 'static>(limit: Duration, case: impl FnOnce() -> T + Sen
             Ok(()) => unreachable!("a thread that ends without a panic has sent its result"),
         },
     }
+}
+
+/// Returns how long a thread has run, by the file that Linux keeps of it.
+fn ran(statistics: &Path) -> Option<Duration> {
+    let text = std::fs::read_to_string(statistics).ok()?;
+    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
 }
 
 /// Returns texts that are large and simple: rows of one character, brackets, one long line, each of about `len` bytes.

@@ -51,7 +51,7 @@ impl Harness<'_> {
         self.input("clusters", "Clusters", &[("count", clusters.len() as u32)], members)
     }
 
-    /// Gives the input port `map`: the cluster of each texel, of so many clusters.
+    /// Gives the input port `map`: the cluster of each texel, of `count` clusters.
     pub fn cluster_map(self, size: (u32, u32), map: &[u32], count: u32) -> Self {
         let texture = array(Format::R32Uint, size, map.len());
         let members = vec![("", texture, bytemuck::cast_slice(map).to_vec())];

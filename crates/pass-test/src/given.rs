@@ -1,13 +1,9 @@
-//! The pipeline around the pass under test: a pass type for each input that a test gives, and the pass type under test.
+//! The inputs that a test gives to the pass under test: a pass type for each.
 
-use frame_graph::port::{OutputContext, PassTypes};
-use frame_graph::{
-    Extent, Facts, Interface, OutputDesc, OutputPort, PassTypeError, Ports, ResourceDesc, Setting, Settings,
-    TextureDesc, Usage, Use,
-};
+use crate::TestPass;
+use frame_graph::{Extent, Facts, OutputDesc, ResourceDesc, TextureDesc, Usage};
 use interfaces::INTERFACES;
-use pass::{Content, Library, Pass, UseContext};
-use std::sync::Arc;
+use pass::Content;
 
 /// An input that a test gives: a pass of one output port, of the input's name, whose resources hold given bytes.
 pub(crate) struct Given {
@@ -60,15 +56,34 @@ impl Given {
         }
     }
 
-    fn describe(&self) -> OutputDesc {
+    /// The facts: those that the interface does not declare are read by the module alone.
+    fn facts_of_port(&self) -> Facts {
+        let Some(mut module) = self.facts.module().cloned() else { return self.facts.clone() };
+        let interface = INTERFACES.iter().find(|interface| interface.name == self.interface);
+        let mut facts = Facts::default();
+        for (name, value) in self.facts.iter() {
+            if interface.is_some_and(|interface| interface.fact(name).is_some()) {
+                facts.insert(name, value.clone());
+            } else {
+                module = module.fact(name, value.clone());
+            }
+        }
+        facts.set_module(module);
+        facts
+    }
+
+    /// Returns the pass type.
+    pub(crate) fn pass_type(&self) -> TestPass {
         let members = self.members.iter();
-        OutputDesc {
+        let output = OutputDesc {
             members: members
                 .map(|member| (member.name.clone(), of_fixed_size(&member.desc), Usage::Overwrites))
                 .collect(),
-            facts: self.facts.clone(),
+            facts: self.facts_of_port(),
             ..OutputDesc::one(&self.port, ResourceDesc::buffer(16))
-        }
+        };
+        // Names of pass types are static; a process of tests has few of them.
+        TestPass::new(self.pass().leak()).output_of(&self.interface, output)
     }
 }
 
@@ -81,75 +96,5 @@ fn of_fixed_size(desc: &ResourceDesc) -> ResourceDesc<Extent> {
             layers: texture.layers,
             array: texture.array,
         }),
-    }
-}
-
-/// The pass types of a test.
-pub(crate) struct TestPassTypes<'a> {
-    pub(crate) pass: &'a dyn Pass,
-    pub(crate) given: &'a [Given],
-    pub(crate) shaders: &'a Library,
-}
-
-impl TestPassTypes<'_> {
-    fn is_tested(&self, kind: &str) -> bool {
-        self.pass.info().kind == kind
-    }
-
-    fn given(&self, kind: &str) -> Result<&Given, PassTypeError> {
-        let found = self.given.iter().find(|given| given.pass() == kind);
-        found.ok_or_else(|| PassTypeError::new(format!("there is no pass type `{kind}`")))
-    }
-}
-
-impl PassTypes for TestPassTypes<'_> {
-    fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = self.given.iter().map(Given::pass).collect();
-        names.push(self.pass.info().kind.to_owned());
-        names.sort();
-        names
-    }
-
-    fn interfaces(&self) -> &[Interface] {
-        INTERFACES
-    }
-
-    fn takes_shader(&self, kind: &str) -> Option<bool> {
-        if self.is_tested(kind) {
-            Some(self.pass.takes_shader())
-        } else {
-            self.given(kind).ok().map(|_| false)
-        }
-    }
-
-    fn settings(&self, use_: Use<'_>) -> Result<Arc<[Setting]>, PassTypeError> {
-        if !self.is_tested(use_.kind) {
-            return Ok(Arc::new([]));
-        }
-        Ok(self.pass.settings(&UseContext { use_, shaders: self.shaders, interfaces: INTERFACES })?.into())
-    }
-
-    fn ports(&self, use_: Use<'_>, settings: &Settings) -> Result<Arc<Ports>, PassTypeError> {
-        if self.is_tested(use_.kind) {
-            return self
-                .pass
-                .ports(&UseContext { use_, shaders: self.shaders, interfaces: INTERFACES }, settings)
-                .map(Arc::new);
-        }
-        let given = self.given(use_.kind)?;
-        let output =
-            OutputPort { name: given.port.clone(), interface: given.interface.clone(), doc: String::new() };
-        Ok(Arc::new(Ports { outputs: vec![output], ..Ports::default() }))
-    }
-
-    fn outputs(&self, context: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let use_ = context.use_;
-        let mut outputs = if self.is_tested(use_.kind) {
-            self.pass.outputs(&UseContext { use_, shaders: self.shaders, interfaces: INTERFACES }, context)?
-        } else {
-            vec![self.given(use_.kind)?.describe()]
-        };
-        pass::scene_bindings::find_of_modules(&mut outputs, self.shaders);
-        Ok(outputs)
     }
 }

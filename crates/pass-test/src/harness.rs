@@ -1,20 +1,21 @@
 //! A test of one pass: its inputs, its pipeline, and its frames.
 
-use crate::given::{Given, GivenMember, TestPassTypes};
-use crate::{Outputs, buffer, gpu, library, scene};
+use crate::given::{Given, GivenMember};
+use crate::{Outputs, TestPass, TestPassTypes, buffer, gpu, library, scene};
 use executor::{Executor, ExecutorError, FrameOptions, Gpu};
 use frame_graph::plan::{PassId, Plan};
 use frame_graph::port::{OutputOverride, PassTypes};
-use frame_graph::resolve::{Files, Overrides};
+use frame_graph::resolve::Overrides;
 use frame_graph::{
     Change, CompileOptions, Diagnostics, Facts, LinkContext, Module, ResetCause, ResourceDesc, Settings,
-    Source, Traits, Use, Value,
+    Traits, Use, Value,
 };
 use interfaces::INTERFACES;
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Library, LinkedSteps, Pass, Step};
 use scene::{Camera, Scene};
 use scene_upload::{Frame, SceneView};
+use shader_library::MemoryFiles;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
@@ -302,7 +303,7 @@ impl<'a> Harness<'a> {
             view.update(&mut executor, scene, &pose, self.size, info, &mut change)?;
             executor.frame(&change, FrameOptions { poison: true, ..FrameOptions::default() })?;
         }
-        Ok(Outputs { executor, plan, pass: self.pass.info().kind, dispatches })
+        Ok(Outputs { executor, plan, pass: self.pass.kind(), dispatches })
     }
 
     fn write_given(&self, executor: &Executor, plan: &Plan) {
@@ -320,18 +321,21 @@ impl<'a> Harness<'a> {
         traits: Traits,
         library: &Library,
     ) -> Result<(Arc<Plan>, Vec<LinkedSteps>), Diagnostics> {
-        let kind = self.pass.info().kind;
-        let kinds = TestPassTypes { pass: self.pass, given: &self.given, shaders: library };
-        let pipeline = Pipeline(self.pipeline(&self.output_ports(&kinds)));
+        let kind = self.pass.kind();
+        let given: Vec<TestPass> = self.given.iter().map(Given::pass_type).collect();
+        let passes = given.iter().map(|given| given as &dyn Pass).chain([self.pass]).collect();
+        let kinds = TestPassTypes { passes, shaders: library, interfaces: INTERFACES };
+        let pipeline = self.pipeline(&self.output_ports(&kinds));
+        let pipelines = MemoryFiles::new([("test.ron", pipeline.as_str())]);
         let set = self.set.iter().map(|(name, value)| (format!("{kind}.{name}"), value.clone()));
-        let resolved = frame_graph::resolve("test.ron", &pipeline, &Overrides(set.collect()))?;
+        let resolved = frame_graph::resolve("test.ron", &pipelines, &Overrides(set.collect()))?;
         let context = LinkContext { frame: self.size, traits };
         let graph = frame_graph::link(&resolved, &kinds, &context)?;
         let options = CompileOptions { sharing: false, ..CompileOptions::default() };
         let plan = frame_graph::compile(&graph, &options)?;
         let mut steps = Vec::with_capacity(plan.passes.len());
         for (index, pass) in plan.passes.iter().enumerate() {
-            // What a test gives has no steps: its bytes are written before each frame.
+            // Inputs of a test have no steps: their bytes are written before each frame.
             steps.push(if pass.kind.as_str() == kind {
                 let id = PassId(index as u32);
                 pass::link_steps(&plan, id, self.pass, &context.traits, library, INTERFACES)?
@@ -349,7 +353,7 @@ impl<'a> Harness<'a> {
     fn output_ports(&self, kinds: &TestPassTypes<'_>) -> Vec<String> {
         let given = self.given.iter().map(|given| given.port.clone());
         let inputs: Vec<String> = given.chain(self.feedback.iter().map(|(input, _)| input.clone())).collect();
-        let kind = self.pass.info().kind;
+        let kind = self.pass.kind();
         let use_ = Use { kind, shader: self.shader, inputs: &inputs, outputs: &self.overrides };
         let Ok(schema) = kinds.settings(use_) else { return Vec::new() };
         let defaults = schema.iter().map(|setting| (setting.name.clone(), setting.default.clone()));
@@ -362,7 +366,7 @@ impl<'a> Harness<'a> {
 
     /// The description: a pass for each input that is given, the pass under test, and all of its outputs.
     fn pipeline(&self, outputs: &[String]) -> String {
-        let kind = self.pass.info().kind;
+        let kind = self.pass.kind();
         let mut text = String::from("Pipeline(\n    passes: {\n");
         for given in &self.given {
             let _ = writeln!(text, "        {0:?}: Pass(kind: {0:?}),", given.pass());
@@ -372,12 +376,11 @@ impl<'a> Harness<'a> {
             let _ = write!(text, ", shader: {shader:?}");
         }
         let given = self.given.iter().map(|given| {
-            let link = format!("{:?}", format!("{}.{}", given.pass(), given.port));
-            let link = if given.age.is_some() { format!("Prev(port: {link})") } else { link };
-            (&given.port, link)
+            let prev = if given.age.is_some() { "prev " } else { "" };
+            (&given.port, format!("{:?}", format!("{prev}{}.{}", given.pass(), given.port)))
         });
         let feedback = self.feedback.iter().map(|(input, output)| {
-            let link = format!("Prev(port: {:?})", format!("{kind}.{output}"));
+            let link = format!("{:?}", format!("prev {kind}.{output}"));
             (input, link)
         });
         let links: Vec<String> =
@@ -421,17 +424,4 @@ fn out(said: &OutputOverride) -> String {
         fields.push(format!("facts: {{ {} }}", facts.collect::<Vec<_>>().join(", ")));
     }
     format!("Out({})", fields.join(", "))
-}
-
-/// The one pipeline file of a test.
-struct Pipeline(String);
-
-impl Files for Pipeline {
-    fn read(&self, path: &str) -> Option<Arc<Source>> {
-        (path == "test.ron").then(|| Source::new(path, self.0.as_str()))
-    }
-
-    fn list(&self) -> Vec<String> {
-        vec!["test.ron".to_owned()]
-    }
 }

@@ -1,5 +1,5 @@
 //! The test harness of passes: runs one pass alone on a GPU with given inputs, through the real link and compile.
-//! [`ShaderUse`] asks a pass type what it makes of a user's WGSL.
+//! [`ShaderUse`] tests how a pass type reads a user's WGSL.
 //!
 //! ```no_run
 //! # let PASS: &dyn pass::Pass = todo!();
@@ -36,16 +36,18 @@ pub mod rooms;
 mod shader_use;
 pub mod statistics;
 mod surface_points;
+mod test_pass;
 pub mod view;
 pub mod visibility;
 
 pub use clusters::RsmTexel;
-/// What can reset a history buffer between two frames, for [`Harness::event`].
+/// The causes that reset a history buffer between two frames, for [`Harness::event`].
 pub use frame_graph::ResetCause;
 pub use harness::Harness;
 pub use shader_use::ShaderUse;
+pub use test_pass::{TestPass, TestPassTypes};
 
-/// What a pass wrote.
+/// The outputs of a pass.
 pub struct Outputs {
     executor: Executor,
     plan: Arc<Plan>,
@@ -148,7 +150,7 @@ pub fn assert_shaders_are_valid(pass: &dyn Pass) {
         Some((port.name.clone(), interface.stand_in?))
     };
     let modules: Vec<_> = ports.inputs.iter().filter_map(module).collect();
-    for path in pass.info().shaders {
+    for path in &pass.about(&library).shaders {
         let request = modules
             .iter()
             .fold(pass::request(path, &[]), |request, (port, module)| request.module(port, *module));
@@ -243,10 +245,10 @@ impl Outputs {
     /// Returns the virtual lights of a port.
     ///
     /// # Panics
-    /// Where there is none of that name, or it says more lights than it holds.
+    /// Where there is none of that name, or its count is more than the lights that it holds.
     pub fn lights(&self, name: &str) -> Vec<VirtualLight> {
         let lights = virtual_lights::from_bytes(&self.read(name));
-        lights.unwrap_or_else(|| panic!("`{name}` holds fewer lights than it says"))
+        lights.unwrap_or_else(|| panic!("`{name}` holds fewer lights than its count"))
     }
 
     /// Returns the description of a resource.

@@ -1,4 +1,4 @@
-//! What a pass type makes of a user's WGSL, asked without a GPU.
+//! Reads of a user's WGSL by a pass type, without a GPU.
 
 use crate::{library_of, root};
 use frame_graph::port::{InputDesc, OutputOverride};
@@ -43,7 +43,7 @@ impl<'a> ShaderUse<'a> {
 
     fn cx(&self) -> UseContext<'_> {
         let use_ = Use {
-            kind: self.pass.info().kind,
+            kind: self.pass.kind(),
             shader: Some("own.wgsl"),
             inputs: &self.inputs,
             outputs: &self.overrides,
@@ -88,7 +88,9 @@ impl<'a> ShaderUse<'a> {
         set: &[(&str, Value)],
         traits: &Traits,
     ) -> Result<Recording, PassTypeError> {
+        let main = self.pass.main_shader(&self.cx().use_)?;
         self.pass.record(&RecordContext {
+            main: Some(&main),
             name: "own",
             use_: self.cx().use_,
             settings: &self.settings(set)?,

@@ -16,9 +16,9 @@ impl Outputs {
     /// Returns the header and the points of a port.
     ///
     /// # Panics
-    /// Where there is none of that name, or it says more points than it holds.
+    /// Where there is none of that name, or its count is more than the points that it holds.
     pub fn surface_points(&self, name: &str) -> (SurfacePointsHeader, Vec<SurfacePoint>) {
         let points = surface_points::from_bytes(&self.read::<u8>(name));
-        points.unwrap_or_else(|| panic!("`{name}` holds fewer points than it says"))
+        points.unwrap_or_else(|| panic!("`{name}` holds fewer points than its count"))
     }
 }

@@ -31,11 +31,13 @@ pub use record::{
     Compute, DepthTarget, Draw, LARGEST_WINDOW, Load, PortDesc, Raster, RecordContext, Recording, Step,
     Target, Threads, WINDOW_ALIGNMENT, request, request_of_module,
 };
+pub use reflected::MainShader;
+pub use setting::ReadSettings;
 use shader_library::TypeLayout;
 pub use shader_library::{Define, Library, Request};
 
-/// The name and documentation of a pass type.
-#[derive(Clone, Copy, Debug)]
+/// The name and documentation of a pass type that declares them in Rust.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Info {
     /// The name in RON, in kebab-case; also the name of the folder.
     pub kind: &'static str,
@@ -47,31 +49,88 @@ pub struct Info {
     pub shaders: &'static [&'static str],
 }
 
+/// The documentation of a pass type.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct About {
+    /// What it computes: the first paragraph of the comment with which its main file begins.
+    pub about: String,
+    /// The paper and section that it implements: what stands there in brackets. Empty for none.
+    pub paper: String,
+    /// Its WGSL files, from the root of the tree.
+    pub shaders: Vec<String>,
+}
+
 /// A pass type.
 ///
-/// It holds no state, names no other pass, reads no global and never waits for the GPU. Whatever it keeps from
-/// one frame to the next goes through `Prev` in the pipeline.
+/// It holds no state, names no other pass, reads no global and never waits for the GPU. What it keeps from one frame to
+/// the next goes through `prev` links of the pipeline.
+///
+/// Its WGSL declares it: see [`reflected`]. A pass type implements only the methods for what WGSL cannot say, and may call
+/// the functions of [`reflected`] there.
 pub trait Pass: Send + Sync {
-    /// Returns the name and documentation of the pass type.
-    fn info(&self) -> Info;
+    /// Returns the name and documentation that are declared in Rust.
+    fn info(&self) -> Info {
+        Info { kind: self.kind(), ..Info::default() }
+    }
+
+    /// Returns the name in RON, in kebab-case; also the name of the folder.
+    fn kind(&self) -> &'static str {
+        self.info().kind
+    }
 
     /// Returns whether a use names a WGSL file with `shader:`.
     fn takes_shader(&self) -> bool {
         false
     }
 
-    /// Returns its settings. Only a pass type that takes a shader reads the use.
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError>;
+    /// Returns the folder of its WGSL, from the root of the tree.
+    fn folder(&self) -> String {
+        format!("passes/{}", self.kind())
+    }
 
-    /// Returns its ports, which depend on the settings alone.
-    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError>;
+    /// Returns the shader that declares a use: `KIND.wgsl` of the folder.
+    ///
+    /// # Errors
+    /// Where the use has to name one, and does not.
+    fn main_shader(&self, _: &Use<'_>) -> Result<MainShader, PassTypeError> {
+        Ok(MainShader::in_folder(self.folder(), self.kind()))
+    }
+
+    /// Returns the documentation.
+    fn about(&self, library: &Library) -> About {
+        let info = self.info();
+        if !info.about.is_empty() {
+            let shaders = info.shaders.iter().map(|path| (*path).to_owned()).collect();
+            return About { about: info.about.into(), paper: info.paper.into(), shaders };
+        }
+        let files = library.folder(&self.folder());
+        let main = format!("{}/{}.wgsl", self.folder(), self.kind());
+        let header = files.iter().find(|file| file.path == main);
+        About {
+            about: header.map_or_else(String::new, |header| header.about.clone()),
+            paper: header.map_or_else(String::new, |header| header.paper.clone()),
+            shaders: files.iter().map(|file| file.path.clone()).collect(),
+        }
+    }
+
+    /// Returns its settings. Only a pass type that takes a shader reads the use.
+    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
+        reflected::settings(cx, &self.main_shader(&cx.use_)?)
+    }
+
+    /// Returns its ports, which depend on the settings and on which inputs are linked.
+    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
+        reflected::ports(cx, &self.main_shader(&cx.use_)?, settings)
+    }
 
     /// Describes the resources of its outputs, and scratch.
     fn outputs(
         &self,
         cx: &UseContext<'_>,
         outputs: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, PassTypeError>;
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
+        reflected::outputs(cx, &self.main_shader(&cx.use_)?, outputs)
+    }
 
     /// Returns the interfaces that the pass adds to those of the tree: for the ports of passes outside it.
     fn interfaces(&self) -> &'static [Interface] {
@@ -79,7 +138,38 @@ pub trait Pass: Send + Sync {
     }
 
     /// Returns the steps that write the outputs.
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError>;
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+        reflected::record(cx)
+    }
+}
+
+/// Declares the pass type of a crate that its WGSL declares alone: `PASS`, named as the crate.
+#[macro_export]
+macro_rules! from_wgsl {
+    () => {
+        /// The pass type, as its WGSL declares it.
+        pub const PASS: &dyn $crate::Pass = &$crate::FromWgsl { kind: env!("CARGO_PKG_NAME"), file: file!() };
+    };
+}
+
+/// A pass type that its WGSL declares alone: see [`from_wgsl`].
+#[derive(Clone, Copy, Debug)]
+pub struct FromWgsl {
+    /// The name in RON.
+    pub kind: &'static str,
+    /// The Rust file of the pass, `FOLDER/src/lib.rs`: its WGSL is in the folder.
+    pub file: &'static str,
+}
+
+impl Pass for FromWgsl {
+    fn kind(&self) -> &'static str {
+        self.kind
+    }
+
+    fn folder(&self) -> String {
+        let file = self.file.replace('\\', "/");
+        file.trim_end_matches("/src/lib.rs").to_owned()
+    }
 }
 
 /// One use of a pass type in a pipeline, and the shaders from which a pass type that takes one derives its ports.

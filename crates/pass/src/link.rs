@@ -57,7 +57,7 @@ pub struct LinkedStep {
     pub bindings: Vec<Bound>,
     /// The uniforms that the entry points use: `settings`, and those of modules.
     pub uniforms: Vec<UniformFill>,
-    /// Colour targets of a draw.
+    /// Color targets of a draw.
     pub targets: Vec<ResourceId>,
     /// Depth target of a draw.
     pub depth: Option<ResourceId>,
@@ -141,7 +141,9 @@ pub fn link_steps(
         inputs: &linked,
         outputs: &planned.overrides,
     };
+    let main = kind.main_shader(&use_).ok();
     let context = RecordContext {
+        main: main.as_ref(),
         name: &planned.name,
         use_,
         settings: &planned.settings,
@@ -332,7 +334,9 @@ impl StepLinker<'_> {
                     named.name
                 ),
                 place,
-                vec![format!("read `{output}` in its place, or link another input to the same `Prev`")],
+                vec![format!(
+                    "read `{output}` in its place, or link another input to the same history buffer"
+                )],
             ));
         }
         if let Some(why) = mismatch(&global.kind, &named.desc, named.writable) {

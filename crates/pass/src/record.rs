@@ -1,6 +1,7 @@
 //! The steps of a pass: dispatches and draws as plain data.
 
 use crate::UseContext;
+use crate::reflected::{Known, MainShader};
 use frame_graph::{
     Fact, FactValue, Facts, Interface, Module, Name, PassTypeError, ResourceDesc, Settings, TextureDesc,
     Traits, Use, Value,
@@ -31,6 +32,8 @@ pub struct RecordContext<'a> {
     pub shaders: &'a Library,
     /// All interfaces.
     pub interfaces: &'a [Interface],
+    /// The main shader of the use; `None` where there is none.
+    pub main: Option<&'a MainShader>,
 }
 
 /// A port with the descriptions of its resources.
@@ -119,6 +122,34 @@ impl<'a> RecordContext<'a> {
         (name, Define::try_from(&value).unwrap_or_else(|_| Define::Text(String::new())))
     }
 
+    /// Returns the request for a file of the pass's folder, with its options as their names decide (see
+    /// [`reflected`](crate::reflected)) and the modules of the connected inputs. [`Request::define`] gives values to
+    /// options that are internal to the pass.
+    pub fn file(&self, name: &str) -> Request {
+        let folder = self.main.and_then(|main| main.folder.as_deref()).unwrap_or_default();
+        self.variant(request(&format!("{folder}/{name}"), &[]))
+    }
+
+    /// The request with the modules of the connected inputs, and with the options of the shader and of these modules.
+    pub(crate) fn variant(&self, request: Request) -> Request {
+        let request = self.with_modules(request);
+        let declared =
+            self.main.and_then(|main| self.shaders.outline(&main.request).ok()).unwrap_or_default();
+        self.with_known(|known| known.select(self.shaders, request, &declared))
+    }
+
+    /// Calls `f` with what decides the options of the pass's shaders.
+    pub(crate) fn with_known<T>(&self, f: impl FnOnce(&Known<'_>) -> T) -> T {
+        let input = |name: &str| self.inputs.iter().find(|input| input.name == name);
+        f(&Known {
+            settings: self.settings,
+            traits: Some(self.traits),
+            linked: &|port| input(port).is_some_and(|input| input.connected),
+            read: &|port| self.connected(port),
+            member: &|port, member| Some(input(port)?.members.iter().any(|(name, _)| name == member)),
+        })
+    }
+
     /// The request with the modules of the connected inputs, and values for the modules' options.
     pub(crate) fn with_modules(&self, mut request: Request) -> Request {
         let mut offered = Vec::new();
@@ -129,9 +160,9 @@ impl<'a> RecordContext<'a> {
         }
         if !offered.is_empty() {
             // Not every shader of a pass imports the module. Errors come when the shader itself is loaded.
-            let declared = self.shaders.outline(&request).map(|outline| outline.options).unwrap_or_default();
+            let declared = self.shaders.outline(&request).unwrap_or_default();
             for (name, value) in offered {
-                if declared.iter().any(|option| option.name == *name) {
+                if declared.options.iter().any(|option| option.name == *name) {
                     request.defines.insert(name.to_owned(), value);
                 }
             }
@@ -238,7 +269,7 @@ pub struct Raster {
     pub vertex: String,
     /// Fragment entry point; `None` writes depth alone.
     pub fragment: Option<String>,
-    /// Colour targets, in the order of `@location`.
+    /// Color targets, in the order of `@location`.
     pub targets: Vec<Target>,
     /// Depth target.
     pub depth: Option<DepthTarget>,
@@ -253,7 +284,7 @@ pub struct Raster {
     pub windows: Vec<(String, Range<u64>)>,
 }
 
-/// A colour target.
+/// A color target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// `port` or `port.member` of an output or of scratch.
@@ -360,8 +391,8 @@ impl Compute {
     }
 
     /// Adds a value for a member of `settings`.
-    pub fn value(mut self, name: &str, value: Value) -> Compute {
-        self.values.push((name.into(), value));
+    pub fn value(mut self, name: &str, value: impl Into<Value>) -> Compute {
+        self.values.push((name.into(), value.into()));
         self
     }
 

@@ -1,99 +1,241 @@
-//! A use of a pass type in WGSL alone: its settings, ports, resources and steps, read from the shader.
+//! A use of a pass type as its WGSL declares it: settings, ports, resources and steps, read from the shader.
 //!
 //! | in the shader | in the pipeline |
 //! |---|---|
+//! | `#input view: GBuffer` | the input `view`, whose members the globals `view_depth`, … read |
+//! | `#output lights: VirtualLights(count: settings.count)` | the output `lights`, with its sizes and facts |
 //! | a member of `struct Settings` with `[default: …]` | a setting |
 //! | an `#option TAPS 9` | a setting `taps`, which selects the variant |
+//! | an `#option PAST`, named as a port | nothing: whether the input is linked, the output is read |
+//! | an `#option VIEW_SPECULAR`, named as a port and a member | nothing: whether the input has the member |
 //! | an `#option TEXTURED`, named as a trait of the scene | nothing: the scene decides |
-//! | a global `K`, or `K_member` where `in:` links `K` | the input `K` |
-//! | `#import interface "K"` | the input `K`, whose producer provides the module |
-//! | a global `K`, or `K_member` where `out:` names `K` | the output `K`; with `[scratch]`, nothing |
+//! | an `#option PARTS false internal` | nothing: the pass decides |
+//! | a global with `[scratch]` | nothing: the entry points share it |
 //! | a global with `[reads: K]` | nothing: what an earlier entry point has written to `K` |
-//! | the entry points of the pass type's stage | the steps, in the order of the text |
+//! | the entry points | the steps, in the order of the text |
 //! | `camera`, `frame`, `scene_…` | nothing: they are scene bindings |
+//!
+//! The files of users may leave ports undeclared: a global `K`, or `K_member`, is the input `K` where `in:` links `K`, the
+//! module of `#import interface "K"` is the input `K`, and what is written is an output.
 
 mod facts;
 mod options;
 mod outputs;
+mod scope;
 mod shader_pass;
 mod steps;
 
 use crate::{
-    InputPort, PassTypeError, Ports, Request, SceneBindings, Setting, Settings, UseContext, scene_bindings,
+    InputPort, OutputContext, OutputDesc, PassTypeError, Ports, RecordContext, Recording, Request,
+    SceneBindings, Setting, Settings, Traits, UseContext, Value, scene_bindings,
 };
 use options::Imported;
+pub(crate) use options::Known;
 use outputs::Written;
-use shader_library::{Access, Attributes, Entry, GlobalKind, Shader, Stage};
+use shader_library::{Access, Attributes, Entry, GlobalKind, Outline, Shader, Stage};
 use std::fmt::Display;
 use std::sync::Arc;
 
 pub use shader_pass::ShaderPass;
 
-/// The file that a use names, and how a pass type runs it.
+/// The shader that declares what a use of a pass type is.
 #[derive(Clone, Debug)]
-struct UserShader<'a> {
-    /// The file, as the use names it.
-    path: &'a str,
-    /// The shader that is run: the file, or one that imports it.
-    request: Request,
-    /// The stage of its entry points.
-    stage: Stage,
+pub struct MainShader {
+    /// The file, for errors.
+    pub path: String,
+    /// The shader that is loaded: the file, or one that imports it.
+    pub request: Request,
+    /// The stage of the entry points that are run; `None` for all but those of vertices.
+    pub stage: Option<Stage>,
+    /// The folder all of whose files belong to the pass type; `None` for the file of a user.
+    pub folder: Option<String>,
 }
 
-/// A user's shader, as a pass.
+impl MainShader {
+    /// Returns the main file of a folder of WGSL: `KIND.wgsl`.
+    pub fn in_folder(folder: String, kind: &str) -> MainShader {
+        let path = format!("{folder}/{kind}.wgsl");
+        MainShader { request: Request::new(path.clone()), path, stage: None, folder: Some(folder) }
+    }
+
+    fn refused(&self, errors: impl Display) -> PassTypeError {
+        PassTypeError::new(format!("`{}` is refused\n{errors}", self.path))
+    }
+}
+
+/// A shader of a pass with its attributes.
+#[derive(Debug)]
+struct Loaded {
+    shader: Arc<Shader>,
+    attributes: Arc<Attributes>,
+}
+
+/// The shaders of a use of a pass type, in one variant.
 #[derive(Debug)]
 struct Reflected {
-    shader: Arc<Shader>,
-    /// The entry points of the pass type's stage, in the order of the text.
+    main: MainShader,
+    /// What the main shader declares.
+    outline: Arc<Outline>,
+    /// The main shader, then those of its folder that have entry points.
+    files: Vec<Loaded>,
+    /// The entry points of the main shader that are run, in the order of the text.
     entries: Vec<Entry>,
-    attributes: Attributes,
     written: Vec<Written>,
     imported: Vec<Imported>,
+    /// The scene bindings of all entry points, in this variant and in that of a scene with all traits.
+    scene_bindings: SceneBindings,
+}
+
+/// Returns the settings of a use: the options of its shaders, and what `struct Settings` declares in any variant.
+///
+/// # Errors
+/// A shader that is refused, and declarations that cannot be read.
+pub fn settings(cx: &UseContext<'_>, main: &MainShader) -> Result<Vec<Setting>, PassTypeError> {
+    match &main.folder {
+        Some(folder) => options::settings_of_folder(cx, main, folder),
+        None => options::settings_of_file(cx, main),
+    }
+}
+
+/// Returns the ports of a use.
+///
+/// # Errors
+/// Shaders that are refused, links that no global takes, globals that no link can fill, and attributes that name nothing.
+pub fn ports(cx: &UseContext<'_>, main: &MainShader, settings: &Settings) -> Result<Ports, PassTypeError> {
+    let known = Known {
+        settings,
+        traits: None,
+        linked: &|port| cx.use_.inputs.iter().any(|input| input == port),
+        read: &|_| true,
+        member: &|_, _| None,
+    };
+    Reflected::new(cx, main, &known)?.ports(cx, settings)
+}
+
+/// Returns the resources of the outputs of a use, and of scratch.
+///
+/// # Errors
+/// As [`ports`]; formats that do not fit, and sizes that nothing gives.
+pub fn outputs(
+    cx: &UseContext<'_>,
+    main: &MainShader,
+    outputs: &OutputContext<'_>,
+) -> Result<Vec<OutputDesc>, PassTypeError> {
+    with_known(outputs, |known| Reflected::new(cx, main, &known.of(main)))?.outputs(cx, outputs)
+}
+
+/// Calls `f` with what is known when outputs are described. All outputs count as read.
+fn with_known<T>(cx: &OutputContext<'_>, f: impl FnOnce(&Known<'_>) -> T) -> T {
+    f(&Known {
+        settings: cx.settings,
+        traits: Some(cx.traits),
+        linked: &|port| cx.input(port).is_some(),
+        read: &|_| true,
+        member: &|port, member| Some(cx.input(port)?.member(member).is_some()),
+    })
+}
+
+/// Returns the steps of a use: the entry points of the main shader in order, each as often as it says.
+///
+/// # Errors
+/// As [`outputs`], and numbers of threads that nothing gives.
+pub fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+    let Some(main) = cx.main else { return Err(PassTypeError::new("the pass type has no main shader")) };
+    cx.with_known(|known| Reflected::new(&cx.use_context(), main, &known.of(main)))?.record(cx)
 }
 
 impl Reflected {
-    /// Loads the variant that `settings` select of the shader of a use. Options that `settings` do not have are at
-    /// their defaults, and modules of interfaces are stand-ins: producers are not known yet.
+    /// Loads the variant that `known` selects of the shaders of a use. Other options are at their defaults, and modules of
+    /// interfaces are stand-ins: producers are not known yet.
     ///
     /// # Errors
-    /// A shader that is refused, one without an entry point of the stage, attributes that cannot be read.
-    fn new(
-        cx: &UseContext<'_>,
-        user: &UserShader<'_>,
-        settings: &Settings,
-    ) -> Result<Reflected, PassTypeError> {
-        let path = user.path;
-        let (request, imported) = options::stand_in(cx, user)?;
-        let request = options::select(cx.shaders, request, settings);
-        let refused = |errors| PassTypeError::new(format!("`{path}` is refused\n{errors}"));
-        let shader = cx.shaders.load(&request).map_err(refused)?;
-        let attributes = shader.attributes().map_err(refused)?;
-        let of_stage = |entry: &&Entry| entry.stage == user.stage;
-        let entries: Vec<Entry> = shader.interface.entries.iter().filter(of_stage).cloned().collect();
-        if entries.is_empty() {
-            let attribute = format!("@{:?}", user.stage).to_lowercase();
-            return Err(PassTypeError::new(format!("`{path}` has no {attribute} entry point")));
+    /// A shader that is refused, one of a user without an entry point of the stage, attributes that cannot be read.
+    fn new(cx: &UseContext<'_>, main: &MainShader, known: &Known<'_>) -> Result<Reflected, PassTypeError> {
+        let library = cx.shaders;
+        let declared = options::declared(cx, main)?;
+        let (request, imported) = options::stand_in(cx, main, &main.request, &declared)?;
+        let mut scene_bindings = SceneBindings::NONE;
+        let all_traits =
+            scene_bindings::TRAITS.iter().map(|name| ((*name).to_owned(), Value::Bool(true))).collect();
+        let all_traits = Traits(all_traits);
+        let of_any_scene = Known { traits: Some(&all_traits), ..*known };
+        let mut load = |request: Request| {
+            let selected = known.select(library, request.clone(), &declared);
+            let shader = library.load(&selected).map_err(|errors| main.refused(errors))?;
+            scene_bindings = scene_bindings.and(of_entries(&shader, main.stage));
+            let largest = of_any_scene.select(library, request, &declared);
+            if largest != selected
+                && let Ok(shader) = library.load(&largest)
+            {
+                scene_bindings = scene_bindings.and(of_entries(&shader, main.stage));
+            }
+            let attributes = shader.attributes().map_err(|errors| main.refused(errors))?;
+            Ok::<_, PassTypeError>(Loaded { shader, attributes })
+        };
+        let mut files = vec![load(request)?];
+        for other in options::others(library, main).iter() {
+            files.push(load(options::stand_in(cx, main, &Request::new(other.path.as_str()), &declared)?.0)?);
         }
-        let written = outputs::written(&shader, &attributes, &entries, cx.use_.inputs)?;
-        Ok(Reflected { shader, entries, attributes, written, imported })
+        let shader = &files[0].shader;
+        let of_stage = |entry: &&Entry| is_run(entry, main.stage);
+        let entries: Vec<Entry> = shader.interface.entries.iter().filter(of_stage).cloned().collect();
+        if entries.is_empty() && main.folder.is_none() {
+            let attribute =
+                main.stage.map_or_else(String::new, |stage| format!("@{stage:?} ").to_lowercase());
+            return Err(PassTypeError::new(format!("`{}` has no {attribute}entry point", main.path)));
+        }
+        let outline = known.outline(library, &main.request, &declared).unwrap_or(declared);
+        let of_user = if main.folder.is_none() { cx.use_.inputs } else { &[] };
+        let inputs: Vec<&String> = outline.inputs.iter().map(|input| &input.name).chain(of_user).collect();
+        let mut written: Vec<Written> = Vec::new();
+        for (index, file) in files.iter().enumerate() {
+            let entries = if index == 0 { &entries[..] } else { &[] };
+            for one in outputs::written(&file.shader, &file.attributes, entries, &inputs)? {
+                match written.iter_mut().find(|known| known.name == one.name) {
+                    Some(known) => known.merge(one),
+                    None => written.push(one),
+                }
+            }
+        }
+        let main = main.clone();
+        Ok(Reflected { main, outline, files, entries, written, imported, scene_bindings })
+    }
+
+    /// Whether the main file is that of a user.
+    fn is_users(&self) -> bool {
+        self.main.folder.is_none()
+    }
+
+    fn shader(&self) -> &Shader {
+        &self.files[0].shader
+    }
+
+    fn attributes(&self) -> &Attributes {
+        &self.files[0].attributes
     }
 
     /// Returns the ports.
-    ///
-    /// # Errors
-    /// Links that no global takes, globals that no link can fill, and attributes that name nothing.
     fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
-        let interface = &self.shader.interface;
-        let mut ports = Ports::default();
-        for &global in self.entries.iter().flat_map(|entry| &entry.globals) {
-            if let Some(part) = scene_bindings::of_global(&interface.globals[global].name) {
-                ports.scene_bindings = ports.scene_bindings.and(part);
-            }
+        let mut ports = Ports { scene_bindings: self.scene_bindings, ..Ports::default() };
+        ports.inputs.extend(self.outline.inputs.iter().map(|declared| InputPort {
+            name: declared.name.clone(),
+            interface: declared.interface.clone(),
+            optional: declared.optional,
+            doc: declared.doc.clone(),
+        }));
+        if self.is_users() {
+            self.add_undeclared(cx, &mut ports)?;
         }
-        if self.shader.files().iter().any(|file| file == scene_bindings::SAMPLE_MODULE) {
-            ports.scene_bindings = ports.scene_bindings.and(SceneBindings::SAMPLE);
-        }
-        for port in cx.use_.inputs {
+        ports.outputs = self.output_ports(cx)?;
+        self.check_steps(&ports, settings)?;
+        Ok(ports)
+    }
+
+    /// Adds the inputs that a user's file does not declare.
+    fn add_undeclared(&self, cx: &UseContext<'_>, ports: &mut Ports) -> Result<(), PassTypeError> {
+        let is_declared = |port: &str| self.outline.inputs.iter().any(|declared| declared.name == port);
+        let linked: Vec<&String> = cx.use_.inputs.iter().filter(|port| !is_declared(port)).collect();
+        for port in linked {
             if let Some(imported) = self.imported.iter().find(|imported| imported.port == *port) {
                 ports.inputs.push(imported.input());
                 continue;
@@ -113,27 +255,29 @@ impl Reflected {
             }
             ports.inputs.push(self.input(port, &globals, true)?);
         }
-        for imported in self.imported.iter().filter(|imported| !cx.use_.inputs.contains(&imported.port)) {
-            ports.inputs.push(imported.input());
-        }
+        let unlinked = self
+            .imported
+            .iter()
+            .filter(|imported| !is_declared(&imported.port) && !cx.use_.inputs.contains(&imported.port));
+        ports.inputs.extend(unlinked.map(Imported::input));
         for name in self.readable().filter(|name| covering(name, cx.use_.inputs).is_none()) {
             ports.inputs.push(self.input(name, &[name], false)?);
         }
-        ports.outputs = self.output_ports(cx)?;
-        self.check_steps(&ports, settings)?;
-        Ok(ports)
+        Ok(())
     }
 
-    /// Globals that a port can fill.
+    /// Globals that an undeclared port can fill.
     fn readable(&self) -> impl Iterator<Item = &str> {
-        let names = self.shader.interface.globals.iter().map(|global| global.name.as_str());
+        let names = self.shader().interface.globals.iter().map(|global| global.name.as_str());
         names.filter(|name| {
             let reads = |said: &shader_library::GlobalAttributes| said.name == *name && said.reads.is_some();
+            let declared = |input: &shader_library::DeclaredPort| begins(name, &input.name);
             *name != "settings"
                 && scene_bindings::of_global(name).is_none()
                 && !self.written.iter().any(|written| written.name == *name)
-                && !self.attributes.globals.iter().any(reads)
+                && !self.attributes().globals.iter().any(reads)
                 && !self.imported.iter().any(|imported| imported.fills(name))
+                && !self.outline.inputs.iter().any(declared)
         })
     }
 
@@ -146,7 +290,7 @@ impl Reflected {
                     if linked { PassTypeError::input(port, message) } else { PassTypeError::new(message) };
                 Err(error.help(help))
             };
-            let kind = self.shader.interface.global(name).map(|(_, global)| &global.kind);
+            let kind = self.shader().interface.global(name).map(|(_, global)| &global.kind);
             let sort = match kind {
                 Some(
                     GlobalKind::Texture { .. } | GlobalKind::StorageTexture { access: Access::Read, .. },
@@ -179,12 +323,20 @@ impl Reflected {
     }
 }
 
-/// Returns the settings of a use: the options of its shader, and what `struct Settings` declares in any variant.
-///
-/// # Errors
-/// A shader that is refused, and declarations that cannot be read.
-fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
-    options::settings(cx, user)
+/// Whether an entry point is run by a pass of that stage.
+fn is_run(entry: &Entry, stage: Option<Stage>) -> bool {
+    stage.map_or(entry.stage != Stage::Vertex, |stage| entry.stage == stage)
+}
+
+/// The scene bindings that the entry points of a shader read.
+fn of_entries(shader: &Shader, stage: Option<Stage>) -> SceneBindings {
+    let interface = &shader.interface;
+    let run = interface.entries.iter().filter(|entry| stage.is_none() || is_run(entry, stage));
+    let read = run.flat_map(|entry| &entry.globals);
+    let read = read.filter_map(|&global| scene_bindings::of_global(&interface.globals[global].name));
+    let sampled = shader.files().iter().any(|file| file == scene_bindings::SAMPLE_MODULE);
+    let first = if sampled { SceneBindings::SAMPLE } else { SceneBindings::NONE };
+    read.fold(first, SceneBindings::and)
 }
 
 /// The part of a global's name behind `port_`.
@@ -192,10 +344,14 @@ fn member_of<'a>(global: &'a str, port: &str) -> Option<&'a str> {
     global.strip_prefix(port)?.strip_prefix('_')
 }
 
+/// Whether a global has the name of a port, or that of a member of it.
+fn begins(global: &str, port: &str) -> bool {
+    global == port || member_of(global, port).is_some()
+}
+
 /// The linked port that fills a global: of `view` and `view_depth`, the longer.
 fn covering<'a>(global: &str, linked: &'a [String]) -> Option<&'a String> {
-    let covers = |port: &&String| global == **port || member_of(global, port).is_some();
-    linked.iter().filter(covers).max_by_key(|port| port.len())
+    linked.iter().filter(|port| begins(global, port)).max_by_key(|port| port.len())
 }
 
 /// `a`, `b`, `c`

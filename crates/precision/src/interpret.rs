@@ -1,8 +1,7 @@
 //! An interpreter of a shader's functions, in `f32` or in `f64`.
 //!
-//! It runs one thread and knows what a function computes from its arguments. What needs resources, other threads or a
-//! rasterizer is refused, by name and place. Constants are those of `f32` in either type, and so is the value of a float
-//! whose bits are looked at.
+//! It runs one thread, without resources and rasterizer; statements that need these are errors with name and place.
+//! Constants are those of `f32` in either type, and so are floats whose bits are read.
 
 mod expression;
 mod math;
@@ -18,18 +17,23 @@ use naga::{
 use shader_library::{Shader, naga};
 use std::fmt;
 
-/// Why a function was not computed to its end.
+/// The error of a function that was not computed to its end.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// What is wrong, or what is not known.
+    /// The error, or the unknown construct.
     pub message: String,
-    /// Where, in the user's file.
+    /// The place in the user's file.
     pub place: Option<Span>,
 }
 
 impl Fault {
     pub(crate) fn new(message: impl Into<String>) -> Self {
         Fault { message: message.into(), place: None }
+    }
+
+    /// The fault of a construct that the interpreter does not know.
+    fn unknown(construct: impl fmt::Display) -> Self {
+        Fault::new(format!("{construct} is not known to the interpreter"))
     }
 
     /// Adds the place of the construct, unless one inside it was named.
@@ -65,12 +69,12 @@ pub struct Interpreter<'a, F> {
     module: &'a Module,
     /// The variables of the module, and then those of the functions that run.
     memory: Vec<Value<F>>,
-    /// Where the variables of the module begin in memory; `None` for those that a single function has not.
+    /// Index of each variable of the module in memory; `None` for those without a value.
     globals: Vec<Option<usize>>,
     statements: u64,
 }
 
-/// What a function that runs has.
+/// The state of a running function.
 struct Frame<'a, F> {
     function: &'a Function,
     arguments: Vec<Value<F>>,
@@ -91,7 +95,7 @@ impl<'a, F: Float> Interpreter<'a, F> {
     /// Creates an interpreter. `given` has values of uniforms by name; those without are refused where they are read.
     ///
     /// # Errors
-    /// Where the first value of a private variable cannot be computed.
+    /// Fails if the initial value of a private variable cannot be computed.
     pub fn new(shader: &'a Shader, given: &[(&str, Value<F>)]) -> Result<Self, Fault> {
         let module = &shader.module;
         let mut interpreter =
@@ -118,8 +122,8 @@ impl<'a, F: Float> Interpreter<'a, F> {
     /// Calls the function of this name.
     ///
     /// # Errors
-    /// Where there is none, it has other parameters or no result, does not end within [`MOST_STATEMENTS`], or does what
-    /// one thread without resources cannot.
+    /// Fails if there is none, it has other parameters or no result, does not end within [`MOST_STATEMENTS`], or needs
+    /// resources or other threads.
     pub fn call(&mut self, name: &str, arguments: Vec<Value<F>>) -> Result<Value<F>, Fault> {
         let mut functions = self.module.functions.iter();
         let function = functions.find(|(_, function)| function.name.as_deref() == Some(name));
@@ -235,7 +239,7 @@ impl<'a, F: Float> Interpreter<'a, F> {
                 }
             }
             other => {
-                return Err(Fault::new(format!("{} is not known to the interpreter", statement_name(other))));
+                return Err(Fault::unknown(statement_name(other)));
             }
         }
         Ok(Flow::Next)

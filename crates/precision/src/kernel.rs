@@ -40,7 +40,7 @@ impl Kernel {
     /// Makes the compute shader of a probe. Uniforms that its inputs have values for become private variables.
     ///
     /// # Errors
-    /// Where inputs are of types that no buffer holds.
+    /// Fails if inputs have types that no buffer holds.
     pub fn new(probe: &Probe) -> Result<Kernel, Fault> {
         let shader = &probe.shader;
         let mut text = shader.text().to_owned();
@@ -94,7 +94,7 @@ impl Kernel {
     /// Returns the content of the buffer of inputs.
     ///
     /// # Errors
-    /// Where they are not those of the probe.
+    /// Fails if they are not inputs of the probe.
     pub fn bytes(&self, given: &[Value<f32>]) -> Result<Vec<u8>, Fault> {
         let mut bytes = vec![0; given.len() * self.stride];
         for (place, given) in bytes.chunks_exact_mut(self.stride).zip(given) {

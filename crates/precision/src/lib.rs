@@ -1,13 +1,12 @@
-//! Shader functions in `f32` against the same functions in `f64`: where single precision is lost, and where it need not be.
+//! Shader functions in `f32` against the same functions in `f64`: the precision that is lost, and the part that is avoidable.
 //!
 //! A [`Probe`] is a WGSL file that calls functions of the library with inputs of one magnitude. [`measure`] computes it in
 //! `f32`, by the [`Interpreted`] evaluator or by a [`Kernel`] on a GPU, and the same WGSL from the same inputs in `f64`, by the
-//! [`Interpreter`]: nothing is written twice. Beside the error stands the one that no formula avoids, since inputs and
-//! result are rounded. What exceeds it many times can be written better.
+//! [`Interpreter`]: nothing is written twice. The report compares the error with the unavoidable one, that of rounded inputs and a
+//! rounded result; a function that exceeds it many times can be improved.
 //!
 //! This crate does not use the GPU.
 
-mod chart;
 mod float;
 mod interpret;
 mod kernel;

@@ -7,18 +7,18 @@ use crate::value::Value;
 /// The greatest error of rounding one number to `f32`, relative to it: half a unit in the last place.
 pub const ROUNDING: f64 = 1.0 / 16_777_216.0;
 
-/// How often inputs are changed by their rounding to find what it does to the result.
+/// Number of random roundings of the inputs from which the unavoidable error is measured.
 const CHANGES: u64 = 4;
 
 /// Computes a probe in `f32`: the interpreter, or a GPU.
 pub trait Evaluator {
-    /// What computes, for the report.
+    /// Returns the name of the device or program, for the report.
     fn name(&self) -> String;
 
     /// Returns the result for each of the inputs.
     ///
     /// # Errors
-    /// Where it cannot be computed.
+    /// Fails if it cannot be computed.
     fn evaluate(&self, probe: &Probe, given: &[Value<f32>]) -> Result<Vec<[f32; 4]>, Fault>;
 }
 
@@ -37,7 +37,7 @@ impl Evaluator for Interpreted {
     }
 }
 
-/// How finely a probe is measured.
+/// Options of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Number of magnitudes, at equal ratios.
@@ -57,9 +57,9 @@ impl Default for Options {
 /// Relative errors of the samples of a magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Of half the samples, the error is no greater.
+    /// The median.
     pub median: f64,
-    /// Of 99 % of the samples, the error is no greater. Beyond are those that fall on the other side of a branch.
+    /// The 99th percentile: the rest are samples on the other side of a branch.
     pub most: f64,
 }
 
@@ -80,9 +80,9 @@ impl Errors {
 pub struct Point {
     /// The magnitude.
     pub magnitude: f64,
-    /// Of the results in `f32`.
+    /// Errors of the results in `f32`.
     pub errors: Errors,
-    /// Of results in `f64` that are rounded to `f32`, from inputs that are off by the rounding of `f32`.
+    /// Errors of results in `f64` that are rounded to `f32`, from inputs that are off by the rounding of `f32`.
     pub unavoidable: Errors,
     /// Samples whose result in `f32` is infinite or no number. Their error counts as infinite.
     pub not_finite: usize,
@@ -100,7 +100,7 @@ impl Point {
 pub struct Measured {
     /// The probe.
     pub probe: Probe,
-    /// What computed in `f32`.
+    /// The name of the [`Evaluator`].
     pub by: String,
     /// From the least magnitude to the greatest.
     pub points: Vec<Point>,
@@ -126,7 +126,7 @@ impl Measured {
 /// Measures a probe.
 ///
 /// # Errors
-/// Where it cannot be computed.
+/// Fails if it cannot be computed.
 pub fn measure(probe: &Probe, evaluator: &dyn Evaluator, options: &Options) -> Result<Measured, Fault> {
     let samples = options.samples.min(probe.most_samples).max(1);
     let count = options.magnitudes.max(2);
@@ -204,7 +204,7 @@ fn error(compared: Compared, expected: [f64; 4], result: [f64; 4]) -> f64 {
                 .fold(0.0, f64::max)
         }
         Compared::Vector => {
-            // Of numbers that are farther apart than the root of the range of f64 there are none in f32.
+            // The squares of numbers of f32 are within the range of f64.
             let length = |v: [f64; 4]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
             let difference = std::array::from_fn(|i| result[i] - expected[i]);
             relative(length(difference), length(expected))

@@ -8,7 +8,7 @@ use naga::{AddressSpace, Function, Module, Type, TypeInner};
 use shader_library::{Define, Library, Request, Shader, naga};
 use std::sync::Arc;
 
-/// Where probes are.
+/// The folder of probes.
 pub const FOLDER: &str = "shaders/precision/";
 
 /// The function that makes inputs.
@@ -25,7 +25,7 @@ pub enum Compared {
     Vector,
 }
 
-/// How much greater than the unavoidable error the measured one may be.
+/// The default of [`Probe::bound`].
 pub(crate) const BOUND: f64 = 4.0;
 
 /// A file that says how a piece of the library is called, and how exact it has to be. The README describes such files.
@@ -33,15 +33,15 @@ pub(crate) const BOUND: f64 = 4.0;
 pub struct Probe {
     /// The stem of the file's name.
     pub name: String,
-    /// What is measured, from the comment at the top of the file.
+    /// The comment at the top of the file.
     pub about: String,
     /// The least and the greatest magnitude.
     pub range: (f64, f64),
-    /// What the magnitude is, with its unit.
+    /// The meaning of the magnitude, with its unit.
     pub magnitude: String,
     /// How results are compared.
     pub compared: Compared,
-    /// How many times the unavoidable error an error may be.
+    /// The greatest error that is allowed, as a multiple of the unavoidable one.
     pub bound: f64,
     /// The most samples of a magnitude: few where a call takes long.
     pub most_samples: usize,
@@ -50,7 +50,7 @@ pub struct Probe {
     uniforms: Vec<(usize, String)>,
 }
 
-/// Why a probe cannot be used.
+/// The error of a probe that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ProbeError {
     /// The file or what it imports is no valid shader.
@@ -61,7 +61,7 @@ pub enum ProbeError {
     NoProbe {
         /// The file, and the line where there is one.
         place: String,
-        /// What is missing or wrong.
+        /// The error.
         message: String,
     },
 }
@@ -83,7 +83,7 @@ impl Probe {
     /// Loads the probe at `path`.
     ///
     /// # Errors
-    /// Where the shader is not valid, lacks one of the two functions, or declares something that cannot be read.
+    /// Fails if the shader is invalid, lacks one of the two functions, or has a malformed declaration.
     pub fn load(library: &Library, path: &str) -> Result<Probe, ProbeError> {
         let text = library.files().read(path).map_or_else(String::new, |source| source.text.clone());
         let declared = Declared::read(&text).map_err(|(line, message)| {
@@ -94,7 +94,7 @@ impl Probe {
         for (name, value) in declared.iter().flat_map(|declared| &declared.options) {
             request = request.define(name.clone(), value.clone());
         }
-        // What is wrong with the WGSL is told first: it may be that there is no such file.
+        // Errors of the WGSL come first: the file may be missing.
         let shader = library.load(&request)?;
         let declared = declared?;
         let refuse = |message: String| ProbeError::NoProbe { place: path.to_owned(), message };
@@ -116,7 +116,7 @@ impl Probe {
     /// Returns the inputs for a magnitude and four random numbers in [0, 1), computed in `f64` and rounded to `f32`.
     ///
     /// # Errors
-    /// Where the probe's own function cannot be interpreted.
+    /// Fails if the function `given` cannot be interpreted.
     pub fn given(&self, magnitude: f64, random: [f64; 4]) -> Result<Value<f32>, Fault> {
         let mut interpreter = Interpreter::<f64>::new(&self.shader, &[])?;
         let given = interpreter.call(GIVEN, vec![Value::float(magnitude), Value::floats(random)])?;
@@ -126,7 +126,7 @@ impl Probe {
     /// Returns the results of the probe in this type of floats.
     ///
     /// # Errors
-    /// Where it cannot be interpreted.
+    /// Fails if the function `probe` cannot be interpreted.
     pub fn interpret<F: Float>(&self, given: &Value<F>) -> Result<[f64; 4], Fault> {
         let named = self.uniforms.iter();
         let uniforms: Vec<(&str, Value<F>)> =
@@ -149,7 +149,7 @@ impl Probe {
     }
 }
 
-/// What the doc comment of `fn probe` declares.
+/// The declarations in the doc comment of `fn probe`.
 struct Declared {
     range: (f64, f64),
     magnitude: String,

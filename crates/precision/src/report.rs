@@ -1,12 +1,12 @@
-//! What was measured: as JSON, and as a page.
+//! The report: measured probes as JSON, and as a page.
 
-use crate::chart;
-use crate::measure::{Errors, Measured, ROUNDING};
-use frame_graph::xml::{escape, page};
+use crate::measure::{Errors, Measured, Point, ROUNDING};
+use report::escape::html as escape;
+use report::{AxisKind, Band, Column, Entry, Line, Page, Series, Table, XyAxis, XyChart};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Returns all probes as JSON. Errors are relative; what is infinite is `null`.
+/// Returns all probes as JSON. Errors are relative; infinite values are `null`.
 pub fn json(all: &[Measured]) -> Value {
     let errors = |errors: &Errors| json!({ "median": errors.median, "most": errors.most });
     let probe = |measured: &Measured| {
@@ -36,56 +36,79 @@ const STYLE: &str = include_str!("report.css");
 
 /// Returns the page: a table of the probes, and a chart for each. It needs no other file and no network.
 pub fn html(all: &[Measured], about: &str) -> String {
-    let mut body = format!("<h1>Single precision</h1>\n<p>{}</p>\n", escape(about));
-    body += "<p>Errors are relative to the same function of the same inputs in f64. What is unavoidable is the error of a result \
-             that is rounded to f32, where each input is off by the rounding of f32: of the function as it is written, whose \
-             inputs count as independent. An error many times that can be avoided.</p>\n\
-             <p><span class=\"key most\"></span> error in f32, from the median to 99 % of the samples \
-             <span class=\"key unavoidable\"></span> unavoidable, of 99 % \
-             <span class=\"key demanded\"></span> demanded</p>\n";
-    body += "<table>\n<thead><tr>";
-    for column in [
-        "probe",
-        "worst at",
-        "error",
-        "in roundings",
-        "unavoidable",
-        "error over it",
-        "demanded",
-        "not finite",
-    ] {
-        let _ = write!(body, "<th scope=\"col\">{column}</th>");
-    }
-    body += "</tr></thead>\n<tbody>\n";
-    for measured in all {
-        body += &row(measured);
-    }
-    body += "</tbody>\n</table>\n";
+    let mut body = format!("<main>\n<h1>Single precision</h1>\n<p class=lead>{}</p>\n", escape(about));
+    body += "<section><p>Errors are relative to the same function of the same inputs in f64. The unavoidable error is \
+             that of a result that is rounded to f32, where each input is off by the rounding of f32: the error of the \
+             function as it is written, with independent inputs. An error that exceeds it many times can be \
+             avoided.</p>\n<div class=scroll>";
+    body += &table(all).html(false);
+    body += "</div></section>\n";
     for measured in all {
         let name = escape(&measured.probe.name);
         let _ = write!(
             body,
-            "<section id=\"{name}\"><h2>{name}</h2>\n<p>{}</p>\n{}</section>\n",
+            "<section id=\"{name}\"><h2>{name}</h2>\n<p>{}</p>\n<div class=drawing>{}</div></section>\n",
             escape(&measured.probe.about),
-            chart::svg(measured)
+            chart(measured).drawing().svg()
         );
     }
-    page("Lightloom: single precision", STYLE, &body)
+    Page { title: "Lightloom: single precision", style: STYLE, body: &(body + "</main>\n"), script: "" }
+        .html()
 }
 
-fn row(measured: &Measured) -> String {
-    let Some(worst) = measured.worst() else { return String::new() };
-    let name = escape(&measured.probe.name);
-    format!(
-        "<tr><th scope=\"row\"><a href=\"#{name}\">{name}</a></th><td>{:.1e}</td><td>{:.1e}</td><td>{:.1}</td><td>{:.1e}</td>\
-         <td class=\"{}\">{:.2}</td><td>{}</td><td>{}</td></tr>\n",
-        worst.magnitude,
-        worst.errors.most,
-        worst.errors.most / ROUNDING,
-        worst.unavoidable.most,
-        if measured.holds() { "held" } else { "exceeds" },
-        worst.ratio(),
-        measured.probe.bound,
-        measured.points.iter().map(|point| point.not_finite).sum::<usize>()
-    )
+fn table(all: &[Measured]) -> Table {
+    let numbers =
+        ["worst at", "error", "in roundings", "unavoidable", "error over it", "demanded", "not finite"];
+    let numbers = numbers.into_iter().map(|title| Column::number(title, ""));
+    let columns = std::iter::once(Column::text("probe", "")).chain(numbers).collect();
+    let row = |measured: &Measured| {
+        let worst = measured.worst()?;
+        let class = if measured.holds() { "held" } else { "exceeds" };
+        let not_finite: usize = measured.points.iter().map(|point| point.not_finite).sum();
+        Some(vec![
+            Entry::Link(measured.probe.name.clone()),
+            Entry::Text(format!("{:.1e}", worst.magnitude)),
+            Entry::Text(format!("{:.1e}", worst.errors.most)),
+            Entry::Text(format!("{:.1}", worst.errors.most / ROUNDING)),
+            Entry::Text(format!("{:.1e}", worst.unavoidable.most)),
+            Entry::marked(format!("{:.2}", worst.ratio()), class, ""),
+            Entry::Text(measured.probe.bound.to_string()),
+            Entry::Text(not_finite.to_string()),
+        ])
+    };
+    Table { columns, rows: all.iter().filter_map(row).collect(), ..Table::default() }
+}
+
+/// Returns the chart of a probe: a band from the median of the errors in `f32` to their 99th percentile, the 99th
+/// percentile of the unavoidable error, and the greatest error that is allowed.
+fn chart(measured: &Measured) -> XyChart {
+    let series = |name: &str, index: usize, dashes: usize, error: &dyn Fn(&Point) -> f64| {
+        let point = |point: &Point| report::Point {
+            x: point.magnitude,
+            y: error(point),
+            x_half: 0.0,
+            y_half: 0.0,
+            label: String::new(),
+            tip: format!("{name}: {:.1e} at {:.1e}", error(point), point.magnitude),
+        };
+        let points = measured.points.iter().map(point).collect();
+        Series { name: name.to_owned(), index, lines: vec![Line { points, dashes }] }
+    };
+    let band = measured.points.iter().map(|point| (point.magnitude, point.errors.median, point.errors.most));
+    XyChart {
+        about: format!("Errors of {} by magnitude", measured.probe.name),
+        x: XyAxis { title: measured.probe.magnitude.clone(), kind: AxisKind::Quantity },
+        y: XyAxis { title: "relative error".to_owned(), kind: AxisKind::Quantity },
+        series: vec![
+            series("error in f32, 99 % of the samples", 0, 0, &|point| point.errors.most),
+            series("median", 5, 0, &|point| point.errors.median),
+            series("unavoidable, 99 %", 2, 1, &|point| point.unavoidable.most),
+            series("demanded", 1, 2, &|point| measured.demanded(point)),
+        ],
+        bands: vec![Band { index: 0, points: band.collect() }],
+        front: Vec::new(),
+        front_rises: false,
+        dashes: Vec::new(),
+        floor: None,
+    }
 }

@@ -141,17 +141,11 @@ impl<F: Float> Value<F> {
             Scalar::U32(x) => Scalar::U32(x),
             Scalar::Float(x) => Scalar::Float(change(x)),
         };
+        let mut vector = |of: &Vector<F>| Vector::new(of.components().iter().map(|value| scalar(*value)));
         match self {
             Value::Scalar(value) => Value::Scalar(scalar(*value)),
-            Value::Vector(vector) => {
-                Value::Vector(Vector::new(vector.components().iter().map(|value| scalar(*value))))
-            }
-            Value::Matrix(columns) => {
-                let column = |column: &Vector<F>| {
-                    Vector::new(column.components().iter().map(|value| scalar(*value)).collect::<Vec<_>>())
-                };
-                Value::Matrix(columns.iter().map(column).collect())
-            }
+            Value::Vector(of) => Value::Vector(vector(of)),
+            Value::Matrix(columns) => Value::Matrix(columns.iter().map(vector).collect()),
             Value::Composite(parts) => {
                 Value::Composite(parts.iter().map(|part| part.map_floats(change)).collect())
             }
@@ -159,7 +153,7 @@ impl<F: Float> Value<F> {
         }
     }
 
-    /// What it is, for errors.
+    /// Returns a description for errors.
     pub(crate) fn type_name(&self) -> &'static str {
         match self {
             Value::Scalar(scalar) => scalar.type_name(),

@@ -14,7 +14,7 @@ const MOST_IN_LEAF: usize = 3;
 /// A tree over more triangles is optimised less, so that the time of building grows with their number alone.
 const FULLY_OPTIMISED: f32 = 2e5;
 /// By how much boxes are thickened while they are clustered, as a share of half the scene's extent. The area of a
-/// flat box does not tell a strip from a square, so that clusters on walls of equal triangles became strips and
+/// flat box does not distinguish a strip from a square, so that clusters on walls of equal triangles became strips and
 /// rays visited √n nodes; that of a box with a thickness grows with its perimeter too.
 const THICKNESS: f32 = 1e-5;
 /// Cost of traversing a node, in units of a ray-triangle test.
@@ -27,7 +27,7 @@ pub(crate) struct Tree {
     pub(crate) stack: usize,
 }
 
-/// What lies at a place of a [`Tree`].
+/// The item at a place of a [`Tree`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Item {
     Node(Children),
@@ -49,7 +49,7 @@ struct Binary {
     order: Vec<u32>,
 }
 
-/// What makes up a side of a [`Binary`] tree.
+/// A side of a [`Binary`] tree.
 #[derive(Clone, Copy)]
 enum Part {
     /// The index of a pair.

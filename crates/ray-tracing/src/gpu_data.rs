@@ -1,33 +1,17 @@
 //! Nodes and triangles in the layout of `shaders/bvh.wgsl`.
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, Vec4};
-use shader_library::{StructLayout, struct_layout};
 use std::ops::Range;
 
-/// The index that stands for no triangle: `NO_HIT` of shaders/ray-tracing.wgsl.
-pub(crate) const NO_HIT: u32 = u32::MAX;
-
-/// `BvhItem` of shaders/bvh.wgsl: a node with the boxes of up to four children, or a triangle.
-///
-/// | | `a` | `b` | `c` |
-/// |---|---|---|---|
-/// | node | origin of the boxes, exponents | low x, low y, low z, high x | high y, high z, first child, kinds |
-/// | triangle | first vertex, index | second vertex, 0 | third vertex, 0 |
-///
-/// Exponents, coordinates of boxes and kinds of children are bytes: those of the first axis or child are the
-/// lowest.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct BvhItem {
-    pub(crate) a: [u32; 4],
-    pub(crate) b: [u32; 4],
-    pub(crate) c: [u32; 4],
-}
-
-/// Returns the layouts of the structs that are shared with shaders.
-pub fn layouts() -> Vec<StructLayout> {
-    vec![struct_layout!(BvhItem { a: "vec4<u32>", b: "vec4<u32>", c: "vec4<u32>" })]
+wgsl_structs::wgsl! {
+    "../../shaders/bvh.wgsl" {
+        pub(crate) struct BvhItem;
+        pub(crate) const BVH_STACK;
+    }
+    "../../shaders/ray-tracing.wgsl" {
+        pub(crate) const NO_HIT;
+    }
+    pub fn layouts;
 }
 
 /// Triangles.
@@ -188,7 +172,7 @@ impl Children {
     }
 }
 
-/// What a child is: in the low four bits, the number of its items; in the high four, those of a [`Child`].
+/// The type of a child: in the low four bits, the number of its items; in the high four, those of a [`Child`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Kind(pub(crate) u8);
 

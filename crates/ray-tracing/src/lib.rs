@@ -24,9 +24,8 @@ use build::{Item, TRAVERSAL_COST};
 use glam::{Vec2, Vec3};
 use gpu_data::{Bounds, BvhItem, Child, Kind};
 
-/// Size of the traversal stack: `BVH_STACK` of shaders/bvh.wgsl. No tree is built that needs more:
-/// median splits over [`MOST_TRIANGLES`] need 42.
-pub const STACK: usize = 64;
+/// Size of the traversal stack. No tree is built that needs more: median splits over [`MOST_TRIANGLES`] need 42.
+pub const STACK: usize = gpu_data::BVH_STACK as usize;
 
 /// The greatest number of triangles of a [`Bvh`], which has fewer nodes than triangles.
 pub const MOST_TRIANGLES: usize = Child::END as usize / 2;
@@ -66,7 +65,7 @@ pub enum Refit {
 /// A bounding volume hierarchy over triangles.
 #[derive(Clone, Debug)]
 pub struct Bvh {
-    /// What lies where: the root first, children after their parents.
+    /// The items by their places: the root first, children after their parents.
     places: Vec<Item>,
     /// The nodes and triangles at these places.
     items: Vec<BvhItem>,

@@ -146,16 +146,16 @@ fn link_all(
     if errors.is_empty() { Ok(steps) } else { Err(Diagnostics(each_once(errors))) }
 }
 
-/// The errors of several passes: one in a module that they import was found by each, and is told once, with all that is
-/// said to it.
+/// Merges the errors of several passes: an error in a module that they import was found by each, and is reported once, with
+/// the notes of all.
 fn each_once(errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    let mut told: Vec<Diagnostic> = Vec::new();
+    let mut merged: Vec<Diagnostic> = Vec::new();
     for error in errors {
         let same = |known: &&mut Diagnostic| {
             known.code == error.code && known.message == error.message && known.labels == error.labels
         };
-        match told.iter_mut().find(same) {
-            None => told.push(error),
+        match merged.iter_mut().find(same) {
+            None => merged.push(error),
             Some(known) => {
                 for note in error.notes {
                     if !known.notes.contains(&note) {
@@ -165,7 +165,7 @@ fn each_once(errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
             }
         }
     }
-    told
+    merged
 }
 
 /// Adds the place of the pass in its pipeline to an error that is the pass's own; errors in the text of a shader
@@ -184,7 +184,7 @@ mod tests {
     use frame_graph::{Source, Span};
 
     #[test]
-    fn an_error_of_a_module_is_told_once_for_all_that_import_it() {
+    fn an_error_of_a_module_is_reported_once_for_all_that_import_it() {
         let source = Source::new("shaders/random.wgsl", "let x = nosuch;");
         let error = |at: u32, notes: &[&str]| {
             let span = Span { source: source.clone(), start: at, end: at + 1 };
@@ -192,14 +192,14 @@ mod tests {
             error.notes = notes.iter().map(|note| (*note).to_owned()).collect();
             error
         };
-        let told = each_once(vec![
+        let merged = each_once(vec![
             error(8, &["imported by a"]),
             error(8, &["imported by b", "in a variant"]),
             error(8, &["imported by a"]),
             error(4, &["imported by a"]),
         ]);
         assert_eq!(
-            told,
+            merged,
             [error(8, &["imported by a", "imported by b", "in a variant"]), error(4, &["imported by a"])]
         );
     }

@@ -31,12 +31,12 @@ pub enum RenderError {
     NoPicture {
         /// `pass.port`
         resource: String,
-        /// What it is.
+        /// Its description.
         what: String,
     },
     /// The output `progress` is no buffer of a `struct Progress`.
     #[error(
-        "the output `progress` is `{resource}`, of {bytes} bytes; expected 16: struct Progress of interfaces/progress"
+        "the output `progress` is `{resource}`, of {bytes} bytes; expected 16: struct Progress of crates/interfaces/progress"
     )]
     NoProgress {
         /// `pass.port`

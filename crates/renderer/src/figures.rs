@@ -1,4 +1,4 @@
-//! The figures of passes: the numbers by which a frame tells how it went.
+//! The figures of passes: the numbers that report how a frame went.
 
 use crate::{RenderError, Renderer};
 use frame_graph::{Content, Figure, Interface, Name, Struct};

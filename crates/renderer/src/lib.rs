@@ -46,7 +46,7 @@ use std::sync::Arc;
 /// Loads a scene by the name of a built-in one, or from a `.ron`, `.glb` or `.gltf` file.
 ///
 /// # Errors
-/// What is wrong with the file, and where; the nearest name where there is none.
+/// Everything that is wrong with the file, and where; the nearest name where there is none.
 pub fn load_scene(catalog: &Catalog, spec: &str) -> Result<Scene, scene::SceneError> {
     let _phase = tracing::info_span!(target: "phase", "scene").entered();
     scene::load(spec, &catalog::SceneAssets(catalog.assets().clone()))
@@ -141,7 +141,7 @@ impl Renderer {
     /// Creates a renderer on a device, with a scene and a frame size in pixels. Set a pipeline before running frames.
     ///
     /// # Errors
-    /// What the driver said of the scene's buffers and textures.
+    /// The driver's error for the scene's buffers and textures.
     pub fn new(
         gpu: Gpu,
         catalog: Arc<Catalog>,
@@ -355,7 +355,7 @@ impl Renderer {
     /// Runs one frame.
     ///
     /// # Errors
-    /// [`RenderError::NoPipeline`], or what the GPU said.
+    /// [`RenderError::NoPipeline`], or the error of the GPU.
     pub fn frame(&mut self) -> Result<&FrameReport, RenderError> {
         if self.pipeline.is_none() {
             return Err(RenderError::NoPipeline);
@@ -395,20 +395,20 @@ impl Renderer {
     }
 
     /// Runs frames of the same number, and so of the same time, until the output `progress` reports convergence; one
-    /// frame if the pipeline has no such output. `told` is called after each frame, and may stop early.
+    /// frame if the pipeline has no such output. `report` is called after each frame, and may stop early.
     ///
     /// # Errors
     /// As [`Renderer::frame`] and [`Renderer::progress`].
     pub fn frame_until_done(
         &mut self,
-        mut told: impl FnMut(&FrameReport, Option<Progress>) -> ControlFlow<()>,
+        mut report: impl FnMut(&FrameReport, Option<Progress>) -> ControlFlow<()>,
     ) -> Result<&FrameReport, RenderError> {
         let index = self.index;
         loop {
             self.index = index;
             self.frame()?;
             let progress = self.progress()?;
-            let broken_off = told(self.executor.report(), progress).is_break();
+            let broken_off = report(self.executor.report(), progress).is_break();
             if broken_off || progress.is_none_or(|progress| progress.is_done()) {
                 return Ok(self.executor.report());
             }

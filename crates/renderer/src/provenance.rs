@@ -171,7 +171,8 @@ impl Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             pipeline: renderer.pipeline_name().to_owned(),
             set,
-            resolved: compiled.map_or_else(String::new, |compiled| compiled.resolved.to_ron()),
+            resolved: compiled
+                .map_or_else(String::new, |compiled| compiled.resolved.to_ron(&*renderer.catalog, true)),
             plan: compiled.map_or_else(String::new, |compiled| compiled.plan.id.to_string()),
             shaders,
             scene: scene.to_owned(),
@@ -251,7 +252,7 @@ impl Provenance {
     /// Reads it from JSON.
     ///
     /// # Errors
-    /// What is wrong with the text.
+    /// Where the text has another form.
     pub fn from_json(text: &str) -> Result<Provenance, serde_json::Error> {
         serde_json::from_str(text)
     }

@@ -38,7 +38,7 @@ impl Renderer {
         let paths: BTreeSet<String> = changed.iter().filter_map(|path| self.asset_path(path)).collect();
         let places: BTreeSet<PathBuf> = changed.iter().map(|path| place(path)).collect();
         let scene_touched = self.scene().files.iter().any(|file| places.contains(&place(file)));
-        // What a broken scene lacks, or names now, lies beside what it is made of.
+        // Files that a broken scene lacks, or names now, lie beside its other files.
         let folders: BTreeSet<PathBuf> =
             self.scene().files.iter().filter_map(|file| place(file).parent().map(Path::to_owned)).collect();
         let beside = |file: &PathBuf| folders.iter().any(|folder| file.starts_with(folder));
@@ -46,9 +46,9 @@ impl Renderer {
         self.scene_stale |= scene_touched;
         let Some(loaded) = &self.pipeline else { return Reload::Nothing };
         let stale = self.catalog.shaders().invalidate(&paths.iter().map(String::as_str).collect::<Vec<_>>());
-        // A file outside the tree may be named from the working folder, and told of with its whole path.
+        // A file outside the tree may be named from the working folder, and reported with its whole path.
         let touched = |name: &str| paths.contains(name) || places.contains(&place(&self.on_disk(name)));
-        // Another renderer of the same catalog may have told the library first.
+        // Another renderer of the same catalog may have notified the library first.
         let shader_touched =
             !stale.is_empty() || loaded.compiled.shader_files().iter().any(|file| touched(file));
         let pipeline_touched = loaded.compiled.resolved.sources().iter().any(|source| touched(&source.name))
@@ -84,7 +84,8 @@ impl Renderer {
         let mut folders: Vec<PathBuf> = root
             .into_iter()
             .flat_map(|root| {
-                ["pipelines", "scenes", "shaders", "interfaces", "passes"].map(|folder| root.join(folder))
+                ["pipelines", "scenes", "shaders", "crates/interfaces", "passes"]
+                    .map(|folder| root.join(folder))
             })
             .filter(|folder| folder.is_dir())
             .collect();
@@ -114,7 +115,7 @@ impl Renderer {
 
     /// The path by which a file on disk is known, with `/`: from the root of the tree, or from the working folder.
     fn asset_path(&self, path: &Path) -> Option<String> {
-        // Systems tell of whole paths, also where a folder was named from the working folder.
+        // Systems report whole paths, also where a folder was named from the working folder.
         let whole = place(path);
         let within = |folder: &Path| {
             let inner = folder.canonicalize().ok().and_then(|folder| whole.strip_prefix(folder).ok());

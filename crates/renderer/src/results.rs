@@ -153,7 +153,7 @@ impl Renderer {
     /// `None` where it has none, and so is complete after every frame. Waits for the GPU.
     ///
     /// # Errors
-    /// Where the output is no buffer of a struct Progress (interfaces/progress), or the device is gone.
+    /// Where the output is no buffer of a struct Progress (crates/interfaces/progress), or the device is gone.
     pub fn progress(&self) -> Result<Option<Progress>, RenderError> {
         let Some(output) = self.plan().and_then(|plan| plan.output("progress")) else { return Ok(None) };
         let Some((_, resource)) = output.members.first() else { return Ok(None) };
@@ -185,17 +185,13 @@ impl Renderer {
     fn no_output<'a>(&self, name: &str, has: impl Iterator<Item = &'a Name>) -> RenderError {
         let has: Vec<&str> = has.map(|name| name.as_str()).collect();
         // One that is near is meant; all of a large pipeline's resources would hide it.
-        let told = match frame_graph::nearest_of_few(name, has.iter().copied()) {
+        let has = match frame_graph::nearest_of_few(name, has.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => {
                 let all: Vec<String> = has.iter().map(|name| format!("`{name}`")).collect();
                 format!("it has {}", all.join(", "))
             }
         };
-        RenderError::NoOutput {
-            pipeline: self.pipeline_name().to_owned(),
-            output: name.to_owned(),
-            has: told,
-        }
+        RenderError::NoOutput { pipeline: self.pipeline_name().to_owned(), output: name.to_owned(), has }
     }
 }

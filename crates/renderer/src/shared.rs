@@ -19,19 +19,10 @@ impl SharedScene {
     /// Uploads a scene.
     ///
     /// # Errors
-    /// Where the scene is larger than the adapter can bind, and what the driver said of its buffers and textures.
+    /// Where the scene is larger than the adapter can bind, and the driver's error for its buffers and textures.
     pub fn new(gpu: &Gpu, scene: Scene) -> Result<SharedScene, RenderError> {
         let bytes = size_of_val(scene.vertices.as_slice()).max(size_of_val(scene.indices.as_slice())) as u64;
-        let allowed = gpu.limits().max_storage_buffer_binding_size;
-        if bytes > allowed {
-            return Err(RenderError::Gpu(ExecutorError::Limit {
-                resource: format!("the geometry of `{}`", scene.name),
-                wanted: format!("{bytes} bytes"),
-                allowed: format!("{allowed} bytes"),
-                limit: "max_storage_buffer_binding_size",
-                from: String::new(),
-            }));
-        }
+        gpu.check_storage(&format!("the geometry of `{}`", scene.name), bytes)?;
         let _phase = tracing::info_span!(target: "phase", "scene on the GPU").entered();
         let on_gpu = Arc::new(SceneOnGpu::new(gpu, &scene));
         match gpu.take_fault() {

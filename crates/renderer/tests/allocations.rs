@@ -1,4 +1,4 @@
-//! What a renderer does before its executor's frame allocates nothing where nothing changes. The executor's own frame is
+//! A renderer allocates nothing before its executor's frame where nothing changes. The executor's own frame is
 //! tested in its crate.
 
 use renderer::{Assets, Catalog};

@@ -1,183 +1,41 @@
-//! The structs that the application writes and WGSL reads, in the layouts of `shaders/`.
-//!
-//! A test, and every load of a shader, compare each with the declaration in the shader.
+//! The structs that the application writes and WGSL reads, generated from `shaders/`. Every load of a shader compares them
+//! with the declarations that it finds then.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::{Mat4, Vec2, Vec3, Vec4};
-use scene::{Emitter, Light, LightKind, Material, Scene};
-use shader_library::{StructLayout, struct_layout};
+use scene::{Light, LightKind, Material, Scene};
+use shader_library::StructLayout;
 use std::f32::consts::PI;
 
-/// `Camera` of shaders/camera.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct Camera {
-    clip_from_world: Mat4,
-    previous_clip_from_world: Mat4,
-    world_from_view: Mat4,
-    position: Vec3,
-    near: f32,
-    half_extent: [f32; 2],
-    size: [f32; 2],
-    jitter: [f32; 2],
-    pad: [f32; 2],
-}
-
-/// `Frame` of shaders/frame.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Frame {
-    /// Number of frames since the start.
-    pub index: u32,
-    /// Seconds since the start.
-    pub time: f32,
-    /// Seconds since the frame before.
-    pub step: f32,
-    /// Zero.
-    pub pad: f32,
-}
-
-/// `SceneInfo` of shaders/scene.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct SceneInfo {
-    bounds_min: Vec3,
-    extent: f32,
-    bounds_max: Vec3,
-    area: f32,
-    triangles: u32,
-    vertices: u32,
-    materials: u32,
-    textures: u32,
-    dense_extent: f32,
-    pad0: u32,
-    pad1: u32,
-    pad2: u32,
-}
-
-/// `Material` of shaders/scene.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct GpuMaterial {
-    base_color: Vec4,
-    emission: Vec3,
-    roughness: f32,
-    specular: Vec3,
-    metallic: f32,
-    base_color_texture: u32,
-    emission_texture: u32,
-    metallic_roughness_texture: u32,
-    normal_texture: u32,
-    alpha_cutoff: f32,
-    normal_scale: f32,
-    pad1: f32,
-    pad2: f32,
-}
-
-/// `Light` of shaders/lights.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct GpuLight {
-    position: Vec3,
-    kind: u32,
-    direction: Vec3,
-    cap_outer: f32,
-    intensity: Vec3,
-    cap_inner: f32,
-    first_layer: u32,
-    layers: u32,
-    cap_sampled: f32,
-    pad0: u32,
-}
-
-/// `LightLayer` of shaders/lights.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct LightLayer {
-    clip_from_world: Mat4,
-    world_from_layer: Mat4,
-    half_extent: [f32; 2],
-    light: u32,
-    kind: u32,
+wgsl_structs::wgsl! {
+    "../../shaders/camera.wgsl" {
+        pub(crate) struct Camera;
+    }
+    "../../shaders/frame.wgsl" {
+        pub struct Frame;
+    }
+    "../../shaders/lights.wgsl" {
+        pub(crate) struct Light as GpuLight;
+        pub(crate) struct LightLayer;
+        struct SceneLights as LightsHeader;
+        const LIGHT_SPOT;
+        const LIGHT_POINT;
+        const LIGHT_DIRECTIONAL;
+    }
+    "../../shaders/scene.wgsl" {
+        use scene::Emitter;
+        struct SceneEmitters as EmittersHeader;
+        pub(crate) struct SceneInfo;
+        pub(crate) struct Material as GpuMaterial;
+        use scene::Vertex;
+        const NO_TEXTURE;
+    }
+    fn own_layouts;
 }
 
 /// Returns the layouts of the structs that are shared with shaders.
 pub fn layouts() -> Vec<StructLayout> {
-    let named = |mut layout: StructLayout, name: &str| {
-        layout.name = name.to_owned();
-        layout
-    };
-    let mut layouts = vec![
-        struct_layout!(Camera {
-            clip_from_world: "mat4x4<f32>",
-            previous_clip_from_world: "mat4x4<f32>",
-            world_from_view: "mat4x4<f32>",
-            position: "vec3<f32>",
-            near: "f32",
-            half_extent: "vec2<f32>",
-            size: "vec2<f32>",
-            jitter: "vec2<f32>",
-            pad: "vec2<f32>",
-        }),
-        struct_layout!(Frame { index: "u32", time: "f32", step: "f32", pad: "f32" }),
-        struct_layout!(SceneInfo {
-            bounds_min: "vec3<f32>",
-            extent: "f32",
-            bounds_max: "vec3<f32>",
-            area: "f32",
-            triangles: "u32",
-            vertices: "u32",
-            materials: "u32",
-            textures: "u32",
-            dense_extent: "f32",
-            pad0: "u32",
-            pad1: "u32",
-            pad2: "u32",
-        }),
-        named(
-            struct_layout!(GpuMaterial {
-                base_color: "vec4<f32>",
-                emission: "vec3<f32>",
-                roughness: "f32",
-                specular: "vec3<f32>",
-                metallic: "f32",
-                base_color_texture: "u32",
-                emission_texture: "u32",
-                metallic_roughness_texture: "u32",
-                normal_texture: "u32",
-                alpha_cutoff: "f32",
-                normal_scale: "f32",
-                pad1: "f32",
-                pad2: "f32",
-            }),
-            "Material",
-        ),
-        named(
-            struct_layout!(GpuLight {
-                position: "vec3<f32>",
-                kind: "u32",
-                direction: "vec3<f32>",
-                cap_outer: "f32",
-                intensity: "vec3<f32>",
-                cap_inner: "f32",
-                first_layer: "u32",
-                layers: "u32",
-                cap_sampled: "f32",
-                pad0: "u32",
-            }),
-            "Light",
-        ),
-        struct_layout!(LightLayer {
-            clip_from_world: "mat4x4<f32>",
-            world_from_layer: "mat4x4<f32>",
-            half_extent: "vec2<f32>",
-            light: "u32",
-            kind: "u32",
-        }),
-        struct_layout!(Emitter { triangle: "u32", for_photons: "u32", for_paths: "u32" }),
-    ];
-    layouts.extend(ray_tracing::layouts());
-    layouts
+    [own_layouts(), ray_tracing::layouts()].concat()
 }
 
 impl Camera {
@@ -190,18 +48,18 @@ impl Camera {
     ) -> Camera {
         let aspect = size.0 as f32 / size.1 as f32;
         let tan = (camera.vertical_fov * 0.5).tan();
-        // What lies at a sample is displaced to the centre of its pixel.
+        // The projection displaces the sample to the centre of its pixel.
         let projection = |camera: &scene::Camera| camera.projection_offset([size.0, size.1], -jitter);
         Camera {
-            clip_from_world: projection(camera) * camera.view(),
-            previous_clip_from_world: projection(previous) * previous.view(),
-            world_from_view: camera.view().inverse(),
-            position: camera.position,
+            clip_from_world: (projection(camera) * camera.view()).to_cols_array_2d(),
+            previous_clip_from_world: (projection(previous) * previous.view()).to_cols_array_2d(),
+            world_from_view: camera.view().inverse().to_cols_array_2d(),
+            position: camera.position.to_array(),
             near: camera.near,
             half_extent: [tan * aspect, tan],
             size: [size.0 as f32, size.1 as f32],
             jitter: jitter.to_array(),
-            pad: [0.0; 2],
+            ..Camera::zeroed()
         }
     }
 }
@@ -210,30 +68,28 @@ impl SceneInfo {
     pub(crate) fn new(scene: &Scene, textures: u32) -> SceneInfo {
         let (bounds_min, bounds_max) = scene.bounds();
         SceneInfo {
-            bounds_min,
+            bounds_min: bounds_min.to_array(),
             extent: scene.extent(),
-            bounds_max,
+            bounds_max: bounds_max.to_array(),
             area: scene.area() as f32,
             triangles: scene.triangles() as u32,
             vertices: scene.vertices.len() as u32,
             materials: scene.materials.len() as u32,
             textures,
             dense_extent: scene.dense_extent(),
-            pad0: 0,
-            pad1: 0,
-            pad2: 0,
+            ..SceneInfo::zeroed()
         }
     }
 }
 
 impl GpuMaterial {
     pub(crate) fn new(material: &Material) -> GpuMaterial {
-        let texture = |index: Option<u32>| index.unwrap_or(u32::MAX);
+        let texture = |index: Option<u32>| index.unwrap_or(NO_TEXTURE);
         GpuMaterial {
-            base_color: material.base_color,
-            emission: material.emission,
+            base_color: material.base_color.to_array(),
+            emission: material.emission.to_array(),
             roughness: material.roughness,
-            specular: material.specular,
+            specular: material.specular.to_array(),
             metallic: material.metallic,
             base_color_texture: texture(material.base_color_texture),
             emission_texture: texture(material.emission_texture),
@@ -241,8 +97,7 @@ impl GpuMaterial {
             normal_texture: texture(material.normal_texture),
             alpha_cutoff: material.alpha_cutoff.unwrap_or(0.0),
             normal_scale: material.normal_scale,
-            pad1: 0.0,
-            pad2: 0.0,
+            ..GpuMaterial::zeroed()
         }
     }
 }
@@ -250,8 +105,8 @@ impl GpuMaterial {
 /// Returns the emitters with their header: `SceneEmitters` of shaders/scene.wgsl.
 pub(crate) fn emitters(scene: &Scene) -> Vec<u8> {
     let emitters = scene.emitters();
-    let count = emitters.table.len() as u32 - 1;
-    [bytemuck::cast_slice(&[count, emitters.power.to_bits()]), bytemuck::cast_slice(&emitters.table)].concat()
+    let header = EmittersHeader { count: emitters.table.len() as u32 - 1, power: emitters.power };
+    [bytes_of(&header), cast_slice(&emitters.table)].concat()
 }
 
 /// Returns the lights with their header, and the layers of their shadow maps.
@@ -262,33 +117,32 @@ pub(crate) fn lights(lights: &[Light], bounds: (Vec3, Vec3)) -> (Vec<u8>, Vec<Li
         let first_layer = layers.len() as u32;
         layers.extend(light_layers(light, index as u32, bounds));
         let (kind, inner, outer) = match light.kind {
-            LightKind::Spot { inner, outer } => (0, inner, outer),
-            LightKind::Point => (1, PI, PI),
-            LightKind::Directional => (2, PI, PI),
+            LightKind::Spot { inner, outer } => (LIGHT_SPOT, inner, outer),
+            LightKind::Point => (LIGHT_POINT, PI, PI),
+            LightKind::Directional => (LIGHT_DIRECTIONAL, PI, PI),
         };
         rows.push(GpuLight {
-            position: light.position,
+            position: light.position.to_array(),
             kind,
-            direction: light.direction,
+            direction: light.direction.to_array(),
             cap_outer: cap(outer),
-            intensity: light.intensity,
+            intensity: light.intensity.to_array(),
             cap_inner: cap(inner),
             first_layer,
             layers: layers.len() as u32 - first_layer,
             cap_sampled: cap(half_angle(light, outer, bounds)),
-            pad0: 0,
+            ..GpuLight::zeroed()
         });
     }
-    let header = [rows.len() as u32, layers.len() as u32, 0, 0];
-    let mut bytes = bytemuck::cast_slice(&header).to_vec();
+    let header =
+        LightsHeader { count: rows.len() as u32, layers: layers.len() as u32, ..LightsHeader::zeroed() };
     if rows.is_empty() {
         rows.push(GpuLight::zeroed());
     }
-    bytes.extend_from_slice(bytemuck::cast_slice(&rows));
     if layers.is_empty() {
         layers.push(LightLayer::zeroed());
     }
-    (bytes, layers)
+    ([bytes_of(&header), cast_slice(&rows)].concat(), layers)
 }
 
 /// Height of the cap that a cone cuts from the unit sphere: 1 − cos, without its cancellation for narrow cones.
@@ -315,7 +169,7 @@ fn half_angle(light: &Light, outer: f32, bounds: (Vec3, Vec3)) -> f32 {
 
 fn light_layers(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> Vec<LightLayer> {
     let extent = (bounds.1 - bounds.0).length();
-    // Nearer than this, positions are not told apart. Reversed depth has the same relative precision for any near plane; one
+    // Nearer than this, positions cannot be distinguished. Reversed depth has the same relative precision for any near plane; one
     // that is farther would cut off the room of a light in a scene that is large elsewhere.
     let near = (extent * 1e-6).max(f32::MIN_POSITIVE * 1e8);
     let perspective = |direction: Vec3, up: Vec3, half_angle: f32| {
@@ -327,11 +181,11 @@ fn light_layers(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> Vec<LightLay
             light.position.extend(1.0),
         );
         LightLayer {
-            clip_from_world: infinite_reverse_z(tan, near) * axes.inverse(),
-            world_from_layer: axes,
+            clip_from_world: (infinite_reverse_z(tan, near) * axes.inverse()).to_cols_array_2d(),
+            world_from_layer: axes.to_cols_array_2d(),
             half_extent: [tan, tan],
             light: index,
-            kind: u32::from(light.kind == LightKind::Point),
+            kind: if light.kind == LightKind::Point { LIGHT_POINT } else { LIGHT_SPOT },
         }
     };
     match light.kind {
@@ -403,11 +257,11 @@ fn directional_layer(light: &Light, index: u32, bounds: (Vec3, Vec3)) -> LightLa
         Vec4::new(0.0, 0.0, 1.0, 1.0),
     );
     LightLayer {
-        clip_from_world: projection * axes.inverse(),
-        world_from_layer: axes,
+        clip_from_world: (projection * axes.inverse()).to_cols_array_2d(),
+        world_from_layer: axes.to_cols_array_2d(),
         half_extent: [half.x, half.y],
         light: index,
-        kind: 2,
+        kind: LIGHT_DIRECTIONAL,
     }
 }
 
@@ -434,7 +288,7 @@ mod tests {
         }
     }
 
-    /// Of a light far away, the map shows the whole scene and not much else.
+    /// The map of a light far away shows the whole scene and not much else.
     #[test]
     fn the_map_of_a_light_outside_holds_the_scene() {
         let bounds = (Vec3::new(-1.0, -2.0, 0.0), Vec3::new(3.0, 1.0, 2.0));

@@ -79,17 +79,7 @@ impl Made {
 }
 
 fn check(gpu: &Gpu, scene: &Scene, bytes: u64) -> Result<(), ExecutorError> {
-    let allowed = gpu.limits().max_storage_buffer_binding_size;
-    if bytes <= allowed {
-        return Ok(());
-    }
-    Err(ExecutorError::Limit {
-        resource: format!("the hierarchy for rays through `{}`", scene.name),
-        wanted: format!("{bytes} bytes"),
-        allowed: format!("{allowed} bytes"),
-        limit: "max_storage_buffer_binding_size",
-        from: String::new(),
-    })
+    gpu.check_storage(&format!("the hierarchy for rays through `{}`", scene.name), bytes)
 }
 
 fn positions(scene: &Scene, moved: &[MovedVertices]) -> Vec<[f32; 3]> {

@@ -99,7 +99,7 @@ fn mip_chain(texture: &Texture, side: u32) -> Vec<Vec<u8>> {
     chain
 }
 
-/// Stretches a texture to a square. Colours are interpolated in linear light, since they would become darker
+/// Stretches a texture to a square. Colors are interpolated in linear light, since they would become darker
 /// if interpolated in sRGB.
 fn stretch(texture: &Texture, side: u32) -> Vec<u8> {
     let decoded = texture.pixels.iter().enumerate().map(|(i, v)| {
@@ -116,12 +116,12 @@ fn stretch(texture: &Texture, side: u32) -> Vec<u8> {
     encoded.collect()
 }
 
-/// Returns whether a channel is encoded in sRGB: all channels of a colour texture except alpha.
+/// Returns whether a channel is encoded in sRGB: all channels of a color texture except alpha.
 fn is_color(encoding: Encoding, channel: usize) -> bool {
     encoding == Encoding::Srgb && channel < 3
 }
 
-/// Returns the mean of each 2×2 texels, for colours in linear light.
+/// Returns the mean of each 2×2 texels, for colors in linear light.
 fn halve(pixels: &[u8], width: u32, encoding: Encoding) -> Vec<u8> {
     let half = (width / 2) as usize;
     let width = width as usize;
@@ -157,7 +157,7 @@ mod tests {
 
     /// The mean of a checkerboard is ½ in linear light, which is 188 in sRGB and not 128.
     #[test]
-    fn colours_are_mixed_as_light() {
+    fn colors_are_mixed_as_light() {
         let (black, white) = ([0, 0, 0, 255], [255; 4]);
         let row = [black, white, black].concat();
         let stretched = stretch(&texture(3, Encoding::Srgb, row.clone()), 4);

@@ -1,9 +1,10 @@
 //! Values that change over time.
 
 use glam::{Quat, Vec3};
+use serde::Serialize;
 
 /// The value of a track outside its keys.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) enum Outside {
     /// The value of the first or last key.
     Hold,
@@ -12,7 +13,7 @@ pub(crate) enum Outside {
 }
 
 /// Interpolation between the keys of a track.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) enum Between<T> {
     /// The value of the earlier key.
     Step,
@@ -23,7 +24,7 @@ pub(crate) enum Between<T> {
 }
 
 /// Keys at rising times \[s\]; never empty.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Track<T> {
     pub(crate) keys: Vec<(f32, T)>,
     pub(crate) between: Between<T>,

@@ -1,6 +1,5 @@
 //! Combines models, lights and a camera into a flat [`Scene`] around an origin.
 
-use std::borrow::Cow;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -74,16 +73,16 @@ impl Assembly {
     /// Adds a model below `parent`, or in the world, with its cameras, and with its lights if `with_lights` is set.
     ///
     /// # Errors
-    /// Where the scene becomes too large for its files.
+    /// A scene that is too large for its files.
     pub(crate) fn place(
         &mut self,
-        model: Cow<'_, Model>,
+        model: &Model,
         parent: Option<usize>,
         with_lights: bool,
     ) -> Result<(), SceneError> {
         let too_large = |problem| SceneError::TooLarge { file: self.name.clone(), problem };
         self.budget.take(1, model.bytes()).map_err(too_large)?;
-        let model = model.into_owned();
+        let model = model.clone();
         let (first_node, first_material) = (self.nodes.len(), self.materials.len() as u32);
         let (first_texture, first_skin) = (self.textures.len() as u32, self.skins.len());
         self.textures.extend(model.textures);
@@ -240,7 +239,7 @@ impl Flattened {
         let start = scene.at(0.0);
         (scene.camera, scene.lights) = (start.camera, start.lights);
         if scene.camera.position == scene.camera.target {
-            let message = "the camera's position and target are too near to tell apart: it looks along −z";
+            let message = "the camera's position and target are too near each other: it looks along −z";
             scene.repairs.push(message.into());
         }
         scene.hash = hash::scene(&scene);

@@ -4,10 +4,10 @@ use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// What files of any size may become, in bytes: five million vertices, or sixteen textures of 2048 × 2048.
+/// The bytes that files of any size may become: five million vertices, or sixteen textures of 2048 × 2048.
 const FREE: u64 = 256 << 20;
 
-/// What each byte of the files may become beyond that. The best compression of a picture is 1000 : 1, and a mesh that is
+/// The further bytes for each byte of the files. The best compression of a picture is 1000 : 1, and a mesh that is
 /// placed a thousand times is a forest; a file of a few KB that asks for gigabytes is neither.
 const PER_BYTE: u64 = 1024;
 
@@ -34,7 +34,7 @@ impl Budget {
         self.taken.set(0);
     }
 
-    /// Counts a file that was read, once however often it is.
+    /// Counts a file, once however often it is read.
     pub(crate) fn file(&self, path: &Path, bytes: usize) {
         let path = path.canonicalize().unwrap_or_else(|_| path.into());
         if self.seen.borrow_mut().insert(path) {
@@ -48,15 +48,15 @@ impl Budget {
         self.grant((bytes as u64).saturating_mul(PER_BYTE));
     }
 
-    /// Allows so many bytes more: what the program makes itself.
+    /// Allows further bytes, for geometry that the program generates.
     pub(crate) fn grant(&self, bytes: u64) {
         self.most.set(self.most.get().saturating_add(bytes));
     }
 
-    /// Counts `count` things of `size` bytes that are about to be made.
+    /// Counts `count` things of `size` bytes before they are allocated.
     ///
     /// # Errors
-    /// Where they are too much: what the files ask for, and the bound.
+    /// Bytes beyond the bound: what the files ask for, and the bound.
     pub(crate) fn take(&self, count: usize, size: usize) -> Result<(), String> {
         let bytes = (count as u64).saturating_mul(size as u64);
         let taken = self.taken.get().saturating_add(bytes);

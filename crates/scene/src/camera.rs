@@ -2,10 +2,11 @@
 
 use glam::camera::rh::{proj::directx, view};
 use glam::{Mat3, Mat4, Vec2, Vec3};
+use serde::Serialize;
 
 /// A pinhole camera: square pixels, the centre of the image on the optical axis, x to the right, row 0 at the
 /// top.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Camera {
     /// Position of the pinhole \[m\].
     pub position: Vec3,

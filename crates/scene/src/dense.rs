@@ -3,7 +3,7 @@
 use crate::scene::{Instance, Scene, Vertex};
 use glam::{DVec3, Vec3};
 
-/// How many times wider than all else together a slab without geometry must be not to count.
+/// A slab without geometry does not count if it is this many times as wide as all else together.
 const EMPTY: f64 = 100.0;
 
 impl Scene {
@@ -28,7 +28,7 @@ pub(crate) fn dense_extent(vertices: &[Vertex], indices: &[u32], instances: &[In
         size[axis] = width;
         gaps.extend(between.into_iter().map(|gap| (gap, axis)));
     }
-    // From the narrowest on, space belongs to the scene until there is far more of it than of all else.
+    // In rising order, gaps belong to the scene until one is far wider than all else.
     gaps.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     for (gap, axis) in gaps {
         let all_else = size.length();
@@ -40,7 +40,7 @@ pub(crate) fn dense_extent(vertices: &[Vertex], indices: &[u32], instances: &[In
     extent
 }
 
-/// The box around the triangles of an instance; none where it has none.
+/// Returns the box around the triangles of an instance, if it has any.
 fn box_of(vertices: &[Vertex], indices: &[u32], instance: &Instance) -> Option<(Vec3, Vec3)> {
     let first = instance.first_index as usize;
     let places = indices[first..first + instance.index_count as usize]
@@ -49,7 +49,7 @@ fn box_of(vertices: &[Vertex], indices: &[u32], instance: &Instance) -> Option<(
     places.map(|at| (at, at)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// How much of an axis intervals cover, and the widths of the gaps between them.
+/// Returns the length of an axis that intervals cover, and the widths of the gaps between them.
 fn slabs(mut intervals: Vec<(f32, f32)>) -> (f64, Vec<f64>) {
     intervals.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     let (mut covered, mut gaps) = (0.0, Vec::new());

@@ -13,19 +13,18 @@ use std::path::Path;
 use std::sync::Arc;
 
 use data_file::codes::scene as codes;
-use data_file::reader::{self, Form, Node};
+use data_file::grammar::{self, Node};
 use data_file::{Diagnostic, Diagnostics, Source, Span};
 use glam::{DVec3, Vec3};
 
 use crate::camera::Camera;
-use crate::description::{Description, Keys, parse};
+use crate::description::parse;
 use crate::error::SceneError;
-use crate::light::{Light, LightKind};
-use crate::origin::kept;
+use crate::light::Light;
 use crate::scene::Scene;
 use patches::Patches;
 
-/// What is to be changed in a scene file. What it does not name stays.
+/// Changes of a scene file. Values that it does not name stay.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneEdit {
     /// The camera. Where the file leaves `near` to be derived from the scene's extent, it still does; a file without
@@ -43,7 +42,7 @@ pub struct SceneEdit {
     pub origin: DVec3,
 }
 
-/// A key of the camera. What it leaves out is not keyed there.
+/// A key of the camera; `None` is not keyed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraKey {
     /// Time \[s\], ≥ 0.
@@ -54,7 +53,7 @@ pub struct CameraKey {
     pub target: Option<Vec3>,
 }
 
-/// A key of a light. What it leaves out is not keyed there.
+/// A key of a light; `None` is not keyed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightKey {
     /// Time \[s\], ≥ 0.
@@ -80,13 +79,18 @@ pub struct LightKey {
 /// kind there; values that no scene file can have.
 pub fn edited(source: &Arc<Source>, edit: &SceneEdit) -> Result<String, Diagnostics> {
     parse(source, None, edit.origin)?;
-    let text = reader::parse(source, |reader, tree| {
+    let text = patched(source, edit)?;
+    check(&source.name, &text, edit)?;
+    Ok(text)
+}
+
+/// Returns the text of a valid scene file after an edit.
+fn patched(source: &Arc<Source>, edit: &SceneEdit) -> Result<String, Diagnostics> {
+    grammar::parse(source, 0, |reader, tree| {
         let mut patches = Patches::new(&source.text, tree);
         tree::edit(reader, tree, &mut patches, edit);
         Some(patches.apply())
-    })?;
-    check(&source.name, &text, edit)?;
-    Ok(text)
+    })
 }
 
 /// Applies an edit to a scene file on disk, as [`edited`] does. The file is replaced as a whole, with the same
@@ -129,8 +133,7 @@ pub fn scene_file_for(scene: &Scene, geometry: &str, edit: &SceneEdit) -> Result
     text.push_str(&format!("    camera: {},\n", tree::camera_text(&camera, origin)));
     text.push_str(&format!("    lights: [\n{}    ],\n", lights.collect::<String>()));
     text.push_str("    lights_from_file: false,\n");
-    let nothing = Node { start: 0, end: 0, form: Form::Bad };
-    if let Some(keyframes) = tree::keyframes(&Patches::new("", &nothing), edit, "    ") {
+    if let Some(keyframes) = tree::keyframes(&Patches::new("", Node::root("")), edit, "    ") {
         text.push_str(&format!("    {keyframes},\n"));
     }
     text.push_str(")\n");
@@ -138,82 +141,17 @@ pub fn scene_file_for(scene: &Scene, geometry: &str, edit: &SceneEdit) -> Result
     Ok(text)
 }
 
-/// Reads a text that was edited, and compares it with the edit.
+/// Reads a text that was edited: it must be valid, and the same edit again must change nothing.
 fn check(name: &str, text: &str, edit: &SceneEdit) -> Result<(), Diagnostics> {
     let source = Source::new(name, text);
-    let description = parse(&source, None, edit.origin).map_err(|Diagnostics(errors)| {
+    parse(&source, None, edit.origin).map_err(|Diagnostics(errors)| {
         let note = "this is what would have been written; nothing is";
         Diagnostics(errors.into_iter().map(|error| error.note(note)).collect())
     })?;
-    let Some(what) = difference(&description, edit) else { return Ok(()) };
+    if patched(&source, edit)? == text {
+        return Ok(());
+    }
     let whole = Span { source, start: 0, end: 0 };
-    let error = Diagnostic::new(&codes::CONFLICT, format!("{what} would not be read as they were set"))
-        .label(whole, "nothing is written");
-    Err(error.into())
-}
-
-/// Returns what of a description is not as the edit has it.
-fn difference(description: &Description, edit: &SceneEdit) -> Option<String> {
-    let near = |a: f32, b: f32| (a - b).abs() <= 4.0 * f32::EPSILON * b.abs();
-    let kept =
-        |place: Vec3| Vec3::from_array(std::array::from_fn(|axis| kept(place[axis], edit.origin[axis])));
-    let place = |(time, place): (f32, Option<Vec3>)| (time, place.map(kept));
-    let aims = |a: Vec3, b: Vec3| a.normalize_or_zero().abs_diff_eq(b.normalize_or_zero(), 1e-5);
-    if let Some(camera) = &edit.camera {
-        let is = description.camera.as_ref().is_some_and(|known| {
-            let (position, target) = (kept(camera.position), kept(camera.target));
-            let same = (known.position, known.target, known.up) == (position, target, camera.up);
-            let near_plane = known.near == 0.0 || known.near == camera.near || camera.near <= 0.0;
-            same && near_plane && near(known.vertical_fov, camera.vertical_fov)
-        });
-        if !is {
-            return Some("the values of the camera".to_owned());
-        }
-    }
-    for (i, light) in edit.lights.iter().enumerate() {
-        let count = edit.lights[..i].iter().filter(|before| before.name == light.name).count();
-        let mut same_name = description.lights.iter().filter(|known| known.name == light.name);
-        let is = same_name.nth(count).is_some_and(|known| {
-            let kind = match (known.kind, light.kind) {
-                (LightKind::Spot { inner: a, outer: b }, LightKind::Spot { inner, outer }) => {
-                    near(a, inner) && near(b, outer)
-                }
-                (a, b) => a == b,
-            };
-            let place = light.kind == LightKind::Directional || known.position == kept(light.position);
-            let aim = light.kind == LightKind::Point || aims(known.direction, light.direction);
-            kind && place && aim && known.intensity == light.intensity
-        });
-        if !is {
-            return Some(format!("the values of the light `{}`", light.name));
-        }
-    }
-    let keyframes = description.keyframes.as_ref();
-    if let Some(keys) = &edit.camera_keys {
-        let known = keyframes.and_then(|k| k.camera.as_ref()).map(|k| k.value.clone()).unwrap_or_default();
-        let is = known.position == channel(keys.iter().map(|key| place((key.time, key.position))))
-            && known.target == channel(keys.iter().map(|key| place((key.time, key.target))));
-        if !is {
-            return Some("the keys of the camera".to_owned());
-        }
-    }
-    for (name, keys) in &edit.light_keys {
-        let lights = keyframes.map(|k| k.lights.as_slice()).unwrap_or_default();
-        let known = lights.iter().find(|(known, _)| known.value == *name);
-        let known = known.map(|(_, keys)| keys.clone()).unwrap_or_default();
-        let directions = channel(keys.iter().map(|key| (key.time, key.direction)));
-        let mut pairs = known.direction.iter().zip(&directions);
-        let is = known.position == channel(keys.iter().map(|key| place((key.time, key.position))))
-            && known.intensity == channel(keys.iter().map(|key| (key.time, key.intensity)))
-            && known.direction.len() == directions.len()
-            && pairs.all(|(known, key)| known.0 == key.0 && aims(known.1, key.1));
-        if !is {
-            return Some(format!("the keys of the light `{name}`"));
-        }
-    }
-    None
-}
-
-fn channel(keys: impl Iterator<Item = (f32, Option<Vec3>)>) -> Keys<Vec3> {
-    keys.filter_map(|(time, value)| Some((time, value?))).collect()
+    let error = Diagnostic::new(&codes::CONFLICT, "the values would not be read as they were set");
+    Err(error.label(whole, "nothing is written").into())
 }

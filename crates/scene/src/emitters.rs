@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use crate::material::{Encoding, Material, Texture};
 use crate::scene::Scene;
 
-/// How many times as bright as the mean of all surfaces an emitter has to be for paths to sample it. Paths find the others
+/// Paths sample emitters that are at least this many times as bright as the mean of all surfaces. Paths find the others
 /// often enough by themselves: where all surfaces emit alike, each path that meets one is exact.
 const LEAST_CONTRAST: f64 = 2.0;
 

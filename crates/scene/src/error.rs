@@ -11,7 +11,7 @@ pub enum SceneError {
     /// There is no scene or file with this name.
     #[error("there is no scene `{spec}`{}", did_you_mean(.nearest.as_deref(), .known))]
     NotFound {
-        /// What was requested.
+        /// The requested name or path.
         spec: String,
         /// The most similar name of a scene, if there is one.
         nearest: Option<String>,
@@ -52,7 +52,7 @@ pub enum SceneError {
     Empty {
         /// The file or scene.
         file: String,
-        /// What was repaired or left out, as a possible cause.
+        /// Repairs and omissions, as possible causes.
         repairs: Vec<String>,
     },
     /// The scene is larger than a GPU can address.
@@ -60,7 +60,7 @@ pub enum SceneError {
     TooLarge {
         /// The file or scene.
         file: String,
-        /// What is too large, and the limit.
+        /// The size and its limit.
         problem: String,
     },
 }

@@ -5,7 +5,7 @@
 //! with their place. What is read: nodes, meshes, materials (metallic-roughness, KHR_materials_specular,
 //! KHR_materials_emissive_strength), textures, morph targets, skins, perspective cameras,
 //! KHR_lights_punctual, and the first of the animations (its translations, rotations, scales and morph
-//! weights), since a file cannot tell which one to play. All surfaces are treated as two-sided.
+//! weights), since a file does not state which one to play. All surfaces are treated as two-sided.
 
 mod accessor;
 mod deform;
@@ -87,9 +87,9 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Chunks<'a>, SceneError> {
     match length {
         Some(length @ 12..) if length as usize <= bytes.len() => {}
         _ => {
-            let told = length.map_or("none".into(), |n| format!("{n}"));
+            let length = length.map_or("none".into(), |n| format!("{n}"));
             let problem =
-                format!("the file has {} bytes, its header says {told}: it is cut off", bytes.len());
+                format!("the file has {} bytes, its header says {length}: it is cut off", bytes.len());
             return Err(wrong(path, "GLB header", problem));
         }
     }
@@ -215,12 +215,12 @@ impl<'a> Importer<'a> {
     }
 }
 
-/// The longest name that is kept, in characters: what is told of a mesh or a material names it each time.
+/// The longest name that is kept, in characters: each message about a mesh or a material repeats it.
 const MAX_NAME: usize = 200;
 
 /// Returns the name that the document gives, without what is beyond the length of names.
-fn named(told: &Option<String>) -> Option<String> {
-    told.as_ref().map(|name| name.chars().take(MAX_NAME).collect())
+fn named(name: &Option<String>) -> Option<String> {
+    name.as_ref().map(|name| name.chars().take(MAX_NAME).collect())
 }
 
 /// Returns a URI with its `%xx` escapes replaced, if the result is UTF-8.

@@ -9,7 +9,7 @@
 //!
 //! A [`Scene`] is flat: one array of vertices in world space and one of indices, ready for upload. The origin
 //! of that space is [`Scene::origin`], a place near geometry that lies far out in its files. Lengths are in
-//! metres, angles in radians, times in seconds; colours are linear Rec. 709; the world is right-handed with +Y
+//! metres, angles in radians, times in seconds; colors are linear Rec. 709; the world is right-handed with +Y
 //! up. Photometric units of glTF's KHR_lights_punctual are read as radiometric units for each
 //! channel: candela as W/sr, lux as W/m².
 //!

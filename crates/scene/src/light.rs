@@ -3,9 +3,10 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use serde::Serialize;
 
 /// The type of a light, with the properties that only this type has.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum LightKind {
     /// Emits from a point into a cone.
     Spot {
@@ -21,9 +22,10 @@ pub enum LightKind {
 }
 
 /// A light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Light {
     /// The name in its file, or `light 0` and so on if it has none.
+    #[serde(skip)]
     pub name: String,
     /// The type.
     pub kind: LightKind,

@@ -1,6 +1,5 @@
 //! Loads a [`Scene`] by name or path.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::io;
@@ -34,14 +33,16 @@ pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let name = path.file_stem().map_or(spec.into(), |stem| stem.to_string_lossy().into_owned());
     let (roots, budget) = (roots(files), Rc::new(Budget::default()));
     match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("glb" | "gltf") => settle(|origin| {
-            let mut assembly = Assembly::new(name.clone(), spec, origin, &budget);
-            let model = import(path, &roots, &budget)?;
-            assembly.files.push(path.into());
-            assembly.files.extend(model.files);
-            assembly.place(Cow::Owned(model.model), None, true)?;
-            assembly.flatten()
-        }),
+        Some("glb" | "gltf") => {
+            let Imported { model, mut files } = import(path, &roots, &budget)?;
+            files.insert(0, path.into());
+            settle(|origin| {
+                let mut assembly = Assembly::new(name.clone(), spec, origin, &budget);
+                assembly.files.clone_from(&files);
+                assembly.place(&model, None, true)?;
+                assembly.flatten()
+            })
+        }
         _ => {
             let (source, folder, on_disk) = find(spec, files)?;
             budget.text(source.text.len());
@@ -100,7 +101,7 @@ fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Opt
     })
 }
 
-/// The most errors that are told of a description once its geometry is known.
+/// The most errors that are reported about a description once its geometry is known.
 const MAX_ERRORS: usize = 1000;
 
 /// Named objects: their nodes, and their transforms if nothing moves them.
@@ -110,7 +111,7 @@ type Objects = BTreeMap<String, (usize, Transform)>;
 struct Loader<'a> {
     source: &'a Arc<Source>,
     folder: &'a Path,
-    /// Where geometry files may be, beside the folder of the scene.
+    /// The folders of geometry files, beside that of the scene.
     roots: &'a [PathBuf],
     /// Geometry that was read or made before, by its path or name.
     models: &'a mut BTreeMap<PathBuf, Imported>,
@@ -158,7 +159,7 @@ impl Loader<'_> {
                         assembly.budget.grant(model.bytes() as u64);
                         Imported { model, files: Vec::new() }
                     });
-                assembly.place(Cow::Borrowed(&made.model), parent, with_lights)?;
+                assembly.place(&made.model, parent, with_lights)?;
             }
             Geometry::File(file) => {
                 let path = self.folder.join(&file.value);
@@ -176,7 +177,7 @@ impl Loader<'_> {
                 if !imported.files.first().is_some_and(|file| assembly.files.contains(file)) {
                     assembly.files.extend(imported.files.iter().cloned());
                 }
-                assembly.place(Cow::Borrowed(&imported.model), parent, with_lights)?;
+                assembly.place(&imported.model, parent, with_lights)?;
             }
             Geometry::Objects(list) => {
                 for object in list {
@@ -204,7 +205,7 @@ impl Loader<'_> {
             };
         }
         let names: Vec<String> = assembly.lights.iter().map(|(light, _)| light.name.clone()).collect();
-        // Of several lights of one name, the first.
+        // A name stands for the first light that has it.
         let numbers: BTreeMap<&str, usize> =
             names.iter().enumerate().rev().map(|(i, name)| (name.as_str(), i)).collect();
         for (name, keys) in keyframes.lights {

@@ -1,11 +1,13 @@
 //! Materials and textures, in the metallic-roughness model of glTF 2.0.
 
 use glam::{Vec3, Vec4};
+use serde::Serialize;
 
 /// The material of a surface. Each texture is multiplied by the factor beside it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Material {
     /// The name in its file.
+    #[serde(skip)]
     pub name: String,
     /// Albedo of a dielectric, reflectance at normal incidence of a metal; alpha is the last component.
     /// Linear, 0..=1.
@@ -98,16 +100,16 @@ impl Material {
 }
 
 /// The encoding of the values of a texture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub enum Encoding {
-    /// Colours in sRGB, with linear alpha.
+    /// Colors in sRGB, with linear alpha.
     Srgb,
     /// Linear values.
     Linear,
 }
 
 /// The content of a texture outside 0..1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub enum Wrap {
     /// The texture is repeated.
     Repeat,
@@ -118,15 +120,17 @@ pub enum Wrap {
 }
 
 /// A texture image.
-#[derive(Clone, PartialEq)]
+#[derive(Clone, PartialEq, Serialize)]
 pub struct Texture {
     /// The name in its file.
+    #[serde(skip)]
     pub name: String,
     /// Columns, ≥ 1.
     pub width: u32,
     /// Rows, ≥ 1; row 0 is at v = 0.
     pub height: u32,
     /// RGBA, 8 bits each, row by row: 4 · width · height bytes.
+    #[serde(skip)]
     pub pixels: Vec<u8>,
     /// The encoding of the pixels.
     pub encoding: Encoding,

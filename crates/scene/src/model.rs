@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Quat, Vec2, Vec3};
+use serde::Serialize;
 
 use crate::animation::Track;
 use crate::hash::Hash;
@@ -20,7 +21,7 @@ pub(crate) struct Model {
     pub(crate) skins: Vec<Skin>,
     pub(crate) cameras: Vec<NodeCamera>,
     pub(crate) lights: Vec<NodeLight>,
-    /// What was repaired or left out.
+    /// Repairs and omissions.
     pub(crate) repairs: Vec<String>,
     /// Whether a model without triangles is valid.
     pub(crate) may_be_empty: bool,
@@ -91,20 +92,22 @@ pub(crate) struct MorphTarget {
 
 /// A skin, which bends a mesh. Joints are nodes; each inverse bind matrix transforms from the mesh's space to
 /// that of the joint.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Skin {
     pub(crate) joints: Vec<usize>,
     /// One per joint.
     pub(crate) inverse_binds: Vec<Affine3A>,
 }
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Node {
+    #[serde(skip)]
     pub(crate) name: String,
     pub(crate) parent: Option<usize>,
     /// Transform to the parent's space if nothing moves it.
     pub(crate) rest: Affine3A,
     pub(crate) animation: Option<NodeAnimation>,
+    #[serde(skip)]
     pub(crate) mesh: Option<usize>,
     /// The skin that places the mesh instead of the node. It is set only if every vertex of the mesh has
     /// influences, of joints that the skin has.
@@ -113,7 +116,7 @@ pub(crate) struct Node {
 }
 
 /// The weights of the mesh's morph targets.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Morph {
     /// The weights if no track changes them.
     pub(crate) rest: Vec<f32>,
@@ -122,7 +125,7 @@ pub(crate) struct Morph {
 }
 
 /// Animation of a node; components without a track keep their value of `base`.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct NodeAnimation {
     pub(crate) base: Transform,
     pub(crate) translation: Option<Track<Vec3>>,
@@ -131,7 +134,7 @@ pub(crate) struct NodeAnimation {
 }
 
 /// A transform: scale first, then rotation, then translation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Transform {
     pub(crate) translation: Vec3,
     pub(crate) rotation: Quat,

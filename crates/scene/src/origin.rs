@@ -5,7 +5,7 @@
 //! in `f64` from what its files have, before that becomes `f32`. What has a parent is placed in the space of that, and
 //! moves with it.
 
-use data_file::reader::Number;
+use data_file::grammar::Number;
 use glam::{Affine3A, DVec3, Mat3, Vec3};
 
 use crate::assemble::Flattened;
@@ -13,12 +13,12 @@ use crate::error::SceneError;
 use crate::model::{Node, NodeAnimation};
 use crate::scene::Scene;
 
-/// How many of its extents the centre of a scene may lie from (0, 0, 0). There, positions are rounded by up to 2⁻²⁰
+/// The farthest that the centre of a scene may lie from (0, 0, 0), in its extents. There, positions are rounded by up to 2⁻²⁰
 /// extents; farther out it would be by more than the 10⁻⁶ extents nearer than which shaders let rays hit nothing. Rays
 /// that begin 2⁻¹⁶ of a position off its surface begin up to 2⁻¹² extents off.
 const FARTHEST: f64 = 16.0;
 
-/// How often an origin gives way to a better one. The first is as precise as `f32` is at the geometry; where the
+/// The number of times that an origin is replaced by a better one. The first is as precise as `f32` is at the geometry; where the
 /// geometry lies farther out than about 10⁶ extents, the second is found with what the first one shows of it.
 const REPLACEMENTS: u32 = 2;
 
@@ -44,7 +44,7 @@ fn better(origin: DVec3, (min, max): (Vec3, Vec3)) -> Option<DVec3> {
     let (min, max) = (min.as_dvec3(), max.as_dvec3());
     let centre = (min + max) * 0.5;
     let distance = centre.length();
-    // What is smaller than this may have lost its size to rounding.
+    // Rounding may have changed smaller sizes.
     let extent = (max - min).length().max(distance * f64::from(f32::EPSILON));
     if distance <= FARTHEST * extent {
         return None;
@@ -55,20 +55,12 @@ fn better(origin: DVec3, (min, max): (Vec3, Vec3)) -> Option<DVec3> {
     (found != origin).then_some(found)
 }
 
-/// Returns a coordinate of a file.
-pub(crate) fn world(number: Number) -> f64 {
-    match number {
-        Number::Integer(n) => n as f64,
-        Number::Float(x) => x,
-    }
-}
-
 /// Returns a coordinate of a file, relative to that of the origin.
 pub(crate) fn local(number: Number, origin: f64) -> f32 {
     match number {
         // Rounded once.
         Number::Integer(n) if origin == 0.0 => n as f32,
-        _ => (world(number) - origin) as f32,
+        _ => (number.as_f64() - origin) as f32,
     }
 }
 
@@ -131,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn two_replacements_are_enough_as_far_as_f64_tells_places_apart() {
+    fn two_replacements_are_enough_as_far_as_f64_separates_places() {
         for exponent in -30..44 {
             let far = 2f64.powi(exponent) * DVec3::new(1.3, -0.7, 1.1);
             let around = |origin: DVec3| ((far - 0.5 - origin).as_vec3(), (far + 0.5 - origin).as_vec3());

@@ -9,7 +9,7 @@ use crate::scene::{Instance, Pose, Scene};
 pub struct Hit {
     /// Distance from the origin of the ray \[m\], > 0, whatever the length of the ray's direction.
     pub distance: f32,
-    /// Where the triangle is hit \[m\].
+    /// The point of the triangle that is hit \[m\].
     pub position: Vec3,
     /// The unit normal of the triangle itself, not of its vertices, on the side from which the ray comes.
     pub normal: Vec3,
@@ -103,7 +103,7 @@ fn triangle(position: impl Fn(u32) -> Option<DVec3>, indices: &[u32]) -> Option<
 /// that is not a sliver.
 struct Ray {
     origin: DVec3,
-    /// Of length 1.
+    /// A unit vector.
     direction: DVec3,
     /// Transforms a vertex, relative to the origin, to a space in which the ray is the z axis \[m\].
     shear: DMat3,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use bytemuck::{Pod, Zeroable};
 use data_file::{Traits, Value};
 use glam::{Affine3A, DVec3, Vec3};
+use serde::Serialize;
 
 use crate::animation::Track;
 use crate::camera::Camera;
@@ -57,7 +58,7 @@ pub struct Instance {
 pub struct Scene {
     /// The name of the scene, or of the file without its ending.
     pub name: String,
-    /// What it shows, in one line; empty for a plain glTF file.
+    /// Its summary, in one line; empty for a plain glTF file.
     pub about: String,
     /// All vertices; those of an instance are contiguous.
     pub vertices: Vec<Vertex>,
@@ -112,7 +113,7 @@ pub(crate) struct Motion {
 }
 
 /// The animation of a camera or a light: a node, and tracks of its own, which have precedence.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Driver {
     pub(crate) node: Option<usize>,
     pub(crate) position: Option<Track<Vec3>>,
@@ -122,10 +123,11 @@ pub(crate) struct Driver {
 }
 
 /// An instance that moves or deforms.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub(crate) struct MovingMesh {
     pub(crate) instance: u32,
     pub(crate) node: usize,
+    #[serde(skip)]
     pub(crate) shape: Shape,
     /// Whether the winding of its triangles is opposite to that in its mesh.
     pub(crate) mirrors: bool,
@@ -155,7 +157,7 @@ pub struct MovedVertices {
     pub vertices: Vec<Vertex>,
 }
 
-/// What differs between two times.
+/// The differences between two times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
     /// Whether the camera differs.
@@ -219,7 +221,7 @@ impl Scene {
         pose.moved.extend(self.moved_at(time, worlds));
     }
 
-    /// Returns what differs between two times, without computing vertices.
+    /// Returns the differences between two times, without computing vertices.
     pub fn changes(&self, from: f32, to: f32) -> Changes {
         let (a, b) = (self.motion.worlds(from), self.motion.worlds(to));
         Changes {

@@ -157,11 +157,8 @@ impl Shape {
         let Shape { positions, normals, faceted, targets, influences } = self;
         hash.slice(positions);
         hash.slice(normals);
-        hash.list(faceted, |hash, range| {
-            hash.length(range.start);
-            hash.length(range.end);
-        });
-        hash.list(targets, |hash, target| hash.slice(target));
+        hash.value(faceted);
+        targets.iter().for_each(|target| hash.slice(target));
         influences.hash(hash);
     }
 }

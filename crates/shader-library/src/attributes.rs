@@ -1,4 +1,4 @@
-//! Attributes in the doc comments of entry points and globals, for passes that are WGSL alone:
+//! Attributes in the doc comments of entry points and globals:
 //!
 //! ```wgsl
 //! /// Sums along rows. [scratch]
@@ -9,7 +9,7 @@
 //! ```
 
 use crate::composed::Composed;
-use crate::doc_reader::{Literal, Problem, Reader};
+use crate::doc_reader::{Problem, Reader};
 use crate::interface::ShaderInterface;
 use crate::scan::{FoundDeclaration, find_documented};
 use data_file::codes::shader as codes;
@@ -47,6 +47,12 @@ pub struct GlobalAttributes {
     pub name: String,
     /// `[scratch]`: it is shared by the entry points and seen by no other pass.
     pub scratch: bool,
+    /// `[count: …]`: how many elements a scratch buffer has.
+    pub count: Option<Amount>,
+    /// `[size: …]`: the size of a scratch texture, as a directive says it.
+    pub size: Option<Amount>,
+    /// `[cleared]`: it is cleared to zero before the pass runs.
+    pub cleared: bool,
     /// `[reads: …]`: the written global whose content it is.
     pub reads: Option<String>,
     /// Where the bracket stands in the composed text; see [`Shader::place`](crate::Shader::place).
@@ -60,22 +66,17 @@ pub enum ThreadCount {
     Texels(String),
     /// `elements(NAME)`: one for each element of a buffer, in a row.
     Elements(String),
-    /// `64`: so many in a row.
+    /// `64`: a number in a row.
     Row(Amount),
-    /// `(8, 8, 1)`: so many in each dimension.
+    /// `(8, 8, 1)`: a number in each dimension.
     Grid([Amount; 3]),
 }
 
-/// An integer, or the setting that has it.
+/// The text of an expression over settings, facts and sizes.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Amount {
-    /// The number.
-    Number(u32),
-    /// The name of a setting that is an integer.
-    Setting(String),
-}
+pub struct Amount(pub String);
 
-const KEYS: [&str; 4] = ["threads", "repeat", "scratch", "reads"];
+const KEYS: [&str; 7] = ["threads", "repeat", "scratch", "reads", "count", "size", "cleared"];
 
 /// What stands in the brackets of one declaration.
 #[derive(Default)]
@@ -84,6 +85,9 @@ struct Said {
     repeat: Option<Amount>,
     scratch: bool,
     reads: Option<String>,
+    count: Option<Amount>,
+    size: Option<Amount>,
+    cleared: bool,
     range: Range<usize>,
 }
 
@@ -100,7 +104,11 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
             Some(Said { threads, repeat, .. }) if !entry && (threads.is_some() || repeat.is_some()) => {
                 Err(Problem::new(0..0, "`threads` and `repeat` are of entry points"))
             }
-            Some(Said { reads: Some(_), .. }) if entry => Err(Problem::new(0..0, "`reads` is of globals")),
+            Some(Said { reads, count, size, cleared, .. })
+                if entry && (reads.is_some() || count.is_some() || size.is_some() || cleared) =>
+            {
+                Err(Problem::new(0..0, "`reads`, `count`, `size` and `cleared` are of globals"))
+            }
             said => Ok(said),
         });
         match said {
@@ -115,9 +123,11 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
                     place,
                 });
             }
-            Ok(Some(Said { scratch, reads, range, .. })) => {
+            Ok(Some(Said { scratch, reads, count, size, cleared, range, .. })) => {
                 let place = found.doc.place(range);
-                attributes.globals.push(GlobalAttributes { name: found.name, scratch, reads, place });
+                let name = found.name;
+                let global = GlobalAttributes { name, scratch, count, size, cleared, reads, place };
+                attributes.globals.push(global);
             }
             Err(problem) => {
                 let whole = 0..found.doc.text.len();
@@ -141,7 +151,8 @@ fn attributes_begin(inside: &str) -> bool {
     let len = inside.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(inside.len());
     let (word, rest) = inside.split_at(len);
     let rest = rest.trim_start();
-    let known = KEYS.contains(&word) && rest.starts_with([':', ',', ']']);
+    let ends: &[char] = if matches!(word, "count" | "size") { &[':'] } else { &[':', ',', ']'] };
+    let known = KEYS.contains(&word) && rest.starts_with(ends);
     known || (rest.starts_with(':') && nearest(word, KEYS).is_some())
 }
 
@@ -172,6 +183,15 @@ fn fields(reader: &mut Reader<'_>) -> Result<Said, Problem> {
         };
         let twice = match key.as_str() {
             "scratch" => std::mem::replace(&mut said.scratch, true),
+            "cleared" => std::mem::replace(&mut said.cleared, true),
+            "count" => {
+                colon(reader)?;
+                said.count.replace(amount(reader)?).is_some()
+            }
+            "size" => {
+                colon(reader)?;
+                said.size.replace(amount(reader)?).is_some()
+            }
             "threads" => {
                 colon(reader)?;
                 said.threads.replace(threads(reader)?).is_some()
@@ -206,8 +226,9 @@ fn fields(reader: &mut Reader<'_>) -> Result<Said, Problem> {
 
 /// `texels(NAME)`, `elements(NAME)`, `64` or `(8, 8, 1)`
 fn threads(reader: &mut Reader<'_>) -> Result<ThreadCount, Problem> {
-    if reader.accept('(') {
-        let mut sides = [const { Amount::Number(1) }; 3];
+    let start = reader.at;
+    if reader.accept('(') && is_list(reader) {
+        let mut sides = [const { Amount(String::new()) }; 3];
         for (i, side) in sides.iter_mut().enumerate() {
             *side = amount(reader)?;
             let end = if i == 2 { ')' } else { ',' };
@@ -218,13 +239,13 @@ fn threads(reader: &mut Reader<'_>) -> Result<ThreadCount, Problem> {
         }
         return Ok(ThreadCount::Grid(sides));
     }
-    let start = reader.at;
+    reader.at = start;
     let (word, range) = reader.word();
     let of: fn(String) -> ThreadCount = match word.as_str() {
         "texels" => ThreadCount::Texels,
         "elements" => ThreadCount::Elements,
         other => {
-            if reader.accept('(') {
+            if !matches!(other, "" | "min" | "max") && reader.accept('(') {
                 let problem = Problem::new(range, format!("there is no `{other}(…)`"));
                 return Err(problem.note("there are `texels(NAME)` and `elements(NAME)`"));
             }
@@ -251,17 +272,31 @@ fn name(reader: &mut Reader<'_>, expected: &str) -> Result<String, Problem> {
     if is_name { Ok(word) } else { Err(Problem::new(range, format!("expected {expected}"))) }
 }
 
+/// Whether there is a comma before the parenthesis that has been opened is closed.
+fn is_list(reader: &Reader<'_>) -> bool {
+    let mut depth = 0;
+    let ends = reader.text[reader.at..].chars().find(|c| {
+        let found = depth == 0 && matches!(c, ',' | ')');
+        depth += i32::from(*c == '(') - i32::from(*c == ')');
+        found
+    });
+    ends == Some(',')
+}
+
+/// The text of an expression, up to a comma or a bracket that ends it.
 fn amount(reader: &mut Reader<'_>) -> Result<Amount, Problem> {
-    let expected = "expected a whole number, or a setting that is one";
     reader.skip();
-    if reader.text[reader.at..].starts_with(|c: char| c.is_ascii_digit() || c == '-') {
-        return match reader.literal(0)? {
-            (Literal::Number(number), range) => {
-                number.parse().map(Amount::Number).map_err(|_| Problem::new(range, expected))
-            }
-            (_, range) => Err(Problem::new(range, expected)),
-        };
+    let (start, mut depth) = (reader.at, 0);
+    let rest = &reader.text[start..];
+    let end = rest.char_indices().find(|(_, c)| {
+        let ends = depth == 0 && matches!(c, ',' | ')' | ']');
+        depth += i32::from(*c == '(') - i32::from(*c == ')');
+        ends
+    });
+    reader.at = end.map_or(reader.text.len(), |(i, _)| start + i);
+    let text = reader.text[start..reader.at].trim();
+    if text.is_empty() {
+        return Err(Problem::new(reader.here(), "expected a whole number, or an expression that is one"));
     }
-    let start = reader.here();
-    name(reader, "a name").map(Amount::Setting).map_err(|_| Problem::new(start, expected))
+    Ok(Amount(text.to_owned()))
 }

@@ -5,6 +5,7 @@ use crate::directive::{self, Condition, Define, Directive, Fault, Placed};
 use crate::files::{self, ShaderFiles};
 use crate::library::Request;
 use crate::line_map::{LineMap, span};
+use crate::port::{self, PortLine};
 use crate::scan::Comments;
 use data_file::codes::shader as codes;
 use data_file::paths::{OUTSIDE, may_name};
@@ -23,6 +24,9 @@ const MAX_CHOICES: usize = 256;
 
 /// The most errors that are told of one shader: where all lines are wrong, each would be looked up among all files.
 const MAX_ERRORS: usize = 100;
+
+/// The directives that may have several lines.
+const DECLARATIONS: [&str; 3] = ["#input", "#output", "#option"];
 
 /// Deeper than any library, and far from the end of the stack.
 const MAX_DEPTH: usize = 64;
@@ -205,11 +209,17 @@ impl Composer<'_> {
         let mut at = 0;
         // A byte order mark is not WGSL.
         let mut copied = if source.text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-        for line in source.text.split_inclusive('\n') {
+        while let Some(line) = source.text[at..].split_inclusive('\n').next() {
             if self.errors.len() >= MAX_ERRORS {
                 break;
             }
             let start = at;
+            let declares = DECLARATIONS.iter().any(|directive| line.trim_start().starts_with(directive));
+            let line = if declares && comments.open.is_empty() {
+                &source.text[at..at + port::extent(&source.text[at..], line.len())]
+            } else {
+                line
+            };
             at += line.len();
             let active = branches.last().is_none_or(|branch| branch.active);
             let bare = if start == 0 { line.trim_start_matches('\u{feff}') } else { line };
@@ -340,10 +350,31 @@ impl Composer<'_> {
                 Ok(())
             }
             Directive::Interface(name) => self.interface(name, source, line),
-            Directive::Option { name, default, one_of, doc } => {
-                self.option(name, default, one_of, doc, source, line)
+            Directive::Option { name, default, one_of, internal, doc } => {
+                self.option(name, default, one_of, (internal, doc), source, line)
             }
+            Directive::Port(port) => self.port(port, source, &line),
         }
+    }
+
+    /// Declares a port.
+    fn port(&mut self, port: PortLine, source: &Arc<Source>, line: &Range<usize>) -> Result<(), Fault> {
+        let input = port.input;
+        let name = port.name.clone();
+        let port = port.declared(|range| (source.text[range.clone()].to_owned(), span(source, range)));
+        let others = self.outline.inputs.iter().chain(&self.outline.outputs);
+        if let Some(other) = others.into_iter().find(|other| other.name == port.name) {
+            let message = format!("the port `{}` is declared twice", port.name);
+            let fault = Fault::new(&codes::DIRECTIVE, name.range, message);
+            return Err(fault.note(format!("first declared at {}", other.place)));
+        }
+        let all = if input { &mut self.outline.inputs } else { &mut self.outline.outputs };
+        if all.len() >= MAX_CHOICES {
+            let message = format!("there are more than {MAX_CHOICES} ports");
+            return Err(Fault::new(&codes::EXTENT, line.clone(), message));
+        }
+        all.push(port);
+        Ok(())
     }
 
     /// Checks that an import leads to a file that the importing one may name.
@@ -396,7 +427,7 @@ impl Composer<'_> {
         name: Placed<String>,
         default: Placed<Define>,
         one_of: Vec<Placed<Define>>,
-        doc: String,
+        (internal, doc): (bool, String),
         source: &Arc<Source>,
         line: Range<usize>,
     ) -> Result<(), Fault> {
@@ -416,8 +447,9 @@ impl Composer<'_> {
             let message = format!("the default `{}` is not one of {}", default.value, list());
             return Err(Fault::new(&codes::OPTION, default.range, message));
         }
-        if let Some(other) = self.outline.options.iter().find(|other| other.name == name.value) {
+        if let Some(other) = self.outline.options.iter_mut().find(|other| other.name == name.value) {
             if other.default == default.value && other.one_of == one_of {
+                other.internal |= internal;
                 return Ok(());
             }
             return Err(Fault::new(
@@ -453,6 +485,7 @@ impl Composer<'_> {
             name: name.value,
             default: default.value,
             one_of,
+            internal,
             doc,
             place,
             compared,

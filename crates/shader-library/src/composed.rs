@@ -2,6 +2,7 @@
 
 use crate::directive::Define;
 use crate::line_map::{LineMap, span};
+use crate::port::DeclaredPort;
 use data_file::codes::Code;
 use data_file::{Diagnostic, Label, Setting, Source, Span, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,6 +16,10 @@ pub struct Outline {
     pub options: Vec<ShaderOption>,
     /// Names of the interfaces that are imported.
     pub interfaces: BTreeSet<String>,
+    /// The inputs that are declared, in order.
+    pub inputs: Vec<DeclaredPort>,
+    /// The outputs that are declared, in order.
+    pub outputs: Vec<DeclaredPort>,
     /// Paths of all files that take part.
     pub files: Vec<String>,
 }
@@ -28,6 +33,8 @@ pub struct ShaderOption {
     pub default: Define,
     /// The only values it takes; empty where any of its type will do.
     pub one_of: Vec<Define>,
+    /// Whether only the pass itself sets it: neither a user nor the scene does.
+    pub internal: bool,
     /// The comment behind it.
     pub doc: String,
     /// The declaration.

@@ -1,5 +1,6 @@
 //! The `#` lines of the dialect: their grammar, and the values of options.
 
+use crate::port::{self, PortLine};
 use data_file::Value;
 use data_file::codes::{Code, shader as codes};
 use std::fmt;
@@ -23,6 +24,16 @@ impl Define {
             Define::Bool(_) => "true or false",
             Define::Int(_) => "a whole number",
             Define::Text(_) => "a word",
+        }
+    }
+
+    /// Returns the value of a setting or of a module's option.
+    pub fn to_value(&self) -> Value {
+        match self {
+            Define::Bool(on) => Value::Bool(*on),
+            Define::Int(n) if *n < 0 => Value::I32((*n).max(i32::MIN.into()) as i32),
+            Define::Int(n) => Value::U32((*n).min(u32::MAX.into()) as u32),
+            Define::Text(word) => Value::Text(word.clone()),
         }
     }
 
@@ -113,7 +124,14 @@ pub(crate) struct Placed<T> {
 pub(crate) enum Directive {
     Import(Placed<String>),
     Interface(Placed<String>),
-    Option { name: Placed<String>, default: Placed<Define>, one_of: Vec<Placed<Define>>, doc: String },
+    Option {
+        name: Placed<String>,
+        default: Placed<Define>,
+        one_of: Vec<Placed<Define>>,
+        internal: bool,
+        doc: String,
+    },
+    Port(PortLine),
     If(Condition),
     Elif(Condition),
     Else,
@@ -167,7 +185,8 @@ impl Condition {
     }
 }
 
-/// Reads the directive in `line`, which starts at byte `at` of the file.
+/// Reads the directive in `line`, which starts at byte `at` of the file and may have several lines: see
+/// [`port::extent`].
 pub(crate) fn parse(line: &str, at: usize) -> Result<Directive, Fault> {
     let indent = line.len() - line.trim_start().len();
     let mut tokens = Tokens { line, at, pos: indent + 1, depth: 0 };
@@ -190,19 +209,22 @@ pub(crate) fn parse(line: &str, at: usize) -> Result<Directive, Fault> {
             other => return Err(other.expected("a path in quotes, as in `#import \"random.wgsl\"`")),
         },
         Token::Word("option") => tokens.option()?,
+        Token::Word(word @ ("input" | "output")) => {
+            return port::parse(line, at, tokens.pos, word == "input").map(Directive::Port);
+        }
         Token::Word("if") => Directive::If(tokens.any()?),
         Token::Word("elif") => Directive::Elif(tokens.any()?),
         Token::Word("else") => Directive::Else,
         Token::Word("endif") => Directive::Endif,
         Token::Word(other) => {
-            let known = ["import", "option", "if", "elif", "else", "endif"];
+            let known = ["import", "input", "output", "option", "if", "elif", "else", "endif"];
             let fault = Fault::new(&codes::DIRECTIVE, name.range, format!("there is no `#{other}`"));
             return Err(match data_file::nearest(other, known) {
                 Some(near) => fault.note(format!("did you mean `#{near}`?")),
-                None => fault.note("there are #import, #option, #if, #elif, #else, #endif"),
+                None => fault.note("there are #import, #input, #output, #option, #if, #elif, #else, #endif"),
             });
         }
-        _ => return Err(name.expected("one of import, option, if, elif, else, endif")),
+        _ => return Err(name.expected("one of import, input, output, option, if, elif, else, endif")),
     };
     match tokens.next()? {
         Placed { value: Token::End, .. } => Ok(directive),
@@ -333,7 +355,7 @@ impl<'a> Tokens<'a> {
         Ok(Placed { value, range: token.range })
     }
 
-    /// `#option NAME default [one_of [a, b]]`
+    /// `#option NAME default [one_of [a, b]] [internal]`
     fn option(&mut self) -> Result<Directive, Fault> {
         let name = self.name()?;
         let default = self.value()?;
@@ -353,8 +375,13 @@ impl<'a> Tokens<'a> {
                 }
             }
         }
-        let doc = self.line[self.pos..].trim().trim_start_matches('/').trim().to_owned();
-        Ok(Directive::Option { name, default, one_of, doc })
+        let internal = self.peek()?.value == Token::Word("internal");
+        if internal {
+            self.next()?;
+        }
+        let comments = self.line[self.pos..].lines().map(|line| line.trim().trim_start_matches('/').trim());
+        let doc = comments.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+        Ok(Directive::Option { name, default, one_of, internal, doc })
     }
 
     fn any(&mut self) -> Result<Condition, Fault> {

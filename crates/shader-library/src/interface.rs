@@ -204,7 +204,7 @@ pub struct Entry {
     pub globals: Vec<usize>,
     /// Of a vertex shader its attributes, of a fragment shader what it takes from the vertex shader.
     pub inputs: Vec<Location>,
-    /// Of a fragment shader its colours, of a vertex shader what it hands on.
+    /// Of a fragment shader its colors, of a vertex shader what it hands on.
     pub outputs: Vec<Location>,
     /// A fragment shader that writes `frag_depth`.
     pub writes_depth: bool,

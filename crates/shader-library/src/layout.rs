@@ -19,7 +19,7 @@ pub struct StructLayout {
 pub struct MemberLayout {
     /// The member's name.
     pub name: String,
-    /// The type as WGSL writes it in full: `vec3<f32>`.
+    /// The type as WGSL writes it, without short names: `vec3<f32>`.
     pub ty: String,
     /// Bytes from the start of the struct.
     pub offset: u32,
@@ -27,59 +27,17 @@ pub struct MemberLayout {
     pub size: u32,
 }
 
-/// Returns the size of the member that `_member` borrows; for [`struct_layout!`](crate::struct_layout).
-pub const fn member_size<S, M>(_member: fn(&S) -> &M) -> u32 {
-    size_of::<M>() as u32
-}
-
-/// The [`StructLayout`] of a `repr(C)` struct, with the WGSL type of each member; padding is left out:
-///
-/// ```
-/// #[repr(C)]
-/// struct VirtualLight { position: [f32; 3], area: f32, flux: [f32; 3], _pad: f32 }
-///
-/// let layout = shader_library::struct_layout!(VirtualLight {
-///     position: "vec3<f32>", area: "f32", flux: "vec3<f32>",
-/// });
-/// assert_eq!((layout.members[2].offset, layout.members[2].size, layout.size), (16, 12, 32));
-/// ```
-#[macro_export]
-macro_rules! struct_layout {
-    ($name:ident { $($member:ident: $ty:expr),* $(,)? }) => {
-        $crate::StructLayout {
-            name: ::std::stringify!($name).to_owned(),
-            members: ::std::vec![$($crate::MemberLayout {
-                name: ::std::stringify!($member).to_owned(),
-                ty: ::std::string::ToString::to_string($ty),
-                offset: ::std::mem::offset_of!($name, $member) as u32,
-                size: $crate::member_size(|s: &$name| &s.$member),
-            }),*],
-            size: ::std::mem::size_of::<$name>() as u32,
-        }
-    };
-}
-
 impl StructLayout {
-    /// Whether both have the same members of the same types at the same places.
-    pub(crate) fn agrees(&self, other: &StructLayout) -> bool {
-        let rows = |layout: &StructLayout| -> Vec<MemberLayout> {
-            layout.members.iter().map(|m| MemberLayout { ty: full_type(&m.ty), ..m.clone() }).collect()
+    /// Creates a layout from the name, type, offset and size of each member.
+    pub fn new(name: &str, size: u32, members: &[(&str, &str, u32, u32)]) -> StructLayout {
+        let member = |&(name, ty, offset, size): &(&str, &str, u32, u32)| MemberLayout {
+            name: name.to_owned(),
+            ty: ty.to_owned(),
+            offset,
+            size,
         };
-        self.size == other.size && rows(self) == rows(other)
+        StructLayout { name: name.to_owned(), members: members.iter().map(member).collect(), size }
     }
-}
-
-/// A type without spaces and short names: `vec3f` is `vec3<f32>`.
-fn full_type(ty: &str) -> String {
-    let ty: String = ty.chars().filter(|c| !c.is_whitespace()).collect();
-    let short = ["vec", "mat"].iter().any(|prefix| ty.starts_with(prefix)) && !ty.contains('<');
-    let scalar = match ty.as_bytes().last() {
-        Some(b'f') => "f32",
-        Some(b'u') => "u32",
-        Some(b'i') => "i32",
-        _ => return ty,
-    };
-    if short { format!("{}<{scalar}>", &ty[..ty.len() - 1]) } else { ty }
 }
 
 /// The two declarations side by side, with a mark where they differ.
@@ -96,12 +54,7 @@ pub(crate) fn side_by_side(shader: &StructLayout, cpu: &StructLayout) -> String 
     let heads = [("the shader", "the CPU"), ("  at size  member", "  at size  member")];
     let mut table = heads.map(|(left, right)| format!("  {left:<width$} | {right}\n")).concat();
     for (i, left) in left.iter().enumerate() {
-        let same = match (shader.members.get(i), cpu.members.get(i)) {
-            (Some(a), Some(b)) => {
-                (&a.name, a.offset, a.size, full_type(&a.ty)) == (&b.name, b.offset, b.size, full_type(&b.ty))
-            }
-            _ => false,
-        };
+        let same = shader.members.get(i) == cpu.members.get(i);
         let row = format!("{} {left:<width$} | {}", if same { ' ' } else { '>' }, cell(cpu, i));
         let _ = writeln!(table, "{}", row.trim_end());
     }
@@ -161,11 +114,10 @@ pub fn write_struct(
 
 /// A value as 32-bit words of a WGSL type; `None` where it is not one of the type.
 fn words(ty: &str, value: &Value) -> Option<Vec<[u8; 4]>> {
-    let ty = full_type(ty);
     let (scalar, count) =
         match ty.strip_prefix("vec").and_then(|rest| rest.strip_suffix('>')?.split_once('<')) {
             Some((count, scalar)) => (scalar, count.parse::<usize>().ok()?),
-            None => (ty.as_str(), 1),
+            None => (ty, 1),
         };
     let word = |value: &Value| -> Option<[u8; 4]> {
         Some(match (scalar, value) {

@@ -21,6 +21,7 @@ mod interface;
 mod layout;
 mod library;
 mod line_map;
+mod port;
 mod reflect;
 mod scan;
 mod settings;
@@ -36,8 +37,9 @@ pub use interface::{
     Access, Dimension, Entry, Global, GlobalKind, Location, Override, Sample, ShaderInterface, Stage,
     TypeLayout,
 };
-pub use layout::{MemberLayout, StructLayout, WriteError, member_size, write_struct};
-pub use library::{Library, MAX_VARIANTS, Request};
+pub use layout::{MemberLayout, StructLayout, WriteError, write_struct};
+pub use library::{FileInfo, Library, MAX_VARIANTS, Request};
+pub use port::{Argument, DeclaredPort, FormulaText};
 pub use shader::Shader;
 pub use watch::{WatchError, Watcher};
 

@@ -11,6 +11,7 @@ use data_file::codes::shader as codes;
 use data_file::{Diagnostic, Diagnostics, Setting, Severity, Value};
 use naga::valid::Capabilities;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// One variant of one shader.
@@ -54,6 +55,41 @@ pub struct Library {
     capabilities: Capabilities,
     thread_order: Option<u32>,
     made: Mutex<BTreeMap<Request, Made>>,
+    outlines: Mutex<BTreeMap<Request, MadeOutline>>,
+    /// The WGSL below folders, and the header of each file.
+    folders: Mutex<BTreeMap<String, Arc<[FileInfo]>>>,
+    generation: AtomicU64,
+}
+
+struct MadeOutline {
+    outline: Result<Arc<Outline>, Diagnostics>,
+    touched: BTreeSet<String>,
+}
+
+/// A WGSL file of a folder.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileInfo {
+    /// The path.
+    pub path: String,
+    /// The first paragraph of the comment with which it begins, without what stands in brackets at its end.
+    pub about: String,
+    /// What stands there in brackets: the paper and its section; empty where nothing does.
+    pub paper: String,
+    /// Whether it has an entry point of its own.
+    pub has_entries: bool,
+}
+
+impl FileInfo {
+    fn new(path: String, text: &str) -> FileInfo {
+        let lines = text.trim_start_matches('\u{feff}').lines();
+        let comment = lines.map_while(|line| line.strip_prefix("//")).map(str::trim);
+        let paragraph: Vec<&str> = comment.take_while(|line| !line.is_empty()).collect();
+        let paragraph = paragraph.join(" ");
+        let tag = paragraph.strip_suffix(']').and_then(|text| text.rsplit_once('['));
+        let (about, paper) = tag.unwrap_or((&paragraph, ""));
+        let has_entries = ["@compute", "@fragment", "@vertex"].iter().any(|stage| text.contains(stage));
+        FileInfo { path, about: about.trim().to_owned(), paper: paper.to_owned(), has_entries }
+    }
 }
 
 struct Made {
@@ -81,6 +117,9 @@ impl Library {
             capabilities: Self::PORTABLE,
             thread_order: None,
             made: Mutex::default(),
+            outlines: Mutex::default(),
+            folders: Mutex::default(),
+            generation: AtomicU64::new(0),
         }
     }
 
@@ -114,7 +153,7 @@ impl Library {
     /// # Errors
     /// Everything that is wrong in the file or its imports, at the user's own lines. Errors are kept as shaders are.
     pub fn load(&self, request: &Request) -> Result<Arc<Shader>, Diagnostics> {
-        if let Some(made) = self.lock().get(request) {
+        if let Some(made) = lock(&self.made).get(request) {
             return made.shader.clone();
         }
         let composing = tracing::info_span!(target: "phase", "shaders read and composed").entered();
@@ -126,16 +165,45 @@ impl Library {
         if let Err(errors) = &shader {
             tracing::debug!(path = request.path, errors = errors.0.len(), "shader refused");
         }
-        self.lock().insert(request.clone(), Made { shader: shader.clone(), touched });
+        lock(&self.made).insert(request.clone(), Made { shader: shader.clone(), touched });
         shader
     }
 
-    /// Returns what the request's file and its imports declare and ask for. Needs no module for any interface.
+    /// Returns what the request's file and its imports declare and ask for, or the outline that is kept. Needs no module
+    /// for any interface.
     ///
     /// # Errors
     /// As [`Library::load`], but for what only WGSL's own grammar and types show.
-    pub fn outline(&self, request: &Request) -> Result<Outline, Diagnostics> {
-        compose(&*self.files, &self.roots, request, true).1.map(|composed| composed.outline)
+    pub fn outline(&self, request: &Request) -> Result<Arc<Outline>, Diagnostics> {
+        if let Some(made) = lock(&self.outlines).get(request) {
+            return made.outline.clone();
+        }
+        let (touched, composed) = compose(&*self.files, &self.roots, request, true);
+        let outline = composed.map(|composed| Arc::new(composed.outline));
+        lock(&self.outlines).insert(request.clone(), MadeOutline { outline: outline.clone(), touched });
+        outline
+    }
+
+    /// Returns the WGSL below a folder, sorted by path; files of tests apart.
+    pub fn folder(&self, folder: &str) -> Arc<[FileInfo]> {
+        if let Some(known) = lock(&self.folders).get(folder) {
+            return Arc::clone(known);
+        }
+        let in_folder = |path: &String| {
+            let below = path.strip_prefix(folder).and_then(|rest| rest.strip_prefix('/'));
+            below.is_some_and(|rest| rest.ends_with(".wgsl") && !rest.starts_with("tests/"))
+        };
+        let mut paths: Vec<String> = self.files.list().into_iter().filter(in_folder).collect();
+        paths.sort();
+        let info = |path: String| Some(FileInfo::new(path.clone(), &self.files.read(&path)?.text));
+        let files: Arc<[FileInfo]> = paths.into_iter().filter_map(info).collect();
+        lock(&self.folders).insert(folder.to_owned(), Arc::clone(&files));
+        files
+    }
+
+    /// Returns how often files have changed: what follows from WGSL stays right as long as this number stays.
+    pub fn generation(&self) -> u64 {
+        self.generation.load(Ordering::Relaxed)
     }
 
     /// Returns what the doc comments of `struct Settings` declare in the request's file and its imports, in the order
@@ -220,7 +288,10 @@ impl Library {
     /// Drops the shaders that were loaded from any of these paths, or that looked for one of them in vain, and returns
     /// their requests; the next [`Library::load`] loads them again.
     pub fn invalidate<P: AsRef<str>>(&self, paths: &[P]) -> Vec<Request> {
-        let mut made = self.lock();
+        self.generation.fetch_add(1, Ordering::Relaxed);
+        lock(&self.folders).clear();
+        lock(&self.outlines).retain(|_, made| !paths.iter().any(|path| made.touched.contains(path.as_ref())));
+        let mut made = lock(&self.made);
         let stale: Vec<Request> = made
             .iter()
             .filter(|(_, made)| paths.iter().any(|path| made.touched.contains(path.as_ref())))
@@ -231,10 +302,10 @@ impl Library {
         }
         stale
     }
+}
 
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<Request, Made>> {
-        self.made.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The error that a shader declares no such thing.

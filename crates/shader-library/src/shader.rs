@@ -14,6 +14,7 @@ use data_file::{Diagnostics, Setting, Span, Value};
 use naga::Module;
 use naga::valid::{Capabilities, ModuleInfo};
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 use xxhash_rust::xxh3::xxh3_128;
 
 /// A valid shader, and what reflection found.
@@ -30,6 +31,7 @@ pub struct Shader {
     composed: Composed,
     /// Where each of [`ShaderInterface::globals`] is declared in the composed text.
     declarations: Vec<Range<usize>>,
+    attributes: OnceLock<Result<Arc<Attributes>, Diagnostics>>,
 }
 
 impl Shader {
@@ -58,7 +60,8 @@ impl Shader {
             hashed.push_str(&format!("\n{} {}", global.binding, global.name));
         }
         let hash = xxh3_128(hashed.as_bytes());
-        Ok(Shader { module, info, interface, hash, composed, declarations })
+        let attributes = OnceLock::new();
+        Ok(Shader { module, info, interface, hash, composed, declarations, attributes })
     }
 
     /// Returns the composed WGSL, with threads in their own order.
@@ -145,12 +148,13 @@ impl Shader {
     }
 
     /// Returns what the doc comments of entry points and globals say in brackets: `[threads: texels(sums)]`,
-    /// `[scratch]` and so on. Only pass types in WGSL alone use it.
+    /// `[scratch]` and so on.
     ///
     /// # Errors
     /// Each attribute that cannot be read, at its place.
-    pub fn attributes(&self) -> Result<Attributes, Diagnostics> {
-        attributes::read(&self.composed, &self.interface)
+    pub fn attributes(&self) -> Result<Arc<Attributes>, Diagnostics> {
+        let read = || attributes::read(&self.composed, &self.interface).map(Arc::new);
+        self.attributes.get_or_init(read).clone()
     }
 
     /// Returns the bytes of `struct Settings` (see [`write_struct`]), where a setting that is one of several words is
@@ -175,16 +179,16 @@ impl Shader {
         })
     }
 
-    /// Checks that each struct that both Rust and the shader declare has the same layout. `expected` is the declaration
-    /// in Rust, from [`struct_layout!`](crate::struct_layout), and `place` its source file, for the error. Structs that
-    /// the shader does not declare are ignored.
+    /// Checks that each struct that both Rust and the shader declare has the same layout. `expected` are the layouts that
+    /// Rust was built with, and `place` names the part of the program that has them, for the error. Structs that the
+    /// shader does not declare are ignored.
     ///
     /// # Errors
     /// Each struct that differs, both layouts side by side.
     pub fn check_layout(&self, expected: &[StructLayout], place: &str) -> Result<(), Diagnostics> {
         let mut errors = Vec::new();
         for cpu in expected {
-            let Some(shader) = self.interface.layout(&cpu.name).filter(|shader| !shader.agrees(cpu)) else {
+            let Some(shader) = self.interface.layout(&cpu.name).filter(|shader| *shader != cpu) else {
                 continue;
             };
             let label = scan::find_struct(&self.composed.text, &cpu.name)

@@ -2,31 +2,31 @@
 
 use crate::long::Steady;
 
-/// What is expected of the indirect light of a case.
+/// The indirect light that is expected of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expect {
-    /// That of the plain scene by the same pipeline, times a factor: only units or the place differ.
+    /// The light of the plain scene by the same pipeline, times a factor: only units or the place differ.
     Plain(f64),
-    /// That of the path tracer, as nearly as in the plain scene.
+    /// The light of the path tracer, as nearly as in the plain scene.
     Truth,
-    /// None at all.
+    /// No light.
     Black,
-    /// A finite picture that is nowhere negative: nothing else is known.
+    /// A finite picture without negative values: nothing else is known.
     Finite,
-    /// No picture: the program says why.
+    /// No picture: the program reports the reason.
     Refused,
     /// A long run that neither drifts nor grows.
     Steady(Steady),
 }
 
-/// One extreme: a scene, how it is rendered, and what is expected.
+/// One extreme: a scene, how it is rendered, and the expectation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// A name in kebab-case, unique in the table; the name of its scene file.
     pub name: String,
-    /// What it is an extreme of, as a heading.
+    /// The quantity that is extreme, as a heading.
     pub group: &'static str,
-    /// What it is, in a sentence.
+    /// A description, in a sentence.
     pub about: String,
     /// The text of its scene file.
     pub scene: String,
@@ -34,11 +34,11 @@ pub struct Case {
     pub files: Vec<(String, String)>,
     /// The size of frames in pixels; `None` for that of the run.
     pub size: Option<(u32, u32)>,
-    /// How many frames are rendered; the last is judged.
+    /// Number of frames; the last is evaluated.
     pub frames: u32,
     /// Values of parameters and settings. Those that a pipeline does not have are left out of it.
     pub set: Vec<(String, String)>,
-    /// What is expected.
+    /// The expectation.
     pub expect: Expect,
 }
 

@@ -1,4 +1,4 @@
-//! What became of one case by one pipeline.
+//! The result of one case by one pipeline.
 
 use crate::case::Expect;
 use crate::child::{Ended, Guard, Ran};
@@ -10,23 +10,23 @@ use metrics::{Epsilon, Glance, Image, Pair};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// Where only units or the place differ, the most by which energy may differ from that of the plain scene.
+/// Greatest difference of energy from the plain scene, where only units or the place differ.
 const SAME: f64 = 0.05;
 
-/// The share of the truth's energy, over that share in the plain scene. What a pipeline leaves out or blurs differs between
-/// scenes; what is wrong by more than this is not that.
+/// Allowed share of the path tracer's energy, over that share in the plain scene. Light that a pipeline leaves out or blurs
+/// differs between scenes; a difference beyond this range is a defect.
 pub(crate) const ALIKE: RangeInclusive<f64> = 0.5..=2.0;
 
-/// Light that is none: as a share of the mean of the plain scene.
+/// Greatest light that counts as black, as a share of the mean of the plain scene.
 const NOTHING: f64 = 1e-6;
 
-/// What became of a case.
+/// The verdict on a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// As expected.
     Held,
-    /// The program said why it does not render this, and ended with its exit code for errors.
+    /// The program reported why it does not render this, and ended with its exit code for errors.
     Refused,
     /// The picture is finite, but has another energy than expected.
     Off,
@@ -65,17 +65,17 @@ pub struct Cell {
     pub pipeline: String,
     /// The case.
     pub case: String,
-    /// What became of it.
+    /// The verdict.
     pub verdict: Verdict,
     /// Mean luminance of the indirect light \[W/(m² sr)\], over its finite pixels.
     pub mean: Option<f64>,
-    /// That mean as a share of what was expected; where that is the path tracer's, over the same share in the plain scene.
-    /// Where there are `seeds`, it is theirs.
+    /// That mean as a share of the expected one; if that is the path tracer's, over the same share in the plain scene.
+    /// The mean over `seeds`, if there are any.
     pub energy: Option<f64>,
-    /// What further seeds say, where the energy of the first was off from the path tracer's.
+    /// Further seeds, if the energy of the first was off from the path tracer's.
     #[serde(default)]
     pub seeds: Option<Seeds>,
-    /// relMSE to what was expected.
+    /// relMSE to the expected picture.
     pub error: Option<f64>,
     /// Number of pixels with a value that is not finite.
     pub not_finite: usize,
@@ -83,12 +83,12 @@ pub struct Cell {
     pub negative: usize,
     /// Guards that acted.
     pub guards: Vec<Guard>,
-    /// What a long run came to.
+    /// The result of a long run.
     pub long: Option<Long>,
-    /// Where it is a defect, what was rendered, and what was expected.
+    /// The rendered and the expected picture of a defect.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pictures: Vec<Shown>,
-    /// What the program said, where it failed: the first line. Of a long run, what is not as expected.
+    /// The first line of the error if the program failed; the unexpected findings of a long run.
     pub message: String,
     /// From the start of the program to its end \[s\].
     pub seconds: f64,
@@ -97,7 +97,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Whether this is a defect. Taking long is told and is none, nor is a refusal, but of the plain scene.
+    /// Returns whether this is a defect. A timeout is none, nor is a refusal, except of the plain scene.
     pub fn is_defect(&self) -> bool {
         match self.verdict {
             Verdict::Held | Verdict::TimedOut => false,
@@ -109,7 +109,7 @@ impl Cell {
     }
 }
 
-/// A picture that was read, by what is looked at first.
+/// A picture with its mean and counts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// The picture.
@@ -123,13 +123,13 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Looks at a picture.
+    /// Measures a picture.
     pub fn new(image: Image) -> Picture {
         let Glance { mean, not_finite, negative } = image.glance();
         Picture { image, mean, not_finite, negative }
     }
 
-    /// The picture times a factor.
+    /// Returns the picture times a factor.
     fn times(&self, factor: f64) -> Image {
         let mut image = self.image.clone();
         for pixel in image.pixels_mut() {
@@ -139,7 +139,7 @@ impl Picture {
     }
 }
 
-/// Pictures that a case is measured by.
+/// Pictures with which a case is compared.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known<'a> {
     /// The plain scene by the same pipeline.
@@ -152,9 +152,8 @@ pub struct Known<'a> {
     pub lines: &'a [Line],
 }
 
-/// Says what became of a case: from how the program ended, the indirect light and the whole picture that it wrote, and
-/// what is known.
-pub fn judge(
+/// Evaluates a case: how the program ended, the indirect light and the whole picture that it wrote, and the known pictures.
+pub fn evaluate(
     (pipeline, case, expect): (&str, &str, Expect),
     ran: &Ran,
     pictures: Option<(&Picture, &Picture)>,
@@ -177,14 +176,14 @@ pub fn judge(
         seconds: ran.seconds,
         command: ran.command.clone(),
     };
-    let is_told = |(indirect, whole): &(&Picture, &Picture)| {
+    let is_written = |(indirect, whole): &(&Picture, &Picture)| {
         ran.ended == Ended::Exit(0)
             || (ran.ended == Ended::Exit(1) && indirect.not_finite + whole.not_finite > 0)
     };
-    let Some((indirect, whole)) = pictures.filter(is_told) else {
+    let Some((indirect, whole)) = pictures.filter(is_written) else {
         cell.verdict = match ran.ended {
             Ended::TimedOut => Verdict::TimedOut,
-            // An error that is told has its word; a panic has not.
+            // A reported error contains the word; a panic does not.
             Ended::Exit(1) if ran.errors.contains("error") && !ran.errors.contains("panicked") => {
                 Verdict::Refused
             }
@@ -213,7 +212,7 @@ pub fn judge(
                 Some(share(indirect, truth)? / plain.unwrap_or(1.0))
             });
             cell.error = known.truth.and_then(|truth| measure(&truth.image));
-            // Without light in the truth there is nothing to be as bright as.
+            // Without light in the reference there is no ratio.
             match known.truth.map_or(0.0, |truth| truth.mean) {
                 0.0 => indirect.mean == 0.0,
                 _ => cell.energy.is_some_and(|energy| ALIKE.contains(&energy)),
@@ -229,10 +228,10 @@ pub fn judge(
             };
             cell.not_finite = cell.not_finite.max(most(|seen| seen.not_finite));
             cell.negative = cell.negative.max(most(|seen| seen.negative));
-            cell.long = long::judge(steady, known.lines);
+            cell.long = long::evaluate(steady, known.lines);
             cell.energy = cell.long.as_ref().map(|long| long.energy);
             cell.message = cell.long.as_ref().map_or_else(
-                || format!("the log has {} frames, too few to judge", known.lines.len()),
+                || format!("the log has {} frames, too few to evaluate", known.lines.len()),
                 |long| long.wrong.join("; "),
             );
             cell.message.is_empty()
@@ -273,12 +272,12 @@ mod tests {
     fn verdict(expect: Expect, value: f32, known: Known<'_>) -> (Verdict, Option<f64>) {
         let picture = picture(value);
         let cell =
-            judge(("ism", "case", expect), &ran(Ended::Exit(0), ""), Some((&picture, &picture)), known);
+            evaluate(("ism", "case", expect), &ran(Ended::Exit(0), ""), Some((&picture, &picture)), known);
         (cell.verdict, cell.energy)
     }
 
     #[test]
-    fn energy_is_judged_by_what_is_expected() {
+    fn energy_is_compared_with_the_expectation() {
         let [half, one, two] = [0.5, 1.0, 2.0].map(picture);
         let plain =
             Known { plain: Some(&half), plain_truth: Some(&one), truth: Some(&two), ..Known::default() };
@@ -305,13 +304,13 @@ mod tests {
     #[test]
     fn how_the_program_ended_comes_first() {
         let end = |ended, errors| {
-            judge(("ism", "case", Expect::Finite), &ran(ended, errors), None, Known::default())
+            evaluate(("ism", "case", Expect::Finite), &ran(ended, errors), None, Known::default())
         };
         assert_eq!(end(Ended::Exit(1), "error: too large\n").verdict, Verdict::Refused);
         assert_eq!(end(Ended::Exit(1), "error: too large\n").message, "error: too large");
         assert!(!end(Ended::Exit(1), "error: too large\n").is_defect());
         let plain =
-            judge(("ism", PLAIN, Expect::Truth), &ran(Ended::Exit(1), "error"), None, Known::default());
+            evaluate(("ism", PLAIN, Expect::Truth), &ran(Ended::Exit(1), "error"), None, Known::default());
         assert!(plain.is_defect(), "{plain:?}");
         assert_eq!(end(Ended::Exit(101), "thread 'main' panicked at src/main.rs").verdict, Verdict::Crashed);
         assert_eq!(end(Ended::Signal(6), "").verdict, Verdict::Crashed);

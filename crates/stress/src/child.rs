@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// How often a process is asked whether it has ended.
+/// Interval at which a process is polled.
 const ASK: Duration = Duration::from_millis(10);
 
 /// How a program ended.
@@ -15,66 +15,66 @@ const ASK: Duration = Duration::from_millis(10);
 pub enum Ended {
     /// With an exit code.
     Exit(i32),
-    /// By a signal; 0 where the system does not tell which.
+    /// By a signal; 0 if the system does not report its number.
     Signal(i32),
     /// It took too long, and was killed.
     TimedOut,
 }
 
-/// What came of a program.
+/// The result of a program.
 #[derive(Clone, Debug)]
 pub struct Ran {
     /// How it ended.
     pub ended: Ended,
-    /// What it wrote on standard output: JSON.
+    /// Its standard output: JSON.
     pub output: String,
-    /// What it wrote on standard error.
+    /// Its standard error.
     pub errors: String,
-    /// How long it ran \[s\].
+    /// Its run time \[s\].
     pub seconds: f64,
     /// The command, as a user types it.
     pub command: String,
 }
 
-/// Something that acted where a value would have been too large, too small or not there.
+/// A safeguard that acted on a value that was too large, too small or missing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Guard {
-    /// What acted.
+    /// Its name.
     pub name: String,
-    /// How much: a share, a count, or a sentence.
+    /// Its extent: a share, a count, or a sentence.
     pub value: String,
 }
 
-/// What the program tells on standard error with `--json`.
+/// The errors that the program writes to standard error with `--json`.
 #[derive(Deserialize)]
-struct Told {
+struct Reported {
     #[serde(default)]
-    errors: Vec<ToldError>,
+    errors: Vec<ReportedError>,
 }
 
 #[derive(Deserialize)]
-struct ToldError {
+struct ReportedError {
     message: String,
     #[serde(default)]
     help: Vec<String>,
 }
 
 impl Ran {
-    /// Returns the first error that the program told as JSON, which may stand among lines of text.
-    fn told_error(&self) -> Option<ToldError> {
+    /// Returns the first error that the program wrote as JSON, which may be among lines of text.
+    fn reported_error(&self) -> Option<ReportedError> {
         let objects = self.errors.match_indices('{').filter(|(at, _)| {
             let before = self.errors[..*at].chars().next_back();
             before.is_none_or(|c| c == '\n')
         });
-        let told = objects.filter_map(|(at, _)| {
-            serde_json::Deserializer::from_str(&self.errors[at..]).into_iter::<Told>().next()?.ok()
+        let reported = objects.filter_map(|(at, _)| {
+            serde_json::Deserializer::from_str(&self.errors[at..]).into_iter::<Reported>().next()?.ok()
         });
-        told.flat_map(|told| told.errors).next()
+        reported.flat_map(|reported| reported.errors).next()
     }
 
-    /// Returns the line that says what is wrong; empty where nothing is.
+    /// Returns the line that states the error; empty if there is none.
     pub(crate) fn message(&self) -> String {
-        if let Some(error) = self.told_error() {
+        if let Some(error) = self.reported_error() {
             return error.message;
         }
         let lines = || self.errors.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -84,27 +84,27 @@ impl Ran {
             .to_owned()
     }
 
-    /// Returns why it could not write a picture, if that is what it failed for.
+    /// Returns the reason why a picture could not be written, if that is the error.
     pub(crate) fn unwritten(&self) -> Option<String> {
-        let error = self.told_error().filter(|_| self.ended == Ended::Exit(1))?;
+        let error = self.reported_error().filter(|_| self.ended == Ended::Exit(1))?;
         let reason = error.help.into_iter().next().unwrap_or_else(|| error.message.clone());
         error.message.ends_with("was not written").then_some(reason)
     }
 
-    /// Returns the guards that it told of: repairs of the scene, light that clamping removed, and counters of lights that
-    /// are fewer than was asked for.
+    /// Returns the guards that acted: repairs of the scene, light that clamping removed, and counters that are below the
+    /// requested number of lights.
     pub(crate) fn guards(&self) -> Vec<Guard> {
         let notes = self.errors.lines().filter_map(|line| line.strip_prefix("note: "));
         let mut guards: Vec<Guard> =
             notes.map(|note| Guard { name: "note".to_owned(), value: note.to_owned() }).collect();
-        let Ok(told) = serde_json::from_str::<Value>(&self.output) else { return guards };
-        if let Some(share) = told["clamped_energy"].as_f64().filter(|share| *share > 0.0) {
+        let Ok(output) = serde_json::from_str::<Value>(&self.output) else { return guards };
+        if let Some(share) = output["clamped_energy"].as_f64().filter(|share| *share > 0.0) {
             guards.push(Guard {
                 name: "clamping".to_owned(),
                 value: format!("removed {:.2} %", share * 100.0),
             });
         }
-        for figures in told["figures"].as_array().into_iter().flatten() {
+        for figures in output["figures"].as_array().into_iter().flatten() {
             let number = |name: &str| figures[name].as_f64();
             if let (Some(produced), Some(requested)) = (number("produced"), number("requested"))
                 && produced < requested
@@ -118,12 +118,12 @@ impl Ran {
     }
 }
 
-/// Something that runs the commands of Lightloom.
+/// Runs the commands of Lightloom.
 pub trait Program {
-    /// Runs a command, which must end in time.
+    /// Runs a command; kills it at the time limit.
     ///
     /// # Errors
-    /// Where it cannot be started.
+    /// Fails if it cannot be started.
     fn run(&self, arguments: &[String], limit: Duration) -> io::Result<Ran>;
 }
 

@@ -1,10 +1,10 @@
-//! Extremes times pipelines: what becomes of each pipeline where a scene, a frame or a setting is extreme.
+//! Stress tests: every pipeline at extremes of scenes, frames and settings.
 //!
-//! A [`Case`] is one extreme: a scene file, a size of frames, values of settings, and what is expected of the picture. A
-//! [`Subject`] is a pipeline with what can be set in it. [`run`] renders each case by each pipeline, in a process of its
-//! own, so that one that hangs or ends takes no other with it; [`judge`] says what became of it. Where the energy is off
-//! from the truth, the mean over further [`Seeds`] is judged. The scene files stay in
-//! the folder, and each [`Cell`] has the command that renders it again.
+//! A [`Case`] is one extreme: a scene file, a size of frames, values of settings, and the expected picture. A [`Subject`] is a
+//! pipeline with its settings. [`run`] renders each case by each pipeline, in a process of its own, so that a crash or a hang
+//! affects no other; [`evaluate`] compares the picture with the expectation. If the energy differs from the path tracer's, the
+//! mean over further [`Seeds`] decides. The scene files stay in the folder, and each [`Cell`] has the command that renders it
+//! again.
 //!
 //! This crate does not use the GPU: a [`Program`] renders.
 
@@ -22,7 +22,7 @@ mod table;
 mod triangles;
 
 pub use case::{Case, Expect};
-pub use cell::{Cell, Known, Picture, Verdict, judge};
+pub use cell::{Cell, Known, Picture, Verdict, evaluate};
 pub use child::{Child, Ended, Guard, Program, Ran};
 pub use long::{Line, Long, Outputs, SHORTEST, Seen, Steady, long};
 pub use report::{html, json};

@@ -4,34 +4,34 @@ use crate::case::{Case, Expect};
 use crate::room::Room;
 use serde::{Deserialize, Serialize};
 
-/// Frames in which the light comes back to where it was.
+/// Frames of a period of the light.
 const PERIOD: u32 = 50;
 
-/// The shortest run that can be judged: its tenths hold whole rounds of the light.
+/// The shortest run that can be evaluated: its tenths hold whole periods of the light.
 pub const SHORTEST: u32 = 10 * PERIOD;
 
-/// The most by which the mean of the last tenth may differ from that of the second, where rounds differ by less.
+/// Greatest difference of the mean of the last tenth from that of the second, if periods differ by less.
 const DRIFT: f64 = 0.02;
 
-/// Standard errors of that difference within which it is chance.
+/// Standard errors within which that difference is chance.
 const CHANCE: f64 = 4.0;
 
-/// Bytes of growth that are none: what a program puts aside now and then.
+/// Growth that is allowed [bytes]: allocations that happen now and then.
 const SLACK: f64 = 4.0 * 1024.0 * 1024.0;
 
-/// Bytes that each frame may leave behind, beside the slack.
+/// Additional growth that is allowed for each frame [bytes].
 const LEFT_BEHIND: f64 = 64.0;
 
-/// The share of frames by whose time a tenth is judged, the fastest: other work on the machine slows the rest.
+/// Share of the fastest frames of a tenth whose time is compared: other work on the machine slows the rest.
 const FASTEST: f64 = 0.05;
 
-/// The most by which these may take longer at the end than at the beginning.
+/// Greatest ratio of that time at the end to that at the beginning.
 const SLOWER: f64 = 1.5;
 
-/// What is expected of a run.
+/// The expectation of a long run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Steady {
-    /// The light moves: each round is as bright as the one before.
+    /// The light moves: each period is as bright as the one before.
     Moving,
     /// Nothing moves: from some frame on, all are the same, bit by bit.
     Still,
@@ -42,13 +42,13 @@ pub enum Steady {
 /// The line that `render --log` writes for a frame.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Line {
-    /// How long it took \[s\].
+    /// Its time \[s\].
     pub seconds: f64,
-    /// The memory of the program after it \[bytes\], where the system tells.
+    /// The memory of the program after it \[bytes\], if the system reports it.
     pub memory: Option<u64>,
-    /// The objects on the device after it, where they are counted.
+    /// The objects on the device after it, if they are counted.
     pub objects: Option<u64>,
-    /// What was seen.
+    /// The outputs.
     pub outputs: Outputs,
 }
 
@@ -61,7 +61,7 @@ pub struct Outputs {
     pub image: Seen,
 }
 
-/// What is known of one picture.
+/// The properties of one picture.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Seen {
     /// Hash of its bits.
@@ -74,7 +74,7 @@ pub struct Seen {
     pub negative: usize,
 }
 
-/// What became of a long run: the last tenth against the second. The first may begin from nothing.
+/// The result of a long run: the last tenth against the second. The first may begin without history.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Long {
     /// Number of frames.
@@ -89,7 +89,7 @@ pub struct Long {
     pub time: f64,
     /// The number of the frame from which on all are the same, bit by bit; `None` where the last two differ.
     pub same_from: Option<usize>,
-    /// What is not as expected, in words; empty where all is.
+    /// The unexpected findings; empty if there are none.
     pub wrong: Vec<String>,
 }
 
@@ -114,7 +114,7 @@ pub fn long(frames: u32, sampled: bool) -> [Case; 2] {
     let still = if sampled { Steady::Sampled } else { Steady::Still };
     let case = |name: &str, about: &str, steady| {
         let case = Case::new("long", name, format!("{frames} frames{about}"), Expect::Steady(steady));
-        // Where a picture is the mean of several frames, each of these is.
+        // A picture that is the mean of several frames is rendered as such in each of them.
         case.frames(frames).set("frames", 2)
     };
     [
@@ -123,13 +123,13 @@ pub fn long(frames: u32, sampled: bool) -> [Case; 2] {
     ]
 }
 
-/// Reads what `render --log` wrote. A line that is not whole ends it.
+/// Reads the lines of `render --log`, up to the first incomplete one.
 pub(crate) fn lines(text: &str) -> Vec<Line> {
     text.lines().map_while(|line| serde_json::from_str(line).ok()).collect()
 }
 
-/// Says what became of a run; `None` where it is too short.
-pub(crate) fn judge(steady: Steady, lines: &[Line]) -> Option<Long> {
+/// Evaluates a run; `None` if it is too short.
+pub(crate) fn evaluate(steady: Steady, lines: &[Line]) -> Option<Long> {
     if lines.len() < SHORTEST as usize {
         return None;
     }
@@ -194,8 +194,8 @@ fn mean(lines: &[Line]) -> f64 {
     lines.iter().map(|line| line.outputs.indirect.mean).sum::<f64>() / lines.len() as f64
 }
 
-/// The standard error of the ratio of the means of two parts of so many lines, from how rounds differ from the one before.
-/// That a slow drift makes neighbours differ little is why these are compared, and not all with their mean.
+/// Returns the standard error of the ratio of the means of two parts of `part` lines, from the differences of successive
+/// periods: a slow drift changes these little.
 fn error_of_ratio(lines: &[Line], part: usize) -> f64 {
     let rounds: Vec<f64> = lines.chunks_exact(PERIOD as usize).map(mean).collect();
     let steps: f64 = rounds.windows(2).map(|two| (two[1] - two[0]).powi(2)).sum();
@@ -223,37 +223,37 @@ mod tests {
     #[test]
     fn what_is_steady_holds() {
         let wave = |i: usize| 1.0 + 0.3 * (std::f64::consts::TAU * i as f64 / f64::from(PERIOD)).sin();
-        let long = judge(Steady::Moving, &run(1030, |i| (wave(i), 1 << 27, 150, 0.01))).unwrap();
+        let long = evaluate(Steady::Moving, &run(1030, |i| (wave(i), 1 << 27, 150, 0.01))).unwrap();
         assert!(long.wrong.is_empty() && (long.energy - 1.0).abs() < 1e-9, "{long:?}");
         assert_eq!(long.same_from, None);
-        let long = judge(Steady::Still, &run(500, |i| (i.min(30) as f64, 0, 0, 0.01))).unwrap();
+        let long = evaluate(Steady::Still, &run(500, |i| (i.min(30) as f64, 0, 0, 0.01))).unwrap();
         assert!(long.same_from == Some(30) && long.wrong.is_empty(), "{long:?}");
-        assert!(judge(Steady::Still, &run(499, |_| (1.0, 0, 0, 0.01))).is_none());
+        assert!(evaluate(Steady::Still, &run(499, |_| (1.0, 0, 0, 0.01))).is_none());
     }
 
     #[test]
-    fn each_growth_is_told() {
+    fn each_growth_is_reported() {
         let wrong = |steady, of: fn(usize) -> (f64, u64, u64, f64)| {
-            let long = judge(steady, &run(1000, of)).unwrap();
+            let long = evaluate(steady, &run(1000, of)).unwrap();
             assert_eq!(long.wrong.len(), 1, "{long:?}");
             long.wrong[0].clone()
         };
-        let told = wrong(Steady::Moving, |i| (1.0 + 1e-4 * i as f64, 0, 0, 0.01));
-        assert!(told.contains("energy"), "{told}");
-        let told = wrong(Steady::Moving, |i| (1.0, 20_000 * i as u64, 0, 0.01));
-        assert!(told.contains("memory grew by"), "{told}");
-        let told = wrong(Steady::Moving, |i| (1.0, 0, i as u64 / 400, 0.01));
-        assert!(told.contains("2 objects more") || told.contains("1 objects more"), "{told}");
-        let told = wrong(Steady::Moving, |i| (1.0, 0, 0, 0.01 + 1e-5 * i as f64));
-        assert!(told.contains("took"), "{told}");
-        let told = wrong(Steady::Still, |i| (1.0 + 1e-9 * (i % 2) as f64, 0, 0, 0.01));
-        assert!(told.contains("differ"), "{told}");
+        let message = wrong(Steady::Moving, |i| (1.0 + 1e-4 * i as f64, 0, 0, 0.01));
+        assert!(message.contains("energy"), "{message}");
+        let message = wrong(Steady::Moving, |i| (1.0, 20_000 * i as u64, 0, 0.01));
+        assert!(message.contains("memory grew by"), "{message}");
+        let message = wrong(Steady::Moving, |i| (1.0, 0, i as u64 / 400, 0.01));
+        assert!(message.contains("2 objects more") || message.contains("1 objects more"), "{message}");
+        let message = wrong(Steady::Moving, |i| (1.0, 0, 0, 0.01 + 1e-5 * i as f64));
+        assert!(message.contains("took"), "{message}");
+        let message = wrong(Steady::Still, |i| (1.0 + 1e-9 * (i % 2) as f64, 0, 0, 0.01));
+        assert!(message.contains("differ"), "{message}");
     }
 
     #[test]
     fn other_work_on_the_machine_is_no_slow_down() {
         let of = |i: usize| (1.0, 0, 0, if i > 500 && !i.is_multiple_of(10) { 0.05 } else { 0.01 });
-        assert!(judge(Steady::Still, &run(1000, of)).unwrap().wrong.is_empty());
+        assert!(evaluate(Steady::Still, &run(1000, of)).unwrap().wrong.is_empty());
     }
 
     #[test]
@@ -261,7 +261,7 @@ mod tests {
         // Rounds that differ by 3 % at random: the tenth has two.
         let noise = |i: usize| ((i / PERIOD as usize) as u32).wrapping_mul(0x9e37_79b9) >> 16;
         let of = |i: usize| (1.0 + 0.1 * (f64::from(noise(i)) / 65536.0 - 0.5), 0, 0, 0.01);
-        let long = judge(Steady::Moving, &run(1000, of)).unwrap();
+        let long = evaluate(Steady::Moving, &run(1000, of)).unwrap();
         assert!(long.wrong.is_empty(), "{long:?}");
     }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 /// The Cornell box, scaled and moved, with a camera and lights.
 #[derive(Clone, Debug)]
 pub(crate) struct Room {
-    /// What it shows.
+    /// The description.
     pub(crate) about: String,
     /// Geometry in place of the box: a value of the grammar.
     pub(crate) geometry: String,

@@ -1,7 +1,7 @@
 //! Runs cases by pipelines.
 
 use crate::case::{Case, Expect};
-use crate::cell::{ALIKE, Cell, Known, Picture, Verdict, judge};
+use crate::cell::{ALIKE, Cell, Known, Picture, Verdict, evaluate};
 use crate::child::{Ended, Program, Ran};
 use crate::long::{self, Line};
 use crate::seeds::{self, Seeds};
@@ -12,19 +12,19 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Why cases could not be run.
+/// An error that ends a run.
 #[derive(Debug, thiserror::Error)]
 pub enum StressError {
     /// A file or folder could not be written.
     #[error("{}: {error}", path.display())]
     Write {
-        /// Which.
+        /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The system's reason.
         #[source]
         error: io::Error,
     },
-    /// The program that renders could not write its pictures: what became of the case is not known.
+    /// The program could not write its pictures: the result of the case is unknown.
     #[error("a picture could not be written: {0}")]
     Picture(String),
     /// The program could not be started.
@@ -32,55 +32,55 @@ pub enum StressError {
     Start(#[source] io::Error),
 }
 
-/// A pipeline, and what of it matters here.
+/// A pipeline with its properties.
 #[derive(Clone, Debug)]
 pub struct Subject {
     /// Its name or path.
     pub name: String,
     /// The paths of all parameters and settings.
     pub settable: Vec<String>,
-    /// Bounces of indirect light, which the path tracer makes too.
+    /// Bounces of indirect light; the path tracer has as many.
     pub bounces: u32,
-    /// Whether each frame is a sample of its own, whose places are spread over the pixels.
+    /// Whether each frame is a new sample, spread over the area of pixels.
     pub sampled: bool,
     /// Cases of its own, in addition to those of the table.
     pub cases: Vec<Case>,
 }
 
-/// How cases are run.
+/// Options of a run.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The folder for scenes, pictures and the report.
     pub folder: PathBuf,
-    /// The size of frames in pixels, where a case has none of its own.
+    /// The size of frames in pixels for cases without a size.
     pub size: (u32, u32),
     /// Values for all pipelines that have the parameter or setting; those of a case have precedence.
     pub set: Vec<(String, String)>,
-    /// Samples per pixel of the path tracer in frames of the run's size. Smaller ones have as many in all: of fewer, their
-    /// energy would be known less.
+    /// Samples per pixel of the path tracer in frames of the run's size. Smaller frames have the same total, so that their
+    /// energy is known as well.
     pub samples: u32,
     /// Other values for the path tracer.
     pub set_reference: Vec<(String, String)>,
-    /// How long one picture may take; a long run that long for each 200 frames.
+    /// Time limit of one picture, and of each 200 frames of a long run.
     pub limit: Duration,
 }
 
-/// What happens while cases run.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
-    /// A picture by the path tracer is made, for a case.
+    /// The path tracer renders a picture for a case.
     Reference(&'a str),
     /// A cell is done.
     Done(&'a Cell),
 }
 
-/// The pipeline that others are measured by.
+/// The pipeline with which others are compared.
 pub const REFERENCE: &str = "reference";
 
 /// The most samples per pixel that a frame of few pixels takes: one pixel of the room is then known to 1 %.
 const MOST_SAMPLES: u32 = 1 << 17;
 
-/// Samples per pixel that the path tracer takes at once: in frames of few pixels, more are no slower.
+/// Samples per pixel and frame of the path tracer: more are no slower in frames of few pixels.
 const SAMPLES_PER_FRAME: u32 = 32;
 
 /// Names of files of pictures: of the first of a cell, of those of further seeds, and of the path tracer's.
@@ -88,25 +88,25 @@ const FIRST: &str = "picture";
 const OF_SEED: &str = "seed";
 const OF_REFERENCE: &str = "reference";
 
-/// The seeds of a cell may take so many times as long as one picture.
+/// Time limit of the seeds of a cell, in limits of one picture.
 const LIMITS_OF_SEEDS: f64 = 5.0;
 
-/// A long run may take as long as a picture for each so many frames.
+/// Frames of a long run for which the time limit of one picture holds.
 const FRAMES_IN_LIMIT: u32 = 200;
 
-/// A picture by the path tracer, by scene, size, bounces and whether pixels are averaged over; `None` where there is none.
+/// Pictures by the path tracer, by scene, size, bounces and whether pixels are averaged over; `None` if rendering failed.
 type References = HashMap<(String, (u32, u32), u32, bool), Option<Picture>>;
 
-/// Runs each case by each pipeline, and the cases that a pipeline has of its own. Says what happens.
+/// Runs each case by each pipeline, and the cases of single pipelines. Calls `report` with the progress.
 ///
 /// # Errors
-/// Where files cannot be written or the program cannot be started. What becomes of a case is no error.
+/// Fails if a file cannot be written or the program cannot be started. A failed case is no error.
 pub fn run(
     program: &dyn Program,
     subjects: &[Subject],
     cases: &[Case],
     options: &Options,
-    tell: &mut dyn FnMut(Event<'_>),
+    report: &mut dyn FnMut(Event<'_>),
 ) -> Result<Vec<Cell>, StressError> {
     let mut bench = Bench { program, options, references: References::new() };
     let plain = crate::table::plain();
@@ -114,7 +114,7 @@ pub fn run(
     for subject in subjects {
         bench.write(&plain)?;
         let (ran, pictures) = bench.render(subject, &plain, None)?;
-        let plain_truth = bench.reference(subject, &plain, tell)?;
+        let plain_truth = bench.reference(subject, &plain, report)?;
         let plain_picture = pictures.as_ref().map(|(indirect, _)| indirect.clone());
         let plain_known = Known {
             plain: plain_picture.as_ref(),
@@ -125,12 +125,12 @@ pub fn run(
         for case in cases.iter().chain(&subject.cases) {
             let identity = (subject.name.as_str(), case.name.as_str(), case.expect);
             let (mut cell, expected) = if *case == plain {
-                (judge(identity, &ran, both(&pictures), plain_known), plain_truth.clone())
+                (evaluate(identity, &ran, both(&pictures), plain_known), plain_truth.clone())
             } else {
                 bench.write(case)?;
                 let (ran, pictures) = bench.render(subject, case, None)?;
                 let truth = match case.expect {
-                    Expect::Truth => bench.reference(subject, case, tell)?,
+                    Expect::Truth => bench.reference(subject, case, report)?,
                     _ => None,
                 };
                 let lines = match case.expect {
@@ -138,12 +138,12 @@ pub fn run(
                     _ => Vec::new(),
                 };
                 let known = Known { truth: truth.as_ref(), lines: &lines, ..plain_known };
-                let cell = judge(identity, &ran, both(&pictures), known);
+                let cell = evaluate(identity, &ran, both(&pictures), known);
                 let expected = known.truth.or(known.plain).cloned();
                 (bench.by_seeds(subject, case, cell, known)?, expected)
             };
             bench.keep_picture(&mut cell, expected.as_ref());
-            tell(Event::Done(&cell));
+            report(Event::Done(&cell));
             cells.push(cell);
         }
     }
@@ -182,8 +182,8 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Renders a cell whose energy is off from the truth by further seeds, until their mean says whether it is, and returns
-    /// what they say; also if one of them has a defect of another sort.
+    /// Renders further seeds of a cell whose energy is off from the path tracer's until their mean decides. Returns the cell
+    /// with their mean, or the seed that has another defect.
     fn by_seeds(
         &self,
         subject: &Subject,
@@ -201,12 +201,12 @@ impl Bench<'_> {
             let (ran, pictures) = self.render(subject, case, Some(seed))?;
             seconds += ran.seconds;
             let identity = (subject.name.as_str(), case.name.as_str(), case.expect);
-            let again = judge(identity, &ran, both(&pictures), known);
+            let again = evaluate(identity, &ran, both(&pictures), known);
             match (again.verdict, again.energy) {
                 (Verdict::Held | Verdict::Off, Some(energy)) => energies.push(energy),
                 (Verdict::TimedOut, _) => break,
                 _ => {
-                    // What is kept is the picture that has the defect.
+                    // The picture with the defect is kept.
                     let _ = std::fs::rename(self.file(OF_SEED, "indirect"), self.file(FIRST, "indirect"));
                     return Ok(again);
                 }
@@ -223,7 +223,7 @@ impl Bench<'_> {
         Ok(Cell { verdict, energy: Some(sum.energy), seeds: Some(sum), seconds, ..cell })
     }
 
-    /// Renders a case by a pipeline: the indirect light and the whole picture; none where it failed.
+    /// Renders a case by a pipeline: the indirect light and the whole picture; `None` if it failed.
     fn render(
         &self,
         subject: &Subject,
@@ -238,19 +238,19 @@ impl Bench<'_> {
         self.picture(&subject.name, case, stem, known.map(to_set).chain(seeds))
     }
 
-    /// Renders a case by the path tracer, or finds what was rendered before.
+    /// Renders a case by the path tracer, unless that was rendered before.
     fn reference(
         &mut self,
         subject: &Subject,
         case: &Case,
-        tell: &mut dyn FnMut(Event<'_>),
+        report: &mut dyn FnMut(Event<'_>),
     ) -> Result<Option<Picture>, StressError> {
         let size = case.size.unwrap_or(self.options.size);
         let key = (case.scene.clone(), size, subject.bounces, subject.sampled);
         if let Some(known) = self.references.get(&key) {
             return Ok(known.clone());
         }
-        tell(Event::Reference(&case.name));
+        report(Event::Reference(&case.name));
         let pixels = |(width, height): (u32, u32)| width.saturating_mul(height).max(1);
         let times = pixels(self.options.size).div_ceil(pixels(size));
         let least = self.options.samples;
@@ -258,7 +258,7 @@ impl Bench<'_> {
         let own =
             [("bounces", subject.bounces), ("samples", samples), ("samples_per_frame", SAMPLES_PER_FRAME)]
                 .map(|(path, value)| (path.to_owned(), value.to_string()));
-        // What averages over pixels is measured by what does.
+        // A pipeline that averages over pixels is compared with a reference that does.
         let set =
             self.options.set_reference.iter().filter(|(path, _)| !(subject.sampled && path == "filter"));
         let still = Case { frames: 1, ..case.clone() };
@@ -269,7 +269,7 @@ impl Bench<'_> {
         Ok(picture)
     }
 
-    /// An output of the pictures of this name.
+    /// Returns the path of an output.
     fn file(&self, stem: &str, output: &str) -> PathBuf {
         self.options.folder.join(format!("{stem}-{output}.exr"))
     }
@@ -278,7 +278,7 @@ impl Bench<'_> {
         self.options.folder.join("frames.jsonl")
     }
 
-    /// The frames of the long run that was just made.
+    /// Returns the frames of the last long run.
     fn log(&self) -> Vec<Line> {
         long::lines(&std::fs::read_to_string(self.log_file()).unwrap_or_default())
     }
@@ -294,7 +294,7 @@ impl Bench<'_> {
         let out = self.options.folder.join(format!("{stem}.exr"));
         let files = ["indirect", "image"].map(|output| self.file(stem, output));
         for file in files.iter().chain([&self.log_file()]) {
-            // That of the case before must not pass for this one's.
+            // A file of the case before must not pass for this one's.
             let _ = std::fs::remove_file(file);
         }
         let mut arguments: Vec<String> =
@@ -325,7 +325,7 @@ impl Bench<'_> {
         Ok((ran, pictures))
     }
 
-    /// Keeps the picture of a defect, for the page beside the one that was expected.
+    /// Keeps the picture of a defect, for the page, beside the expected one.
     fn keep_picture(&self, cell: &mut Cell, expected: Option<&Picture>) {
         if !cell.is_defect() || matches!(cell.verdict, Verdict::Crashed | Verdict::Refused) {
             return;
@@ -337,13 +337,13 @@ impl Bench<'_> {
         cell.pictures = pictures.into_iter().filter_map(|(what, image)| Shown::new(what, image?)).collect();
         let folder = self.options.folder.join("pictures");
         let to = folder.join(format!("{}-{}.exr", file_name(&cell.pipeline), file_name(&cell.case)));
-        // The report has the command that makes it again.
+        // The report has the command that renders it again.
         let _ = std::fs::create_dir_all(&folder);
         let _ = std::fs::rename(file, to);
     }
 }
 
-/// The arguments that give a value.
+/// Returns the arguments that set a value.
 fn to_set((path, value): &(String, String)) -> [String; 2] {
     ["--set".to_owned(), format!("{path}={value}")]
 }
@@ -352,7 +352,6 @@ fn sets(case: &Case, path: &str) -> bool {
     case.set.iter().any(|(known, _)| known == path)
 }
 
-/// Letters, digits, `-` and `.` of a text.
 fn file_name(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' }).collect()
 }

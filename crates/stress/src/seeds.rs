@@ -1,11 +1,11 @@
-//! What further seeds say of a picture whose energy is off: few lights or few pixels vary much from seed to seed, and that is
-//! no defect. Only the mean tells one from the other.
+//! Further seeds of a picture whose energy is off. Few lights or few pixels vary much from seed to seed, which is no defect;
+//! the mean distinguishes the two.
 
 use metrics::statistics::Summary;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// Seeds that are rendered before anything is concluded: of fewer, a bright one that is rare may be missing.
+/// Seeds that are rendered before anything is concluded: a rare bright one may be missing among fewer.
 const FEWEST: u32 = 16;
 
 /// The most seeds of a cell.
@@ -14,7 +14,7 @@ pub(crate) const MOST: u32 = 64;
 /// The energy of a cell by several seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Seeds {
-    /// How many seeds, without that of the first picture: it was chosen for being off.
+    /// Number of seeds without that of the first picture, which was chosen for being off.
     pub count: u32,
     /// Mean of their energies, as [`Cell::energy`](crate::Cell::energy) counts them.
     pub energy: f64,
@@ -25,13 +25,13 @@ pub struct Seeds {
 }
 
 impl Seeds {
-    /// Sums up energies by seeds, of which there must be two.
+    /// Summarizes the energies of at least two seeds.
     pub(crate) fn of(first: f64, energies: &[f64]) -> Option<Seeds> {
         let Summary { n, mean, half_width_95, .. } = Summary::of(energies)?;
         Some(Seeds { count: n as u32, energy: mean, half_width: half_width_95, first })
     }
 
-    /// Returns whether no more seeds are needed: the interval is within what is allowed, or beyond it.
+    /// Returns whether no more seeds are needed: the interval lies inside the allowed range, or outside.
     pub(crate) fn is_decided(&self, allowed: &RangeInclusive<f64>) -> bool {
         let (low, high) = (self.energy - self.half_width, self.energy + self.half_width);
         let within = allowed.contains(&low) && allowed.contains(&high);

@@ -1,11 +1,11 @@
-//! Cases made from what settings declare: both ends of their ranges, and pairs of them.
+//! Cases from the declarations of settings: both ends of their ranges, and pairs of them.
 
 use crate::case::{Case, Expect};
 use frame_graph::resolve::Settable;
 use frame_graph::{Value, ValueType};
 
-/// The values at the ends of what a setting takes, other than the one that it has: the least and greatest number, the
-/// other boolean, the other choices.
+/// Returns the extreme values of a setting other than its own: the least and greatest number, the other boolean, the other
+/// choices.
 fn ends(settable: &Settable) -> Vec<Value> {
     let setting = &settable.setting;
     let number = |end: f64| match setting.ty {
@@ -25,8 +25,8 @@ fn ends(settable: &Settable) -> Vec<Value> {
     all
 }
 
-/// Returns a case for each end of the range of each setting of a pipeline. What comes of it, only the pipeline knows: the
-/// picture must be finite and nowhere negative.
+/// Returns a case for each end of the range of each setting of a pipeline. The picture must be finite and not negative;
+/// nothing else is known.
 pub fn of_settings(settable: &[Settable]) -> Vec<Case> {
     let of = |settable: &Settable| {
         let path = settable.path.clone();

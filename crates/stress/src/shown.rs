@@ -11,22 +11,19 @@ const GREY: f64 = 0.18;
 /// A picture in the page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shown {
-    /// What it is of, and how it was exposed.
+    /// A description with the exposure.
     pub about: String,
     /// The PNG file, in base64.
     pub png: String,
 }
 
 impl Shown {
-    /// Returns a picture at an exposure of its own, so that lights of 10⁻⁶ and of 10⁶ W look alike. `None` where the file
-    /// cannot be written: the page does without.
+    /// Encodes a picture at an exposure of its own, so that lights of 10⁻⁶ and of 10⁶ W look alike.
     pub(crate) fn new(what: &str, image: &Image) -> Option<Shown> {
         let mean = image.glance().mean;
         let exposure = if mean > 0.0 { (GREY / mean).log2() as f32 } else { 0.0 };
         let display = Display { tonemap: Tonemap::default(), exposure };
-        let file = tempfile::Builder::new().suffix(".png").tempfile().ok()?;
-        image.write(file.path(), display, None).ok()?;
-        let png = STANDARD.encode(std::fs::read(file.path()).ok()?);
+        let png = STANDARD.encode(image.png(display).ok()?);
         Some(Shown { about: format!("{what}, at {exposure:+.1} EV"), png })
     }
 }

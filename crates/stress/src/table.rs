@@ -10,7 +10,7 @@ pub(crate) const PLAIN: &str = "plain";
 /// Width and height of the room \[m\].
 const SIZE: f64 = 0.55;
 
-/// Returns all cases. The first is the plain scene, which others are measured by.
+/// Returns all cases. The first is the plain scene, with which others are compared.
 pub fn cases() -> Vec<Case> {
     let mut all = vec![plain()];
     all.extend(units());
@@ -39,7 +39,7 @@ fn room(
     Case::new(group, name, about, expect).scene(room.text())
 }
 
-/// What changes units and place alone: the picture must not change.
+/// Returns cases of other units and places: the picture must not change.
 fn units() -> Vec<Case> {
     let mut all = Vec::new();
     for power in [-3, 3, 6] {
@@ -176,14 +176,9 @@ fn cameras() -> Vec<Case> {
             },
         )
         .frames(2),
-        seen(
-            "step-0",
-            "No time passes between frames, as far as 32 bits can tell.",
-            Expect::Plain(1.0),
-            |room| {
-                room.keyframes = Some(still(1e30));
-            },
-        )
+        seen("step-0", "No time passes between frames, to 32 bits.", Expect::Plain(1.0), |room| {
+            room.keyframes = Some(still(1e30));
+        })
         .frames(3),
         seen("step-hour", "An hour passes between frames.", Expect::Plain(1.0), |room| {
             room.keyframes = Some(still(1.0 / 3600.0));
@@ -201,13 +196,13 @@ fn still(rate: f64) -> String {
 }
 
 fn geometry() -> Vec<Case> {
-    let made = |name: &str, about: &str, expect, change: &dyn Fn(&mut Room)| {
+    let changed = |name: &str, about: &str, expect, change: &dyn Fn(&mut Room)| {
         room("geometry", name, about, expect, change)
     };
     // The open box of triangles takes the place of the Cornell box.
     let of_triangles = |name: &str, about: &str, expect, triangles: &[[[f32; 3]; 3]], look: Look| {
         let file = format!("{name}.gltf");
-        let case = made(name, about, expect, &|room| {
+        let case = changed(name, about, expect, &|room| {
             room.geometry = format!("File({file:?})");
             room.scale = SIZE;
             room.camera = [[0.5, 0.5, -1.4], [0.5, 0.5, 0.0]];
@@ -217,7 +212,7 @@ fn geometry() -> Vec<Case> {
     };
     let half = Look { albedo: 0.5, texel: false };
     vec![
-        made("no-triangle", "There is no geometry.", Expect::Black, &|room| {
+        changed("no-triangle", "There is no geometry.", Expect::Black, &|room| {
             room.geometry = "BuiltIn(\"empty\")".to_owned();
         }),
         of_triangles(
@@ -248,7 +243,7 @@ fn geometry() -> Vec<Case> {
             &open_box(),
             Look { albedo: 0.5, texel: true },
         ),
-        made(
+        changed(
             "degenerate",
             "Triangles without area and slivers hang in the room.",
             Expect::Plain(1.0),
@@ -258,7 +253,7 @@ fn geometry() -> Vec<Case> {
             },
         )
         .file("degenerate.gltf", gltf(&degenerate(), half)),
-        made(
+        changed(
             "triangles-1e7",
             "Ten million triangles: 41,400 instances of a sheet of 242 lie on the floor.",
             Expect::Finite,
@@ -268,7 +263,7 @@ fn geometry() -> Vec<Case> {
             },
         )
         .file("triangles-1e7.gltf", sheets(11, 41_400)),
-        made(
+        changed(
             "objects-1e5",
             "A hundred thousand objects, each a sheet of two triangles, lie on the floor.",
             Expect::Finite,
@@ -278,7 +273,7 @@ fn geometry() -> Vec<Case> {
             },
         )
         .file("objects-1e5.gltf", sheets(1, 100_000)),
-        made(
+        changed(
             "nan-normals",
             "A sheet has normals and texture coordinates that are NaN, beneath a texture.",
             Expect::Finite,
@@ -287,14 +282,19 @@ fn geometry() -> Vec<Case> {
             },
         )
         .file("nan-normals.gltf", not_a_number()),
-        made("block-1e-6", "A cube a millionth of the room's size is in it.", Expect::Plain(1.0), &|room| {
-            room.objects.push(
+        changed(
+            "block-1e-6",
+            "A cube a millionth of the room's size is in it.",
+            Expect::Plain(1.0),
+            &|room| {
+                room.objects.push(
                 "Object(name: \"cube\", geometry: BuiltIn(\"cube\"), transform: Transform(translate: (0.4, 0.3, 0.2), \
                  scale: (5.5e-7, 5.5e-7, 5.5e-7)))"
                     .to_owned(),
             );
-        }),
-        made(
+            },
+        ),
+        changed(
             "far-block",
             "A block ten thousand times the room's size away makes the scene as large.",
             Expect::Truth,

@@ -12,16 +12,16 @@ const WHITE_TEXEL: &str =
 const FLOAT: u32 = 5126;
 const UNSIGNED: u32 = 5125;
 
-/// How a surface looks.
+/// The material of a surface.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Look {
     /// Share of light that is reflected.
     pub(crate) albedo: f64,
-    /// Whether a texture of one white texel is over it.
+    /// Whether it has a texture of one white texel.
     pub(crate) texel: bool,
 }
 
-/// A mesh as bytes, and how it looks.
+/// A mesh with its material.
 struct Mesh {
     positions: Vec<[f32; 3]>,
     /// Other attributes of the corners: name, type, and numbers.
@@ -116,7 +116,7 @@ pub(crate) fn sheets(side: u32, count: u32) -> String {
     let step = 0.5 / f64::from(rows);
     let node = |i: u32| {
         let at = |n: u32| 0.02 + step * f64::from(n);
-        // Neighbours lie at other heights, or their edges would meet.
+        // Neighbors lie at other heights, or their edges would meet.
         let height = 1e-3 + 1e-4 * f64::from(i % 7);
         json!({ "mesh": 0, "translation": [at(i % rows), height, at(i / rows)], "scale": [0.8 * step, 1.0, 0.8 * step] })
     };

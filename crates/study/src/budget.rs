@@ -79,20 +79,20 @@ impl Domain {
 ///
 /// # Errors
 /// The error of `cost`, if no value can be run.
-pub(crate) fn search(
+pub(crate) fn search<E>(
     domain: &Domain,
     start: i64,
     ms: f64,
-    mut cost: impl FnMut(i64) -> Result<f64, String>,
-) -> Result<Found, String> {
+    mut cost: impl FnMut(i64) -> Result<f64, E>,
+) -> Result<Found, E> {
     let (min, max) = domain.bounds();
     let mut at = domain.place(start).clamp(min, max);
     // Sorted, the nearest first.
     let mut probes: Vec<(i64, f64)> = Vec::new();
     let mut between = Between { low: min, high: max };
-    let mut refusal = String::new();
+    let mut refusal = None;
     for _ in 0..MOST_PROBES {
-        let found = cost(domain.value(at)).map_err(|why| refusal = why).ok();
+        let found = cost(domain.value(at)).map_err(|why| refusal = Some(why)).ok();
         if let Some(found) = found {
             probes.push((at, found));
             probes.sort_by(|a, b| (a.1 / ms).ln().abs().total_cmp(&(b.1 / ms).ln().abs()));
@@ -112,7 +112,8 @@ pub(crate) fn search(
             None => between.low.midpoint(between.high),
         };
     }
-    probes.first().map(|(at, ms)| Found { value: domain.value(*at), ms: *ms }).ok_or(refusal)
+    let found = probes.first().map(|(at, ms)| Found { value: domain.value(*at), ms: *ms });
+    found.ok_or_else(|| refusal.expect("a probe either has a cost or is refused"))
 }
 
 /// The positions that are not known to be too cheap or too expensive; never empty.
@@ -146,7 +147,7 @@ mod tests {
         let mut probes = 0;
         let found = search(domain, start, ms, |value| {
             probes += 1;
-            Ok(cost(value))
+            Ok::<_, ()>(cost(value))
         });
         (found.unwrap(), probes)
     }

@@ -7,7 +7,7 @@ use crate::record::{AxisValue, Cell, ClaimRecord, Outcome, PickRecord, RelationR
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What the measurements say of a claim.
+/// The verdict of the measurements on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -30,7 +30,7 @@ pub struct Finding<'a> {
     /// [`RelationRecord::picks`]; for a growth, of the exponent in the upper half of the axis, and of that over
     /// the whole axis. `None` if no cell has the measure.
     pub means: Vec<Option<Interval>>,
-    /// What the measurements say; `None` if there are none.
+    /// The verdict; `None` without measurements.
     pub verdict: Option<Verdict>,
 }
 

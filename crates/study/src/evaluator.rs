@@ -4,6 +4,7 @@ mod series;
 mod times;
 
 use crate::description::{Phase, StudyFigure};
+use crate::error::Failure;
 use crate::laboratory::{CellRun, Observed, Occluded, SceneFacts};
 use crate::measure::Measure;
 use crate::record::{FrameSeries, PassTime};
@@ -28,7 +29,7 @@ pub(crate) struct Evaluator<'a> {
     measures: &'a [Measure],
     figures: &'a [StudyFigure],
     /// The values of each figure, frame by frame.
-    told: Vec<Vec<f64>>,
+    figure_values: Vec<Vec<f64>>,
     facts: &'a SceneFacts,
     /// Index of the frame of the jump among the measured ones.
     jump: Option<usize>,
@@ -56,12 +57,12 @@ pub(crate) struct Evaluator<'a> {
     moved: Vec<f64>,
     last: Option<Observed>,
     /// The first frame with pixels that are NaN or infinite.
-    broken: Option<String>,
+    broken: Option<Failure>,
 }
 
 /// The measurements of a cell.
 #[derive(Debug, Default)]
-pub(crate) struct Verdict {
+pub(crate) struct Measurements {
     pub(crate) measures: BTreeMap<String, Option<f64>>,
     pub(crate) passes: Vec<PassTime>,
     pub(crate) series: FrameSeries,
@@ -69,7 +70,7 @@ pub(crate) struct Verdict {
     pub(crate) image: Option<Image>,
     pub(crate) flip: Option<Image>,
     /// The reason why errors are missing.
-    pub(crate) failure: Option<String>,
+    pub(crate) failure: Option<Failure>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -82,7 +83,7 @@ impl<'a> Evaluator<'a> {
         Evaluator {
             measures,
             figures,
-            told: vec![Vec::new(); figures.len()],
+            figure_values: vec![Vec::new(); figures.len()],
             facts,
             jump,
             truth,
@@ -111,18 +112,14 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Adds the next measured frame.
-    pub(crate) fn observe(&mut self, frame: Observed) -> Result<(), String> {
+    pub(crate) fn observe(&mut self, frame: Observed) -> Result<(), Failure> {
         if self.frames == 0 {
             self.first = frame.frame;
         }
         self.time(&frame);
-        self.tell(&frame);
-        let broken =
-            frame.image.pixels().iter().filter(|pixel| !pixel[..3].iter().all(|c| c.is_finite())).count();
-        if broken > 0 && self.broken.is_none() {
-            let all = frame.image.pixels().len();
-            self.broken =
-                Some(format!("{broken} of {all} pixels of frame {} are NaN or infinite", frame.frame));
+        self.add_figures(&frame);
+        if self.broken.is_none() {
+            self.broken = Failure::check_finite(&frame.image, || format!("frame {}", frame.frame)).err();
         }
         if self.broken.is_none() {
             self.compare(&frame)?;
@@ -147,12 +144,12 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Takes the figures of a frame.
-    fn tell(&mut self, frame: &Observed) {
-        for (figure, told) in self.figures.iter().zip(&mut self.told) {
+    /// Adds the figures of a frame.
+    fn add_figures(&mut self, frame: &Observed) {
+        for (figure, values) in self.figures.iter().zip(&mut self.figure_values) {
             let value = frame.figures.iter().find(|(name, _)| *name == figure.of.value);
             let Some((_, value)) = value else { continue };
-            told.push(*value);
+            values.push(*value);
             if self.facts.moves {
                 self.series.put(&figure.key(), self.frames as usize, Some(*value));
             }
@@ -173,17 +170,16 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Measures a frame in comparison with the frame before and with its reference.
-    fn compare(&mut self, frame: &Observed) -> Result<(), String> {
+    fn compare(&mut self, frame: &Observed) -> Result<(), Failure> {
         let index = self.frames as usize;
         if self.facts.moves {
-            self.judge(&frame.image, index)?;
+            self.add_errors(&frame.image, index)?;
         }
         if self.wants(Measure::Tid)
             && let Some(before) = &self.last
             && let (Some(before), Some(now)) = (view(before), view(frame))
         {
-            let pair =
-                temporal::temporal_difference(&before, &now, SAME_SURFACE).map_err(|e| e.to_string())?;
+            let pair = temporal::temporal_difference(&before, &now, SAME_SURFACE)?;
             self.put(Measure::Tid, pair.rms());
             self.tid.add(&pair);
         }
@@ -218,15 +214,14 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Measures how the reference differs from that of the frame before, at the surfaces that both frames see.
-    fn follow_truth(&mut self, frame: &Observed, index: usize) -> Result<(), String> {
+    fn follow_truth(&mut self, frame: &Observed, index: usize) -> Result<(), Failure> {
         let Some(truth) = &mut self.truth else { return Ok(()) };
         let truth = truth.frame(index)?.clone();
         if let (Some(last), Some(last_truth)) = (&self.last, &self.last_truth)
             && let (Some(before), Some(now)) = (view(last), view(frame))
         {
             let (before, now) = (View { image: last_truth, ..before }, View { image: &truth, ..now });
-            let pair =
-                temporal::temporal_difference(&before, &now, SAME_SURFACE).map_err(|e| e.to_string())?;
+            let pair = temporal::temporal_difference(&before, &now, SAME_SURFACE)?;
             self.put(Measure::TidOfReference, pair.rms());
             self.tid_of_reference.add(&pair);
         }
@@ -234,7 +229,7 @@ impl<'a> Evaluator<'a> {
         Ok(())
     }
 
-    fn track(&mut self, frame: &Observed, index: usize) -> Result<(), String> {
+    fn track(&mut self, frame: &Observed, index: usize) -> Result<(), Failure> {
         if self.tracked.is_empty()
             && let Some(depth) = &frame.depth
         {
@@ -250,7 +245,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Adds the errors of tone-mapped luminance at all pixels.
-    fn follow_tone(&mut self, frame: &Observed, index: usize) -> Result<(), String> {
+    fn follow_tone(&mut self, frame: &Observed, index: usize) -> Result<(), Failure> {
         let Some(truth) = &mut self.truth else { return Ok(()) };
         let pixels = frame.image.pixels().iter().zip(truth.frame(index)?.pixels());
         let found = self.tone_errors.add(pixels.map(|(found, expected)| (grey(*found), grey(*expected))));
@@ -269,9 +264,9 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Adds the errors of a picture in comparison with the reference of measured frame number `index`.
-    fn judge(&mut self, image: &Image, index: usize) -> Result<(), String> {
+    fn add_errors(&mut self, image: &Image, index: usize) -> Result<(), Failure> {
         let Some(truth) = &mut self.truth else { return Ok(()) };
-        let pair = Pair::new(image, truth.frame(index)?).map_err(|error| error.to_string())?;
+        let pair = Pair::new(image, truth.frame(index)?)?;
         let wanted = self.measures.iter().filter(|measure| {
             let needs = measure.needs();
             needs.reference && !needs.seeds && !needs.every_frame
@@ -292,8 +287,8 @@ impl<'a> Evaluator<'a> {
         mut self,
         run: &CellRun,
         over_frames: bool,
-        occluded: &mut dyn FnMut(u32) -> Result<Occluded, String>,
-    ) -> Verdict {
+        occluded: &mut dyn FnMut(u32) -> Result<Occluded, Failure>,
+    ) -> Measurements {
         let mut failure = self.broken.clone();
         let last = self.last.take();
         let mut flip_map = None;
@@ -301,8 +296,8 @@ impl<'a> Evaluator<'a> {
             && self.truth.is_some()
         {
             let index = self.frames.saturating_sub(1) as usize;
-            let judged = if self.facts.moves { Ok(()) } else { self.judge(&last.image, index) };
-            let map = judged.and_then(|()| self.flip_map(&last.image, index));
+            let compared = if self.facts.moves { Ok(()) } else { self.add_errors(&last.image, index) };
+            let map = compared.and_then(|()| self.flip_map(&last.image, index));
             match map {
                 Ok(map) => flip_map = map,
                 Err(why) => failure = Some(why),
@@ -322,9 +317,9 @@ impl<'a> Evaluator<'a> {
             measures.insert(measure.key().to_owned(), value.filter(|value| value.is_finite()));
         }
         measures.extend(self.times.phases(over_frames));
-        let figures = self.figures.iter().zip(&self.told);
-        measures.extend(figures.map(|(figure, told)| (figure.key(), mean(told))));
-        Verdict {
+        let figures = self.figures.iter().zip(&self.figure_values);
+        measures.extend(figures.map(|(figure, values)| (figure.key(), mean(values))));
+        Measurements {
             measures,
             passes: self.times.medians(),
             series: self.series.finish(self.first, self.frames),
@@ -335,9 +330,9 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    fn flip_map(&mut self, image: &Image, index: usize) -> Result<Option<Image>, String> {
+    fn flip_map(&mut self, image: &Image, index: usize) -> Result<Option<Image>, Failure> {
         let Some(truth) = &mut self.truth else { return Ok(None) };
-        let pair = Pair::new(image, truth.frame(index)?).map_err(|error| error.to_string())?;
+        let pair = Pair::new(image, truth.frame(index)?)?;
         Ok(Some(flip(&pair, Display::default(), PIXELS_PER_DEGREE).to_image()))
     }
 
@@ -419,8 +414,8 @@ fn view(frame: &Observed) -> Option<View<'_>> {
 /// G-buffer.
 fn reaching(
     frame: Option<&Observed>,
-    occluded: &mut dyn FnMut(u32) -> Result<Occluded, String>,
-) -> Result<Option<f64>, String> {
+    occluded: &mut dyn FnMut(u32) -> Result<Occluded, Failure>,
+) -> Result<Option<f64>, Failure> {
     let Some(frame) = frame else { return Ok(None) };
     let (Some(lights), Some(depth), Some(normal)) = (&frame.lights, &frame.depth, &frame.normal) else {
         return Ok(None);

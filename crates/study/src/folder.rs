@@ -5,7 +5,6 @@
 //! cells.csv  summary.csv  frames.csv  report.html
 //! ```
 
-use crate::clock;
 use crate::error::{StudyError, io};
 use crate::record::{Cell, Results, StudyRecord};
 use metrics::{Display, Image};
@@ -26,6 +25,11 @@ pub(crate) struct Folder {
     pub(crate) path: PathBuf,
     /// The lock: held until the folder is dropped or the process ends in any way.
     _lock: File,
+}
+
+/// Returns the current time, RFC 3339 in UTC: `2026-11-21T13:52:39Z`.
+pub(crate) fn now() -> String {
+    humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
 }
 
 /// The keys of the cells of all shards, in the order of the study.
@@ -64,7 +68,7 @@ impl Folder {
         let write = |lock: &mut File| {
             lock.set_len(0)?;
             lock.rewind()?;
-            writeln!(lock, "process {} since {}", std::process::id(), clock::now())
+            writeln!(lock, "process {} since {}", std::process::id(), now())
         };
         write(&mut lock).map_err(io(&file, "cannot write"))?;
         let folder = Folder { path: path.to_owned(), _lock: lock };

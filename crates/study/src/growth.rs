@@ -1,4 +1,4 @@
-//! How a measure grows over an axis: the exponent p of a power law, measure ∝ axisᵖ.
+//! Growth of a measure over an axis: the exponent p of a power law, measure ∝ axisᵖ.
 
 /// The fewest values of an axis through which a line is fitted.
 pub(crate) const FEWEST_VALUES: usize = 3;
@@ -75,9 +75,9 @@ mod tests {
         let found = over_lights(|lights| 512.0 + lights);
         close(found.upper, 0.82, 0.02);
         assert!(found.whole < 0.6, "{found:?}");
-        // Of one that is less than the least measure, the upper half shows little.
+        // The upper half shows little of a fixed cost below the least measure.
         close(over_lights(|lights| 32.0 + lights).upper, 1.0, 0.02);
-        // What grows faster than it should is found in spite of it.
+        // Faster growth is found in spite of it.
         assert!(over_lights(|lights| 512.0 + lights.powf(1.5)).upper > 1.3);
     }
 

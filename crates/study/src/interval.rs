@@ -1,6 +1,7 @@
 //! A mean over seeds, with its confidence interval.
 
 use metrics::statistics::Summary;
+use report::Measured;
 use serde::Serialize;
 
 /// A mean over seeds, with its 95 % confidence interval.
@@ -16,6 +17,11 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// Returns the mean as it is printed.
+    pub(crate) fn measured(&self) -> Measured {
+        Measured::new(self.mean, self.half)
+    }
+
     /// Computes the interval of one value per seed; `None` if there are none.
     pub(crate) fn of(values: &[f64]) -> Option<Interval> {
         let first = *values.first()?;

@@ -1,9 +1,10 @@
 //! Keys: hashes of everything on which a cell or a reference depends.
 
 use crate::description::{Phase, StudyFigure};
+use crate::error::Failure;
 use crate::laboratory::{Laboratory, RunRequest};
 use crate::measure::{DEFINITIONS, Measure};
-use crate::plan::{Made, PlannedCell};
+use crate::plan::{Origin, PlannedCell};
 use std::fmt;
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -26,7 +27,7 @@ fn of(parts: &[&str]) -> Key {
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What is measured in the frames of a cell.
+/// The measurements that are taken in the frames of a cell.
 pub(crate) struct Taken<'a> {
     pub(crate) measures: &'a [Measure],
     pub(crate) phases: &'a [Phase],
@@ -70,13 +71,14 @@ pub(crate) fn of_cell(
 }
 
 /// Returns the key of a reference, or why there is none.
-pub(crate) fn of_reference(made: &Made, lab: &mut dyn Laboratory) -> Result<Key, String> {
-    match made {
-        Made::Picture(file) => {
-            let bytes = std::fs::read(file).map_err(|error| format!("{file}: {error}"))?;
+pub(crate) fn of_reference(origin: &Origin, lab: &mut dyn Laboratory) -> Result<Key, Failure> {
+    match origin {
+        Origin::Picture(file) => {
+            let bytes = std::fs::read(file)
+                .map_err(|error| Failure::Read { file: file.clone(), source: error.into() })?;
             Ok(of(&[VERSION, "picture", file, &format!("{:032x}", xxh3_128(&bytes))]))
         }
-        Made::Run(requests) => {
+        Origin::Run(requests) => {
             let mut parts = vec![VERSION.to_owned(), lab.adapter()];
             for request in requests {
                 parts.push(identity(request, lab)?);
@@ -87,7 +89,7 @@ pub(crate) fn of_reference(made: &Made, lab: &mut dyn Laboratory) -> Result<Key,
     }
 }
 
-fn identity(request: &RunRequest, lab: &mut dyn Laboratory) -> Result<String, String> {
+fn identity(request: &RunRequest, lab: &mut dyn Laboratory) -> Result<String, Failure> {
     Ok(format!("{:032x}", lab.identity(request)?.hash))
 }
 

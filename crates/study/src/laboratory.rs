@@ -1,5 +1,6 @@
 //! The interface between a study and the renderer.
 
+use crate::error::Failure;
 use crate::record::{AxisValue, Memory, SceneRecord};
 use frame_graph::{Settable, Value};
 use metrics::Image;
@@ -17,7 +18,7 @@ pub trait Registry {
     ///
     /// # Errors
     /// The reason why it cannot be loaded, for the user to read.
-    fn scene(&self, name: &str) -> Result<SceneFacts, String>;
+    fn scene(&self, name: &str) -> Result<SceneFacts, Failure>;
 
     /// Returns the names of the pipelines, without those that are only sub-graphs.
     fn pipelines(&self) -> Vec<String>;
@@ -25,8 +26,8 @@ pub trait Registry {
     /// Returns a pipeline by name or path.
     ///
     /// # Errors
-    /// What is wrong with it, for the user to read.
-    fn pipeline(&self, name: &str) -> Result<PipelineFacts, String>;
+    /// The error, for the user to read.
+    fn pipeline(&self, name: &str) -> Result<PipelineFacts, Failure>;
 
     /// Returns the differences between two pipelines, each with values by path: the lines of `lightloom
     /// diff`.
@@ -73,7 +74,7 @@ pub struct SceneFacts {
 /// The properties of a pipeline that a study uses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PipelineFacts {
-    /// What it renders.
+    /// A description.
     pub about: String,
     /// Its paper; empty for none.
     pub paper: String,
@@ -107,27 +108,27 @@ pub trait Laboratory {
     /// Returns the identity of what a request depends on, without running it: its plan, shaders and scene.
     ///
     /// # Errors
-    /// What is wrong with the pipeline, its values or the scene, for the user to read.
-    fn identity(&mut self, request: &RunRequest) -> Result<Identity, String>;
+    /// The error of the pipeline, its values or the scene, for the user to read.
+    fn identity(&mut self, request: &RunRequest) -> Result<Identity, Failure>;
 
-    /// Runs a request, and passes every measured frame to `observe`, in order. What accumulates tells `step` after each
-    /// frame how far it is.
+    /// Runs a request, and passes every measured frame to `observe`, in order. A pipeline that accumulates reports its
+    /// progress to `step` after each frame.
     ///
     /// # Errors
     /// The error of the device, of the pipeline or of `observe`. Other cells still run.
     fn run(
         &mut self,
         request: &RunRequest,
-        observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+        observe: &mut dyn FnMut(Observed) -> Result<(), Failure>,
         step: &mut dyn FnMut(Step),
-    ) -> Result<CellRun, String>;
+    ) -> Result<CellRun, Failure>;
 
     /// Returns a function that tests whether something lies between two points of a scene in a frame, for the
     /// measure `lights-that-reach`.
     ///
     /// # Errors
     /// The reason why that cannot be tested.
-    fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, String>;
+    fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, Failure>;
 }
 
 /// One pipeline with its values on one scene.
@@ -175,7 +176,7 @@ pub struct Identity {
     pub hash: u128,
 }
 
-/// How far a pipeline with an output `progress` is.
+/// The progress of a pipeline with an output `progress`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Steps so far: samples, iterations, whatever the pipeline counts.

@@ -30,7 +30,7 @@
 //!     seeds: 5 or [1, 2, 3]?,               // 5 stands for 1 to 5; the default is [0], the plain sequences
 //!     measures: ["rel-mse", "gpu-ms" *],
 //!     phases: { "name": ["pass or sub-graph" *] * }?,   // sum of the GPU times of passes: the measure `gpu-ms:name`
-//!     figures: { "name": "pass.port.figure" * }?,   // what passes tell of a frame: the measure `figure:name`
+//!     figures: { "name": "pass.port.figure" * }?,   // numbers that passes report: the measure `figure:name`
 //!     reference: REFERENCE?,                // the default is None
 //!     claims: [CLAIM *]?,                   // the claims of the paper about the measures
 //!     crops: [(0.4, 0.1, 0.2, 0.2) *]?,     // parts of pictures that the report enlarges: left, top, width and height in
@@ -70,7 +70,7 @@
 //! frame is the sum over its passes that run in it, each counted once; a pipeline without any of them has no
 //! value. Phases may overlap.
 //!
-//! **Figures.** A figure is a number by which a pass tells how a frame went, such as `lights/average.averaged.alive`:
+//! **Figures.** A figure is a number that a pass reports about a frame, such as `lights/average.averaged.alive`:
 //! `render` prints them. Its value is the mean over the measured frames; a pipeline without the pass has none.
 //!
 //! **Claims.** They are checked for each scene, or for each of `scenes`, whenever the report is written. Each
@@ -94,7 +94,7 @@
 //!
 //! # Failures
 //!
-//! What is wrong with the file, a name or a value is reported before anything runs. A cell whose pipeline is
+//! Errors of the file, a name or a value are reported before anything runs. A cell whose pipeline is
 //! broken, whose device fails, or whose picture has pixels that are NaN or infinite is recorded as failed,
 //! together with its measurements so far, and the other cells still run. If a reference fails, its cells
 //! fail; but cells that also have measures other than errors keep those. A full disk ends the run: what is
@@ -102,7 +102,6 @@
 
 mod budget;
 mod claim;
-mod clock;
 pub mod description;
 mod edit;
 mod error;
@@ -129,7 +128,7 @@ mod table;
 pub use claim::{Finding, Verdict};
 pub use description::{Study, parse};
 pub use edit::Edits;
-pub use error::StudyError;
+pub use error::{Failure, StudyError};
 pub use interval::Interval;
 pub use laboratory::{
     CellRun, Identity, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts, Step,
@@ -145,5 +144,5 @@ pub use record::{
     StudyRecord,
 };
 pub use report::report;
-pub use run::{Event, Ran, RunOptions, Shard, name_of, run};
+pub use run::{Event, Ran, RunOptions, Shard, ShardError, name_of, run};
 pub use table::{Row, write as write_tables};

@@ -1,66 +1,11 @@
-//! The measures there are.
+//! The measures.
 
 use crate::record::{Better, MeasureInfo};
 
 /// Incremented when the definition of a measure changes: its cells are then measured again.
 pub(crate) const DEFINITIONS: u32 = 1;
 
-/// A measure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Measure {
-    /// Root mean squared error.
-    Rmse,
-    /// RMSE over the reference's mean.
-    NormalisedRmse,
-    /// Relative mean squared error.
-    RelMse,
-    /// Relative mean squared error without the worst pixels.
-    TrimmedRelMse,
-    /// Mean absolute percentage error.
-    Mape,
-    /// Structural similarity.
-    Ssim,
-    /// ꟻLIP.
-    Flip,
-    /// HDR-ꟻLIP.
-    HdrFlip,
-    /// Mean energy over that of the reference.
-    Energy,
-    /// Mean intensity.
-    Mean,
-    /// Bias², over seeds.
-    Bias2,
-    /// Variance, over seeds.
-    Variance,
-    /// GPU time.
-    GpuMs,
-    /// Memory of a frame.
-    Memory,
-    /// Temporal image difference.
-    Tid,
-    /// Temporal image difference of the reference.
-    TidOfReference,
-    /// |E| at tracked pixels.
-    E,
-    /// |E′| at tracked pixels.
-    EPrime,
-    /// |E| at all pixels.
-    ToneError,
-    /// |E′| at all pixels.
-    ToneChange,
-    /// Deviation of pixels over frames, if nothing moves.
-    StaticDeviation,
-    /// Frames until the picture has converged after a sudden change of the light.
-    Lag,
-    /// Virtual lights that move from frame to frame.
-    LightsMoved,
-    /// Virtual lights that reach the image.
-    LightsThatReach,
-    /// Energy that clamping removed.
-    ClampedEnergy,
-}
-
-/// What a measure needs from a study.
+/// The requirements of a measure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Needs {
     pub(crate) reference: bool,
@@ -101,245 +46,83 @@ const REFERENCE: Needs = Needs { reference: true, ..NONE };
 const SEEDS: Needs = Needs { seeds: true, ..REFERENCE };
 const SERIES: Needs = Needs { every_frame: true, frames: 2, views: true, ..REFERENCE };
 
-const fn error(
-    measure: Measure,
-    key: &'static str,
-    label: &'static str,
-    unit: &'static str,
-    doc: &'static str,
-) -> Row {
-    Row { measure, key, label, unit, better: Better::Lower, is_error: true, needs: REFERENCE, doc }
-}
-
-const fn other(
-    measure: Measure,
-    key: &'static str,
-    label: &'static str,
-    unit: &'static str,
-    needs: Needs,
-    doc: &'static str,
-) -> Row {
-    Row { measure, key, label, unit, better: Better::Lower, is_error: false, needs, doc }
-}
-
 const RADIANCE: &str = "W/(m² sr)";
 
-static ROWS: &[Row] = &[
-    error(Measure::Rmse, "rmse", "RMSE", RADIANCE, "Root mean squared error over pixels and RGB"),
-    error(
-        Measure::NormalisedRmse,
-        "normalised-rmse",
-        "nRMSE",
-        "",
-        "RMSE over the mean of the reference (ISM Fig. 4)",
-    ),
-    error(
-        Measure::RelMse,
-        "rel-mse",
-        "relMSE",
-        "",
-        "Mean of (I − R)² / (R² + ε), ε = 10⁻² of the squared mean of R (Rousselle et al. 2011)",
-    ),
-    error(
-        Measure::TrimmedRelMse,
-        "trimmed-rel-mse",
-        "trimmed relMSE",
-        "",
-        "relMSE without the worst 0.1 % of the pixels",
-    ),
-    error(Measure::Mape, "mape", "MAPE", "", "Mean of |I − R| / (|R| + ε)"),
-    Row {
-        better: Better::Higher,
-        ..error(
-            Measure::Ssim,
-            "ssim",
-            "SSIM",
-            "",
-            "Structural similarity of the tone-mapped pictures (Wang et al. 2004)",
-        )
-    },
-    error(
-        Measure::Flip,
-        "flip",
-        "ꟻLIP",
-        "",
-        "Mean perceived difference of the tone-mapped pictures (Andersson et al. 2020)",
-    ),
-    error(
-        Measure::HdrFlip,
-        "hdr-flip",
-        "HDR-ꟻLIP",
-        "",
-        "Mean perceived difference over all exposures (Andersson et al. 2021)",
-    ),
-    Row {
-        better: Better::One,
-        ..other(
-            Measure::Energy,
-            "energy",
-            "energy",
-            "",
-            REFERENCE,
-            "Mean of the picture over that of the reference",
-        )
-    },
-    Row {
-        better: Better::Neither,
-        ..other(
-            Measure::Mean,
-            "mean",
-            "mean intensity",
-            RADIANCE,
-            NONE,
-            "Mean of the picture over pixels and RGB, as for `energy`; for a scene that moves, over the frames too (TCAS Fig. 6)",
-        )
-    },
-    Row {
-        needs: SEEDS,
-        ..error(
-            Measure::Bias2,
-            "bias2",
-            "bias²",
-            "(W/(m² sr))²",
-            "The squared error that remains in the mean of any number of seeds; interval by leaving out one seed at a time (jackknife)",
-        )
-    },
-    Row {
-        needs: SEEDS,
-        ..error(
-            Measure::Variance,
-            "variance",
-            "variance",
-            "(W/(m² sr))²",
-            "The variance between seeds; interval as that of bias²",
-        )
-    },
-    other(
-        Measure::GpuMs,
-        "gpu-ms",
-        "GPU time",
-        "ms",
-        Needs { timed: true, ..NONE },
-        "GPU time of a frame in which every pass runs: the median over the measured frames. Where a budget of time is spent over frames, the sum of all of them",
-    ),
-    other(
-        Measure::Memory,
-        "memory",
-        "memory",
-        "MiB",
-        NONE,
-        "Memory of all objects that frames use, with history buffers, without the scene",
-    ),
-    Row {
-        needs: Needs { frames: 2, views: true, ..NONE },
-        ..error(
-            Measure::Tid,
-            "tid",
-            "TID",
-            RADIANCE,
-            "Temporal image difference: RMS over the surfaces that two consecutive frames both see (TCAS §6.2)",
-        )
-    },
-    Row {
-        needs: SERIES,
-        better: Better::Neither,
-        ..error(
-            Measure::TidOfReference,
-            "tid-of-reference",
-            "TID of the reference",
-            RADIANCE,
-            "The same of the reference over the same frames: what moving surfaces, shadows and samples of pixels give without any flicker",
-        )
-    },
-    Row {
-        needs: SERIES,
-        ..error(
-            Measure::E,
-            "e",
-            "|E|",
-            "",
-            "Mean absolute error of tone-mapped luminance at 8 tracked pixels (SMC-IR §5.2)",
-        )
-    },
-    Row {
-        needs: SERIES,
-        ..error(
-            Measure::EPrime,
-            "e-prime",
-            "|E′|",
-            "1/s",
-            "Mean absolute change of that error with time (SMC-IR Eq. 10)",
-        )
-    },
-    Row {
-        needs: Needs { every_frame: true, ..REFERENCE },
-        ..error(
-            Measure::ToneError,
-            "tone-error",
-            "tone error",
-            "",
-            "Mean absolute error of tone-mapped luminance over all pixels, and over the frames: |E| without its choice of pixels",
-        )
-    },
-    Row {
-        needs: Needs { every_frame: true, frames: 2, ..REFERENCE },
-        ..error(
-            Measure::ToneChange,
-            "tone-change",
-            "tone change",
-            "1/s",
-            "Mean absolute change of that error with time, over all pixels: |E′| without its choice of pixels",
-        )
-    },
-    Row {
-        needs: Needs { frames: 2, ..NONE },
-        ..error(
-            Measure::StaticDeviation,
-            "static-deviation",
-            "static deviation",
-            "",
-            "Standard deviation of each pixel's luminance over the frames, its mean divided by the mean luminance; for a scene that stands still",
-        )
-    },
-    other(
-        Measure::Lag,
-        "lag",
-        "lag",
-        "frames",
-        Needs { frames: 3, jump: true, ..NONE },
-        "Frames from `jump` until the mean luminance stays within a tenth of the change around its final value",
-    ),
-    Row {
-        better: Better::Neither,
-        ..other(
-            Measure::LightsMoved,
-            "lights-moved",
-            "lights moved",
-            "",
-            Needs { frames: 2, lights: true, ..NONE },
-            "Share of the virtual lights that move from one frame to the next, mean over the frames",
-        )
-    },
-    Row {
-        better: Better::Higher,
-        ..other(
-            Measure::LightsThatReach,
-            "lights-that-reach",
-            "lights that reach",
-            "",
-            Needs { views: true, lights: true, ..NONE },
-            "Share of the virtual lights that illuminate at least one of 256 pixels of the last frame",
-        )
-    },
-    other(
-        Measure::ClampedEnergy,
-        "clamped-energy",
-        "clamped energy",
-        "",
-        NONE,
-        "Share of the indirect irradiance that clamping removed, in the last frame",
-    ),
-];
+macro_rules! measures {
+    ($($name:ident $key:literal $label:literal $unit:tt $better:ident $is_error:literal $needs:tt $doc:literal)*) => {
+        /// A measure.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Measure {
+            $(
+                #[doc = concat!($doc, ".")]
+                $name,
+            )*
+        }
+
+        /// The measures, in the order of the variants.
+        static ROWS: &[Row] = &[$(Row {
+            measure: Measure::$name,
+            key: $key,
+            label: $label,
+            unit: $unit,
+            better: Better::$better,
+            is_error: $is_error,
+            needs: $needs,
+            doc: $doc,
+        }),*];
+    };
+}
+
+// Name, key, label, unit, direction that is better, whether it is an error, requirements, description.
+measures! {
+    Rmse "rmse" "RMSE" RADIANCE Lower true REFERENCE "Root mean squared error over pixels and RGB"
+    NormalisedRmse "normalised-rmse" "nRMSE" "" Lower true REFERENCE
+        "RMSE over the mean of the reference (ISM Fig. 4)"
+    RelMse "rel-mse" "relMSE" "" Lower true REFERENCE
+        "Mean of (I − R)² / (R² + ε), ε = 10⁻² of the squared mean of R (Rousselle et al. 2011)"
+    TrimmedRelMse "trimmed-rel-mse" "trimmed relMSE" "" Lower true REFERENCE
+        "relMSE without the worst 0.1 % of the pixels"
+    Mape "mape" "MAPE" "" Lower true REFERENCE "Mean of |I − R| / (|R| + ε)"
+    Ssim "ssim" "SSIM" "" Higher true REFERENCE
+        "Structural similarity of the tone-mapped pictures (Wang et al. 2004)"
+    Flip "flip" "ꟻLIP" "" Lower true REFERENCE
+        "Mean perceived difference of the tone-mapped pictures (Andersson et al. 2020)"
+    HdrFlip "hdr-flip" "HDR-ꟻLIP" "" Lower true REFERENCE
+        "Mean perceived difference over all exposures (Andersson et al. 2021)"
+    Energy "energy" "energy" "" One false REFERENCE "Mean of the picture over that of the reference"
+    Mean "mean" "mean intensity" RADIANCE Neither false NONE
+        "Mean of the picture over pixels and RGB, as for `energy`; for a scene that moves, over the frames too (TCAS Fig. 6)"
+    Bias2 "bias2" "bias²" "(W/(m² sr))²" Lower true SEEDS
+        "The squared error that remains in the mean of any number of seeds; interval by leaving out one seed at a time (jackknife)"
+    Variance "variance" "variance" "(W/(m² sr))²" Lower true SEEDS
+        "The variance between seeds; interval as that of bias²"
+    GpuMs "gpu-ms" "GPU time" "ms" Lower false { Needs { timed: true, ..NONE } }
+        "GPU time of a frame in which every pass runs: the median over the measured frames. Where a budget of time is spent over frames, the sum of all of them"
+    Memory "memory" "memory" "MiB" Lower false NONE
+        "Memory of all objects that frames use, with history buffers, without the scene"
+    Tid "tid" "TID" RADIANCE Lower true { Needs { frames: 2, views: true, ..NONE } }
+        "Temporal image difference: RMS over the surfaces that two consecutive frames both see (TCAS §6.2)"
+    TidOfReference "tid-of-reference" "TID of the reference" RADIANCE Neither true SERIES
+        "The same of the reference over the same frames: what moving surfaces, shadows and samples of pixels give without any flicker"
+    E "e" "|E|" "" Lower true SERIES
+        "Mean absolute error of tone-mapped luminance at 8 tracked pixels (SMC-IR §5.2)"
+    EPrime "e-prime" "|E′|" "1/s" Lower true SERIES
+        "Mean absolute change of that error with time (SMC-IR Eq. 10)"
+    ToneError "tone-error" "tone error" "" Lower true { Needs { every_frame: true, ..REFERENCE } }
+        "Mean absolute error of tone-mapped luminance over all pixels, and over the frames: |E| without its choice of pixels"
+    ToneChange "tone-change" "tone change" "1/s" Lower true { Needs { every_frame: true, frames: 2, ..REFERENCE } }
+        "Mean absolute change of that error with time, over all pixels: |E′| without its choice of pixels"
+    StaticDeviation "static-deviation" "static deviation" "" Lower true { Needs { frames: 2, ..NONE } }
+        "Standard deviation of each pixel's luminance over the frames, its mean divided by the mean luminance; for a scene that stands still"
+    Lag "lag" "lag" "frames" Lower false { Needs { frames: 3, jump: true, ..NONE } }
+        "Frames from `jump` until the mean luminance stays within a tenth of the change around its final value"
+    LightsMoved "lights-moved" "lights moved" "" Neither false { Needs { frames: 2, lights: true, ..NONE } }
+        "Share of the virtual lights that move from one frame to the next, mean over the frames"
+    LightsThatReach "lights-that-reach" "lights that reach" "" Higher false { Needs { views: true, lights: true, ..NONE } }
+        "Share of the virtual lights that illuminate at least one of 256 pixels of the last frame"
+    ClampedEnergy "clamped-energy" "clamped energy" "" Lower false NONE
+        "Share of the indirect irradiance that clamping removed, in the last frame"
+}
 
 impl Measure {
     /// Returns every measure, in the order of the documentation.

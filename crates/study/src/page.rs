@@ -1,4 +1,4 @@
-//! Inserts results into a page of documentation: sections that are generated, not written by hand.
+//! Inserts results into pages of documentation: sections that are generated, not written by hand.
 
 use crate::description::SIZE;
 use crate::error::{StudyError, io};
@@ -14,30 +14,34 @@ fn begin(name: &str) -> String {
     format!("<!-- study: {name} -->")
 }
 
-/// Inserts the results of studies into a page of Markdown. Each section lies between `<!-- study: NAME -->`
-/// and `<!-- end -->`; if the page has no such section, it is added at the end. The rest of the page stays as
-/// it is. Also writes the reports of the studies again.
+/// Writes the results of studies to pages of Markdown in a folder: that of each to `NAME.md`, between `<!-- study: NAME -->`
+/// and `<!-- end -->`; if the page has no such section, it is added at the end. The rest of the page stays as it is. Also
+/// writes the reports of the studies again. Returns the pages.
 ///
 /// # Errors
 /// Fails for folders that are not studies, for a section without its end, and if a file cannot be written.
-pub fn publish(folders: &[PathBuf], page: &Path) -> Result<(), StudyError> {
-    let mut text = match std::fs::read_to_string(page) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-        Err(error) => return Err(io(page, "cannot read")(error)),
-    };
-    for folder in folders {
+pub fn publish(folders: &[PathBuf], pages: &Path) -> Result<Vec<PathBuf>, StudyError> {
+    std::fs::create_dir_all(pages).map_err(io(pages, "cannot make the folder"))?;
+    let one = |folder: &PathBuf| {
         let results = Results::read(folder)?;
+        let page = pages.join(format!("{}.md", results.study.name));
+        let text = match std::fs::read_to_string(&page) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(io(&page, "cannot read")(error)),
+        };
         let mut tables = Vec::new();
         for file in report(&results, folder)? {
             if file.extension().is_some_and(|extension| extension == "md") {
                 tables.push(std::fs::read_to_string(&file).map_err(io(&file, "cannot read"))?);
             }
         }
-        text = replaced(&text, &results.study.name, &section(&results, &tables))
-            .map_err(|reason| StudyError::Damaged { path: page.to_owned(), reason })?;
-    }
-    write(page, text.as_bytes())
+        let text = replaced(&text, &results.study.name, &section(&results, &tables))
+            .map_err(|reason| StudyError::Damaged { path: page.clone(), reason })?;
+        write(&page, text.as_bytes())?;
+        Ok(page)
+    };
+    folders.iter().map(one).collect()
 }
 
 /// Returns the page with the content of the section `name` replaced.
@@ -56,7 +60,7 @@ fn replaced(page: &str, name: &str, section: &str) -> Result<String, String> {
 
 fn section(results: &Results, tables: &[String]) -> String {
     let study = &results.study;
-    let mut text = format!("\n## {}\n\n{}", study.name, study.about);
+    let mut text = format!("\n# {}\n\n{}", study.name, study.about);
     if !study.paper.is_empty() {
         let _ = write!(text, " ({})", study.paper);
     }

@@ -29,7 +29,7 @@ pub struct Plan {
     pub measures: Vec<Measure>,
     /// The differences of each pipeline from the first.
     pub differences: Vec<Difference>,
-    /// What is no error: names that mean a file beside the study, and could mean one of the roots.
+    /// Names that mean a file beside the study, and could mean one of the roots.
     pub notes: Diagnostics,
     /// The cells, ordered by scene, pipeline, axes, seed.
     pub cells: Vec<PlannedCell>,
@@ -71,12 +71,12 @@ pub(crate) struct PlannedReference {
     pub(crate) size: (u32, u32),
     /// A description of its source.
     pub(crate) from: String,
-    pub(crate) made: Made,
+    pub(crate) origin: Origin,
 }
 
 /// The source of a reference.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Made {
+pub(crate) enum Origin {
     /// Reads this file.
     Picture(String),
     /// Runs requests: one for all frames, or one per frame.
@@ -90,9 +90,9 @@ impl Plan {
     /// Returns the runs of cells and of references that differ in more than their frames and seeds: in pipeline, values,
     /// scene or size. Whatever compiles for these compiles for all.
     pub fn distinct_runs(&self) -> Vec<&RunRequest> {
-        let references = self.references.iter().flat_map(|reference| match &reference.made {
-            Made::Run(requests) => &requests[..],
-            Made::Picture(_) => &[],
+        let references = self.references.iter().flat_map(|reference| match &reference.origin {
+            Origin::Run(requests) => &requests[..],
+            Origin::Picture(_) => &[],
         });
         let mut seen = HashSet::new();
         let all = self.cells.iter().map(|cell| &cell.request).chain(references);
@@ -263,7 +263,7 @@ impl Plan {
                     scene,
                     size: request.size,
                     from: file.value.clone(),
-                    made: Made::Picture(self.meant(file)),
+                    origin: Origin::Picture(self.meant(file)),
                 }
             }
             Reference::Pipeline { pipeline, set, follow, frames, .. } => {
@@ -309,7 +309,7 @@ impl Plan {
                     scene,
                     size: request.size,
                     from: [vec![format!("pipeline {}", pipeline.value)], values].concat().join(", "),
-                    made: Made::Run(requests),
+                    origin: Origin::Run(requests),
                 }
             }
         };

@@ -19,7 +19,7 @@ pub struct Results {
 pub struct StudyRecord {
     /// Name of the file, without its ending.
     pub name: String,
-    /// What it shows, in one line.
+    /// A description, in one line.
     pub about: String,
     /// The paper's table or figure; empty for none.
     pub paper: String,
@@ -83,7 +83,7 @@ impl StudyRecord {
 pub struct SceneRecord {
     /// The name in the study.
     pub name: String,
-    /// What it shows.
+    /// A description.
     pub about: String,
     /// Hash of its content, hexadecimal.
     pub hash: String,
@@ -98,7 +98,7 @@ pub struct PipelineRecord {
     pub name: String,
     /// Name or path of the pipeline.
     pub pipeline: String,
-    /// What it renders.
+    /// A description.
     pub about: String,
     /// Its paper; empty for none.
     pub paper: String,
@@ -227,7 +227,7 @@ pub struct ClaimRecord {
     /// Names of the scenes that it is about, each checked separately, except where a growth is over their
     /// triangles; all if empty.
     pub scenes: Vec<String>,
-    /// Where the paper makes the claim; may be empty.
+    /// The place in the paper; may be empty.
     pub says: String,
 }
 
@@ -250,7 +250,7 @@ pub enum RelationRecord {
     },
     /// The exponent with which a measure grows over an axis lies within bounds.
     Growth {
-        /// Whose measure grows.
+        /// The cells whose measure grows.
         of: PickRecord,
         /// The axis; `triangles` for those of the scenes.
         over: String,
@@ -271,7 +271,7 @@ pub struct PickRecord {
 }
 
 /// One cell: one pipeline with one set of values on one scene with one seed. `cells/KEY.json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
     /// Hash of everything on which the cell depends, hexadecimal.
     pub key: String,
@@ -320,10 +320,11 @@ pub struct FrameSeries {
 }
 
 /// How a cell ended.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
     /// Every measure was taken.
+    #[default]
     Done,
     /// It failed; the others go on.
     Failed {

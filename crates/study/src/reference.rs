@@ -1,11 +1,11 @@
 //! References: rendered once, stored in the study's folder, and shared by the cells that are compared with
 //! them.
 
-use crate::error::StudyError;
+use crate::error::{Failure, StudyError};
 use crate::folder::{Folder, REFERENCES, read_json};
 use crate::key::{self, Key};
 use crate::laboratory::{Laboratory, Observed, RunRequest, Step};
-use crate::plan::{Made, PlannedReference};
+use crate::plan::{Origin, PlannedReference};
 use crate::record::ReferenceRecord;
 use metrics::Image;
 use serde::{Deserialize, Serialize};
@@ -29,9 +29,9 @@ pub(crate) struct References<'a> {
     planned: &'a [PlannedReference],
     scenes: Vec<String>,
     /// The key of each, or the reason why there is none.
-    keys: Vec<Result<Key, String>>,
+    keys: Vec<Result<Key, Failure>>,
     /// The results of the references that were requested so far.
-    known: Vec<Option<Result<Kept, String>>>,
+    known: Vec<Option<Result<Kept, Failure>>>,
     /// A folder in which references of other studies are looked up and stored as well.
     shared: Option<PathBuf>,
 }
@@ -54,17 +54,14 @@ pub(crate) struct Truth {
 
 impl Truth {
     /// Returns the reference of a frame, counted from the first measured one.
-    pub(crate) fn frame(&mut self, index: usize) -> Result<&Image, String> {
+    pub(crate) fn frame(&mut self, index: usize) -> Result<&Image, Failure> {
         // For a scene that stands still, one picture is the reference of all frames.
         let file = if self.files.len() > 1 { index } else { 0 };
         if self.read.as_ref().is_none_or(|(read, _)| *read != file) {
-            let path = self.files.get(file).ok_or_else(|| format!("frame {index} has no reference"))?;
-            self.read = Some((file, Image::read(path).map_err(|error| error.to_string())?));
+            let path = self.files.get(file).ok_or(Failure::NoReference(index))?;
+            self.read = Some((file, Image::read(path)?));
         }
-        match &self.read {
-            Some((_, image)) => Ok(image),
-            None => Err(format!("frame {index} has no reference")),
-        }
+        self.read.as_ref().map(|(_, image)| image).ok_or(Failure::NoReference(index))
     }
 }
 
@@ -75,7 +72,7 @@ impl<'a> References<'a> {
         lab: &mut dyn Laboratory,
         shared: Option<PathBuf>,
     ) -> References<'a> {
-        let keys = planned.iter().map(|reference| key::of_reference(&reference.made, lab)).collect();
+        let keys = planned.iter().map(|reference| key::of_reference(&reference.origin, lab)).collect();
         References { planned, scenes, keys, known: vec![None; planned.len()], shared }
     }
 
@@ -89,8 +86,8 @@ impl<'a> References<'a> {
 
     /// Returns an estimate of the time for those that were not requested yet, from the time of the others.
     pub(crate) fn left(&self) -> Duration {
-        let made = self.known.iter().flatten().flatten();
-        let (seconds, count) = made.fold((0.0, 0), |sum, kept| (sum.0 + kept.seconds, sum.1 + 1));
+        let rendered = self.known.iter().flatten().flatten();
+        let (seconds, count) = rendered.fold((0.0, 0), |sum, kept| (sum.0 + kept.seconds, sum.1 + 1));
         let open = self.known.iter().filter(|known| known.is_none()).count();
         let left = open as f64 * seconds / f64::from(count.max(1));
         Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX)
@@ -113,40 +110,39 @@ impl<'a> References<'a> {
     }
 
     /// Returns the pictures of a reference, which is rendered if it is missing, or the reason why there are
-    /// none. An error of the folder ends the study. While it is rendered, `step` is told how far each of its frames is.
+    /// none. An error of the folder ends the study. While it is rendered, `step` is called with the progress of each frame.
     pub(crate) fn get(
         &mut self,
         index: usize,
         folder: &Folder,
         lab: &mut dyn Laboratory,
         step: &mut dyn FnMut(Part, Step),
-    ) -> Result<Result<Truth, String>, StudyError> {
+    ) -> Result<Result<Truth, Failure>, StudyError> {
         if self.known[index].is_none() {
-            let made = match &self.keys[index] {
-                Ok(key) => self.make(index, &key.clone(), folder, lab, step)?,
+            let known = match &self.keys[index] {
+                Ok(key) => self.render(index, &key.clone(), folder, lab, step)?,
                 Err(why) => Err(why.clone()),
             };
-            self.known[index] = Some(made);
+            self.known[index] = Some(known);
         }
-        let known = self.known[index].as_ref();
-        Ok(match known {
+        Ok(match &self.known[index] {
             Some(Ok(kept)) => {
                 let files = kept.images.iter().map(|image| folder.path.join(image)).collect();
                 Ok(Truth { files, read: None })
             }
             Some(Err(why)) => Err(why.clone()),
-            None => Err("the reference was not made".to_owned()),
+            None => Err(Failure::NoPicture),
         })
     }
 
-    fn make(
+    fn render(
         &self,
         index: usize,
         key: &Key,
         folder: &Folder,
         lab: &mut dyn Laboratory,
         step: &mut dyn FnMut(Part, Step),
-    ) -> Result<Result<Kept, String>, StudyError> {
+    ) -> Result<Result<Kept, Failure>, StudyError> {
         if let Some(shared) = &self.shared
             && let Some(kept) = recall(shared, key)
         {
@@ -162,14 +158,14 @@ impl<'a> References<'a> {
             noise: None,
             provenance: String::new(),
         };
-        match &planned.made {
-            Made::Picture(file) => {
-                let image = match Image::read(file).map_err(|error| error.to_string()) {
+        match &planned.origin {
+            Origin::Picture(file) => {
+                let image = match Image::read(file) {
                     Ok(image) => image,
-                    Err(why) => return Ok(Err(why)),
+                    Err(why) => return Ok(Err(why.into())),
                 };
                 if let Err(why) = sound(&image, planned.size) {
-                    return Ok(Err(format!("{file}: {why}")));
+                    return Ok(Err(why.at(file)));
                 }
                 kept.provenance = metrics::read_provenance(file).ok().flatten().unwrap_or_default();
                 let name = format!("{REFERENCES}/{key}.exr");
@@ -180,7 +176,7 @@ impl<'a> References<'a> {
                 )?;
                 kept.images.push(name);
             }
-            Made::Run(requests) => {
+            Origin::Run(requests) => {
                 for (number, request) in (1..).zip(requests) {
                     let part = Part { frame: number, frames: requests.len() };
                     let step = &mut |progress| step(part, progress);
@@ -203,27 +199,25 @@ impl<'a> References<'a> {
         let pairs = self.planned.iter().zip(&self.known);
         pairs
             .filter_map(|(planned, known)| {
-                let scene = self.scenes[planned.scene].clone();
-                Some(match known.as_ref()? {
-                    Ok(kept) => ReferenceRecord {
-                        scene,
-                        from: kept.from.clone(),
-                        image: kept.images.last().cloned(),
-                        seconds: kept.seconds,
-                        noise: kept.noise,
-                        error: String::new(),
-                        provenance: kept.provenance.clone(),
-                    },
-                    Err(why) => ReferenceRecord {
-                        scene,
-                        from: planned.from.clone(),
-                        image: None,
-                        seconds: 0.0,
-                        noise: None,
-                        error: why.clone(),
-                        provenance: String::new(),
-                    },
-                })
+                let mut record = ReferenceRecord {
+                    scene: self.scenes[planned.scene].clone(),
+                    from: planned.from.clone(),
+                    image: None,
+                    seconds: 0.0,
+                    noise: None,
+                    error: String::new(),
+                    provenance: String::new(),
+                };
+                match known.as_ref()? {
+                    Ok(kept) => {
+                        record.from.clone_from(&kept.from);
+                        record.image = kept.images.last().cloned();
+                        record.provenance.clone_from(&kept.provenance);
+                        (record.seconds, record.noise) = (kept.seconds, kept.noise);
+                    }
+                    Err(why) => record.error = why.to_string(),
+                }
+                Some(record)
             })
             .collect()
     }
@@ -248,19 +242,19 @@ fn run(
     folder: &Folder,
     lab: &mut dyn Laboratory,
     step: &mut dyn FnMut(Step),
-) -> Result<Result<(), String>, StudyError> {
+) -> Result<Result<(), Failure>, StudyError> {
     // An error of the folder is stored separately: it ends the study, not only the reference.
     let mut disk = None;
     let images = &mut kept.images;
     let mut keep = |frame: Observed| {
-        sound(&frame.image, request.size).map_err(|why| format!("frame {}: {why}", frame.frame))?;
+        sound(&frame.image, request.size).map_err(|why| why.at(format!("frame {}", frame.frame)))?;
         let name = format!("{REFERENCES}/{key}-{:04}.exr", frame.frame);
         match folder.write_image(&name, &frame.image, None) {
             Ok(()) => images.push(name),
             Err(error) => {
-                let told = error.to_string();
+                let message = Failure::render(error.to_string());
                 disk = Some(error);
-                return Err(told);
+                return Err(message);
             }
         }
         Ok(())
@@ -270,7 +264,7 @@ fn run(
         return Err(error);
     }
     Ok(match done {
-        Ok(_) if kept.images.is_empty() => Err("it gave no picture".to_owned()),
+        Ok(_) if kept.images.is_empty() => Err(Failure::NoPicture),
         Ok(run) => {
             kept.noise = run.noise;
             kept.provenance = run.provenance;
@@ -281,22 +275,12 @@ fn run(
 }
 
 /// Checks that a picture can be a reference: its size, and that its pixels are finite.
-fn sound(image: &Image, size: (u32, u32)) -> Result<(), String> {
+fn sound(image: &Image, size: (u32, u32)) -> Result<(), Failure> {
     let found = (image.width(), image.height());
     if found != (size.0 as usize, size.1 as usize) {
-        return Err(format!(
-            "the reference is {}x{}, the frames are {}x{}",
-            found.0, found.1, size.0, size.1
-        ));
+        return Err(Failure::Size { found, expected: size });
     }
-    let broken = image.pixels().iter().filter(|pixel| !pixel[..3].iter().all(|c| c.is_finite())).count();
-    if broken > 0 {
-        return Err(format!(
-            "{broken} of {} pixels of the reference are NaN or infinite",
-            image.pixels().len()
-        ));
-    }
-    Ok(())
+    Failure::check_finite(image, || "the reference".to_owned())
 }
 
 fn recall(folder: &Path, key: &Key) -> Option<Kept> {

@@ -33,27 +33,10 @@ impl Remaining {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::{CellImages, Memory, Outcome};
 
     fn cell(pipeline: &str, seconds: f64) -> Cell {
-        Cell {
-            key: String::new(),
-            scene: "box".to_owned(),
-            pipeline: pipeline.to_owned(),
-            axes: Default::default(),
-            seed: 0,
-            outcome: Outcome::Done,
-            measures: Default::default(),
-            passes: Vec::new(),
-            series: Default::default(),
-            memory: Memory::default(),
-            chosen: Default::default(),
-            frames: 1,
-            seconds,
-            images: CellImages::default(),
-            notes: Vec::new(),
-            provenance: String::new(),
-        }
+        let (scene, pipeline) = ("box".to_owned(), pipeline.to_owned());
+        Cell { scene, pipeline, seconds, ..Cell::default() }
     }
 
     #[test]

@@ -1,11 +1,8 @@
 //! The report of a study: one page, figures and tables, generated from the study's results.
 
 mod best;
-mod chart;
 mod digest;
-mod escape;
 mod figures;
-mod number;
 mod page;
 mod pictures;
 mod table;
@@ -18,16 +15,16 @@ use crate::{Results, StudyError, folder};
 use digest::Digest;
 use figures::Figures;
 use pictures::Pictures;
-use table::Table;
+use report::{Table, escape};
 
 /// Folders of the report's files inside the study's.
 const FIGURES: &str = "figures";
 const TABLES: &str = "tables";
 
 /// Writes a report into the study's folder, which holds the pictures that `results` names: `report.html`, a
-/// single file that needs no other files and no network; its charts as `figures/*.svg` and `*.pdf`, the crops that the study declares as `figures/*.png`; its tables as
-/// `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is always complete or
-/// absent, also while it replaces another. Returns the files that were written, the page first.
+/// single file that needs no other files and no network; its charts as `figures/*.svg`, the crops that the study declares as
+/// `figures/*.png`; its tables as `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is
+/// always complete or absent, also while it replaces another. Returns the files that were written, the page first.
 ///
 /// # Errors
 /// Fails if a file cannot be written. Pictures that cannot be read are no errors; the page reports them.
@@ -35,17 +32,16 @@ pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyErr
     let digest = Digest::new(results);
     let figures = Figures::new(&digest);
     let tables: Vec<Table> = (0..digest.scenes.len())
-        .map(|scene| Table::new(&digest, scene))
+        .map(|scene| table::of_scene(&digest, scene))
         .filter(|table| !table.is_empty())
         .collect();
-    let claims = Table::of_claims(&digest);
+    let claims = table::of_claims(&digest);
     let pictures = Pictures::new(&digest, folder);
 
     let page = page::page(&digest, &figures, (&tables, claims.as_ref()), &pictures);
     let mut files = vec![(PathBuf::from("report.html"), page.into_bytes())];
     for figure in figures.all {
         files.push((Path::new(FIGURES).join(&figure.file), figure.drawing.svg().into_bytes()));
-        files.push((Path::new(FIGURES).join(figure.pdf_file()), figure.drawing.pdf()));
     }
     files.extend(pictures.insets.into_iter().map(|(name, bytes)| (Path::new(FIGURES).join(name), bytes)));
     let mut taken = BTreeSet::new();

@@ -1,19 +1,18 @@
 //! Runs the cells of a study that are not finished.
 
 use crate::budget::{Domain, search};
-use crate::clock;
 use crate::description::{Budget, Claim};
-use crate::error::StudyError;
-use crate::evaluator::{Evaluator, Verdict};
-use crate::folder::{Folder, IMAGES, Index, read_study};
+use crate::error::{Failure, StudyError};
+use crate::evaluator::{Evaluator, Measurements};
+use crate::folder::{Folder, IMAGES, Index, now, read_study};
 use crate::key::{self, Taken};
 use crate::laboratory::{CellRun, Laboratory, Observed, RunRequest, Step};
 use crate::plan::{Plan, PlannedCell, Search};
-use crate::record::{AxisValue, Cell, CellImages, FrameSeries, Memory, Outcome, Results, StudyRecord};
+use crate::record::{AxisValue, Cell, Outcome, Results, StudyRecord};
 use crate::reference::{Part, References, Truth};
 use crate::remaining::Remaining;
 use metrics::statistics::median;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -43,15 +42,20 @@ impl Shard {
     }
 }
 
-impl std::str::FromStr for Shard {
-    type Err = String;
+/// A text that names no shard.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a shard: expected i/n with i from 1 to n, such as 2/8")]
+pub struct ShardError(String);
 
-    fn from_str(text: &str) -> Result<Shard, String> {
+impl std::str::FromStr for Shard {
+    type Err = ShardError;
+
+    fn from_str(text: &str) -> Result<Shard, ShardError> {
         let pair =
             text.split_once('/').and_then(|(part, parts)| Some((part.parse().ok()?, parts.parse().ok()?)));
         match pair {
             Some((part, parts)) if (1..=parts).contains(&part) => Ok(Shard { part, parts }),
-            _ => Err(format!("`{text}` is no part of a study: expected i/n with i from 1 to n, such as 2/8")),
+            _ => Err(ShardError(text.to_owned())),
         }
     }
 }
@@ -81,7 +85,7 @@ pub enum Event<'a> {
         frame: usize,
         /// Number of frames that have a reference of their own.
         frames: usize,
-        /// How far the frame is.
+        /// The progress of the frame.
         step: Step,
     },
     /// A cell is being rendered.
@@ -123,7 +127,7 @@ pub fn run(
     lab: &mut dyn Laboratory,
     folder: &Path,
     options: &RunOptions,
-    tell: &mut dyn FnMut(Event<'_>),
+    report: &mut dyn FnMut(Event<'_>),
 ) -> Result<Ran, StudyError> {
     let folder = Folder::open(folder)?;
     let scenes = plan.scenes.iter().map(|scene| scene.record.name.clone()).collect();
@@ -149,10 +153,10 @@ pub fn run(
     let record = session.record(options);
     session.folder.write_study(&record, &index)?;
     let finished = mine.len() - open.len();
-    tell(Event::Begin { cells: mine.len(), finished, stale: session.folder.stale(&index) });
+    report(Event::Begin { cells: mine.len(), finished, stale: session.folder.stale(&index) });
     let (mut failed, mut run) = (0, 0);
     for (place, cell) in open.iter().enumerate() {
-        let cell = session.cell(*cell, &index.cells[*cell], tell)?;
+        let cell = session.cell(*cell, &index.cells[*cell], report)?;
         session.folder.write_cell(&cell)?;
         failed += usize::from(cell.outcome != Outcome::Done);
         run += 1;
@@ -162,7 +166,7 @@ pub fn run(
             (plan.study.scenes[cell.scene].value.as_str(), plan.pipelines[cell.pipeline].name.as_str())
         }));
         let left = left.saturating_add(session.references.left());
-        tell(Event::Ended { cell: &cell, ended: finished + place + 1, left });
+        report(Event::Ended { cell: &cell, ended: finished + place + 1, left });
     }
     let record = StudyRecord { started: record.started, ..session.record(options) };
     session.folder.write_study(&record, &index)?;
@@ -225,7 +229,7 @@ impl Session<'_> {
             cell_count: plan.cells.len(),
             adapter: self.lab.adapter(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            started: begun.unwrap_or_else(clock::now),
+            started: begun.unwrap_or_else(now),
             command: options.command.clone(),
             claims: study.claims.iter().map(Claim::record).collect(),
             crops: study.crops.clone(),
@@ -244,7 +248,12 @@ impl Session<'_> {
         }
     }
 
-    fn cell(&mut self, index: usize, key: &str, tell: &mut dyn FnMut(Event<'_>)) -> Result<Cell, StudyError> {
+    fn cell(
+        &mut self,
+        index: usize,
+        key: &str,
+        report: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Cell, StudyError> {
         let plan = self.plan;
         let planned = &plan.cells[index];
         let mut cell = Cell {
@@ -253,23 +262,14 @@ impl Session<'_> {
             pipeline: plan.pipelines[planned.pipeline].name.clone(),
             axes: planned.axes.clone(),
             seed: planned.request.seed,
-            outcome: Outcome::Done,
             measures: plan.infos().map(|info| (info.key, None)).collect(),
-            passes: Vec::new(),
-            series: FrameSeries::default(),
-            memory: Memory::default(),
-            chosen: BTreeMap::new(),
-            frames: 0,
-            seconds: 0.0,
-            images: CellImages::default(),
-            notes: Vec::new(),
-            provenance: String::new(),
+            ..Cell::default()
         };
         let truth = match planned.reference {
-            Some(reference) => self.truth(reference, tell)?,
+            Some(reference) => self.truth(reference, report)?,
             None => Ok(None),
         };
-        tell(Event::Cell { name: name_of(&cell) });
+        report(Event::Cell { name: name_of(&cell) });
         let start = Instant::now();
         // Cells with other measures than errors also run without a reference, and record what is missing.
         let only_errors =
@@ -282,13 +282,13 @@ impl Session<'_> {
                     Err(why) => (None, Some(why)),
                 };
                 match self.render(planned, truth, &mut cell) {
-                    Ok(verdict) => self.keep(verdict, planned, &mut cell)?.or(missing),
+                    Ok(found) => self.keep(found, planned, &mut cell)?.or(missing),
                     Err(why) => Some(why),
                 }
             }
         };
         if let Some(error) = failure {
-            cell.outcome = Outcome::Failed { error };
+            cell.outcome = Outcome::Failed { error: error.to_string() };
         }
         cell.seconds = start.elapsed().as_secs_f64();
         Ok(cell)
@@ -298,20 +298,21 @@ impl Session<'_> {
     fn truth(
         &mut self,
         reference: usize,
-        tell: &mut dyn FnMut(Event<'_>),
-    ) -> Result<Result<Option<Truth>, String>, StudyError> {
+        report: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Result<Option<Truth>, Failure>, StudyError> {
         let name = self.references.name(reference);
         if !self.references.is_known(reference) {
-            tell(Event::Reference { name: name.clone() });
+            report(Event::Reference { name: name.clone() });
         }
-        let step = &mut |Part { frame, frames }, step| tell(Event::Step { name: &name, frame, frames, step });
+        let step =
+            &mut |Part { frame, frames }, step| report(Event::Step { name: &name, frame, frames, step });
         match self.references.get(reference, &self.folder, self.lab, step)? {
             Ok(truth) => Ok(Ok(Some(truth))),
             Err(why) => {
-                let why = format!("the reference of {name} failed: {why}");
+                let why = why.at(format!("the reference of {name} failed"));
                 if !self.refused.contains(&reference) {
                     self.refused.push(reference);
-                    tell(Event::Note(why.clone()));
+                    report(Event::Note(why.to_string()));
                 }
                 Ok(Err(why))
             }
@@ -323,7 +324,7 @@ impl Session<'_> {
         planned: &PlannedCell,
         truth: Option<Truth>,
         cell: &mut Cell,
-    ) -> Result<Verdict, String> {
+    ) -> Result<Measurements, Failure> {
         let plan = self.plan;
         let mut request = planned.request.clone();
         if let Some(search) = &planned.search {
@@ -336,43 +337,43 @@ impl Session<'_> {
         let first = request.first_frame + request.warm_up;
         let jump =
             plan.study.jump.as_ref().and_then(|jump| jump.value.checked_sub(first)).map(|jump| jump as usize);
-        let mut judge =
+        let mut evaluator =
             Evaluator::new((&plan.measures, &plan.study.phases, &plan.study.figures), facts, jump, truth);
-        let run = self.lab.run(&request, &mut |frame| judge.observe(frame), &mut |_| {})?;
-        if judge.frames == 0 {
-            return Err("no frame was measured".to_owned());
+        let run = self.lab.run(&request, &mut |frame| evaluator.observe(frame), &mut |_| {})?;
+        if evaluator.frames == 0 {
+            return Err(Failure::NoFrame);
         }
         let over_frames = matches!(plan.study.budget, Budget::Time { by: None, .. });
         let lab = &mut *self.lab;
-        let verdict = judge.finish(&run, over_frames, &mut |frame| lab.occluded(&request.scene, frame));
+        let found = evaluator.finish(&run, over_frames, &mut |frame| lab.occluded(&request.scene, frame));
         let CellRun { memory, provenance, .. } = run;
         (cell.memory, cell.provenance) = (memory, provenance);
-        Ok(verdict)
+        Ok(found)
     }
 
     /// Adds measurements to the record, and writes its pictures. Returns the reason if the cell failed.
     fn keep(
         &mut self,
-        verdict: Verdict,
+        found: Measurements,
         planned: &PlannedCell,
         cell: &mut Cell,
-    ) -> Result<Option<String>, StudyError> {
-        cell.measures = verdict.measures;
-        cell.passes = verdict.passes;
-        cell.series = verdict.series;
-        cell.frames = verdict.frames;
+    ) -> Result<Option<Failure>, StudyError> {
+        cell.measures = found.measures;
+        cell.passes = found.passes;
+        cell.series = found.series;
+        cell.frames = found.frames;
         cell.images.reference = planned.reference.and_then(|reference| self.references.image(reference));
-        if let Some(image) = &verdict.image {
+        if let Some(image) = &found.image {
             let name = format!("{IMAGES}/{}.exr", cell.key);
             self.folder.write_image(&name, image, Some(&cell.provenance))?;
             cell.images.image = Some(name);
         }
-        if let Some(flip) = &verdict.flip {
+        if let Some(flip) = &found.flip {
             let name = format!("{IMAGES}/{}-flip.png", cell.key);
             self.folder.write_image(&name, flip, None)?;
             cell.images.flip = Some(name);
         }
-        Ok(verdict.failure)
+        Ok(found.failure)
     }
 
     /// Searches for the value with which a frame takes the budgeted time, once for all seeds; returns a note
@@ -381,7 +382,7 @@ impl Session<'_> {
         &mut self,
         planned: &PlannedCell,
         wanted: &Search,
-    ) -> Result<(AxisValue, Option<String>), String> {
+    ) -> Result<(AxisValue, Option<String>), Failure> {
         let id = without_seed(planned);
         if let Some(known) = self.chosen.get(&id) {
             return Ok(known.clone());
@@ -406,9 +407,7 @@ impl Session<'_> {
                 Ok(())
             };
             self.lab.run(&probe, &mut time, &mut |_| {})?;
-            median(&mut totals)
-                .filter(|ms| *ms > 0.0)
-                .ok_or_else(|| "this adapter cannot time passes, which a budget of time needs".to_owned())
+            median(&mut totals).filter(|ms| *ms > 0.0).ok_or(Failure::Untimed)
         })?;
         let note = (!found.meets(wanted.ms)).then(|| {
             format!(

@@ -185,13 +185,8 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn cell(value: f64, outcome: Outcome) -> Cell {
-        let text = serde_json::json!({
-            "key": "", "scene": "", "pipeline": "", "axes": {}, "seed": 1, "outcome": outcome,
-            "measures": { "rmse": value }, "passes": [], "chosen": {}, "notes": [], "frames": 1, "seconds": 0.0,
-            "memory": { "unshared": 0, "shared": 0, "bound": 0, "held": 0 },
-            "images": { "image": null, "flip": null, "reference": null }, "provenance": "",
-        });
-        serde_json::from_value(text).unwrap()
+        let measures = BTreeMap::from([("rmse".to_owned(), Some(value))]);
+        Cell { outcome, measures, ..Cell::default() }
     }
 
     #[test]

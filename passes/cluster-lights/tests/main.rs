@@ -198,7 +198,7 @@ fn lights_beyond_the_count_and_dark_ones_do_not_matter() {
             more.push(VirtualLight { position: [90.0, 0.0, 0.0], flux: [0.0; 3], ..*light });
         }
     }
-    let header = VirtualLightsHeader { count: 250, pad: [0; 3] };
+    let header = VirtualLightsHeader { count: 250, ..Default::default() };
     let rest = vec![0xff_u8; 50 * size_of::<VirtualLight>()];
     let bytes = [bytemuck::bytes_of(&header), bytemuck::cast_slice(&more), &rest].concat();
     let outputs = Harness::new(cluster_lights::PASS)

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// A colour, linear Rec. 709.
+/// A color, linear Rec. 709.
 pub type Rgb = [f64; 3];
 
 /// Returns the picture: direct + albedo/π × irradiance + glossy + emission \[W/(m² sr)\].
@@ -15,7 +15,7 @@ pub fn luminance(rgb: Rgb) -> f64 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
-/// Returns the encoded colour, in 0..=1, of a radiance. `name` is a choice of the setting `tonemap`; any name
+/// Returns the encoded color, in 0..=1, of a radiance. `name` is a choice of the setting `tonemap`; any name
 /// that is not one of a curve only clamps at 1.
 pub fn displayed(name: &str, radiance: Rgb, exposure: f64, white: f64) -> Rgb {
     if !radiance.iter().all(|x| x.is_finite()) {

@@ -278,7 +278,7 @@ fn attributes_that_mean_nothing_are_told_where_they_stand() {
         ("repeat: rounds", "repeet: rounds", "did you mean `repeat`?"),
         ("elements(numbers)", "lanes(numbers)", "there are `texels(NAME)` and `elements(NAME)`"),
         ("(4, 2, rounds)", "(4, 2)", "expected `,`, as in `(8, 8, 1)`"),
-        ("(4, 2, rounds)", "-4", "expected a whole number, or a setting that is one"),
+        ("(4, 2, rounds)", "-4", "expected a whole number, or an expression that is one"),
         (
             "[reads: square]",
             "[reads: squares]",

@@ -1,8 +1,9 @@
 //! The shader is valid; the CPU reference against closed forms.
 
+mod cpu_reference;
 mod gpu;
 
-use direct_light::cpu_reference::{Map, ggx};
+use cpu_reference::{Map, ggx};
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use std::f64::consts::PI;
 
@@ -35,7 +36,7 @@ fn a_plane_never_shadows_itself() {
             let map = Map::of_plane(64, DVec2::ONE, perspective, at, normal);
             for k in 0..40 {
                 let image = dvec2(f64::from(k % 7), f64::from(k / 7)) * 0.1 - 0.3;
-                let distance = direct_light::cpu_reference::plane_distance(at, normal, image, perspective);
+                let distance = cpu_reference::plane_distance(at, normal, image, perspective);
                 let scale = if perspective { distance } else { 1.0 };
                 let receiver = (image * scale).extend(-distance);
                 // Seen too much on edge, a plane rises more than the limit, and the bias has to do.

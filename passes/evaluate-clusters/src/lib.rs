@@ -45,7 +45,7 @@ impl Pass for EvaluateClusters {
             inputs: vec![input(
                 "clusters",
                 "Clusters",
-                "The clusters of the frame before: a link with `Prev`.",
+                "The clusters of the frame before: a link with `prev`.",
             )],
             outputs: vec![output(
                 "evaluated",

@@ -1,8 +1,8 @@
 //! A fragment shader of the user's over the whole frame. Needs no Rust: settings, ports and steps are read from the
 //! shader.
 
+use pass::Pass;
 use pass::reflected::ShaderPass;
-use pass::{Info, Pass};
 use shader_library::Stage;
 
 /// The user's shader with the vertex stage.
@@ -10,12 +10,8 @@ const EFFECT: &str = "passes/fullscreen/effect.wgsl";
 
 /// Draws one triangle over the outputs, for each fragment entry point of a WGSL file in the order of the text.
 pub const PASS: &dyn Pass = &ShaderPass {
-    info: Info {
-        kind: "fullscreen",
-        about: "Runs fragment shaders over the frame, in WGSL alone: `shader:` names the file.",
-        paper: "",
-        shaders: &[EFFECT],
-    },
+    kind: "fullscreen",
+    about: "Runs fragment shaders over the frame, in WGSL alone: `shader:` names the file.",
     stage: Stage::Fragment,
     request: |path| {
         let mut request = pass::request(EFFECT, &[]);

@@ -167,12 +167,12 @@ fn refusals_say_what_is_wrong_and_what_to_do() {
     let cases: &[(String, &[&str], &str)] = &[
         ("fn f() {}".into(), &[], "has no @fragment entry point"),
         (
-            "struct Result { @location(0) colour: vec4<f32> }
+            "struct Result { @location(0) color: vec4<f32> }
             @fragment fn red() -> Result { return Result(vec4(1.0)); }
             @fragment fn blue() -> Result { return Result(vec4(0.0)); }"
                 .into(),
             &[],
-            "two entry points have a result `colour`",
+            "two entry points have a result `color`",
         ),
         ("@fragment fn f() -> @location(0) vec4<f32> { return 1; }".into(), &[], "own.wgsl:1:"),
         (
@@ -189,7 +189,7 @@ fn refusals_say_what_is_wrong_and_what_to_do() {
         ("@fragment fn f() {}".into(), &[], "`f` has no result to draw"),
         (with("var smooth_sampler: sampler;"), &[], "`smooth_sampler` is a sampler"),
         (with("var<uniform> scale: f32;"), &[], "`scale` is a uniform"),
-        (with("var colour: texture_2d<f32>;"), &["color"], "color | the shader has no global `color`"),
+        (with("var colors: texture_2d<f32>;"), &["color"], "color | the shader has no global `color`"),
         (
             with("var<storage, read_write> sums: array<f32>;"),
             &["sums"],

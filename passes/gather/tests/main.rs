@@ -1,6 +1,8 @@
 //! Irradiance against closed forms, and the way lights are shared out among sub-images.
 
-use gather::cpu_reference::{Bound, VirtualLight, geometry, subset};
+mod cpu_reference;
+
+use cpu_reference::{Bound, VirtualLight, geometry, subset};
 use glam::{DVec3, Vec3, dvec3};
 use pass_test::{Harness, Outputs};
 use std::f64::consts::PI;

@@ -28,7 +28,7 @@ pub fn response(albedo: DVec3) -> DVec3 {
     LUMINANCE * albedo / PI
 }
 
-/// Returns the relative luminance (BT.709) of a linear colour.
+/// Returns the relative luminance (BT.709) of a linear color.
 pub fn luminance(rgb: DVec3) -> f64 {
     rgb.dot(LUMINANCE)
 }

@@ -99,7 +99,7 @@ fn where_nothing_is_mapped_all_lights_are_dark() {
 
 /// Only the channel that no centre has is lost, and nothing is infinite.
 #[test]
-fn a_colour_that_no_centre_has_is_lost() {
+fn a_color_that_no_centre_has_is_lost() {
     let mut clusters = clusters(20);
     for cluster in &mut clusters {
         cluster.centre_flux = [cluster.centre_flux[0], 0.0, f32::NAN];

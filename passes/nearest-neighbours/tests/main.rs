@@ -290,7 +290,7 @@ fn k_grows_with_the_root_of_the_count() {
 /// How long both structures take, for the README.
 #[test]
 #[ignore = "a measurement"]
-fn measure() {
+fn measurement() {
     for (queries, count) in [(2048, 2048), (8192, 8192), (32_768, 2048), (32_768, 32_768)] {
         let (points, among) = (square(queries, 1), square(count, 2));
         for structure in ["pairs", "grid"] {

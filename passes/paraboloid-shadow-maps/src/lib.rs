@@ -66,13 +66,13 @@ impl Pass for ParaboloidShadowMaps {
                 pass::optional(
                     "past",
                     "Visibility",
-                    "The maps of the frame before, which are kept where a light stays: `Prev` of the output `visibility`, \
+                    "The maps of the frame before, which are kept where a light stays: `prev` of the output `visibility`, \
                      reset by `Scene`, `Reload`, `Setting` and `Moved`.",
                 ),
                 pass::optional(
                     "rendered",
                     "Stands",
-                    "`Prev` of the output `stands`, reset by the same; needed with `past`.",
+                    "`prev` of the output `stands`, reset by the same; needed with `past`.",
                 ),
             ],
             outputs: vec![

@@ -81,7 +81,7 @@ impl Pass for PathTracer {
             inputs: vec![optional(
                 "past",
                 "PathSamples",
-                "The samples so far: `Prev` of the output `samples`. Without it each frame begins again.",
+                "The samples so far: `prev` of the output `samples`. Without it each frame begins again.",
             )],
             outputs: vec![
                 output("image", "Radiance", "All light."),

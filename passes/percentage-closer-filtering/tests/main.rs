@@ -1,16 +1,18 @@
 //! Filtered lookups against the CPU reference, and against a bilinear lookup of four texels.
 
+mod cpu_reference;
+
+use cpu_reference::filtered;
 use frame_graph::port::InputDesc;
 use glam::{DVec3, dvec3};
 use gpu_algorithms::reference::paraboloid::{paraboloid_from_direction, tile_position};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{OutputContext, ResourceDesc, Settings, Use, UseContext, Value};
 use pass_test::visibility::{Receiver, atlas, direction, lookups, map_of, receivers_around};
-use percentage_closer_filtering::cpu_reference::filtered;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-const MODULE: &str = "passes/percentage-closer-filtering/percentage-closer-filtering.wgsl";
+const MODULE: &str = "passes/percentage-closer-filtering/lookup.wgsl";
 const BILINEAR: &str = "passes/percentage-closer-filtering/tests/bilinear.wgsl";
 const TILE: u32 = 8;
 const RECEIVERS: u32 = 500;
@@ -84,7 +86,7 @@ fn a_window_over_an_open_map_sees_all_and_over_a_closed_one_nothing() {
 fn it_filters_maps_and_nothing_else() {
     let (library, overrides, inputs) = (pass_test::shaders(), BTreeMap::new(), ["maps".to_owned()]);
     let kind = percentage_closer_filtering::PASS;
-    let use_ = Use { kind: kind.info().kind, shader: None, inputs: &inputs, outputs: &overrides };
+    let use_ = Use { kind: kind.kind(), shader: None, inputs: &inputs, outputs: &overrides };
     let settings = Settings(BTreeMap::from([("taps".to_owned(), Value::U32(3))]));
     let outputs = |members: Vec<(String, ResourceDesc)>, facts: &[(&str, Value)]| {
         let maps = InputDesc {

@@ -53,7 +53,7 @@ impl Pass for Radiosity {
                 optional(
                     "past",
                     "Radiosity",
-                    "What is known: `Prev` of the output, reset by `Scene`, `Reload`, `Setting` and `Moved`.",
+                    "What is known: `prev` of the output, reset by `Scene`, `Reload`, `Setting` and `Moved`.",
                 ),
             ],
             outputs: vec![output("radiosity", "Radiosity", "What leaves the surface at each point.")],

@@ -60,7 +60,7 @@ impl Pass for ReplaceLights {
                 input(
                     "intensities",
                     "VirtualLights",
-                    "The lights of the frame before: `Prev` of what is made of `replaced`.",
+                    "The lights of the frame before: `prev` of what is made of `replaced`.",
                 ),
                 input(
                     "candidates",

@@ -62,7 +62,7 @@ impl Pass for SampleIncremental {
             inputs: vec![optional(
                 "past",
                 "SurfacePoints",
-                "`Prev` of `points`: the lights of the frame before. Without it, all are placed in each frame.",
+                "`prev` of `points`: the lights of the frame before. Without it, all are placed in each frame.",
             )],
             outputs: vec![
                 output("lights", "VirtualLights", "A light for each slot; dark where it is on no surface."),

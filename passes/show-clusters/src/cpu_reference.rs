@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3, UVec2};
 
-/// Share of its brightness that a colour has in shadow.
+/// Share of its brightness that a color has in shadow.
 pub const IN_SHADOW: f64 = 0.35;
 
 /// How far behind the surface in the map what is lit may lie, in sides of a texel, times 1 + its slope.
@@ -49,8 +49,8 @@ impl Projection {
     }
 }
 
-/// Returns the colour of a cluster, whose hash is `bits`.
-pub fn colour_of(index: u32, bits: u32) -> DVec3 {
+/// Returns the color of a cluster, whose hash is `bits`.
+pub fn color_of(index: u32, bits: u32) -> DVec3 {
     let hue = f64::from(index.wrapping_mul(2_654_435_769) >> 8) / 16_777_216.0 * 6.0;
     let value = 0.6 + 0.2 * f64::from(bits % 3);
     let saturation = 0.5 + 0.4 * f64::from((bits >> 8) % 2);

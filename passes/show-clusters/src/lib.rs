@@ -38,7 +38,7 @@ impl Pass for ShowClusters {
                 input("rsm", "ReflectiveShadowMap", "What was clustered; its positions are the shadow maps."),
                 input("view", "GBuffer", "The surfaces to show them on."),
             ],
-            outputs: vec![output("display", "Display", "The cells in colours.")],
+            outputs: vec![output("display", "Display", "The cells in colors.")],
             scene_bindings: SceneBindings::CAMERA.and(SceneBindings::LIGHTS),
         })
     }

@@ -1,4 +1,4 @@
-//! The picture of lights: dots against their discs on a floor, colours against their scale.
+//! The picture of lights: dots against their discs on a floor, colors against their scale.
 
 use glam::{Vec3, vec3};
 use half::f16;
@@ -66,11 +66,11 @@ fn dots_are_discs_around_what_is_seen_of_lights() {
         };
         let mut expected = GREY;
         let mut is_at_an_edge = false;
-        for (k, (light, colour)) in shown.iter().zip([WHITE, BLACK]).enumerate() {
+        for (k, (light, color)) in shown.iter().zip([WHITE, BLACK]).enumerate() {
             let away = Vec3::from(light.position).as_dvec3().distance(at) / (pixel * f64::from(depth));
             is_at_an_edge |= (away - DOT).abs() < 0.01;
             if away < DOT {
-                expected = colour;
+                expected = color;
                 dots[k] += 1;
             }
         }
@@ -80,7 +80,7 @@ fn dots_are_discs_around_what_is_seen_of_lights() {
 }
 
 #[test]
-fn colours_go_from_blue_over_green_to_red() {
+fn colors_go_from_blue_over_green_to_red() {
     let scene = pass_test::scene("plane");
     let seen: Vec<_> =
         (0..WIDTH * HEIGHT).filter(|&i| floor_seen(&scene, (WIDTH, HEIGHT), i).is_some()).collect();

@@ -34,6 +34,7 @@ fn a_consumer_traces_rays() {
         };
         let (overrides, settings, traits) = (BTreeMap::new(), Settings::default(), pass::Traits::default());
         let context = RecordContext {
+            main: None,
             name: "gather",
             use_: Use { kind: "gather", shader: None, inputs: &[], outputs: &overrides },
             settings: &settings,

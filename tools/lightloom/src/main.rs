@@ -47,7 +47,7 @@ enum Command {
     Check(command::check::Args),
     /// Draw the compiled graph of a pipeline: order, sizes, memory, and why each pass is there or not
     Graph(command::graph::Args),
-    /// Print the flattened pipeline, each value with its origin
+    /// Print a pipeline as one file, each value with its origin
     Resolve(command::resolve::Args),
     /// Print the differences between two pipelines
     Diff(command::diff::Args),

@@ -7,9 +7,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use renderer::RenderError;
 use scene::SceneError;
 use serde_json::{Value, json};
-use std::io::{ErrorKind, IsTerminal as _, Write as _};
+use std::io::{ErrorKind, Write as _};
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 /// Prints a line on standard output. Where its reader has gone (`lightloom check | head`), nobody is left to be told, and
 /// the exit code is still that of what was done. Where it cannot be written for another reason, such as a full disk, the
@@ -124,40 +123,6 @@ pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
         .with_message(what.to_owned())
 }
 
-/// Least time between two lines of progress.
-const BETWEEN_LINES: Duration = Duration::from_secs(10);
-
-/// When to print a line about work that goes on, where standard error is no terminal on which a bar could show it.
-pub(crate) struct Pace {
-    /// Since when nothing was printed; `None` on a terminal.
-    since: Option<Instant>,
-}
-
-impl Pace {
-    /// A line now and then.
-    pub(crate) fn new() -> Pace {
-        Pace { since: (!std::io::stderr().is_terminal()).then(Instant::now) }
-    }
-
-    /// Says that something was printed.
-    pub(crate) fn restart(&mut self) {
-        self.since = self.since.map(|_| Instant::now());
-    }
-
-    /// Returns whether it is time for a line; if so, the next is due later.
-    pub(crate) fn is_due(&mut self) -> bool {
-        self.is_due_at(Instant::now())
-    }
-
-    fn is_due_at(&mut self, now: Instant) -> bool {
-        let due = self.since.is_some_and(|since| now.duration_since(since) >= BETWEEN_LINES);
-        if due {
-            self.since = Some(now);
-        }
-        due
-    }
-}
-
 /// Writes a file, whole or not at all.
 pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
     whole_file::write(path, text).with_context(|| format!("{} was not written", path.display()))
@@ -166,17 +131,4 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
 /// Prints JSON.
 pub(crate) fn json(value: &serde_json::Value) {
     say!("{value:#}");
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_is_due_now_and_then_where_there_is_no_terminal() {
-        let start = Instant::now();
-        let due = |pace: &mut Pace| [9, 10, 19, 21].map(|s| pace.is_due_at(start + Duration::from_secs(s)));
-        assert_eq!(due(&mut Pace { since: Some(start) }), [false, true, false, true]);
-        assert_eq!(due(&mut Pace { since: None }), [false; 4]);
-    }
 }

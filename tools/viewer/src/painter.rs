@@ -1,40 +1,33 @@
 //! Draws the interface by a shader that is cheap on a processor.
 //!
-//! The shader of egui-wgpu 0.37 has a branch on a uniform: one side samples a texture, the other filters by hand for tests. A
-//! driver that renders on the processor computes both for each pixel, and a window of 1280×800 takes 50 ms. Here the
-//! shapes of a frame become one callback of egui-wgpu, which draws them by `painter.wgsl`.
+//! The shader of egui-wgpu 0.37 has a branch on a uniform: one side samples a texture, the other filters by hand for
+//! tests. A driver that renders on the processor computes both for each pixel: a frame of 1280×800 takes 74 ms, and 16 ms
+//! without the branch. No option of egui-wgpu removes it. Here the shapes of a frame become one callback of egui-wgpu,
+//! which draws them by `painter.wgsl`, with the textures that egui-wgpu keeps.
 
 use eframe::egui::emath::TSTransform;
-use eframe::egui::epaint::{
-    ClippedShape, ImageData, ImageDelta, PaintCallbackInfo, Primitive, Shape, Vertex,
-};
+use eframe::egui::epaint::mutex::RwLock;
+use eframe::egui::epaint::{ClippedShape, Mesh, PaintCallbackInfo, Primitive, Shape, Vertex};
 use eframe::egui::{ClippedPrimitive, Context, FullOutput, Plugin, Rect};
-use eframe::egui::{TextureFilter, TextureId, TextureOptions, TextureWrapMode};
-use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
+use eframe::egui_wgpu::{
+    Callback, CallbackResources, CallbackTrait, RenderState, Renderer, ScreenDescriptor,
+};
 use renderer::wgpu;
-use std::collections::HashMap;
-use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use renderer::wgpu::util::{BufferInitDescriptor, DeviceExt as _};
+use std::sync::{Arc, OnceLock};
 
 /// Lets the shader of this module draw the interface where that is faster than egui-wgpu's own.
 pub(crate) fn install(context: &Context, state: &RenderState) {
     let on_cpu = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
     // The shader writes gamma, as egui does where it can choose.
     if on_cpu && !state.target_format.is_srgb() {
-        context.add_plugin(Hook::new(&state.device, state.target_format));
+        let painter = Painter::new(&state.device, state.target_format, Arc::clone(&state.renderer));
+        context.add_plugin(Hook(Arc::new(painter)));
     }
 }
 
-/// Takes the shapes and textures of each frame from egui-wgpu.
-struct Hook {
-    painter: Arc<Mutex<Painter>>,
-}
-
-impl Hook {
-    fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Hook {
-        Hook { painter: Arc::new(Mutex::new(Painter::new(device, target))) }
-    }
-}
+/// Takes the shapes of each frame from egui-wgpu.
+struct Hook(Arc<Painter>);
 
 impl Plugin for Hook {
     fn debug_name(&self) -> &'static str {
@@ -44,81 +37,55 @@ impl Plugin for Hook {
     fn output_hook(&mut self, context: &Context, output: &mut FullOutput) {
         let shapes = std::mem::take(&mut output.shapes);
         let primitives = context.tessellate(shapes, output.pixels_per_point);
-        // A frame may be left out, where the window is hidden; what it changes in textures may not.
-        let mut painter = self.painter.lock().unwrap_or_else(PoisonError::into_inner);
-        painter
-            .changes
-            .extend(output.textures_delta.set.drain().map(|(id, deltas)| (id, Vec::from_iter(deltas))));
-        painter.unused.extend(output.textures_delta.free.drain());
-        drop(painter);
         let all = context.viewport_rect();
-        let frame = Frame { painter: Arc::clone(&self.painter), primitives };
+        let frame = Frame { painter: Arc::clone(&self.0), primitives, uploaded: OnceLock::new() };
         let shape = Shape::Callback(Callback::new_paint_callback(all, frame));
         let transform_after_tessellation = TSTransform::IDENTITY;
         output.shapes = vec![ClippedShape { clip_rect: all, shape, transform_after_tessellation }];
     }
 }
 
-/// One frame of the interface.
-struct Frame {
-    painter: Arc<Mutex<Painter>>,
-    primitives: Vec<ClippedPrimitive>,
-}
-
-impl CallbackTrait for Frame {
-    fn prepare(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        screen: &ScreenDescriptor,
-        _: &mut wgpu::CommandEncoder,
-        _: &mut CallbackResources,
-    ) -> Vec<wgpu::CommandBuffer> {
-        let mut painter = self.painter.lock().unwrap_or_else(PoisonError::into_inner);
-        painter.upload(device, queue, &self.primitives, screen);
-        Vec::new()
-    }
-
-    fn paint(&self, _: PaintCallbackInfo, pass: &mut wgpu::RenderPass<'static>, _: &CallbackResources) {
-        self.painter.lock().unwrap_or_else(PoisonError::into_inner).draw(pass);
-    }
-}
-
-/// A range of triangles with one texture and one scissor rectangle.
-struct Draw {
-    texture: TextureId,
-    /// x, y, width and height in pixels.
-    scissor: [u32; 4],
-    indices: Range<u32>,
-    base_vertex: i32,
-}
-
-struct Texture {
-    texture: wgpu::Texture,
-    options: TextureOptions,
-    group: wgpu::BindGroup,
-}
-
 /// The objects on the device that draws the window.
 struct Painter {
     pipeline: wgpu::RenderPipeline,
-    texture_layout: wgpu::BindGroupLayout,
-    screen: wgpu::Buffer,
-    screen_group: wgpu::BindGroup,
-    vertices: wgpu::Buffer,
-    indices: wgpu::Buffer,
-    textures: HashMap<TextureId, Texture>,
-    samplers: HashMap<TextureOptions, wgpu::Sampler>,
-    /// What frames changed in textures since the last upload.
-    changes: Vec<(TextureId, Vec<ImageDelta>)>,
-    /// Textures that no frame after the one to come uses.
-    unused: Vec<TextureId>,
-    draws: Vec<Draw>,
+    /// Holds the textures.
+    renderer: Arc<RwLock<Renderer>>,
 }
 
 impl Painter {
-    fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Painter {
+    fn new(device: &wgpu::Device, target: wgpu::TextureFormat, renderer: Arc<RwLock<Renderer>>) -> Painter {
         let shader = device.create_shader_module(wgpu::include_wgsl!("painter.wgsl"));
+        let entry = |binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType| {
+            wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
+        };
+        let uniform = |size: u64| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: std::num::NonZeroU64::new(size),
+        };
+        let texture = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
+        let layout = |entries: &[wgpu::BindGroupLayoutEntry]| {
+            let label = Some("interface");
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries })
+        };
+        let screen = layout(&[entry(0, vertex, uniform(size_of::<[f32; 2]>() as u64))]);
+        // That of the groups that egui-wgpu makes of textures.
+        let textures = layout(&[
+            entry(0, fragment, texture),
+            entry(1, fragment, sampler),
+            entry(2, fragment, uniform(16)),
+        ]);
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("interface"),
+            bind_group_layouts: &[Some(&screen), Some(&textures)],
+            immediate_size: 0,
+        });
         let blend = wgpu::BlendState {
             color: wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING.color,
             // The window stays opaque where it is.
@@ -130,7 +97,7 @@ impl Painter {
         };
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("interface"),
-            layout: None,
+            layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &shader,
                 entry_point: Some("vertex"),
@@ -157,132 +124,93 @@ impl Painter {
             multiview_mask: None,
             cache: None,
         });
-        let screen = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("size of the window"),
-            size: size_of::<[f32; 2]>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let screen_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("size of the window"),
-            layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: screen.as_entire_binding() }],
-        });
-        Painter {
-            texture_layout: pipeline.get_bind_group_layout(1),
-            pipeline,
-            screen,
-            screen_group,
-            vertices: buffer(device, wgpu::BufferUsages::VERTEX, 1 << 16),
-            indices: buffer(device, wgpu::BufferUsages::INDEX, 1 << 16),
-            textures: HashMap::new(),
-            samplers: HashMap::new(),
-            changes: Vec::new(),
-            unused: Vec::new(),
-            draws: Vec::new(),
-        }
+        Painter { pipeline, renderer }
     }
+}
 
-    /// Uploads what changed in textures, and the triangles of a frame.
-    fn upload(
-        &mut self,
+/// One frame of the interface.
+struct Frame {
+    painter: Arc<Painter>,
+    primitives: Vec<ClippedPrimitive>,
+    uploaded: OnceLock<Uploaded>,
+}
+
+/// What is on the device of a frame.
+struct Uploaded {
+    screen: ScreenDescriptor,
+    screen_group: wgpu::BindGroup,
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+}
+
+impl CallbackTrait for Frame {
+    fn prepare(
+        &self,
         device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        primitives: &[ClippedPrimitive],
+        _: &wgpu::Queue,
         screen: &ScreenDescriptor,
-    ) {
-        for (id, deltas) in std::mem::take(&mut self.changes) {
-            for delta in deltas {
-                self.change(device, queue, id, &delta);
-            }
-        }
+        _: &mut wgpu::CommandEncoder,
+        _: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
         let mut vertices: Vec<Vertex> = Vec::new();
         let mut indices: Vec<u32> = Vec::new();
-        self.draws.clear();
-        for ClippedPrimitive { clip_rect, primitive } in primitives {
-            let Primitive::Mesh(mesh) = primitive else { continue };
-            let scissor = scissor(clip_rect, screen);
-            let (from, base_vertex) = (indices.len() as u32, vertices.len() as i32);
+        for mesh in self.primitives.iter().filter_map(mesh) {
             vertices.extend(&mesh.vertices);
             indices.extend(&mesh.indices);
-            if scissor[2] > 0 && scissor[3] > 0 {
-                let indices = from..indices.len() as u32;
-                self.draws.push(Draw { texture: mesh.texture_id, scissor, indices, base_vertex });
-            }
         }
+        let buffer = |contents: &[u8], usage: wgpu::BufferUsages| {
+            device.create_buffer_init(&BufferInitDescriptor { label: Some("interface"), contents, usage })
+        };
         let points = screen.size_in_pixels.map(|size| size as f32 / screen.pixels_per_point);
-        queue.write_buffer(&self.screen, 0, bytemuck::bytes_of(&points));
-        fill(device, queue, &mut self.vertices, bytemuck::cast_slice(&vertices));
-        fill(device, queue, &mut self.indices, bytemuck::cast_slice(&indices));
+        let points = buffer(bytemuck::bytes_of(&points), wgpu::BufferUsages::UNIFORM);
+        let screen_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("interface"),
+            layout: &self.painter.pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: points.as_entire_binding() }],
+        });
+        let ScreenDescriptor { size_in_pixels, pixels_per_point } = *screen;
+        self.uploaded.get_or_init(|| Uploaded {
+            screen: ScreenDescriptor { size_in_pixels, pixels_per_point },
+            screen_group,
+            vertices: buffer(bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX),
+            indices: buffer(bytemuck::cast_slice(&indices), wgpu::BufferUsages::INDEX),
+        });
+        Vec::new()
     }
 
-    /// Changes a texture, or makes it.
-    fn change(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, id: TextureId, delta: &ImageDelta) {
-        let ImageData::Color(image) = &delta.image;
-        let [width, height] = image.size.map(|side| side as u32);
-        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        let texture = match (delta.pos, self.textures.get(&id)) {
-            (Some(_), Some(known)) => known.texture.clone(),
-            // Part of a texture that there is not: nothing refers to it.
-            (Some(_), None) => return,
-            (None, _) => device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("interface"),
-                size,
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Rgba8Unorm,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            }),
-        };
-        let [x, y] = delta.pos.unwrap_or_default().map(|at| at as u32);
-        queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &texture,
-                mip_level: 0,
-                origin: wgpu::Origin3d { x, y, z: 0 },
-                aspect: wgpu::TextureAspect::All,
-            },
-            bytemuck::cast_slice(&image.pixels),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
-            size,
-        );
-        let same = |known: &Texture| known.texture == texture && known.options == delta.options;
-        if self.textures.get(&id).is_some_and(same) {
+    fn paint(&self, _: PaintCallbackInfo, pass: &mut wgpu::RenderPass<'static>, _: &CallbackResources) {
+        let Some(Uploaded { screen, screen_group, vertices, indices }) = self.uploaded.get() else { return };
+        if indices.size() == 0 {
             return;
         }
-        let options = delta.options;
-        let sampler = self.samplers.entry(options).or_insert_with(|| sampler(device, options));
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("interface"),
-            layout: &self.texture_layout,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&texture.create_view(&Default::default())),
-                },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
-            ],
-        });
-        self.textures.insert(id, Texture { texture, options, group });
+        pass.set_pipeline(&self.painter.pipeline);
+        pass.set_bind_group(0, screen_group, &[]);
+        pass.set_vertex_buffer(0, vertices.slice(..));
+        pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+        // It is locked for reading by whoever paints; nobody waits to write, since this is the thread that does.
+        let renderer = self.painter.renderer.read();
+        let (mut first_index, mut first_vertex) = (0, 0);
+        for primitive in &self.primitives {
+            let Some(mesh) = mesh(primitive) else { continue };
+            let range = first_index..first_index + mesh.indices.len() as u32;
+            let base = first_vertex;
+            (first_index, first_vertex) = (range.end, base + mesh.vertices.len() as i32);
+            let [x, y, width, height] = scissor(&primitive.clip_rect, screen);
+            let Some(texture) = renderer.texture(&mesh.texture_id) else { continue };
+            if width > 0 && height > 0 {
+                pass.set_bind_group(1, &texture.bind_group, &[]);
+                pass.set_scissor_rect(x, y, width, height);
+                pass.draw_indexed(range, base, 0..1);
+            }
+        }
     }
+}
 
-    /// Draws the frame that was uploaded, and frees what no other uses.
-    fn draw(&mut self, pass: &mut wgpu::RenderPass<'static>) {
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.screen_group, &[]);
-        pass.set_vertex_buffer(0, self.vertices.slice(..));
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for Draw { texture, scissor: [x, y, width, height], indices, base_vertex } in &self.draws {
-            let Some(texture) = self.textures.get(texture) else { continue };
-            pass.set_bind_group(1, &texture.group, &[]);
-            pass.set_scissor_rect(*x, *y, *width, *height);
-            pass.draw_indexed(indices.clone(), *base_vertex, 0..1);
-        }
-        for id in self.unused.drain(..) {
-            self.textures.remove(&id);
-        }
+/// Returns the triangles; callbacks of others have none.
+fn mesh(primitive: &ClippedPrimitive) -> Option<&Mesh> {
+    match &primitive.primitive {
+        Primitive::Mesh(mesh) => Some(mesh),
+        Primitive::Callback(_) => None,
     }
 }
 
@@ -294,48 +222,11 @@ fn scissor(clip: &Rect, screen: &ScreenDescriptor) -> [u32; 4] {
     [x, y, pixel(clip.max.x, width).saturating_sub(x), pixel(clip.max.y, height).saturating_sub(y)]
 }
 
-fn buffer(device: &wgpu::Device, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("interface"),
-        size,
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
-}
-
-/// Writes into a buffer; one that is too small is replaced.
-fn fill(device: &wgpu::Device, queue: &wgpu::Queue, into: &mut wgpu::Buffer, bytes: &[u8]) {
-    let size = bytes.len() as u64;
-    if into.size() < size {
-        *into = buffer(device, into.usage(), size.next_power_of_two());
-    }
-    queue.write_buffer(into, 0, bytes);
-}
-
-fn sampler(device: &wgpu::Device, options: TextureOptions) -> wgpu::Sampler {
-    let filter = |filter| match filter {
-        TextureFilter::Nearest => wgpu::FilterMode::Nearest,
-        TextureFilter::Linear => wgpu::FilterMode::Linear,
-    };
-    let address = match options.wrap_mode {
-        TextureWrapMode::ClampToEdge => wgpu::AddressMode::ClampToEdge,
-        TextureWrapMode::Repeat => wgpu::AddressMode::Repeat,
-        TextureWrapMode::MirroredRepeat => wgpu::AddressMode::MirrorRepeat,
-    };
-    device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: filter(options.magnification),
-        min_filter: filter(options.minification),
-        address_mode_u: address,
-        address_mode_v: address,
-        ..wgpu::SamplerDescriptor::default()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eframe::egui::{CentralPanel, Color32, ColorImage, Panel, RawInput, pos2, vec2};
-    use eframe::egui_wgpu::{Renderer, RendererOptions};
+    use eframe::egui::{CentralPanel, Color32, ColorImage, Panel, RawInput, TextureOptions, pos2, vec2};
+    use eframe::egui_wgpu::RendererOptions;
     use renderer::Gpu;
     use std::time::{Duration, Instant};
 
@@ -345,7 +236,7 @@ mod tests {
     struct Drawn {
         gpu: Gpu,
         context: Context,
-        renderer: Renderer,
+        renderer: Arc<RwLock<Renderer>>,
         target: wgpu::Texture,
         picture: Option<eframe::egui::TextureHandle>,
     }
@@ -359,11 +250,12 @@ mod tests {
             }
             let gpu = Gpu::open().expect("there is an adapter");
             let context = Context::default();
-            if painted {
-                context.add_plugin(Hook::new(&gpu.device, FORMAT));
-            }
             let options = RendererOptions { dithering: false, ..RendererOptions::default() };
-            let renderer = Renderer::new(&gpu.device, FORMAT, options);
+            let renderer = Arc::new(RwLock::new(Renderer::new(&gpu.device, FORMAT, options)));
+            if painted {
+                let painter = Painter::new(&gpu.device, FORMAT, Arc::clone(&renderer));
+                context.add_plugin(Hook(Arc::new(painter)));
+            }
             let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: None,
                 size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
@@ -402,11 +294,11 @@ mod tests {
             let screen = ScreenDescriptor { size_in_pixels: [width, height], pixels_per_point: 1.0 };
             for (id, deltas) in output.textures_delta.set.drain() {
                 for delta in deltas {
-                    self.renderer.update_texture(device, queue, id, &delta);
+                    self.renderer.write().update_texture(device, queue, id, &delta);
                 }
             }
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            self.renderer.update_buffers(device, queue, &mut encoder, &primitives, &screen);
+            self.renderer.write().update_buffers(device, queue, &mut encoder, &primitives, &screen);
             let view = self.target.create_view(&wgpu::TextureViewDescriptor::default());
             let attachment = wgpu::RenderPassColorAttachment {
                 view: &view,
@@ -420,14 +312,14 @@ mod tests {
                     ..wgpu::RenderPassDescriptor::default()
                 })
                 .forget_lifetime();
-            self.renderer.render(&mut pass, &primitives, &screen);
+            self.renderer.read().render(&mut pass, &primitives, &screen);
             drop(pass);
             let begun = Instant::now();
             queue.submit([encoder.finish()]);
             device.poll(wgpu::PollType::wait_indefinitely()).expect("the device is there");
             let took = begun.elapsed();
             for id in output.textures_delta.free.drain() {
-                self.renderer.free_texture(&id);
+                self.renderer.write().free_texture(&id);
             }
             took
         }
@@ -470,7 +362,7 @@ mod tests {
             other.frame(number * 50);
             let (a, b) = (own.pixels(), other.pixels());
             let colors = b.chunks_exact(4).collect::<std::collections::BTreeSet<_>>();
-            assert!(colors.len() > 60, "frame {number} has {} colours only", colors.len());
+            assert!(colors.len() > 60, "frame {number} has {} colors only", colors.len());
             let differs = a.iter().zip(&b).map(|(a, b)| a.abs_diff(*b)).max();
             assert!(differs <= Some(1), "frame {number} differs by {differs:?}");
         }
@@ -484,12 +376,11 @@ mod tests {
             eprintln!("skipped: the adapter is not a processor, where egui-wgpu's own is used");
             return;
         }
-        let mut times: Vec<[Duration; 2]> = (0..9).map(|i| [own.frame(i), other.frame(i)]).collect();
-        let mut median = |which: usize| {
-            times.sort_by_key(|pair| pair[which]);
-            times[times.len() / 2][which]
-        };
-        let (own, other) = (median(0), median(1));
+        // The least of several, which other programs on the machine delay the least.
+        let times: Vec<[Duration; 2]> = (0..9).map(|i| [own.frame(i), other.frame(i)]).collect();
+        let least = |which: usize| times.iter().map(|pair| pair[which]).min().unwrap();
+        let (own, other) = (least(0), least(1));
+        eprintln!("{own:?} in place of {other:?}");
         assert!(own < other.mul_f32(0.7), "{own:?} in place of {other:?}");
     }
 }

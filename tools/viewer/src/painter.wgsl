@@ -1,4 +1,4 @@
-// Draws the triangles of the interface: the colour of a vertex times a texture, in gamma space, alpha premultiplied.
+// Draws the triangles of the interface: the color of a vertex times a texture, in gamma space, alpha premultiplied.
 
 struct Screen {
     // Size of the window in points.

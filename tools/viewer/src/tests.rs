@@ -4,12 +4,13 @@ use crate::action::{Action, Tab, View};
 use crate::app::{App, Remembered};
 use crate::engine::{Command, SideId, Start};
 use eframe::egui::accessibility::is_input;
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Key, Modifiers, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::NodeT as _;
 use frame_graph::{Overrides, Value};
 use renderer::{Assets, Catalog, Gpu};
 use std::collections::BTreeSet;
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,15 +21,45 @@ fn few() -> Overrides {
     Overrides(values.map(|(path, value)| (path.to_owned(), Value::U32(value))).to_vec())
 }
 
-/// The window with a pipeline and scene, as soon as there is a picture; `None` where there is no adapter.
-fn window(pipeline: &str, scene: &str) -> Option<Harness<'static, App>> {
+/// The application, created in the first frame of the interface.
+struct Lazy {
+    start: Option<(Start, Remembered)>,
+    app: Option<App>,
+}
+
+impl Lazy {
+    fn show(&mut self, ui: &mut Ui) {
+        let created = self.start.take().map(|(start, remembered)| App::new(ui.ctx(), start, remembered));
+        self.app = self.app.take().or(created);
+        self.deref_mut().show(ui);
+    }
+}
+
+impl Deref for Lazy {
+    type Target = App;
+
+    fn deref(&self) -> &App {
+        self.app.as_ref().expect("there was a frame")
+    }
+}
+
+impl DerefMut for Lazy {
+    fn deref_mut(&mut self) -> &mut App {
+        self.app.as_mut().expect("there was a frame")
+    }
+}
+
+type Window = Harness<'static, Lazy>;
+
+/// Opens the window with a pipeline and scene, and waits for a picture; `None` where there is no adapter.
+fn window(pipeline: &str, scene: &str) -> Option<Window> {
     let mut harness = opened(pipeline, scene)?;
     pump(&mut harness, shows_a_picture);
     Some(harness)
 }
 
-/// The window as it is opened; `None` where there is no adapter.
-fn opened(pipeline: &str, scene: &str) -> Option<Harness<'static, App>> {
+/// Opens the window; `None` where there is no adapter.
+fn opened(pipeline: &str, scene: &str) -> Option<Window> {
     if Gpu::adapters().is_empty() {
         eprintln!("skipped: no graphics adapter");
         return None;
@@ -43,37 +74,37 @@ fn opened(pipeline: &str, scene: &str) -> Option<Harness<'static, App>> {
         seed: 0,
     };
     let remembered = Remembered { resolution: 0.125, ..Remembered::default() };
+    let lazy = Lazy { start: Some((start, remembered)), app: None };
     let builder = Harness::builder().with_size([1500.0, 1000.0]).with_step_dt(1.0 / 30.0);
-    Some(builder.build_eframe(|context| App::new(&context.egui_ctx, start, remembered)))
+    Some(builder.build_ui_state(|ui, lazy: &mut Lazy| lazy.show(ui), lazy))
 }
 
 fn shows_a_picture(app: &App) -> bool {
     app.now.side(SideId::A).is_some_and(|side| side.picture.is_some())
 }
 
-/// Draws until something holds; panics after a minute.
-fn pump(harness: &mut Harness<'static, App>, holds: impl Fn(&App) -> bool) {
+/// Longer than anything takes on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// Draws until something holds; panics after [`PATIENCE`].
+fn pump(harness: &mut Window, holds: impl Fn(&App) -> bool) {
     let begun = Instant::now();
     while !holds(harness.state()) {
-        assert!(
-            begun.elapsed() < Duration::from_secs(60),
-            "waited for too long: {:?}",
-            harness.state().now.troubles
-        );
+        assert!(begun.elapsed() < PATIENCE, "waited for too long: {:?}", harness.state().now.troubles);
         harness.step();
         std::thread::sleep(Duration::from_millis(10));
     }
 }
 
 /// The names of all controls that can be used.
-fn controls(harness: &Harness<'static, App>) -> BTreeSet<String> {
+fn controls(harness: &Window) -> BTreeSet<String> {
     let nodes = harness.root().children_recursive().collect::<Vec<_>>();
     let nodes = nodes.iter().map(|node| node.accesskit_node());
     let inputs = nodes.filter(|node| is_input(node.role()) && !node.is_hidden() && !node.is_disabled());
     inputs.map(|node| format!("{:?} {}", node.role(), node.label().unwrap_or_default())).collect()
 }
 
-fn focused(harness: &Harness<'static, App>) -> Option<String> {
+fn focused(harness: &Window) -> Option<String> {
     let node = harness.root().children_recursive().find(|node| node.accesskit_node().is_focused())?;
     let node = node.accesskit_node();
     Some(format!("{:?} {}", node.role(), node.label().unwrap_or_default()))
@@ -108,7 +139,7 @@ fn every_control_has_a_name_and_is_reached_by_the_keyboard() {
 fn the_palette_opens_pipelines_scenes_and_commands_by_the_keyboard() {
     let Some(mut harness) = window("ism-invtm", "cornell-box") else { return };
     pump(&mut harness, |app| !app.library.pipelines().is_empty());
-    let by_palette = |harness: &mut Harness<'static, App>, text: &str| {
+    let by_palette = |harness: &mut Window, text: &str| {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
         harness.run_steps(2);
         assert!(harness.state().palette.is_some(), "the palette is open");

@@ -22,10 +22,13 @@ enum Command {
         #[arg(short, long)]
         yes: bool,
     },
-    /// Build and run all tests
+    /// Build and run the tests
     Test {
-        /// Install a Vulkan driver where there is no GPU, Chromium where there is no browser, and Xvfb with the
-        /// libraries of a window where they are missing, without asking
+        /// Run the slow tests too, as continuous integration does
+        #[arg(short, long)]
+        all: bool,
+        /// Install a Vulkan driver where there is no GPU, Chromium where there is no browser, and Xvfb with
+        /// xdotool and the libraries of a window where they are missing, without asking
         #[arg(short, long)]
         yes: bool,
     },
@@ -59,7 +62,7 @@ fn run(command: Command) -> Result<()> {
     let root = tree::root();
     match command {
         Command::Demo { yes } => demo::run(&root, Consent::new(yes)),
-        Command::Test { yes } => test::run(&root, Consent::new(yes)),
+        Command::Test { all, yes } => test::run(&root, Consent::new(yes), all),
         Command::NewPass { name } => new_pass::run(&root, &name),
         Command::Tidy => tidy::run(&root),
         Command::Bless { package, filter } => bless::run(&root, &package, filter.as_deref()),

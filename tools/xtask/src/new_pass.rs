@@ -89,10 +89,10 @@ pub fn run(root: &Path, name: &str) -> Result<()> {
         "
 Next:
   cargo test --package {name}
-      the pass multiplies radiance by a gain, on the GPU and in its CPU reference
+      the pass multiplies radiance by a gain
   \"{name}\": Pass(kind: \"{name}\", in: {{ \"radiance\": \"direct\" }}, set: {{ \"gain\": 2.0 }}),
       a use of it in a pipeline; `lightloom passes {name}` prints its ports and settings
-  passes/{name}/{name}.wgsl, src/lib.rs, src/cpu_reference.rs, README.md
+  passes/{name}/{name}.wgsl, tests/main.rs, README.md
       make it compute what you want; docs/first-pass.md leads through it
   cargo xtask tidy
       checks the rules for passes"

@@ -20,8 +20,8 @@ static OPTIONALS: &[Optional] = &[
     Optional {
         is_there: has_window,
         need: Need {
-            question: "The window is tested on an X server without a screen, and there is none, or a library that a \
-                       window needs is missing. Install Xvfb and these libraries (by apt-get)?",
+            question: "The window is tested on an X server without a screen. Install Xvfb, xdotool and the libraries of a \
+                       window, of which some are missing (by apt-get)?",
             packages: WINDOW,
         },
     },
@@ -30,8 +30,9 @@ static OPTIONALS: &[Optional] = &[
 /// Names under which Chromium goes; as the test of the report looks for it.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
-/// The server, and what winit loads when a window is opened; each brings the others that it needs.
-const WINDOW: &[&str] = &["xvfb", "libx11-xcb1", "libxcursor1", "libxi6", "libxkbcommon-x11-0"];
+/// The server, what drives a window on it, and what winit loads when a window is opened; each brings the others that it
+/// needs.
+const WINDOW: &[&str] = &["xvfb", "xdotool", "libx11-xcb1", "libxcursor1", "libxi6", "libxkbcommon-x11-0"];
 
 /// Installs what is missing and agreed to. The tests that need it say so and do nothing without, so that it cannot be
 /// had is no failure.
@@ -51,7 +52,7 @@ fn has_browser() -> bool {
 
 /// Where there is no apt-get no library is looked for: nothing would be installed.
 fn has_window() -> bool {
-    is_on_path("Xvfb") && missing(WINDOW).is_empty()
+    ["Xvfb", "xdotool"].into_iter().all(is_on_path) && missing(WINDOW).is_empty()
 }
 
 fn is_on_path(program: &str) -> bool {

@@ -1,4 +1,4 @@
-//! `cargo xtask test`: all tests, with a summary.
+//! `cargo xtask test`: the tests, with a summary.
 
 use crate::cargo::{built, cargo, run as run_command};
 use crate::packages::Consent;
@@ -12,17 +12,25 @@ use std::time::Instant;
 /// Tests that run at once on a renderer on the CPU, where each of them takes all cores already.
 const THREADS_ON_CPU: &str = "2";
 
-/// Builds everything once, sees to an adapter, a browser and an X server, and runs all tests.
-pub fn run(root: &Path, consent: Consent) -> Result<()> {
+/// What is built: all packages, with a window on X11 and without what else a desktop offers, which no test uses.
+const BUILT: &[&str] =
+    &["--locked", "--workspace", "--no-default-features", "--features", "lightloom/window"];
+
+/// Runs the slow tests too, which are marked by `#[ignore]`; the measurements that are marked likewise are no tests.
+const ALL: &[&str] = &["--", "--include-ignored", "--skip", "measurement"];
+
+/// Builds everything once, ensures that there are an adapter, a browser and an X server, and runs the tests; `all` of
+/// them, or those that are not marked as slow.
+pub fn run(root: &Path, consent: Consent, all: bool) -> Result<()> {
     let start = Instant::now();
     println!("Building Lightloom and its tests (some minutes the first time)");
     // What `cargo test` builds, and the program: one build, for which features are resolved once.
-    run_command(cargo(root, "build").args(["--locked", "--workspace", "--bins", "--tests"]))?;
+    run_command(cargo(root, "build").args(BUILT).args(["--bins", "--tests"]))?;
     let adapters = gpu::ensure(&built("lightloom")?, consent)?;
     optional::ensure(consent);
 
     let mut command = cargo(root, "test");
-    command.args(["--locked", "--workspace", "--no-fail-fast"]).stdout(Stdio::piped());
+    command.args(BUILT).arg("--no-fail-fast").args(if all { ALL } else { &[] }).stdout(Stdio::piped());
     quieten_mesa(&mut command, std::env::var_os("XDG_RUNTIME_DIR").is_some());
     if gpu::on_cpu(&adapters) && std::env::var_os("RUST_TEST_THREADS").is_none() {
         command.env("RUST_TEST_THREADS", THREADS_ON_CPU);
@@ -37,6 +45,9 @@ pub fn run(root: &Path, consent: Consent) -> Result<()> {
     let status = child.wait()?;
 
     println!("\n{summary}, in {} s", start.elapsed().as_secs());
+    if summary.ignored > 0 && !all {
+        println!("The ignored tests are slow; `cargo xtask test --all` runs them too");
+    }
     if adapters.is_empty() {
         println!("There is no adapter: tests that need one did nothing and passed. {}", gpu::advice());
     } else {

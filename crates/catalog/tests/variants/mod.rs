@@ -1,4 +1,4 @@
-//! What overrides change of the pipelines, saved as a file that extends them.
+//! Overrides of pipelines, saved as files that extend them.
 
 use super::assets;
 use catalog::{Catalog, PipelineFiles};
@@ -71,11 +71,10 @@ fn values(resolved: &Resolved) -> Vec<(String, Option<Value>)> {
     all.map(|settable| (settable.path, settable.value.convert(settable.setting.ty))).collect()
 }
 
-/// The flattened file without the places that values come from, and without the paper: a variant is not its base's.
+/// The pipeline as one file, without the paper: a variant is not its base's.
 fn flattened(resolved: &Resolved) -> String {
-    let text = resolved.to_ron();
-    let lines = text.lines().map(|line| line.split("  // ").next().unwrap_or_default());
-    lines.filter(|line| !line.starts_with("    paper: ")).collect::<Vec<_>>().join("\n")
+    let text = resolved.to_ron(&*CATALOG, false);
+    text.lines().filter(|line| !line.starts_with("    paper: ")).collect::<Vec<_>>().join("\n")
 }
 
 proptest! {

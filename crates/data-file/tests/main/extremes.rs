@@ -1,6 +1,6 @@
 //! Texts at the extremes: deep, long, and wrong all over. Each gives errors with places, and gives them fast.
 
-use data_file::reader::{Form, Node, Reader, parse};
+use data_file::grammar::{parse, read};
 use data_file::{Diagnostic, Diagnostics, MAX_TEXT, Source, Span, codes, nearest};
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,20 +9,18 @@ use std::time::Duration;
 const LIMIT: Duration = Duration::from_secs(10);
 
 /// A grammar that looks at all there is.
-fn anything(reader: &mut Reader<'_>, node: &Node) -> Option<()> {
-    let fields = reader.fields(node, "`Form(a: …, b: …)`", &[("Form", &["a", "b"])]);
-    for name in ["a", "b"] {
-        if let Some(node) = fields.as_ref().and_then(|fields| fields.get(name)) {
-            for item in reader.list(node, "a list") {
-                reader.text(item, "text");
-            }
-        }
-    }
-    Some(())
+#[derive(serde::Deserialize)]
+struct Form {
+    a: Vec<String>,
+    b: Vec<String>,
+}
+
+fn anything(source: &Arc<Source>) -> Result<usize, Diagnostics> {
+    read(source, 0, &[], |_, Form { a, b }| a.len() + b.len())
 }
 
 fn errors(source: &Arc<Source>) -> Diagnostics {
-    parse(source, anything).expect_err("it is broken")
+    anything(source).expect_err("it is broken")
 }
 
 /// The errors as shown, and how many there are.
@@ -161,10 +159,10 @@ fn a_long_number_or_text_is_quoted_in_part() {
 #[test]
 fn the_tree_keeps_what_stands_below_the_bound() {
     let source = Source::new("x.ron", format!("{}7{}", "[".repeat(65), "]".repeat(65)));
-    let depth = parse(&source, |_, node| {
-        let (mut node, mut depth) = (node, 0);
-        while let Form::List(items) = &node.form {
-            (node, depth) = (items.first()?, depth + 1);
+    let depth = parse(&source, 0, |_, mut node| {
+        let mut depth = 0;
+        while let Some(item) = node.items().first() {
+            (node, depth) = (*item, depth + 1);
         }
         Some(depth)
     });
@@ -187,7 +185,7 @@ mod edited {
         fn texts_give_a_value_or_errors_with_places(text in mutation::texts(GOOD.iter().copied())) {
             let source = Source::new("x.ron", text);
             let errors = mutation::within(LIMIT, move || {
-                let errors = parse(&source, anything).err();
+                let errors = anything(&source).err();
                 errors.map(|errors| (errors.to_string(), errors))
             });
             if let Some((text, errors)) = errors {

@@ -7,8 +7,8 @@ use crate::fill::{copy, fill, poison_buffer, poison_object};
 use crate::gpu::Gpu;
 use crate::step::{Dispatch, LoadedStep, OpenPass, StepContext};
 use crate::timing::{Timers, TimingTarget, Timings};
-use frame_graph::Change;
 use frame_graph::plan::{Begins, HistoryId, Plan, PlannedPass};
+use frame_graph::{Change, Clear};
 use std::time::Instant;
 
 impl Executor {
@@ -156,18 +156,18 @@ struct FrameEncoder<'a> {
 }
 
 impl FrameEncoder<'_> {
-    /// Fills history buffers that were reset with their initial content.
+    /// Fills history buffers that were reset with zeros.
     fn begin_pasts(&mut self) {
         let FrameObjects { plan, schedule, .. } = self.context.objects;
         for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
             let resource = &plan.resources[history.resource.0 as usize];
             // If the history buffer is in the object that holds the newest version, it is reset when the pass
             // runs.
-            let runs = resource.producer.is_some_and(|pass| schedule.runs[pass.0 as usize]);
+            let runs = schedule.runs[resource.producer.0 as usize];
             if slot.reset.is_some() && (runs || !history.in_place) {
                 let id = history.copies[slot.previous];
                 let object = self.context.objects.object(id);
-                fill(&mut self.encoder, self.views, (id, object), &resource.desc, history.init);
+                fill(&mut self.encoder, self.views, (id, object), &resource.desc, Clear::Zero);
             }
         }
     }
@@ -205,7 +205,7 @@ impl FrameEncoder<'_> {
         }
         if let Some(timers) = self.timers.filter(|_| count > 0) {
             self.open = None;
-            timers.settle(&mut self.encoder);
+            timers.take(&mut self.encoder);
         }
     }
 

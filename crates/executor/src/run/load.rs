@@ -3,7 +3,7 @@
 use super::{Executor, LoadReport, Loaded, allocation_usages};
 use crate::current::LayerViews;
 use crate::error::ExecutorError;
-use crate::fill::{copy, fill};
+use crate::fill::copy;
 use crate::object::{Object, ObjectUsage, check_limits};
 use crate::pipeline::TargetFormats;
 use crate::step::{LoadedStep, bound_bytes};
@@ -244,8 +244,7 @@ impl Executor {
             Ok(objects) => objects,
             Err(error) => return Err(self.restore(old, before, &before_usages, error)),
         };
-        let mut views = LayerViews::default();
-        self.write_contents(&plan, &objects, &mut views, &before, &carried);
+        self.copy_carried(&plan, &objects, &before, &carried);
         let uniforms = Uniforms::new(&self.gpu, &plan, &mut steps);
         let timers = Timers::new(&self.gpu, plan.passes.len() as u32);
         let state = match (&old, succession) {
@@ -264,8 +263,17 @@ impl Executor {
         }
         let prepares =
             plan.passes.iter().map(|pass| !pass.clears.is_empty() || !pass.continues.is_empty()).collect();
-        self.loaded =
-            Some(Loaded { plan, objects, steps, prepares, uniforms, state, timers, poison: None, views });
+        self.loaded = Some(Loaded {
+            plan,
+            objects,
+            steps,
+            prepares,
+            uniforms,
+            state,
+            timers,
+            poison: None,
+            views: LayerViews::default(),
+        });
         Ok(())
     }
 
@@ -337,7 +345,6 @@ impl Executor {
         let kept: Vec<bool> = before.iter().map(Option::is_some).collect();
         match self.complete(&old.plan, usages, before) {
             Ok(objects) => {
-                self.write_contents(&old.plan, &objects, &mut old.views, &Vec::new(), &[]);
                 old.objects = objects;
                 old.state.forget_objects(&old.plan, |id| kept[id.0 as usize]);
                 self.loaded = Some(old);
@@ -351,24 +358,16 @@ impl Executor {
         }
     }
 
-    /// Writes the initial content of objects: constants, and content that is carried over by a copy. The
-    /// objects of constants hold nothing else.
-    fn write_contents(
+    /// Copies the content that is carried over to other objects.
+    fn copy_carried(
         &self,
         plan: &Plan,
         objects: &[(ObjectUsage, Object)],
-        views: &mut LayerViews,
         before: &Objects,
         carried: &[Carried],
     ) {
         let descriptor = wgpu::CommandEncoderDescriptor { label: Some("contents") };
         let mut encoder = self.gpu.device.create_command_encoder(&descriptor);
-        for resource in &plan.resources {
-            if let Some(clear) = resource.constant {
-                let object = &objects[resource.allocation.0 as usize].1;
-                fill(&mut encoder, views, (resource.allocation, object), &resource.desc, clear);
-            }
-        }
         for carried in carried.iter().filter(|carried| carried.copied) {
             if let Some((_, from)) = &before[carried.from.0 as usize] {
                 let to = carried.to.0 as usize;
@@ -424,8 +423,7 @@ fn name_of<'p>(plan: &'p Plan, allocation: &frame_graph::plan::Allocation) -> &'
 /// and the numbers among the settings of the pass that writes it.
 fn size_from(plan: &Plan, allocation: &frame_graph::plan::Allocation) -> String {
     let Some(id) = allocation.resources.first() else { return String::new() };
-    let Some(producer) = plan.resources[id.0 as usize].producer else { return String::new() };
-    let pass = &plan.passes[producer.0 as usize];
+    let pass = &plan.passes[plan.resources[id.0 as usize].producer.0 as usize];
     let port = pass.outputs.iter().find(|port| port.members.iter().any(|(_, member)| member == id));
     let number = |(name, value): (&str, &Value)| value.as_u32().map(|value| format!("{name} = {value}"));
     let facts: Vec<String> = port.iter().flat_map(|port| port.facts.iter()).filter_map(number).collect();

@@ -1,6 +1,6 @@
-//! What frames do with a plan: objects, histories, constants, targets, uniforms, timers, errors.
+//! Frames of a plan: objects, histories, targets, uniforms, timers, errors.
 
-use crate::harness::{Kind, Running, Workshop, every_frame, gpu, shader, texture, words};
+use crate::harness::{Running, TestPass, Workshop, every_frame, gpu, shader, texture, words};
 use executor::{ExecutorError, FrameOptions};
 use frame_graph::ResetCause;
 use frame_graph::plan::ResourceId;
@@ -26,7 +26,7 @@ fn cleared(mut output: OutputDesc, clear: Clear) -> OutputDesc {
 }
 
 /// A pipeline of one pass that has the steps and outputs of `kind`, all of which are outputs of the pipeline.
-fn alone(kind: Kind, ports: &[&str], shaders: &[(&str, &str)]) -> Option<Running> {
+fn alone(kind: TestPass, ports: &[&str], shaders: &[(&str, &str)]) -> Option<Running> {
     let outputs: Vec<String> = ports.iter().map(|port| format!("\"{port}\": \"use.{port}\"")).collect();
     Workshop::new(vec![kind], shaders).start(r#""use": Pass(kind: "kind")"#, &outputs.join(", "))
 }
@@ -37,7 +37,7 @@ const SECOND: &str = "var<storage, read_write> out: array<u32>;";
 #[test]
 fn what_asks_for_it_is_cleared_in_every_frame() {
     let layered = ResourceDesc::texture_2d_array(Format::Rgba32Float, Extent::Fixed(2, 1), 3);
-    let kind = Kind::new("kind")
+    let kind = TestPass::new("kind")
         .output(cleared(OutputDesc::one("out", words(4)), Clear::Zero))
         .output(cleared(OutputDesc::one("layers", layered), Clear::Color([0.5, -1.0, 2.0, 0.25])))
         .output(cleared(OutputDesc::one("depth", texture(Format::Depth32Float)), Clear::Color([0.75; 4])))
@@ -57,7 +57,7 @@ fn what_asks_for_it_is_cleared_in_every_frame() {
 #[test]
 fn poison_is_in_all_that_is_not_written() {
     let odd = ResourceDesc::texture_2d_array(Format::R32Float, Extent::Fixed(3, 2), 2);
-    let kind = Kind::new("kind")
+    let kind = TestPass::new("kind")
         .output(OutputDesc::one("out", words(4)))
         .output(OutputDesc::one("layers", odd))
         .steps(|_| vec![Step::Compute(run("second.wgsl"))]);
@@ -86,7 +86,7 @@ fn workgroup_memory_begins_as_zero() {
              out[i] = shared_words[i];
          }}"
     );
-    let kind = Kind::new("kind")
+    let kind = TestPass::new("kind")
         .output(OutputDesc::one("out", words(64)))
         .output(OutputDesc::one("filled", words(64)))
         .steps(|_| vec![Step::Compute(run("fill.wgsl")), Step::Compute(run("read.wgsl"))]);
@@ -98,9 +98,9 @@ fn workgroup_memory_begins_as_zero() {
 }
 
 /// A chain of passes whose resources could all lie in two objects.
-fn chain(length: u32) -> (Vec<Kind>, String, String) {
+fn chain(length: u32) -> (Vec<TestPass>, String, String) {
     let texel = OutputDesc::one("out", texture(Format::R32Uint));
-    let kind = every_frame(Kind::new("kind").input("before", "Texture").output(texel)).steps(|cx| {
+    let kind = every_frame(TestPass::new("kind").optional("before", "Texture").output(texel)).steps(|cx| {
         let shader = shader(if cx.connected("before") { "next.wgsl" } else { "first.wgsl" });
         vec![Step::Compute(Compute::per_texel(shader, "main", cx.frame))]
     });
@@ -149,7 +149,7 @@ fn sharing_leaves_the_same_bits() {
     assert_eq!(held, [3 * 128, 7 * 128], "two objects change places, and the output has one of its own");
 }
 
-/// Tells the age of the past, why it ended, and what it holds and one more.
+/// Writes the age of the history buffer, the cause of its reset, and its content plus one.
 const AGES: &str = "
     struct Settings { past_age: f32, past_reset: u32 }
     var<uniform> settings: Settings;
@@ -158,8 +158,8 @@ const AGES: &str = "
 
 #[test]
 fn histories_age_and_end() {
-    let kind = Kind::new("kind")
-        .input("past", "Buffer")
+    let kind = TestPass::new("kind")
+        .optional("past", "Buffer")
         .output(OutputDesc::one("out", words(4)))
         .steps(|_| vec![Step::Compute(run("ages.wgsl"))]);
     let ages = compute(
@@ -167,7 +167,7 @@ fn histories_age_and_end() {
         "out[0] = u32(settings.past_age); out[1] = settings.past_reset; out[2] = past[2] + 1u; out[3] = past[3];",
     );
     let workshop = Workshop::new(vec![kind], &[("ages.wgsl", &ages)]);
-    let passes = r#""use": Pass(kind: "kind", in: { "past": Prev(port: "use", reset: [Cut]) })"#;
+    let passes = r#""use": Pass(kind: "kind", in: { "past": "prev use" }, history: (reset: [Cut]))"#;
     let Some(mut running) = workshop.start(passes, r#""out": "use.out""#) else { return };
     for (age, reset) in [(0, 1), (1, 0), (2, 0)] {
         running.frame();
@@ -184,44 +184,31 @@ fn histories_age_and_end() {
     }
 }
 
-/// `init` is what the first frame finds, and a pass that is off leaves a constant; both with the layers that they have.
+/// History buffers begin as zero in every layer.
 #[test]
-fn constants_and_beginnings_are_filled() {
-    let layered = || {
-        let desc = ResourceDesc::texture_2d_array(Format::Rgba32Float, Extent::Fixed(1, 1), 2);
-        OutputDesc::one("out", desc)
-    };
-    let copy = "
-        var constant: texture_2d_array<f32>;
+fn history_buffers_begin_as_zero() {
+    let desc = ResourceDesc::texture_2d_array(Format::Rgba32Float, Extent::Fixed(1, 1), 2);
+    let add = "
         var past: texture_2d_array<f32>;
         var out: texture_storage_2d_array<rgba32float, write>;
         @compute @workgroup_size(1) fn main(@builtin(global_invocation_id) at: vec3<u32>) {
-            let sum = textureLoad(constant, at.xy, at.z, 0) + textureLoad(past, at.xy, at.z, 0);
+            let sum = vec4(0.5, 1.0, 2.0, 4.0) + textureLoad(past, at.xy, at.z, 0);
             textureStore(out, at.xy, at.z, sum);
         }";
-    let kinds = vec![
-        Kind::new("source").output(layered()),
-        Kind::new("sum").input("constant", "Texture").input("past", "Texture").output(layered()).steps(
-            |_| vec![Step::Compute(Compute::new(shader("copy.wgsl"), "main", Threads::Grid([1, 1, 2])))],
-        ),
-    ];
-    let workshop = Workshop::new(kinds, &[("copy.wgsl", copy)]);
-    let passes = r#"
-        "off": Pass(kind: "source", when: "false", off: Color(0.5, 1, 2, 4)),
-        "use": Pass(kind: "sum", in: {
-            "constant": "off",
-            "past": Prev(port: "use", init: Color(8, 16, 32, 64), reset: [Cut]),
-        })"#;
+    let sum = TestPass::new("sum").optional("past", "Texture").output(OutputDesc::one("out", desc));
+    let sum = sum
+        .steps(|_| vec![Step::Compute(Compute::new(shader("add.wgsl"), "main", Threads::Grid([1, 1, 2])))]);
+    let workshop = Workshop::new(vec![sum], &[("add.wgsl", add)]);
+    let passes = r#""use": Pass(kind: "sum", in: { "past": "prev use" }, history: (reset: [Cut]))"#;
     let Some(mut running) = workshop.start(passes, r#""out": "use.out""#) else { return };
     for frame in 1..4 {
         running.frame_with_poison();
-        let times = frame as f32;
-        let texel = [8.0 + 0.5 * times, 16.0 + times, 32.0 + 2.0 * times, 64.0 + 4.0 * times];
+        let texel = [0.5, 1.0, 2.0, 4.0].map(|add| add * frame as f32);
         assert_eq!(running.read_floats("use.out"), texel.repeat(2), "frame {frame}");
     }
 }
 
-/// Covers the frame up to a share of its width with a colour.
+/// Covers the frame up to a share of its width with a color.
 const COVER: &str = "
     struct Settings { width: f32, color: f32 }
     var<uniform> settings: Settings;
@@ -249,7 +236,7 @@ fn draws_reach_their_layer_and_keep_what_is_there() {
         })
     };
     let layers = ResourceDesc::texture_2d_array(Format::R32Float, Extent::Fixed(4, 1), 3);
-    let kind = Kind::new("kind").output(OutputDesc::one("layers", layers)).steps(move |_| {
+    let kind = TestPass::new("kind").output(OutputDesc::one("layers", layers)).steps(move |_| {
         vec![
             cover(2, Load::Clear([5.0, 0.0, 0.0, 0.0]), 0.25, 1.0),
             cover(0, Load::Clear([6.0, 0.0, 0.0, 0.0]), 0.75, 2.0),
@@ -269,7 +256,7 @@ fn draws_reach_their_layer_and_keep_what_is_there() {
 /// pass run again.
 #[test]
 fn uniforms_follow_the_seed() {
-    let tell = "
+    let report = "
         struct Settings { seed: u32, given: vec2<f32>, picture_size: vec2<u32> }
         var<uniform> settings: Settings;
         var<storage, read_write> out: array<u32>;
@@ -279,11 +266,11 @@ fn uniforms_follow_the_seed() {
             out[2] = settings.picture_size.x;
             out[3] = settings.picture_size.y;
         }";
-    let kind = Kind::new("kind")
+    let kind = TestPass::new("kind")
         .output(OutputDesc::one("out", words(4)))
         .output(OutputDesc::scratch("picture", texture(Format::R32Float)))
-        .steps(|_| vec![Step::Compute(run("tell.wgsl").value("given", Value::Vector(vec![4.0, 2.0])))]);
-    let Some(mut running) = alone(kind, &["out"], &[("tell.wgsl", tell)]) else { return };
+        .steps(|_| vec![Step::Compute(run("report.wgsl").value("given", Value::Vector(vec![4.0, 2.0])))]);
+    let Some(mut running) = alone(kind, &["out"], &[("report.wgsl", report)]) else { return };
     assert_eq!(running.frame().ran, [true]);
     assert_eq!(running.read("use.out"), [0, 42, 8, 4]);
     assert_eq!(running.frame().ran, [false], "nothing has changed");
@@ -300,7 +287,7 @@ fn what_runs_is_timed() {
         return;
     }
     let (mut kinds, passes, outputs) = chain(3);
-    kinds.push(Kind::new("still").output(cleared(OutputDesc::one("out", words(4)), Clear::Zero)));
+    kinds.push(TestPass::new("still").output(cleared(OutputDesc::one("out", words(4)), Clear::Zero)));
     let workshop = Workshop::new(kinds, CHAIN);
     let (passes, outputs) =
         (format!(r#"{passes}, "still": Pass(kind: "still")"#), format!(r#"{outputs}, "still": "still.out""#));
@@ -319,7 +306,7 @@ fn what_runs_is_timed() {
 /// Times of monitored frames come without waiting, are those of the frame that they name, and of newer frames as time goes
 /// on. Where nothing is read and the GPU does not finish, frames go on all the same.
 #[test]
-fn monitored_frames_tell_their_times_later() {
+fn monitored_frames_report_their_times_later() {
     if gpu().is_none_or(|gpu| !gpu.has_timestamps()) {
         return;
     }
@@ -359,7 +346,7 @@ fn monitored_frames_tell_their_times_later() {
 
 #[test]
 fn resources_are_written_and_read() {
-    let kind = Kind::new("kind")
+    let kind = TestPass::new("kind")
         .output(OutputDesc::one("out", words(4)))
         .output(OutputDesc::one("odd", ResourceDesc::texture_2d(Format::R32Uint, Extent::Fixed(3, 2))));
     let Some(running) = alone(kind, &["out", "odd"], &[]) else { return };
@@ -373,7 +360,7 @@ fn resources_are_written_and_read() {
     assert!(running.0.object(ResourceId(2)).is_none());
 }
 
-/// What the adapter cannot hold is refused with its name and the limit, and the plan before goes on.
+/// A resource that the adapter cannot hold is refused with its name and the limit, and the plan before goes on.
 #[test]
 fn a_plan_that_does_not_load_replaces_nothing() {
     let limits = match gpu() {
@@ -382,7 +369,7 @@ fn a_plan_that_does_not_load_replaces_nothing() {
     };
     let sized = |name, desc| {
         let count: Fact<u32> = Fact::required("count", "");
-        Kind::new(name).output(OutputDesc::one("out", desc).fact(count, 7))
+        TestPass::new(name).output(OutputDesc::one("out", desc).fact(count, 7))
     };
     let layers = limits.max_texture_array_layers + 1;
     let bytes = limits.max_storage_buffer_binding_size + 4;
@@ -403,8 +390,8 @@ fn a_plan_that_does_not_load_replaces_nothing() {
         let pipeline = format!(r#"{passes}, "too-large": Pass(kind: "{kind}")"#);
         let linked = workshop.link(&pipeline, &format!(r#"{outputs}, "x": "too-large.out""#)).unwrap();
         match running.load(linked).unwrap_err() {
-            ExecutorError::Limit { resource, limit: told, from, .. } => {
-                assert_eq!((resource.as_str(), told), ("too-large.out", limit));
+            ExecutorError::Limit { resource, limit: found, from, .. } => {
+                assert_eq!((resource.as_str(), found), ("too-large.out", limit));
                 assert_eq!(from, "\n  what it holds: count = 7");
             }
             other => panic!("{other}"),

@@ -1,6 +1,6 @@
 //! Dispatches and draws whose size is on the GPU.
 
-use crate::harness::{Kind, Running, Workshop, shader, texture, words};
+use crate::harness::{Running, TestPass, Workshop, shader, texture, words};
 use pass::{Compute, Draw, Format, OutputDesc, Raster, ResourceDesc, Step, Target, Threads, Value};
 
 /// Writes the arguments of a step; or, where it reads its own past, the same and one more each frame in the first of
@@ -94,20 +94,23 @@ fn marks() -> OutputDesc {
 
 /// A pass that takes the sizes of a dispatch and a draw from its input, and one that writes them for itself.
 fn workshop(args: [u32; 4]) -> Workshop {
-    let consumer =
-        |name| Kind::new(name).output(marks()).output(OutputDesc::one("columns", texture(Format::R32Uint)));
+    let consumer = |name| {
+        TestPass::new(name).output(marks()).output(OutputDesc::one("columns", texture(Format::R32Uint)))
+    };
     Workshop::new(
         vec![
-            Kind::new("source").output(OutputDesc::one("args", words(8))).steps(move |_| vec![write(args)]),
-            Kind::new("counter")
-                .input("before", "Buffer")
+            TestPass::new("source")
+                .output(OutputDesc::one("args", words(8)))
+                .steps(move |_| vec![write(args)]),
+            TestPass::new("counter")
+                .optional("before", "Buffer")
                 .output(OutputDesc::one("args", words(8)))
                 .steps(|_| vec![count()]),
             consumer("by-input")
-                .input("args", "Buffer")
+                .optional("args", "Buffer")
                 .steps(|_| vec![mark("args", OFFSET), columns("args", OFFSET)]),
             consumer("by-both")
-                .input("args", "Buffer")
+                .optional("args", "Buffer")
                 .steps(|_| vec![mark("args", OFFSET), columns("args", 16)]),
             consumer("by-scratch")
                 .output(OutputDesc::scratch("args", words(8)))
@@ -125,13 +128,13 @@ const SAME_FRAME: [&str; 2] = [
     r#""args": Pass(kind: "source"), "use": Pass(kind: "by-input", in: { "args": "args" })"#,
 ];
 
-/// What a dispatch of these workgroups leaves.
+/// Returns the marks that a dispatch of these workgroups leaves.
 fn expected_marks([x, y, z]: [u32; 3]) -> Vec<u32> {
     let each = z * (z + 1) / 2;
     (0..16).map(|i| if i % 4 < x && i / 4 < y { each } else { 0 }).collect()
 }
 
-/// What a draw leaves in the first row of 8 texels.
+/// Returns the first row of 8 texels after a draw.
 fn expected_columns([vertices, instances, first_vertex, first_instance]: [u32; 4]) -> Vec<u32> {
     let covered = |i| vertices >= 6 && (first_instance..first_instance + instances).contains(&i);
     (0..8).map(|i| if covered(i) { 1 + i + 100 * (first_vertex / 6) } else { 0 }).collect()
@@ -169,8 +172,8 @@ fn a_draw_takes_its_size_from_this_frame() {
 #[test]
 fn the_past_gives_sizes_too() {
     let pipeline = r#"
-        "args": Pass(kind: "counter", in: { "before": Prev(port: "args") }),
-        "use": Pass(kind: "by-both", in: { "args": Prev(port: "args") })"#;
+        "args": Pass(kind: "counter", in: { "before": "prev args" }),
+        "use": Pass(kind: "by-both", in: { "args": "prev args" })"#;
     let Some(mut running) = workshop([0; 4]).start(pipeline, OUTPUTS) else { return };
     for n in 0..4 {
         running.frame();
@@ -179,7 +182,7 @@ fn the_past_gives_sizes_too() {
     }
 }
 
-/// What cannot work is said when the steps are linked, with the pass.
+/// Linking refuses steps that cannot work, and names the pass.
 #[test]
 fn what_has_no_size_is_refused() {
     let cases: [(Vec<Step>, &str); 9] = [
@@ -194,7 +197,7 @@ fn what_has_no_size_is_refused() {
         (vec![write([0; 4]), mark("arg", 0)], "did you mean `args`?"),
     ];
     for (steps, why) in cases {
-        let kind = Kind::new("use")
+        let kind = TestPass::new("use")
             .output(marks())
             .output(OutputDesc::one("columns", texture(Format::R32Uint)))
             .output(OutputDesc::scratch("args", words(8)))
@@ -209,7 +212,7 @@ fn what_has_no_size_is_refused() {
 #[test]
 fn sizes_may_end_with_the_buffer() {
     let args: ResourceDesc<_> = words(8);
-    let kind = Kind::new("use")
+    let kind = TestPass::new("use")
         .output(marks())
         .output(OutputDesc::one("columns", texture(Format::R32Uint)))
         .output(OutputDesc::scratch("args", args))

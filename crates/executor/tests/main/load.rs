@@ -1,6 +1,6 @@
 //! Loading a plan in place of another: what goes on, what runs again, and how much is held.
 
-use crate::harness::{Kind, Running, Workshop, every_frame, shader, texture, words};
+use crate::harness::{Running, TestPass, Workshop, every_frame, shader, texture, words};
 use executor::{ExecutorError, FrameOptions};
 use frame_graph::ResetCause;
 use pass::{Compute, Extent, Format, OutputDesc, ResourceDesc, Setting, Step, Threads, Value};
@@ -59,17 +59,17 @@ const SHADERS: &[(&str, &str)] = &[
 
 /// A counter that remembers, and what shows it.
 fn counter() -> Workshop {
-    let count = Kind::new("count").input("past", "Buffer").setting(number("step"));
+    let count = TestPass::new("count").optional("past", "Buffer").setting(number("step"));
     let count = every_frame(count.output(OutputDesc::one("sum", words(4)))).steps(|_| one("count.wgsl"));
-    let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
+    let scale = TestPass::new("scale").optional("shown", "Buffer").setting(number("factor"));
     let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
-    let sized = Kind::new("sized").output(OutputDesc::one("image", texture(Format::Rgba32Float)));
+    let sized = TestPass::new("sized").output(OutputDesc::one("image", texture(Format::Rgba32Float)));
     Workshop::new(vec![count, scale, sized], SHADERS)
 }
 
 fn passes(step: u32, factor: u32) -> String {
     format!(
-        r#""count": Pass(kind: "count", in: {{ "past": Prev(port: "count", reset: [Reload]) }}, set: {{ "step": {step} }}),
+        r#""count": Pass(kind: "count", in: {{ "past": "prev count" }}, set: {{ "step": {step} }}, history: (reset: [Reload])),
         "scale": Pass(kind: "scale", in: {{ "shown": "count" }}, set: {{ "factor": {factor} }})"#
     )
 }
@@ -82,7 +82,7 @@ fn load(workshop: &Workshop, running: &mut Running, passes: &str, outputs: &str)
 }
 
 /// A value that the past does not follow from ends nothing and makes nothing again; one that it follows from ends it,
-/// and the shader is told why.
+/// and the shader gets the cause.
 #[test]
 fn a_value_keeps_what_does_not_follow_from_it() {
     let workshop = counter();
@@ -134,14 +134,14 @@ fn another_structure_keeps_pasts_and_holds_one_generation() {
     assert_eq!(running.read("count.sum"), [7, 6, 0, 0]);
 }
 
-/// What does not fit leaves the plan before as it was.
+/// A plan that does not fit leaves the plan before as it was.
 #[test]
 fn a_plan_beyond_the_limits_changes_nothing() {
     let workshop = counter();
     let Some(mut running) = workshop.start(&passes(1, 1), OUTPUTS) else { return };
     running.frame();
     let before = running.0.held_bytes();
-    let huge = Kind::new("huge").output(OutputDesc::one(
+    let huge = TestPass::new("huge").output(OutputDesc::one(
         "out",
         ResourceDesc::texture_2d(Format::Rgba8Unorm, Extent::Fixed(32_768, 1)),
     ));
@@ -155,14 +155,14 @@ fn a_plan_beyond_the_limits_changes_nothing() {
     assert_eq!(running.read("count.sum"), [2, 1, 0, 0]);
 }
 
-/// What needs more memory than there is leaves the plan before: made again where its objects had been given back, so that
+/// A plan that needs more memory than there is leaves the plan before: made again where its objects had been given back, so that
 /// a past that the refused plan has goes on, and one that it has not begins again.
 #[test]
 fn a_plan_beyond_the_memory_restores_the_one_before() {
     let workshop = || {
         // 256 GiB, of a size that adapters allow.
         let layers = ResourceDesc::texture_2d_array(Format::Rgba32Float, Extent::Fixed(16_384, 16_384), 64);
-        let huge = Kind::new("huge").output(OutputDesc::one("out", layers));
+        let huge = TestPass::new("huge").output(OutputDesc::one("out", layers));
         counter().with(huge)
     };
     let huge = r#""huge": Pass(kind: "huge")"#;
@@ -195,20 +195,20 @@ fn a_plan_beyond_the_memory_restores_the_one_before() {
 /// A pass type `state` that writes one more word of what it continues in each frame, and a pass type `scale` that reads it.
 fn continuing() -> Workshop {
     let state = OutputDesc::one("state", words(8)).continuing("past");
-    let write_on = every_frame(Kind::new("state").input("past", "Buffer").output(state));
+    let write_on = every_frame(TestPass::new("state").optional("past", "Buffer").output(state));
     let write_on = write_on.steps(|_| one("write-on.wgsl"));
-    let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
+    let scale = TestPass::new("scale").optional("shown", "Buffer").setting(number("factor"));
     let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
     Workshop::new(vec![write_on, scale], SHADERS)
 }
 
 /// State that is written on in: in one object where nobody else reads its past, by a copy where somebody does; the
-/// same either way, poisoned or not, and it begins as `init`.
+/// same either way, poisoned or not, and it begins as zero.
 #[test]
 fn state_is_continued_in_place_and_by_a_copy() {
     let workshop = continuing();
-    let own = r#""state": Pass(kind: "state", in: { "past": Prev(port: "state", reset: [Cut]) })"#;
-    let other = r#", "other": Pass(kind: "scale", in: { "shown": Prev(port: "state", reset: [Cut]) })"#;
+    let own = r#""state": Pass(kind: "state", in: { "past": "prev state" }, history: (reset: [Cut]))"#;
+    let other = r#", "other": Pass(kind: "scale", in: { "shown": "prev state" })"#;
     for (other, output, objects) in [("", "", 1), (other, r#", "other": "other""#, 2)] {
         let (passes, outputs) = (format!("{own}{other}"), format!(r#""state": "state"{output}"#));
         let Some(mut running) = workshop.start(&passes, &outputs) else { return };
@@ -230,8 +230,8 @@ fn state_is_continued_in_place_and_by_a_copy() {
 #[test]
 fn state_goes_on_where_it_gets_another_reader() {
     let workshop = continuing();
-    let own = r#""state": Pass(kind: "state", in: { "past": Prev(port: "state") })"#;
-    let both = format!(r#"{own}, "other": Pass(kind: "scale", in: {{ "shown": Prev(port: "state") }})"#);
+    let own = r#""state": Pass(kind: "state", in: { "past": "prev state" })"#;
+    let both = format!(r#"{own}, "other": Pass(kind: "scale", in: {{ "shown": "prev state" }})"#);
     let Some(mut running) = workshop.start(own, r#""state": "state""#) else { return };
     running.frame();
     load(&workshop, &mut running, &both, r#""state": "state", "other": "other""#);
@@ -246,14 +246,16 @@ fn state_goes_on_where_it_gets_another_reader() {
 /// A pass that only hands on has no steps and does not run; its readers read what was handed on.
 #[test]
 fn what_is_handed_on_is_the_resource_itself() {
-    let count = Kind::new("count").input("past", "Buffer").setting(number("step"));
+    let count = TestPass::new("count").optional("past", "Buffer").setting(number("step"));
     let count = every_frame(count.output(OutputDesc::one("sum", words(4)))).steps(|_| one("count.wgsl"));
-    let scale = Kind::new("scale").input("shown", "Buffer").setting(number("factor"));
+    let scale = TestPass::new("scale").optional("shown", "Buffer").setting(number("factor"));
     let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
-    let relay = Kind::new("relay").input("shown", "Buffer").handing("seen", "Buffer", "shown");
+    let relay = TestPass::new("relay")
+        .optional("shown", "Buffer")
+        .output_of("Buffer", OutputDesc::hand_on("seen", "shown"));
     let workshop = Workshop::new(vec![count, scale, relay], SHADERS);
     let passes = r#"
-        "count": Pass(kind: "count", in: { "past": Prev(port: "second") }),
+        "count": Pass(kind: "count", in: { "past": "prev second" }),
         "first": Pass(kind: "relay", in: { "shown": "count" }),
         "second": Pass(kind: "relay", in: { "shown": "first" }),
         "scale": Pass(kind: "scale", in: { "shown": "second" }, set: { "factor": 5 }),

@@ -1,6 +1,6 @@
 //! A device that is gone: every call says so, and none waits for it.
 
-use crate::harness::{Kind, Workshop, every_frame, shader, words};
+use crate::harness::{TestPass, Workshop, every_frame, shader, words};
 use executor::{ExecutorError, FrameOptions, Gpu};
 use frame_graph::Change;
 use pass::{Compute, OutputDesc, Step, Threads};
@@ -13,7 +13,7 @@ fn a_device_that_is_gone_is_an_error_of_every_call() {
     // Of its own: the other tests need theirs.
     let Ok(gpu) = Gpu::open() else { return };
     let grid = Threads::Grid([1; 3]);
-    let count = every_frame(Kind::new("count").output(OutputDesc::one("sum", words(4))))
+    let count = every_frame(TestPass::new("count").output(OutputDesc::one("sum", words(4))))
         .steps(move |_| vec![Step::Compute(Compute::new(shader("count.wgsl"), "main", grid.clone()))]);
     let workshop = Workshop::new(vec![count], &[("count.wgsl", COUNT)]);
     let (passes, outputs) = (r#""count": Pass(kind: "count")"#, r#""sum": "count""#);
@@ -37,6 +37,6 @@ fn a_device_that_is_gone_is_an_error_of_every_call() {
             assert!(matches!(error, ExecutorError::Lost { .. }), "{error}");
             assert!(error.to_string().contains("the graphics device is gone"), "{error}");
         }
-        assert!(gpu.take_fault().is_some_and(|fault| fault.contains("gone")), "it is told again");
+        assert!(gpu.take_fault().is_some_and(|fault| fault.contains("gone")), "it is reported again");
     }
 }

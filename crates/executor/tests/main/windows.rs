@@ -1,6 +1,6 @@
 //! Steps that bind a part of a buffer.
 
-use crate::harness::{Kind, Workshop, gpu, shader, words};
+use crate::harness::{TestPass, Workshop, gpu, shader, words};
 use executor::{ExecutorError, FrameOptions};
 use pass::{Compute, OutputDesc, Step, Threads, Value};
 use std::ops::Range;
@@ -24,9 +24,9 @@ fn sign(number: u32, bytes: Option<Range<u64>>) -> Step {
     })
 }
 
-/// A pass that signs each of these parts of a buffer of so many words, with 1, 2, ….
+/// A pass that signs each of these parts of a buffer of this many words, with 1, 2, ….
 fn workshop(count: u64, parts: Vec<Option<Range<u64>>>) -> Workshop {
-    let kind = Kind::new("kind").output(OutputDesc::one("out", words(count)));
+    let kind = TestPass::new("kind").output(OutputDesc::one("out", words(count)));
     let kind = kind.steps(move |_| (1..).zip(&parts).map(|(n, part)| sign(n, part.clone())).collect());
     Workshop::new(vec![kind], &[("sign.wgsl", SIGN)])
 }
@@ -66,8 +66,11 @@ fn windows_reach_what_no_step_can_bind_whole() {
     assert_eq!((&found[..2], &found[last..last + 2]), (&[1, 64][..], &[2, 4][..]));
 
     let linked = workshop(count, vec![None]).link(PASS, OUTPUT).expect("links without an adapter");
-    let told = running.load(linked).expect_err("more than a step can bind");
-    assert!(matches!(told, ExecutorError::Limit { limit: "max_storage_buffer_binding_size", .. }), "{told}");
+    let refused = running.load(linked).expect_err("more than a step can bind");
+    assert!(
+        matches!(refused, ExecutorError::Limit { limit: "max_storage_buffer_binding_size", .. }),
+        "{refused}"
+    );
 }
 
 #[test]
@@ -78,7 +81,7 @@ fn a_window_that_is_not_in_its_buffer_or_not_aligned_is_refused() {
         (4..12, "cannot see the bytes 4 to 12: the first is no multiple of 256"),
     ] {
         let linked = workshop(132, vec![Some(bytes)]).link(PASS, OUTPUT);
-        let told = linked.expect_err("a window that does not fit");
-        assert!(told.contains(why) && told.contains("sign.wgsl:4"), "{told}");
+        let refused = linked.expect_err("a window that does not fit");
+        assert!(refused.contains(why) && refused.contains("sign.wgsl:4"), "{refused}");
     }
 }

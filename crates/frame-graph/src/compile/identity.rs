@@ -171,16 +171,12 @@ impl Encoder {
             e.desc(&resource.desc);
             e.u32(resource.allocation.0);
             e.u8(u8::from(resource.persistent));
-            if let Some(clear) = &resource.constant {
-                e.clear(clear);
-            }
         }
         e.len(plan.allocations.len());
         plan.allocations.iter().for_each(|allocation| e.desc(&allocation.desc));
         e.len(plan.histories.len());
         for history in &plan.histories {
             e.u32(history.resource.0);
-            e.clear(&history.init);
             e.u32(history.rest.unwrap_or(0));
         }
     }

@@ -3,8 +3,9 @@
 use super::{CompileOptions, NONE, Work};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Diagnostics, Source, Span};
-use crate::link::{GraphPort, LinkSource};
-use crate::resource::Clear;
+use crate::link::GraphPort;
+use petgraph::graph::NodeIndex;
+use petgraph::visit::{Dfs, EdgeFiltered, EdgeRef as _, Reversed};
 use std::ops::Range;
 
 impl<'a> Work<'a> {
@@ -29,29 +30,19 @@ impl<'a> Work<'a> {
         self.wanted.dedup();
         for i in self.wanted.clone() {
             let output = &self.graph.outputs[i as usize];
-            self.take(output.from, output.constant);
+            self.needed[output.from.pass.index()] = true;
+            self.keep(self.numbers.in_port(&output.from));
         }
         for name in &options.keep {
             match self.find(name) {
                 Ok((pass, resources)) => {
-                    self.needed[pass] = true;
+                    self.needed[pass.index()] = true;
                     self.keep(resources);
                 }
                 Err(error) => errors.push(error),
             }
         }
         if errors.is_empty() { Ok(()) } else { Err(Diagnostics(errors)) }
-    }
-
-    /// Keeps the resources that an output of the pipeline shows.
-    fn take(&mut self, from: LinkSource, constant: Option<Clear>) {
-        self.needed[from.pass as usize] = true;
-        self.keep(self.numbers.in_port(&from));
-        if constant.is_some() {
-            for r in self.numbers.of_source(&from) {
-                self.resources[r].constant = constant;
-            }
-        }
     }
 
     /// Keeps resources that are read after the frame.
@@ -65,21 +56,22 @@ impl<'a> Work<'a> {
     }
 
     /// Returns the pass and the resources of `pass`, `pass.port`, `pass.member` or `pass.port.member`.
-    fn find(&self, name: &str) -> Result<(usize, Range<usize>), Diagnostic> {
+    fn find(&self, name: &str) -> Result<(NodeIndex, Range<usize>), Diagnostic> {
         let mut parts = name.split('.');
         let pass = parts.next().unwrap_or("");
-        let Some(i) = self.graph.passes.iter().position(|p| p.name == *pass) else {
-            let passes = self.graph.passes.iter().map(|p| &*p.name);
+        let passes = &self.graph.passes;
+        let Some(i) = passes.node_indices().find(|i| passes[*i].name == *pass) else {
+            let passes = passes.node_weights().map(|p| &*p.name);
             return Err(asked("keep", name, "there is no pass for").suggest("passes", pass, passes));
         };
-        let found = &self.graph.passes[i];
+        let found = &passes[i];
         if let Some(off) = &found.off {
             return Err(asked("keep", name, "the pass is off:").note(format!("its switch: {}", off.why)));
         }
         let port = parts.next();
         let member = parts.next();
         let ports = || {
-            let members = |p: &'a crate::link::GraphPort| {
+            let members = |p: &'a GraphPort| {
                 let port = p.port.as_str();
                 p.members
                     .iter()
@@ -96,7 +88,7 @@ impl<'a> Work<'a> {
                 known.iter().map(String::as_str),
             )
         };
-        let of_port = |at: usize| self.numbers.of_port(i as u32, at as u32);
+        let of_port = |at: usize| self.numbers.of_port(i, at as u32);
         let of_member = |at: usize, member: &str| {
             let m = found.outputs[at].members.iter().position(|(m, _, _)| m == member)?;
             let first = of_port(at).start + m;
@@ -120,34 +112,31 @@ impl<'a> Work<'a> {
 
     /// Marks what is needed, through links of this frame and of the frame before.
     pub(super) fn cull(&mut self) {
-        let mut open: Vec<u32> =
-            (0..self.graph.passes.len() as u32).filter(|i| self.needed[*i as usize]).collect();
-        while let Some(i) = open.pop() {
-            let graph = self.graph;
-            let pass = &graph.passes[i as usize];
-            if pass.off.is_some() {
+        let graph = self.graph;
+        let needed = graph.passes.node_indices().filter(|pass| self.needed[pass.index()]);
+        // A pass that is off reads nothing.
+        let links = EdgeFiltered::from_fn(&graph.passes, |link| graph.passes[link.target()].off.is_none());
+        let links = Reversed(&links);
+        let mut search = Dfs::empty(links);
+        search.stack = needed.collect();
+        while let Some(pass) = search.next(links) {
+            self.needed[pass.index()] = true;
+        }
+        for link in graph.passes.edge_references() {
+            if !self.runs(link.target()) {
                 continue;
             }
-            for input in &pass.inputs {
-                let producer = input.from.pass as usize;
-                if !self.needed[producer] {
-                    self.needed[producer] = true;
-                    open.push(producer as u32);
-                }
-                for r in self.numbers.in_port(&input.from) {
-                    self.resources[r].read = true;
-                    let resource = &mut self.resources[self.numbers.made[r] as usize];
-                    resource.read = true;
-                    if input.constant.is_some() {
-                        resource.constant = input.constant;
-                        resource.persistent = true;
-                    } else if input.past.is_some() {
-                        resource.persistent = true;
-                        resource.history = 0;
-                        resource.past_readers += 1;
-                    } else {
-                        resource.readers += 1;
-                    }
+            let link = link.weight();
+            for r in self.numbers.in_port(&link.from) {
+                self.resources[r].read = true;
+                let resource = &mut self.resources[self.numbers.made[r] as usize];
+                resource.read = true;
+                if link.past {
+                    resource.persistent = true;
+                    resource.history = 0;
+                    resource.past_readers += 1;
+                } else {
+                    resource.readers += 1;
                 }
             }
         }
@@ -167,12 +156,13 @@ impl<'a> Work<'a> {
         }
         let graph = self.graph;
         let kept = |port: &GraphPort| interfaces.iter().any(|name| port.interface == *name);
-        for (i, pass) in graph.passes.iter().enumerate() {
-            if !self.runs(i) {
+        for pass in graph.passes.node_indices() {
+            if !self.runs(pass) {
                 continue;
             }
-            for (at, _) in pass.outputs.iter().enumerate().filter(|(_, port)| kept(port)) {
-                self.keep(self.numbers.of_port(i as u32, at as u32));
+            let ports = graph.passes[pass].outputs.iter().enumerate();
+            for (at, _) in ports.filter(|(_, port)| kept(port)) {
+                self.keep(self.numbers.of_port(pass, at as u32));
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Numbers the resources of a graph, and finds the producers of those that passes hand on.
 
-use crate::link::{Graph, GraphInput, GraphPass, LinkSource, Made};
+use crate::link::{Graph, GraphLink, LinkSource, Made};
+use petgraph::graph::NodeIndex;
 use std::ops::Range;
 
 /// The numbering of resources: by pass, port and member.
@@ -15,22 +16,22 @@ pub(super) struct Numbers {
 
 impl Numbers {
     /// Returns the numbers of all ports of a pass, including resources that it hands on.
-    pub(super) fn of_pass(&self, pass: usize) -> Range<usize> {
+    pub(super) fn of_pass(&self, pass: NodeIndex) -> Range<usize> {
         let ports = |i: usize| self.ports[self.first_port[i] as usize] as usize;
-        ports(pass)..ports(pass + 1)
+        ports(pass.index())..ports(pass.index() + 1)
     }
 
     /// Returns the resources that a pass writes.
-    pub(super) fn made_by(&self, pass: usize) -> impl Iterator<Item = usize> + Clone + '_ {
+    pub(super) fn made_by(&self, pass: NodeIndex) -> impl Iterator<Item = usize> + Clone + '_ {
         self.of_pass(pass).filter(|r| self.made[*r] as usize == *r)
     }
 
     /// Returns the number of a port.
-    pub(super) fn port(&self, pass: u32, port: u32) -> usize {
-        (self.first_port[pass as usize] + port) as usize
+    pub(super) fn port(&self, pass: NodeIndex, port: u32) -> usize {
+        (self.first_port[pass.index()] + port) as usize
     }
 
-    pub(super) fn of_port(&self, pass: u32, port: u32) -> Range<usize> {
+    pub(super) fn of_port(&self, pass: NodeIndex, port: u32) -> Range<usize> {
         let at = self.port(pass, port);
         self.ports[at] as usize..self.ports[at + 1] as usize
     }
@@ -53,14 +54,14 @@ impl Numbers {
     /// member.
     pub(super) fn member_of<'g>(
         &self,
-        graph: &Graph,
-        pass: &'g GraphPass,
+        graph: &'g Graph,
+        pass: NodeIndex,
         input: &str,
         member: &str,
-    ) -> Option<(&'g GraphInput, usize)> {
-        let input = pass.inputs.iter().find(|i| i.port == *input)?;
+    ) -> Option<(&'g GraphLink, usize)> {
+        let input = graph.inputs(pass).find(|link| link.port == *input)?;
         let (source, range) = (&input.from, self.in_port(&input.from));
-        let port = &graph.passes[source.pass as usize].outputs[source.port as usize];
+        let port = &graph.passes[source.pass].outputs[source.port as usize];
         let first = self.of_port(source.pass, source.port).start;
         let named = range.clone().find(|r| port.members[r - first].0 == *member);
         // A single resource needs no name.
@@ -70,9 +71,9 @@ impl Numbers {
     /// Finds the producer of each resource that a pass hands on. A pass that is off hands on nothing: what
     /// replaces it counts as its own.
     pub(super) fn trace_handed(&mut self, graph: &Graph) {
-        for (i, pass) in graph.passes.iter().enumerate().filter(|(_, pass)| pass.off.is_none()) {
-            let members = pass.outputs.iter().flat_map(|port| &port.members);
-            for (r, (_, _, made)) in self.of_pass(i).zip(members) {
+        for pass in graph.passes.node_indices().filter(|pass| graph.passes[*pass].off.is_none()) {
+            let members = graph.passes[pass].outputs.iter().flat_map(|port| &port.members);
+            for (r, (_, _, made)) in self.of_pass(pass).zip(members) {
                 let Made::Handed { input, member } = made else { continue };
                 if let Some((_, from)) = self.member_of(graph, pass, input, member) {
                     self.made[r] = from as u32;

@@ -4,7 +4,7 @@ use crate::diagnostic::{Diagnostic, Place, Sources};
 use crate::expression::{Expr, ExprError};
 use crate::frame::ResetCause;
 use crate::port::{OutputOverride, Use};
-use crate::resource::{Clear, Extent, Format};
+use crate::resource::{Extent, Format};
 use crate::value::{Value, ValueType};
 use data_file::Name;
 use std::collections::BTreeMap;
@@ -37,7 +37,6 @@ pub(crate) struct ParameterDecl {
 pub(crate) struct InputDecl {
     pub(crate) name: At<Name>,
     pub(crate) interface: At<Name>,
-    pub(crate) optional: bool,
 }
 
 /// One entry of `outputs`.
@@ -54,7 +53,7 @@ pub(crate) struct Entry {
     pub(crate) decl: Arc<PassDecl>,
 }
 
-/// `Pass(…)`, `Sub(…)` or `Group(…)`.
+/// `Pass(…)` or `Sub(…)`.
 #[derive(Clone, Debug)]
 pub(crate) struct PassDecl {
     pub(crate) body: Body,
@@ -67,6 +66,7 @@ pub(crate) struct PassDecl {
     pub(crate) overrides: Arc<BTreeMap<String, OutputOverride>>,
     pub(crate) when: Option<Formula>,
     pub(crate) off: Option<At<Off>>,
+    pub(crate) history: Option<At<Arc<HistoryPolicy>>>,
     /// The link that `Insert` broke, to be joined to the only required input that fits.
     pub(crate) feed: Option<Link>,
     /// Where `Remove` took it out.
@@ -79,32 +79,24 @@ pub(crate) enum Body {
         kind: At<Name>,
         shader: Option<At<Name>>,
     },
-    Sub {
-        file: At<String>,
-        repeat: Option<Repeat>,
-    },
+    Sub(Sub),
     /// The border of a sub-graph whose passes have been moved up into the pipeline.
     Group(Group),
     /// What `Remove` leaves where there is no `off:`: readers find nothing.
     Removed,
 }
 
+/// The passes of a sub-graph: those of another file, or written out.
+#[derive(Clone, Debug)]
+pub(crate) enum Sub {
+    File(At<String>),
+    Inline { inputs: Vec<InputDecl>, passes: Vec<Entry>, outputs: Vec<OutputDecl> },
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
     pub(crate) inputs: Vec<InputDecl>,
     pub(crate) outputs: Vec<OutputDecl>,
-    /// How many copies of a sub-graph it holds, and where that is said; `None` where it is the sub-graph itself.
-    pub(crate) copies: Option<(u32, Place)>,
-}
-
-/// `repeat:` and `carry:` of a sub-graph.
-#[derive(Clone, Debug)]
-pub(crate) struct Repeat {
-    pub(crate) count: At<SetValue>,
-    /// Links into inputs; the target of each is an output of the copy before, without the name of a pass.
-    pub(crate) carry: Vec<Link>,
-    /// The parameter of the sub-graph that is the number of the copy.
-    pub(crate) index: Option<At<Name>>,
 }
 
 /// One entry of `in`.
@@ -116,7 +108,8 @@ pub(crate) struct Link {
     pub(crate) place: Place,
     /// Where the target's text ends within its quotes, if it can be pointed into.
     pub(crate) content_end: Option<u32>,
-    pub(crate) past: Option<Arc<Past>>,
+    /// Whether it reads the frame before: `"prev …"`.
+    pub(crate) past: bool,
     /// Kept by `Replace` from the pass before: dropped where the new kind has no such input.
     pub(crate) inherited: bool,
 }
@@ -129,12 +122,11 @@ pub(crate) struct Target {
     pub(crate) member: Option<Name>,
 }
 
-/// What `Prev` says beside its port.
+/// `history:` of a pass: what becomes of the history buffers of its outputs.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Past {
-    pub(crate) init: Clear,
+pub(crate) struct HistoryPolicy {
     pub(crate) reset: Vec<ResetCause>,
-    /// After how many frames in which nothing else changes it rests.
+    /// After how many frames in which nothing else changes they rest.
     pub(crate) rest: Option<u32>,
 }
 
@@ -213,7 +205,6 @@ pub(crate) struct TextPlace {
 /// What stands in place of the outputs of a pass or sub-graph that is off.
 #[derive(Clone, Debug)]
 pub(crate) enum Off {
-    Constant(Clear),
     /// What is linked to an input of its own.
     Input(Name),
     /// What another link brings.
@@ -261,7 +252,7 @@ pub(crate) fn is_name(text: &str) -> bool {
 
 impl Link {
     pub(crate) fn new(port: At<Name>, target: At<Target>, content_end: Option<u32>) -> Link {
-        Link { port, target: target.value, place: target.place, content_end, past: None, inherited: false }
+        Link { port, target: target.value, place: target.place, content_end, past: false, inherited: false }
     }
 
     /// Place of the port's name, and of the member's, within the link's text, where it has one.
@@ -337,6 +328,7 @@ impl PassDecl {
             overrides: Arc::default(),
             when: None,
             off: None,
+            history: None,
             feed: None,
             removed: place,
         }

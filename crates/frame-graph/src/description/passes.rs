@@ -1,7 +1,7 @@
 //! Passes, their links, and patches.
 
 use super::form::{
-    At, Body, Formula, Group, Link, Off, OutDecl, PassDecl, Past, Patch, Repeat, SaidFact, Set, Target,
+    At, Body, Entry, Formula, HistoryPolicy, Link, Off, OutDecl, PassDecl, Patch, SaidFact, Set, Sub,
 };
 use super::read::Grammar;
 use super::read::out_overrides;
@@ -10,14 +10,16 @@ use crate::codes;
 use crate::diagnostic::{Diagnostic, Place};
 use crate::expression;
 use crate::frame::ResetCause;
-use crate::reader::{Fields, Form, Node};
-use crate::resource::{Clear, Format};
+use crate::reader::{Field, Form, Node};
+use crate::resource::Format;
 use data_file::Name;
 use std::sync::Arc;
 
-const PASS: &[&str] = &["kind", "shader", "in", "keep", "feed", "set", "out", "when", "off"];
-const SUB: &[&str] = &["file", "in", "set", "repeat", "carry", "index", "when", "off"];
-const GROUP: &[&str] = &["inputs", "in", "outputs", "when", "off"];
+const PASS: &[&str] = &["kind", "shader", "in", "set", "out", "history", "when", "off"];
+const SUB: &[&str] = &["file", "inputs", "in", "set", "passes", "outputs", "when", "off"];
+
+/// How a link that reads the frame before begins.
+const PREV: &str = "prev ";
 
 const INSERT: &str = "`Insert(name: \"pass\", pass: Pass(…), between: (\"a.port\", \"b.port\"))`";
 const BETWEEN: &str = "two ports: (\"a.port\", \"b.port\")";
@@ -25,36 +27,60 @@ const BETWEEN: &str = "two ports: (\"a.port\", \"b.port\")";
 /// A form's name and its fields.
 type Shape = (&'static str, &'static [&'static str]);
 
-/// What may stand in `passes`; in a patch, a `Group` may not.
-pub(super) const PASS_FORMS: [Shape; 3] = [("Pass", PASS), ("Sub", SUB), ("Group", GROUP)];
+/// What may stand in `passes`.
+const PASS_FORMS: [Shape; 2] = [("Pass", PASS), ("Sub", SUB)];
 
 impl Grammar<'_, '_> {
     pub(super) fn link(&mut self, port: At<Name>, node: &Node) -> Option<Link> {
-        let prev = match &node.form {
-            Form::Struct(Some(name), _) | Form::Tuple(Some(name), _) => Some(&name.text),
-            _ => None,
-        };
-        if prev.is_none() {
-            return Some(Link::new(port, self.target(node)?, Self::content_end(node)));
+        match &node.form {
+            Form::Struct(Some(name), fields) if name.text == "Prev" => {
+                self.old_prev(node, fields);
+                None
+            }
+            Form::Text(text, _) if text.starts_with(PREV) => {
+                let target = self.target_of(node, &text[PREV.len()..])?;
+                Some(Link { past: true, ..Link::new(port, target, Self::content_end(node)) })
+            }
+            _ => Some(Link::new(port, self.target(node)?, Self::content_end(node))),
         }
-        let known = ["port", "init", "reset", "rest"].as_slice();
-        let expected = "a link or `Prev(port: \"pass.port\")`";
-        let fields = self.fields(node, expected, &[("Prev", known)])?;
-        let init = fields.get("init").map_or(Some(Clear::Zero), |n| self.clear(n, "Zero", &["Black"]));
+    }
+
+    /// Reports `Prev(…)`, as it was once written, with what to write instead.
+    fn old_prev(&mut self, node: &Node, fields: &[Field]) {
+        let text = |name: &str| {
+            let field = fields.iter().find(|field| field.name.text == name)?;
+            Some(&self.source.text[field.value.start as usize..field.value.end as usize])
+        };
+        let port = text("port").map_or("pass.port", |port| port.trim_matches('"'));
+        let policy: Vec<String> =
+            ["reset", "rest"].iter().filter_map(|name| Some(format!("{name}: {}", text(name)?))).collect();
+        let link = format!("write \"prev {port}\"");
+        let help = match &policy[..] {
+            [] => link,
+            _ => format!("{link}, and at the pass that makes it `history: ({})`", policy.join(", ")),
+        };
+        let place = self.head(node);
+        self.error(&codes::UNKNOWN_FORM, place, "`Prev(…)` is no link any more").notes.push(help);
+    }
+
+    /// Reads `history:`.
+    fn history(&mut self, node: &Node) -> Option<At<Arc<HistoryPolicy>>> {
+        let known = ["reset", "rest"].as_slice();
+        let fields = self.fields(node, "`(reset: […], rest: 64)`", &[("history", known)])?;
         let reset = match fields.get("reset") {
             None => ResetCause::DEFAULT.to_vec(),
+            Some(Node { form: Form::Word(word), .. }) if word == "All" => ResetCause::NAMED.to_vec(),
             Some(node) => {
+                let names = ResetCause::NAMED.map(|cause| format!("`{cause}`")).join(", ");
                 let mut causes = Vec::new();
-                for item in
-                    self.list(node, "a list of `Resize`, `Cut`, `Scene`, `Reload`, `Setting` and `Moved`")
-                {
+                for item in self.list(node, &format!("`All` or a list of {names}")) {
                     let cause = ResetCause::NAMED
                         .into_iter()
                         .find(|cause| item.form == Form::Word(cause.to_string()));
                     match cause {
                         Some(cause) if !causes.contains(&cause) => causes.push(cause),
                         Some(_) => {}
-                        None => self.wrong(item, "`Resize`, `Cut`, `Scene`, `Reload`, `Setting` or `Moved`"),
+                        None => self.wrong(item, &format!("one of {names}")),
                     }
                 }
                 causes.sort_unstable();
@@ -69,20 +95,17 @@ impl Grammar<'_, '_> {
                 return None;
             }
         };
-        let node = self.need(&fields, "port")?;
-        let link = Link::new(port, self.target(node)?, Self::content_end(node));
-        Some(Link { past: Some(Arc::new(Past { init: init?, reset, rest })), ..link })
+        Some(At { value: Arc::new(HistoryPolicy { reset, rest }), place: self.place(node) })
     }
 
-    pub(super) fn pass(
-        &mut self,
-        node: &Node,
-        forms: &[(&'static str, &[&'static str])],
-    ) -> Option<PassDecl> {
-        if matches!(&node.form, Form::Word(word) if word == "Removed" && forms.len() == 3) {
-            return Some(PassDecl::tombstone(Some(self.place(node))));
-        }
-        let fields = self.fields(node, "`Pass(…)` or `Sub(…)`", forms)?;
+    /// The entries of `passes`.
+    pub(super) fn passes(&mut self, node: &Node) -> Vec<Entry> {
+        let entries = self.map(node, "a pass", true).into_iter();
+        entries.filter_map(|(name, node)| Some(Entry { name, decl: Arc::new(self.pass(node)?) })).collect()
+    }
+
+    fn pass(&mut self, node: &Node) -> Option<PassDecl> {
+        let fields = self.fields(node, "`Pass(…)` or `Sub(…)`", &PASS_FORMS)?;
         let body = match fields.form {
             "Pass" => {
                 let kind =
@@ -91,35 +114,31 @@ impl Grammar<'_, '_> {
                 let name = |at: At<String>| At { value: Name::from(at.value), place: at.place };
                 kind.map(|kind| Body::Pass { kind: name(kind), shader: shader.map(name) })
             }
-            "Sub" => {
-                let file =
-                    self.need(&fields, "file").and_then(|n| self.text_at(n, "the path of a pipeline file"));
-                let repeat = self.repeat(&fields);
-                file.map(|file| Body::Sub { file, repeat })
-            }
-            _ => {
-                let inputs = fields.get("inputs").map(|n| self.inputs(n)).unwrap_or_default();
-                let outputs = fields.get("outputs").map(|n| self.outputs(n)).unwrap_or_default();
-                Some(Body::Group(Group { inputs, outputs, copies: None }))
-            }
+            _ => match (fields.get("file"), fields.get("passes")) {
+                (None, Some(passes)) => {
+                    let inputs = fields.get("inputs").map(|n| self.inputs(n)).unwrap_or_default();
+                    let passes = self.passes(passes);
+                    let outputs = fields.get("outputs").map(|n| self.outputs(n)).unwrap_or_default();
+                    Some(Body::Sub(Sub::Inline { inputs, passes, outputs }))
+                }
+                _ => {
+                    for name in ["inputs", "passes", "outputs"] {
+                        if let Some(node) = fields.get(name).filter(|_| fields.get("file").is_some()) {
+                            let place = self.head(node);
+                            let message = format!("`{name}` is that of the file that `file` names");
+                            self.error(&codes::UNKNOWN_FIELD, place, message);
+                        }
+                    }
+                    let file = self.need(&fields, "file");
+                    file.and_then(|n| self.text_at(n, "the path of a pipeline file"))
+                        .map(|file| Body::Sub(Sub::File(file)))
+                }
+            },
         };
         let mut links = Vec::new();
         for (port, node) in fields.get("in").map(|n| self.map(n, "an input", false)).unwrap_or_default() {
             links.extend(self.link(port, node));
         }
-        for (port, node) in fields.get("keep").map(|n| self.map(n, "an input", false)).unwrap_or_default() {
-            if let Some(first) = links.iter().find(|l: &&Link| l.port.value == port.value) {
-                let first = first.port.place;
-                self.duplicate(&format!("`{}`", port.value), port.place, first);
-            } else if let Some(link) = self.link(port, node) {
-                links.push(Link { inherited: true, ..link });
-            }
-        }
-        let feed = fields.get("feed").and_then(|n| {
-            let target = self.target(n)?;
-            let port = At { value: Name::EMPTY, place: target.place };
-            Some(Link::new(port, target, Self::content_end(n)))
-        });
         let mut set = Vec::new();
         for (name, node) in fields.get("set").map(|n| self.map(n, "a setting", false)).unwrap_or_default() {
             if let Some(value) = self.value(node) {
@@ -139,6 +158,7 @@ impl Grammar<'_, '_> {
         }
         let when = fields.get("when").and_then(|n| self.when(n));
         let off = fields.get("off").and_then(|n| self.off(n));
+        let history = fields.get("history").and_then(|n| self.history(n));
         let link_names = links.iter().map(|link| link.port.value.to_string()).collect();
         let overrides = out_overrides(&outs);
         Some(PassDecl {
@@ -150,36 +170,10 @@ impl Grammar<'_, '_> {
             overrides,
             when,
             off,
-            feed,
+            history,
+            feed: None,
             removed: None,
         })
-    }
-
-    /// `repeat:`, `carry:` and `index:`.
-    fn repeat(&mut self, fields: &Fields<'_>) -> Option<Repeat> {
-        let mut carry = Vec::new();
-        let carried = fields.get("carry");
-        for (input, node) in carried.map(|n| self.map(n, "an input", false)).unwrap_or_default() {
-            let Some(output) = self.name(node, "an output", false) else { continue };
-            let target = Target { pass: Name::EMPTY, port: Some(output.value), member: None };
-            let target = At { value: target, place: output.place };
-            carry.push(Link::new(input, target, Self::content_end(node)));
-        }
-        let index = fields.get("index").and_then(|n| self.name(n, "a parameter of the sub-graph", false));
-        let Some(node) = fields.get("repeat") else {
-            if let Some(node) = carried {
-                let place = self.head(node);
-                let error = self.error(&codes::MISSING_FIELD, place, "`carry` needs `repeat`");
-                error.notes.push("it says what each copy takes from the one before it".into());
-            }
-            if let Some(index) = index {
-                let error = self.error(&codes::MISSING_FIELD, index.place, "`index` needs `repeat`");
-                error.notes.push("it names the parameter that is the number of the copy".into());
-            }
-            return None;
-        };
-        let count = At { value: self.value(node)?, place: self.place(node) };
-        Some(Repeat { count, carry, index })
     }
 
     pub(super) fn when(&mut self, node: &Node) -> Option<Formula> {
@@ -204,21 +198,14 @@ impl Grammar<'_, '_> {
             return Some(At { value: Off::Input(port.value), place: port.place });
         }
         match &node.form {
-            Form::Word(word) if word == "Zero" || word == "Black" => {
-                Some(At { value: Off::Constant(Clear::Zero), place })
-            }
-            Form::Tuple(Some(name), _) if name.text == "Color" => {
-                let clear = self.clear(node, "Black", &[])?;
-                Some(At { value: Off::Constant(clear), place: self.place(node) })
-            }
             Form::Text(..) => {
                 let target = self.target(node)?;
-                let port = At { value: Name::EMPTY, place: target.place };
+                let port = At { value: Name::default(), place: target.place };
                 let link = Link::new(port, target, Self::content_end(node));
                 Some(At { value: Off::Link(link), place })
             }
             _ => {
-                self.wrong(node, "`Black`, `Color(r, g, b, a)`, `Input(\"port\")` or \"pass.port\"");
+                self.wrong(node, "`Input(\"port\")` or a link such as \"pass.port\"");
                 None
             }
         }
@@ -259,12 +246,11 @@ impl Grammar<'_, '_> {
 
     pub(super) fn patch(&mut self, node: &Node) -> Option<Patch> {
         const EXPECTED: &str = "`Replace(…)`, `Insert(…)`, `Set(…)` or `Remove(…)`";
-        let forms = [("Pass", PASS), ("Sub", SUB)];
         match &node.form {
             Form::Tuple(Some(name), items) => match (name.text.as_str(), &items[..]) {
                 ("Replace", [name, pass]) => {
                     let name = self.name(name, "a pass", true);
-                    let decl = self.pass(pass, &forms).map(Arc::new);
+                    let decl = self.pass(pass).map(Arc::new);
                     Some(Patch::Replace { name: name?, decl: decl? })
                 }
                 ("Set", [path, value]) => {
@@ -301,7 +287,7 @@ impl Grammar<'_, '_> {
                 let known = ["name", "pass", "between"].as_slice();
                 let fields = self.fields(node, EXPECTED, &[("Insert", known)])?;
                 let name = self.need(&fields, "name").and_then(|n| self.name(n, "a pass", true));
-                let decl = self.need(&fields, "pass").and_then(|n| self.pass(n, &forms)).map(Arc::new);
+                let decl = self.need(&fields, "pass").and_then(|n| self.pass(n)).map(Arc::new);
                 let between = self.need(&fields, "between")?;
                 let Form::Tuple(None, items) = &between.form else { return self.shape(between, BETWEEN) };
                 let [from, to] = &items[..] else { return self.shape(between, BETWEEN) };

@@ -1,10 +1,7 @@
 //! From the tree of a file to a description: the grammar.
 
 use super::Description;
-use super::form::{
-    At, Entry, InputDecl, Link, OutDecl, OutputDecl, ParameterDecl, SaidFact, SetValue, is_name,
-};
-use super::passes::PASS_FORMS;
+use super::form::{At, InputDecl, Link, OutDecl, OutputDecl, ParameterDecl, SaidFact, SetValue, is_name};
 use crate::codes;
 use crate::diagnostic::{Diagnostics, Place, Source};
 use crate::port::OutputOverride;
@@ -98,12 +95,7 @@ impl Grammar<'_, '_> {
             parameters.extend(self.parameter(name, node));
         }
         let inputs = fields.get("inputs").map(|n| self.inputs(n)).unwrap_or_default();
-        let mut passes = Vec::new();
-        for (name, node) in fields.get("passes").map(|n| self.map(n, "a pass", true)).unwrap_or_default() {
-            if let Some(decl) = self.pass(node, &PASS_FORMS) {
-                passes.push(Entry { name, decl: Arc::new(decl) });
-            }
-        }
+        let passes = fields.get("passes").map(|n| self.passes(n)).unwrap_or_default();
         let outputs = fields.get("outputs").map(|n| self.outputs(n)).unwrap_or_default();
         let mut patch = Vec::new();
         if let Some(node) = fields.get("patch") {
@@ -124,11 +116,10 @@ impl Grammar<'_, '_> {
     }
 
     pub(super) fn parameter(&mut self, name: At<Name>, node: &Node) -> Option<ParameterDecl> {
-        let forms = ["U32", "I32", "F32", "Bool", "Text"].map(|form| (form, PARAMETER));
-        let fields = self.fields(node, "`U32(…)`, `I32(…)`, `F32(…)`, `Bool(…)` or `Text(…)`", &forms)?;
+        let forms = ["U32", "F32", "Bool", "Text"].map(|form| (form, PARAMETER));
+        let fields = self.fields(node, "`U32(…)`, `F32(…)`, `Bool(…)` or `Text(…)`", &forms)?;
         let ty = match fields.form {
             "U32" => ValueType::U32,
-            "I32" => ValueType::I32,
             "F32" => ValueType::F32,
             "Bool" => ValueType::Bool,
             _ => ValueType::Text,
@@ -173,16 +164,9 @@ impl Grammar<'_, '_> {
     pub(super) fn inputs(&mut self, node: &Node) -> Vec<InputDecl> {
         let mut out = Vec::new();
         for (name, node) in self.map(node, "an input", false) {
-            let (node, optional) = match &node.form {
-                Form::Tuple(Some(word), items) if word.text == "Optional" && items.len() == 1 => {
-                    (&items[0], true)
-                }
-                _ => (node, false),
-            };
-            let expected = "the name of an interface, or `Optional(\"…\")`";
-            let Some(interface) = self.text(node, expected) else { continue };
+            let Some(interface) = self.text(node, "the name of an interface") else { continue };
             let interface = At { value: Name::from(interface), place: self.place(node) };
-            out.push(InputDecl { name, interface, optional });
+            out.push(InputDecl { name, interface });
         }
         out
     }

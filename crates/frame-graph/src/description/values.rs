@@ -1,11 +1,10 @@
-//! Values: links, settings, colours, sizes.
+//! Values: links, settings, colors, sizes.
 
 use super::form::{At, Dim, Formula, SetValue, Size, Target, TextPlace, is_name};
 use super::read::Grammar;
 use crate::codes;
 use crate::expression::{self, Expr, ExprError, ExprKind, parse_scale};
 use crate::reader::{Form, Node, Number};
-use crate::resource::Clear;
 use crate::value::Value;
 use data_file::Name;
 
@@ -20,6 +19,11 @@ impl Grammar<'_, '_> {
 
     pub(super) fn target(&mut self, node: &Node) -> Option<At<Target>> {
         let text = self.text(node, "a link: \"pass\", \"pass.port\" or \"pass.port.member\"")?;
+        self.target_of(node, text)
+    }
+
+    /// The target that the text of a node, or the end of it, names.
+    pub(super) fn target_of(&mut self, node: &Node, text: &str) -> Option<At<Target>> {
         let place = self.place(node);
         let target = Target::parse(text);
         if target.is_none() {
@@ -27,24 +31,6 @@ impl Grammar<'_, '_> {
             error.notes.push("a link is \"pass\", \"pass.port\" or \"pass.port.member\"".into());
         }
         Some(At { value: target?, place })
-    }
-
-    pub(super) fn clear(&mut self, node: &Node, main: &str, others: &[&str]) -> Option<Clear> {
-        match &node.form {
-            Form::Word(word) if word == main || others.contains(&word.as_str()) => return Some(Clear::Zero),
-            Form::Tuple(Some(name), items) if name.text == "Color" => {
-                if let Some(Value::Vector(v)) = self.vector(items)
-                    && let [r, g, b, a] = v[..]
-                {
-                    return Some(Clear::Color([r, g, b, a]));
-                }
-                self.wrong(node, "`Color(r, g, b, a)`, four numbers");
-                return None;
-            }
-            _ => {}
-        }
-        self.wrong(node, &format!("`{main}` or `Color(r, g, b, a)`"));
-        None
     }
 
     pub(super) fn vector(&self, items: &[Node]) -> Option<Value> {

@@ -8,14 +8,24 @@ use data_file::Name;
 struct Parser<'a> {
     text: &'a str,
     at: usize,
+    /// Whether names are those of a formula: `settings.count`, without hyphens.
+    formula: bool,
 }
 
 /// Reads an expression.
 pub(crate) fn parse(text: &str) -> Result<Expr, ExprError> {
-    let mut parser = Parser { text, at: 0 };
+    whole(Parser { text, at: 0, formula: false })
+}
+
+/// Reads an expression whose names are those of a formula.
+pub(super) fn parse_formula(text: &str) -> Result<Expr, ExprError> {
+    whole(Parser { text, at: 0, formula: true })
+}
+
+fn whole(mut parser: Parser<'_>) -> Result<Expr, ExprError> {
     let expr = parser.or(0)?;
     parser.blanks();
-    if parser.at < text.len() {
+    if parser.at < parser.text.len() {
         return Err(parser.error(parser.at, "expected an operator such as `*`, `&&` or `==`, or the end"));
     }
     Ok(expr)
@@ -23,7 +33,7 @@ pub(crate) fn parse(text: &str) -> Result<Expr, ExprError> {
 
 /// Reads `* A / B` from byte `at` of a text on: a factor, a divisor, one of them, or none.
 pub(crate) fn parse_scale(text: &str, at: usize) -> Result<(Option<Expr>, Option<Expr>), ExprError> {
-    let mut parser = Parser { text, at };
+    let mut parser = Parser { text, at, formula: false };
     let mut factor = |sign| if parser.eat(sign) { parser.unary(0).map(Some) } else { Ok(None) };
     let scale = (factor("*")?, factor("/")?);
     parser.blanks();
@@ -150,7 +160,8 @@ impl Parser<'_> {
     fn name(&mut self) -> &str {
         let start = self.at;
         let rest = self.rest();
-        let len = rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '-')).unwrap_or(rest.len());
+        let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == if self.formula { '.' } else { '-' };
+        let len = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
         self.at += len;
         &self.text[start..self.at]
     }
@@ -213,22 +224,10 @@ impl Parser<'_> {
                     "min" if self.eat("(") => self.least(Op::Min, depth),
                     "max" if self.eat("(") => self.least(Op::Max, depth),
                     _ if self.eat("(") => {
-                        if word != "connected" {
-                            let mut error = self.error(start, format!("there is no function `{word}`"));
-                            error.code = &codes::EXPRESSION_NAME;
-                            error.notes.push(
-                                "the functions are `connected(input)`, `min(a, b)` and `max(a, b)`".into(),
-                            );
-                            return Err(error);
-                        }
-                        self.blanks();
-                        let quoted = self.eat("'") || self.eat("\"");
-                        let port = Name::from(self.name());
-                        let closed = (!quoted || self.eat("'") || self.eat("\"")) && self.eat(")");
-                        if port.is_empty() || !closed {
-                            return Err(self.error(self.at, "expected the name of an input and `)`"));
-                        }
-                        Ok(ExprKind::Connected(port))
+                        let mut error = self.error(start, format!("there is no function `{word}`"));
+                        error.code = &codes::EXPRESSION_NAME;
+                        error.notes.push("the functions are `min(a, b)` and `max(a, b)`".into());
+                        Err(error)
                     }
                     _ => Ok(ExprKind::Parameter(Name::from(word), None)),
                 }

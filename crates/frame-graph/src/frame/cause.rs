@@ -21,22 +21,26 @@ pub enum ResetCause {
     /// A scene binding changed that the pass that writes the history buffer reads, other than the frame's number and
     /// time: the camera moved, or a light, or geometry.
     Moved,
+    /// The same for a scene binding that any pass reads from which the history buffer follows. Reported as
+    /// [`ResetCause::Moved`].
+    MovedUpstream,
 }
 
 impl ResetCause {
-    /// The causes that reset a history buffer whose link has no `reset:`. [`ResetCause::Moved`] is for passes that
-    /// accumulate a still picture, and [`ResetCause::Setting`] for those whose old content would be wrong with another
+    /// The causes that reset a history buffer whose pass says nothing else. [`ResetCause::MovedUpstream`] is for passes
+    /// that accumulate a still picture, and [`ResetCause::Setting`] for those whose old content would be wrong with another
     /// value: anything else goes on while a slider is moved.
     pub const DEFAULT: [ResetCause; 4] =
         [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
-    /// The causes that a link can name.
-    pub const NAMED: [ResetCause; 6] = [
+    /// The causes that `history:` of a pass can name.
+    pub const NAMED: [ResetCause; 7] = [
         ResetCause::Resize,
         ResetCause::Cut,
         ResetCause::Scene,
         ResetCause::Reload,
         ResetCause::Setting,
         ResetCause::Moved,
+        ResetCause::MovedUpstream,
     ];
 }
 

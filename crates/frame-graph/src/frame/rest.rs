@@ -45,7 +45,7 @@ impl FrameState {
             let mut more = false;
             for (held, history) in self.histories.iter_mut().zip(&plan.histories) {
                 let producer = plan.resources[history.resource.0 as usize].producer;
-                if held.rests && producer.is_some_and(|pass| moved[pass.0 as usize]) {
+                if held.rests && moved[producer.0 as usize] {
                     (held.rests, held.still) = (false, 0);
                     more = true;
                 }

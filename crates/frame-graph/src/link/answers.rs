@@ -29,7 +29,7 @@ impl Question {
     }
 
     /// Adds a link, where the outputs of its producer are known.
-    pub(super) fn link(&mut self, wire: &Wire<'_>, producer: Option<&GraphPorts>) {
+    pub(super) fn link(&mut self, wire: &Wire, producer: Option<&GraphPorts>) {
         match producer {
             Some(ports) => {
                 self.key.1.push((wire.input, ports.as_ptr(), wire.end.port, wire.end.member));

@@ -4,9 +4,7 @@ use super::sizes::sort;
 use super::wires::End;
 use super::{Described, Linker};
 use crate::codes;
-use crate::description::Off;
 use crate::diagnostic::{Diagnostic, Place};
-use crate::resource::{Format, ResourceDesc, SampleKind};
 
 impl Linker<'_> {
     /// `Texture` inputs must get textures, `Buffer` inputs buffers, and members that were left out are missed.
@@ -54,7 +52,7 @@ impl Linker<'_> {
     }
 
     /// Tells where a link takes a member that the producer, with its settings, does not make.
-    fn left_out(&self, end: &End<'_>, place: Place, ports: &[Described]) -> Option<Diagnostic> {
+    fn left_out(&self, end: &End, place: Place, ports: &[Described]) -> Option<Diagnostic> {
         let port = ports[end.node as usize].as_ref()?.get(end.port as usize)?;
         let member = self.member(&port.interface, end.member)?;
         if port.members.iter().any(|(name, _, _)| *name == member) {
@@ -69,69 +67,4 @@ impl Linker<'_> {
             .note(format!("it has: {}", names.join(", ")));
         Some(error)
     }
-
-    /// A colour can only stand in place of textures of floats; and the place of a pass must have a known shape.
-    pub(super) fn check_constants(&mut self, ports: &[Described]) {
-        let mut errors = Vec::new();
-        let mut check = |end: &End<'_>, place, init: bool, clear| {
-            let node = &self.nodes[end.node as usize];
-            let Some(producer) = &ports[end.node as usize] else {
-                let message = format!("the replacement of `{}` has no size", node.name);
-                let error = Diagnostic::new(&codes::OFF, message)
-                    .label(self.span(place), "read here")
-                    .label(self.span(node.place), "this pass cannot say what it would make");
-                errors.push(error);
-                return;
-            };
-            let port = &producer[end.port as usize];
-            let chosen = self.member(&port.interface, end.member);
-            let float = |desc: &ResourceDesc| desc.texture().is_some_and(|t| takes_colour(t.format));
-            let bad =
-                port.members.iter().find(|(name, desc, _)| chosen.is_none_or(|c| *name == c) && !float(desc));
-            if let (crate::resource::Clear::Color(_), Some((member, desc, _))) = (clear, bad) {
-                let (what, zero) = if init { ("`init:`", "Zero") } else { ("`off:`", "Black") };
-                let off = node.decl.off.as_ref().filter(|off| !init && matches!(off.value, Off::Constant(_)));
-                let dot = if member.is_empty() { "" } else { "." };
-                let message = format!(
-                    "{what} is a colour, and `{}.{}{dot}{member}` is {}",
-                    node.name,
-                    port.port,
-                    desc.texture().map_or("a buffer", |t| t.format.name())
-                );
-                let mut error = Diagnostic::new(&codes::OFF, message);
-                if let Some(off) = off {
-                    error = error.label(self.span(off.place), "put in place of the pass");
-                }
-                error =
-                    error.label(self.span(place), "read here").label(self.span(node.place), "of this pass");
-                errors
-                    .push(error.note(format!(
-                        "only textures of floats can hold a colour; `{zero}` fits everything"
-                    )));
-            }
-        };
-        for (output, end) in &self.outputs {
-            if let Some(clear) = end.constant {
-                check(end, output.link.place, false, clear);
-            }
-        }
-        for i in 0..self.nodes.len() {
-            if self.uses[i].is_none() || self.on[i] == Some(false) {
-                continue;
-            }
-            for wire in self.wires_now(i) {
-                let place = self.link_of(i, wire).place;
-                if let Some(clear) = wire.end.constant {
-                    check(&wire.end, place, false, clear);
-                } else if let Some(past) = wire.end.past {
-                    check(&wire.end, place, true, past.init);
-                }
-            }
-        }
-        self.errors.extend(errors);
-    }
-}
-
-fn takes_colour(format: Format) -> bool {
-    format.sample_kind() == SampleKind::Float
 }

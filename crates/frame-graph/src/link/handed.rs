@@ -4,15 +4,12 @@ use super::sizes::Unknown;
 use super::wires::End;
 use super::{Described, GraphPorts, Linker, Made};
 use crate::codes;
-use crate::description::Past;
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::Diagnostic;
 use crate::interface::Interface;
 use crate::port::{HandedOn, InputDesc, PassTypeError, Usage};
 use crate::resource::ResourceDesc;
 use data_file::Name;
-use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
-use std::sync::Arc;
 
 /// A resource of the graph: node, port, and member of the port.
 type At = (u32, u32, u32);
@@ -45,7 +42,7 @@ impl Linker<'_> {
         // Of an interface with members, the static name; of a single texture or buffer, none.
         let own = |name: &str| match interface {
             Some(interface) => interface.members.iter().find(|m| m.name == name).map(|m| Name::new(m.name)),
-            None => name.is_empty().then_some(Name::EMPTY),
+            None => name.is_empty().then_some(Name::default()),
         };
         let mut add = |name: Name, from: &str, desc: &ResourceDesc| {
             if members.iter().any(|(other, _, _)| *other == name) {
@@ -84,35 +81,19 @@ impl Linker<'_> {
         }
     }
 
-    /// Where a resource is made: follows what is handed on to the pass that makes it. A pass that is off hands
-    /// on nothing: what stands in its place is its own.
-    fn made_at(&self, mut at: At, ports: &[Described]) -> At {
-        loop {
-            let (node, port, member) = at;
-            let made =
-                ports[node as usize].as_ref().map(|ports| &ports[port as usize].members[member as usize].2);
-            let Some(Made::Handed { input, member }) = made else { return at };
-            let handed =
-                self.wire_of(node as usize, input).and_then(|end| member_at(self, end, member, ports));
-            match handed {
-                Some(next) if self.is_on_now(node as usize) => at = next,
-                _ => return at,
-            }
-        }
-    }
-
-    pub(super) fn is_on_now(&self, node: usize) -> bool {
+    /// Whether a node is on, as far as that is decided.
+    pub(super) fn is_on(&self, node: usize) -> bool {
         self.on[node] != Some(false)
     }
 
     /// The end of the wire into an input, with what is off taken out.
-    fn wire_of(&self, node: usize, input: &str) -> Option<&End<'_>> {
+    fn wire_of(&self, node: usize, input: &str) -> Option<&End> {
         let names = &self.uses[node].as_ref()?.names.inputs;
         let wire = self.wires_now(node).iter().find(|wire| names[wire.input as usize].0 == *input)?;
         Some(&wire.end)
     }
 
-    /// What is handed on must be of this frame, and all names of one resource must agree on its past.
+    /// What is handed on must be of this frame.
     pub(super) fn check_handed(&mut self, ports: &[Described]) {
         let hands = |ports: &GraphPorts| {
             let members = ports.iter().flat_map(|port| &port.members);
@@ -123,7 +104,7 @@ impl Linker<'_> {
         }
         let mut errors = Vec::new();
         for (node, described) in ports.iter().enumerate() {
-            let Some(described) = described.as_ref().filter(|_| self.is_on_now(node)) else { continue };
+            let Some(described) = described.as_ref().filter(|_| self.is_on(node)) else { continue };
             for port in &**described {
                 let input_of = |made: &Made| match made {
                     Made::Handed { input, .. } => Some(input.clone()),
@@ -133,27 +114,24 @@ impl Linker<'_> {
                 inputs.dedup();
                 for input in inputs {
                     let end = self.wire_of(node, &input);
-                    if end.is_some_and(|end| end.past.is_some() && end.constant.is_none()) {
+                    if end.is_some_and(|end| end.past) {
                         errors.push(self.hands_on_past(node, &port.port, &input));
                     }
                 }
             }
-        }
-        if errors.is_empty() {
-            errors = self.check_handed_pasts(ports);
         }
         self.errors.extend(errors);
     }
 
     fn hands_on_past(&self, node: usize, port: &Name, input: &Name) -> Diagnostic {
         let name = &self.nodes[node].name;
-        let message = format!("`{name}.{port}` hands on its input `{input}`, which is a `Prev` link");
+        let message = format!("`{name}.{port}` hands on its input `{input}`, which is a `prev` link");
         let place = self.nodes[node].decl.link(input).map_or(self.nodes[node].place, |link| link.place);
         Diagnostic::new(&codes::PAST, message)
-            .label(self.span(place), "this is the `Prev` link")
+            .label(self.span(place), "this is the `prev` link")
             .label(self.span(self.nodes[node].place), "by a pass that hands it on")
             .note(
-                "a reader would mistake the history buffer for this frame's version: let the reader itself link to it with `Prev`",
+                "a reader would mistake the history buffer for this frame's version: let the reader itself link to it with `prev`",
             )
     }
 
@@ -161,7 +139,7 @@ impl Linker<'_> {
     pub(super) fn check_continued(&mut self, ports: &[Described]) {
         let mut errors = Vec::new();
         for (node, described) in ports.iter().enumerate() {
-            let Some(described) = described.as_ref().filter(|_| self.is_on_now(node)) else { continue };
+            let Some(described) = described.as_ref().filter(|_| self.is_on(node)) else { continue };
             for port in &**described {
                 for (name, desc, made) in &port.members {
                     let Made::Here(Usage::Continue { input, member }) = made else { continue };
@@ -188,40 +166,10 @@ impl Linker<'_> {
         }
         self.errors.extend(errors);
     }
-
-    /// A resource has one past, whatever names it is read by.
-    fn check_handed_pasts(&self, ports: &[Described]) -> Vec<Diagnostic> {
-        let mut known: FxHashMap<At, (&Arc<Past>, Place)> = FxHashMap::default();
-        let mut errors = Vec::new();
-        for node in 0..self.nodes.len() {
-            if self.uses[node].is_none() || !self.is_on_now(node) {
-                continue;
-            }
-            for wire in self.wires_now(node) {
-                let (Some(past), None) = (wire.end.past, wire.end.constant) else { continue };
-                let place = self.link_of(node, wire).place;
-                for at in members_of(self, &wire.end, ports) {
-                    let first = *known.entry(self.made_at(at, ports)).or_insert((past, place));
-                    if first.0 != past && errors.is_empty() {
-                        let message = format!(
-                            "two `Prev` links of `{}` differ in `init`, `reset` or `rest`",
-                            self.end_text(&wire.end)
-                        );
-                        let error = Diagnostic::new(&codes::PAST, message)
-                            .label(self.span(place), "with these values here")
-                            .label(self.span(first.1), "and others here, where it is read by another name")
-                            .note("a resource has one history buffer: give both links the same `init`, `reset` and `rest`");
-                        errors.push(error);
-                    }
-                }
-            }
-        }
-        errors
-    }
 }
 
 /// The resources at the end of a wire.
-fn members_of(linker: &Linker<'_>, end: &End<'_>, ports: &[Described]) -> Vec<At> {
+fn members_of(linker: &Linker<'_>, end: &End, ports: &[Described]) -> Vec<At> {
     let Some(ports) = &ports[end.node as usize] else { return Vec::new() };
     let port = &ports[end.port as usize];
     let chosen = linker.member(&port.interface, end.member);
@@ -231,7 +179,7 @@ fn members_of(linker: &Linker<'_>, end: &End<'_>, ports: &[Described]) -> Vec<At
 }
 
 /// The resource that an input sees under the name of a member.
-fn member_at(linker: &Linker<'_>, end: &End<'_>, member: &str, ports: &[Described]) -> Option<At> {
+fn member_at(linker: &Linker<'_>, end: &End, member: &str, ports: &[Described]) -> Option<At> {
     let members = members_of(linker, end, ports);
     let port = &ports[end.node as usize].as_ref()?[end.port as usize];
     let named = members.iter().find(|(_, _, m)| port.members[*m as usize].0 == *member);

@@ -42,21 +42,9 @@ impl<'a> Linker<'a> {
                 }
             }
             for link in &node.decl.links {
-                let Some(input) = group.inputs.iter().find(|i| i.name.value == link.port.value) else {
-                    // Only in a flattened file that was edited by hand.
-                    let error = Diagnostic::new(
-                        &codes::UNKNOWN_INPUT,
-                        format!("`{}` has no input `{}`", node.name, link.port.value),
-                    )
-                    .label(self.span(link.port.place), "")
-                    .suggest(
-                        "inputs",
-                        &link.port.value,
-                        group.inputs.iter().map(|i| &*i.name.value),
-                    );
-                    self.errors.push(error);
-                    continue;
-                };
+                let input = group.inputs.iter().find(|i| i.name.value == link.port.value);
+                // Another name was reported when the sub-graph was taken in.
+                let Some(input) = input else { continue };
                 let good = match self.follow(link, Some(&input.interface.value), false) {
                     Found::End(end) => {
                         self.fits(&input.interface.value, &end).is_ok() || {
@@ -78,7 +66,7 @@ impl<'a> Linker<'a> {
                             false
                         }
                     }
-                    Found::Nothing(_) | Found::Unlinked => true,
+                    Found::Nothing(_) => true,
                     Found::Told => false,
                 };
                 if !good {
@@ -144,7 +132,7 @@ impl<'a> Linker<'a> {
                 Found::End(end) if !self.stands_for(interface, &end) => brought = Some(end),
                 Found::Told => {}
                 // Where nothing is there, its readers get an error.
-                Found::End(_) | Found::Nothing(_) | Found::Unlinked => {
+                Found::End(_) | Found::Nothing(_) => {
                     self.errors.truncate(told);
                     return;
                 }
@@ -166,7 +154,7 @@ impl<'a> Linker<'a> {
     }
 
     /// What `off:` names must be there, and some output must be replaceable by it.
-    fn check_off(&mut self, node: usize, wires: &[Wire<'a>]) {
+    fn check_off(&mut self, node: usize, wires: &[Wire]) {
         let Some(used) = &self.uses[node] else { return };
         let (input, place) = match &self.nodes[node].decl.off {
             Some(At { value: Off::Input(input), place }) => (input, place),
@@ -198,7 +186,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    fn wire(&mut self, node: usize, used: &UseOf, at: usize, link: &'a Link) -> Option<Wire<'a>> {
+    fn wire(&mut self, node: usize, used: &UseOf, at: usize, link: &'a Link) -> Option<Wire> {
         let names = &used.names;
         let Some(input) = used.linked[at] else {
             if !link.inherited {
@@ -226,7 +214,7 @@ impl<'a> Linker<'a> {
         port: &str,
         wanted: &Name,
         link: &Link,
-        end: &End<'_>,
+        end: &End,
         help: Option<String>,
     ) {
         let producer = &self.nodes[end.node as usize];
@@ -269,7 +257,7 @@ impl<'a> Linker<'a> {
     }
 
     /// Whether an input of the interface `wanted` can take what is at an end; else, what to do.
-    pub(super) fn fits(&self, wanted: &Name, end: &End<'_>) -> Result<(), Option<String>> {
+    pub(super) fn fits(&self, wanted: &Name, end: &End) -> Result<(), Option<String>> {
         let offered = self.interface_of(end);
         if offered == *wanted && end.member.is_none() {
             return Ok(());
@@ -299,7 +287,7 @@ impl<'a> Linker<'a> {
     }
 
     /// Joins the link that `Insert` broke to the only required input that takes it.
-    fn feed(&mut self, node: usize, feed: &'a Link) -> Option<Wire<'a>> {
+    fn feed(&mut self, node: usize, feed: &'a Link) -> Option<Wire> {
         let used = self.uses[node].as_ref()?;
         let (ports, names) = (Arc::clone(&used.ports), Rc::clone(&used.names));
         let decl = &self.nodes[node].decl;

@@ -67,7 +67,7 @@ impl Linker<'_> {
             let Some(question) = self.question(i, &ports) else { continue };
             match self.answer(i, question, &ports, &mut answers) {
                 Ok(found) => ports[i] = Some(found),
-                Err(Unknown::Refused(error)) if self.is_on_now(i) => {
+                Err(Unknown::Refused(error)) if self.is_on(i) => {
                     limits.extend(error.limit.map(|limit| (i, *limit)));
                 }
                 Err(_) => {}

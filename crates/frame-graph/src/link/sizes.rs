@@ -57,7 +57,6 @@ impl<'a> Linker<'a> {
         }
         if self.errors.is_empty() {
             self.check_sorts(&ports);
-            self.check_constants(&ports);
             self.check_handed(&ports);
             self.check_continued(&ports);
         }
@@ -117,9 +116,9 @@ impl<'a> Linker<'a> {
                 self.refused(&self.nodes[node], &error);
             }
             Unknown::Waits(error) if settled => {
-                let past = self.wires_now(node).iter().find(|wire| wire.end.past.is_some());
+                let past = self.wires_now(node).iter().find(|wire| wire.end.past);
                 let message =
-                    format!("the size of `{}` depends on itself through `Prev`", self.nodes[node].name);
+                    format!("the size of `{}` depends on itself through `prev`", self.nodes[node].name);
                 let mut told = Diagnostic::new(&codes::SIZE_LOOP, message)
                     .label(self.span(self.nodes[node].place), "of this pass");
                 if let Some(wire) = past {
@@ -136,7 +135,7 @@ impl<'a> Linker<'a> {
 
     /// Returns the wires that determine the outputs of a pass. A pass that is off is described as if all
     /// passes were on: what replaces it must have the same shape.
-    pub(super) fn describing_wires(&self, node: usize) -> &[Wire<'a>] {
+    pub(super) fn describing_wires(&self, node: usize) -> &[Wire] {
         if self.on[node] == Some(true) { self.wires_now(node) } else { &self.wires[node] }
     }
 
@@ -168,7 +167,7 @@ impl<'a> Linker<'a> {
     /// Returns the connected inputs of a pass, without those whose size is not known yet.
     fn describe_inputs(&self, node: usize, ports: &[Described]) -> Vec<InputDesc> {
         let Some(used) = &self.uses[node] else { return Vec::new() };
-        let describe = |wire: &Wire<'_>| {
+        let describe = |wire: &Wire| {
             let port = &ports[wire.end.node as usize].as_ref()?[wire.end.port as usize];
             let (name, wanted) = &used.names.inputs[wire.input as usize];
             let bare = is_bare(wanted, &wire.end);
@@ -231,7 +230,7 @@ impl<'a> Linker<'a> {
             };
             let (name, interface) = match port {
                 Some(port) => declared[port].clone(),
-                None if output.scratch => (Name::from(&output.port), Name::EMPTY),
+                None if output.scratch => (Name::from(&output.port), Name::default()),
                 None => {
                     return Err(self.defect(
                         node,
@@ -283,7 +282,7 @@ impl<'a> Linker<'a> {
             let name =
                 match known.filter(|_| !plain).and_then(|i| i.members.iter().find(|m| m.name == member)) {
                     Some(member) => Name::new(member.name),
-                    None if plain => Name::EMPTY,
+                    None if plain => Name::default(),
                     None if interface.is_empty() => Name::from(member),
                     None => {
                         return Err(self.defect(

@@ -93,7 +93,7 @@ impl<'a> Linker<'a> {
         for node in self.nodes {
             let used = match &node.decl.body {
                 Body::Pass { kind, shader } => self.known_use(node, kind, shader.as_ref(), &mut caches),
-                Body::Group(_) | Body::Sub { .. } | Body::Removed => None,
+                Body::Group(_) | Body::Sub(_) | Body::Removed => None,
             };
             uses.push(used);
         }

@@ -2,38 +2,32 @@
 
 use super::Linker;
 use crate::codes;
-use crate::description::{At, Body, Group, InputDecl, Link, Off, Past};
+use crate::description::{At, Body, Group, InputDecl, Link, Off};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::interface::Interface;
-use crate::resource::Clear;
 use data_file::Name;
 use smallvec::SmallVec;
-use std::sync::Arc;
 
 /// Most borders and switched-off passes that one link may cross.
 const MAX_HOPS: usize = 4096;
 
 /// The port at the end of a link.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct End<'a> {
+pub(super) struct End {
     pub(super) node: u32,
     pub(super) port: u32,
     /// Index into the members of the port's interface, where the link takes one of several.
     pub(super) member: Option<u32>,
-    /// What the link on the way says that reads the past.
-    pub(super) past: Option<&'a Arc<Past>>,
-    /// What is put in place of the pass, if it is off.
-    pub(super) constant: Option<Clear>,
+    /// Whether a link on the way reads the frame before.
+    pub(super) past: bool,
 }
 
 /// Where a link leads.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Found<'a> {
-    End(End<'a>),
+pub(super) enum Found {
+    End(End),
     /// To a node that is off and has nothing in its place.
     Nothing(u32),
-    /// To an input of a sub-graph that may be left unlinked, and is.
-    Unlinked,
     /// Nowhere: an error, already reported.
     Told,
 }
@@ -44,7 +38,7 @@ fn border(pass: &str) -> Option<&str> {
 }
 
 /// Whether an input sees one resource without the name of its member.
-pub(super) fn is_bare(wanted: &str, end: &End<'_>) -> bool {
+pub(super) fn is_bare(wanted: &str, end: &End) -> bool {
     end.member.is_some() || matches!(wanted, "Texture" | "Buffer")
 }
 
@@ -59,9 +53,9 @@ impl<'a> Linker<'a> {
     }
 
     /// The interface of the port at an end.
-    pub(super) fn interface_of(&self, end: &End<'_>) -> Name {
+    pub(super) fn interface_of(&self, end: &End) -> Name {
         let used = self.uses[end.node as usize].as_ref();
-        used.map_or(Name::EMPTY, |used| used.names.outputs[end.port as usize].1.clone())
+        used.map_or_else(Name::default, |used| used.names.outputs[end.port as usize].1.clone())
     }
 
     /// Names of the resources that a port may hold.
@@ -70,7 +64,7 @@ impl<'a> Linker<'a> {
     }
 
     /// `pass.port`, as shown in errors.
-    pub(super) fn end_text(&self, end: &End<'_>) -> String {
+    pub(super) fn end_text(&self, end: &End) -> String {
         let node = &self.nodes[end.node as usize];
         let Some(used) = &self.uses[end.node as usize] else { return node.name.to_string() };
         let (port, interface) = &used.names.outputs[end.port as usize];
@@ -81,7 +75,7 @@ impl<'a> Linker<'a> {
     }
 
     /// What an end offers: `a `GBuffer``.
-    pub(super) fn offer_text(&self, end: &End<'_>) -> String {
+    pub(super) fn offer_text(&self, end: &End) -> String {
         let interface = self.interface_of(end);
         match end.member.and_then(|m| self.interface(&interface)?.members.get(m as usize)) {
             Some(member) => format!("only the member `{}` of {}", member.name, with_article(&interface)),
@@ -95,11 +89,10 @@ impl<'a> Linker<'a> {
     }
 
     /// Follows a link to its end, for an input of the interface `wanted`. With `live`, what is off is replaced.
-    pub(super) fn follow(&mut self, link: &'a Link, wanted: Option<&Name>, mut live: bool) -> Found<'a> {
+    pub(super) fn follow(&mut self, link: &'a Link, wanted: Option<&Name>, live: bool) -> Found {
         let nodes = self.nodes;
         let (mut link, mut wanted) = (link, wanted.cloned());
-        let mut past = None;
-        let mut constant = None;
+        let mut past = false;
         // A member chosen on the way, of whatever port is at the end.
         let mut member: Option<Name> = None;
         // The interface that must be at the end, and the `off:` that says so.
@@ -107,15 +100,15 @@ impl<'a> Linker<'a> {
         // What is off and was crossed by its `off:`.
         let mut crossed: SmallVec<[u32; 4]> = SmallVec::new();
         for _ in 0..MAX_HOPS {
-            if link.past.is_some() && past.is_some() {
+            if link.past && past {
                 let error =
                     Diagnostic::new(&codes::PAST, "this reads the history buffer of a history buffer")
-                        .label(self.span(link.place), "one `Prev` too many")
+                        .label(self.span(link.place), "one `prev` too many")
                         .note("only the last frame is kept: let a pass hand on what it needs of older ones");
                 self.errors.push(error);
                 return Found::Told;
             }
-            past = past.or(link.past.as_ref());
+            past |= link.past;
             let target = &link.target;
             if let Some(part) = border(&target.pass) {
                 match self.input_of(part, link) {
@@ -134,7 +127,7 @@ impl<'a> Linker<'a> {
             let decl = &*nodes[node as usize].decl;
             let off = live && !self.is_on(node as usize);
             let (port, chosen) = match &decl.body {
-                Body::Removed | Body::Sub { .. } => return Found::Nothing(node),
+                Body::Removed | Body::Sub(_) => return Found::Nothing(node),
                 Body::Group(group) => {
                     let Some((inner, chosen)) = self.output_of(node, group, link, wanted.as_ref()) else {
                         return Found::Told;
@@ -143,12 +136,6 @@ impl<'a> Linker<'a> {
                     link = match &decl.off {
                         _ if !off => inner,
                         None => return Found::Nothing(node),
-                        Some(At { value: Off::Constant(clear), .. }) => {
-                            // The constant takes the shape of what would be there.
-                            constant = Some(*clear);
-                            live = false;
-                            inner
-                        }
                         Some(At { value, place }) => {
                             let Some(next) = self.stand_in(node, value, &mut crossed) else {
                                 return Found::Told;
@@ -167,7 +154,7 @@ impl<'a> Linker<'a> {
                     None => return Found::Told,
                 },
             };
-            let mut end = End { node, port, member: chosen, past, constant };
+            let end = End { node, port, member: chosen, past };
             if let Some((interface, place)) = &instead
                 && !self.stands_for(interface, &end)
             {
@@ -181,10 +168,6 @@ impl<'a> Linker<'a> {
             match &decl.off {
                 _ if !off => return Found::End(end),
                 None => return Found::Nothing(node),
-                Some(At { value: Off::Constant(clear), .. }) => {
-                    end.constant = Some(*clear);
-                    return Found::End(end);
-                }
                 Some(At { value, place }) => {
                     let Some(next) = self.stand_in(node, value, &mut crossed) else { return Found::Told };
                     let interface = self.interface_of(&end);
@@ -215,7 +198,6 @@ impl<'a> Linker<'a> {
         match off {
             Off::Input(input) => self.link_into(node as usize, input),
             Off::Link(link) => Some(link),
-            Off::Constant(_) => None,
         }
     }
 
@@ -255,13 +237,13 @@ impl<'a> Linker<'a> {
     }
 
     /// Whether what is at an end can stand in place of an output of this interface.
-    pub(super) fn stands_for(&self, interface: &Name, end: &End<'_>) -> bool {
+    pub(super) fn stands_for(&self, interface: &Name, end: &End) -> bool {
         let single = matches!(interface.as_str(), "Texture" | "Buffer");
         self.interface_of(end) == *interface || (single && end.member.is_some())
     }
 
     /// The link outside a sub-graph into the input that a link inside it names.
-    fn input_of(&mut self, part: &str, link: &'a Link) -> Result<(&'a Link, Name), Found<'a>> {
+    fn input_of(&mut self, part: &str, link: &'a Link) -> Result<(&'a Link, Name), Found> {
         let nodes = self.nodes;
         let node = self.resolved.index.get(part).map(|i| *i as usize);
         let group =
@@ -287,10 +269,8 @@ impl<'a> Linker<'a> {
             self.errors.push(error);
             return Err(Found::Told);
         };
-        let Some(node) = node else { return Err(if input.optional { Found::Unlinked } else { Found::Told }) };
-        let Some(outer) = self.link_into(node, &input.name.value) else {
-            return Err(if input.optional { Found::Unlinked } else { Found::Told });
-        };
+        let outer = node.and_then(|node| self.link_into(node, &input.name.value));
+        let Some(outer) = outer else { return Err(Found::Told) };
         if self.bad_borders.contains(&outer.place) {
             return Err(Found::Told);
         }

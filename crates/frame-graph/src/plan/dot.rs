@@ -1,64 +1,52 @@
 //! The plan for Graphviz.
 
 use super::{Fate, Plan};
-use std::fmt::Write as _;
+use petgraph::dot::{Config, Dot, RankDir};
+use petgraph::graph::DiGraph;
 
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n"))
 }
 
+/// Returns the attributes of a box: `id` is its name in an SVG that Graphviz writes.
+fn node(name: &str, label: &str, shape: &str, color: &str, tooltip: &str) -> String {
+    let [name, label, tooltip] = [name, label, tooltip].map(quoted);
+    format!("id={name}, label={label}, shape={shape}, style=filled, fillcolor=\"{color}\", tooltip={tooltip}")
+}
+
 pub(super) fn dot(plan: &Plan) -> String {
-    let mut out = String::from(
-        "digraph plan {\n  rankdir=LR;\n  node [shape=box, style=filled, fillcolor=\"#dcecf7\"];\n",
-    );
-    for pass in &plan.passes {
-        let _ = writeln!(
-            out,
-            "  {} [label={}];",
-            quoted(&pass.name),
-            quoted(&format!("{}\n{}", pass.name, pass.kind))
-        );
-    }
-    for (_, resource) in plan.constants() {
-        let label = quoted(&format!(
-            "{}\n{}",
-            resource.name,
-            resource.constant.unwrap_or(crate::resource::Clear::Zero)
-        ));
-        let _ = writeln!(out, "  {} [label={label}, fillcolor=\"#f7e3c0\"];", quoted(&resource.name));
-    }
+    // The weights are attributes.
+    let mut graph = DiGraph::<String, String>::new();
+    let passes = plan.passes.iter().map(|pass| {
+        let label = format!("{}\n{}", pass.name, pass.kind);
+        graph.add_node(node(&pass.name, &label, "box", "#dcecf7", &pass.name))
+    });
+    let passes: Vec<_> = passes.collect();
     for (name, fate) in &plan.fates {
-        let colour = match fate {
+        let color = match fate {
             Fate::Kept { .. } => continue,
             Fate::Culled { .. } => "#e4e4e4",
             Fate::Off { .. } => "#f7e3c0",
         };
-        let _ = writeln!(
-            out,
-            "  {} [fillcolor=\"{colour}\", tooltip={}];",
-            quoted(name),
-            quoted(&fate.to_string())
-        );
+        graph.add_node(node(name, name, "box", color, &fate.to_string()));
     }
-    for pass in &plan.passes {
+    for (pass, reader) in plan.passes.iter().zip(&passes) {
         for link in plan.links(pass) {
-            let from = match link.producer {
-                Some(producer) => &plan.passes[producer.0 as usize].name,
-                None => &plan.resources[link.constant.0 as usize].name,
-            };
             let style = if link.past { ", style=dashed, constraint=false" } else { "" };
             let label = quoted(&format!("{} → {}", link.port, link.input));
-            let _ = writeln!(out, "  {} -> {} [label={label}{style}];", quoted(from), quoted(&pass.name));
+            graph.add_edge(passes[link.producer.0 as usize], *reader, format!("label={label}{style}"));
         }
     }
     for output in &plan.outputs {
-        let name = quoted(&format!("out.{}", output.name));
-        let from = output.members.first().map(|(_, id)| &plan.resources[id.0 as usize]);
-        let Some(from) = from else { continue };
-        let from = plan.shown_by(output).map_or(&from.name, |p| &plan.passes[p.0 as usize].name);
-        let _ =
-            writeln!(out, "  {name} [shape=ellipse, fillcolor=\"#d9f0d3\"];\n  {} -> {name};", quoted(from));
+        let name = format!("out.{}", output.name);
+        let shown = graph.add_node(node(&name, &name, "ellipse", "#d9f0d3", &output.from));
+        if let Some(pass) = plan.shown_by(output) {
+            graph.add_edge(passes[pass.0 as usize], shown, String::new());
+        }
     }
-    out.push_str("}\n");
-    out
+    let config = [Config::NodeNoLabel, Config::EdgeNoLabel, Config::RankDir(RankDir::LR)];
+    let dot = Dot::with_attr_getters(&graph, &config, &|_, link| link.weight().clone(), &|_, (_, node)| {
+        node.clone()
+    });
+    format!("{dot:?}")
 }

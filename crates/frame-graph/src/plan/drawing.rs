@@ -1,7 +1,7 @@
 //! The plan laid out in the plane: boxes in columns in the order of data, and the curves that join them.
 
 use super::{Fate, PassId, Plan};
-use crate::resource::{Clear, human_bytes};
+use crate::resource::human_bytes;
 use data_file::Name;
 use std::collections::BTreeMap;
 
@@ -37,13 +37,13 @@ pub struct Drawing {
 pub struct DrawnBox {
     /// What it stands for.
     pub kind: BoxKind,
-    /// The name of the pass, of the resource that the constant is in place of, or of the output.
+    /// The name of the pass, or of the output.
     pub name: Name,
     /// The upper left corner.
     pub at: (f32, f32),
     /// Width and height.
     pub size: (f32, f32),
-    /// The text in it: the name; the pass type, `culled`, `off`, the constant or `output`; bytes written, or why the
+    /// The text in it: the name; the pass type, `culled`, `off` or `output`; bytes written, or why the
     /// pass does not run. Lines may be empty, or longer than the box is wide.
     pub lines: [String; 3],
     /// One sentence more: why the pass runs or does not, or where the output comes from.
@@ -59,8 +59,6 @@ pub enum BoxKind {
     Culled,
     /// A pass whose switch is off.
     Off,
-    /// The constant in place of a pass that is off.
-    Constant,
     /// An output of the pipeline.
     Output,
 }
@@ -72,7 +70,7 @@ pub struct DrawnEdge {
     pub from: usize,
     /// Index into [`Drawing::boxes`]: the box that it enters on the left.
     pub to: usize,
-    /// Whether it is `Prev`: read in the frame after.
+    /// Whether it is a `prev` link: read in the frame after.
     pub past: bool,
     /// Where it begins.
     pub start: (f32, f32),
@@ -141,7 +139,7 @@ pub(super) fn drawing(plan: &Plan) -> Drawing {
     Drawing { size: (width, height), boxes: boxes.collect(), edges, summary }
 }
 
-/// Boxes and edges: passes, the constants in place of others, outputs; and, by themselves, what does not run.
+/// Boxes and edges: passes, outputs; and, by themselves, what does not run.
 fn tiles(plan: &Plan) -> (Vec<Tile>, Vec<Edge>) {
     let mut tiles = Vec::new();
     let mut edges = Vec::new();
@@ -159,25 +157,16 @@ fn tiles(plan: &Plan) -> (Vec<Tile>, Vec<Edge>) {
         let title = fate.unwrap_or_default();
         tiles.push(Tile::new(BoxKind::Pass(PassId(i as u32)), lines, title));
     }
-    let mut constants = vec![None; plan.resources.len()];
-    for (id, resource) in plan.constants() {
-        constants[id.0 as usize] = Some(tiles.len());
-        let value = resource.constant.unwrap_or(Clear::Zero).to_string();
-        let lines = [resource.name.to_string(), value, human_bytes(resource.desc.bytes())];
-        tiles.push(Tile::new(BoxKind::Constant, lines, "in place of a pass that is off".into()));
-    }
     for (to, pass) in plan.passes.iter().enumerate() {
         for link in plan.links(pass) {
-            let from = link.producer.map(|p| p.0 as usize).or(constants[link.constant.0 as usize]);
+            let from = link.producer.0 as usize;
             let port = link.port;
             let label = if port == *link.input { port.clone() } else { format!("{port} → {}", link.input) };
-            edges.extend(from.map(|from| Edge { from, to, port, label, past: link.past, via: Vec::new() }));
+            edges.push(Edge { from, to, port, label, past: link.past, via: Vec::new() });
         }
     }
     for output in &plan.outputs {
-        let Some((_, id)) = output.members.first() else { continue };
-        let producer = plan.shown_by(output).map(|p| p.0 as usize);
-        let Some(from) = producer.or(constants[id.0 as usize]) else { continue };
+        let Some(from) = plan.shown_by(output).map(|p| p.0 as usize) else { continue };
         let port =
             output.from.rsplit('/').next().and_then(|tail| tail.split('.').nth(1)).unwrap_or("").to_owned();
         let label = output.interface.to_string();

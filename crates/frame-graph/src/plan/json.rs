@@ -78,7 +78,6 @@ pub(super) fn json(plan: &Plan) -> Json {
         json!({
             "name": &*r.name, "desc": r.desc.to_string(), "bytes": r.desc.bytes(), "object": r.allocation.0,
             "lifetime": [r.lifetime.0, r.lifetime.1], "persistent": r.persistent,
-            "constant": r.constant.map(|clear| clear.to_string()),
         })
     };
     let fate = |(name, fate): &(Name, Fate)| match fate {
@@ -90,7 +89,7 @@ pub(super) fn json(plan: &Plan) -> Json {
     };
     let history = |h: &super::History| {
         json!({
-            "resource": name_of(&h.resource), "init": h.init.to_string(),
+            "resource": name_of(&h.resource),
             "reset": h.reset.iter().map(ToString::to_string).collect::<Vec<_>>(), "rest": h.rest,
         })
     };

@@ -18,7 +18,7 @@ fn fill(kind: BoxKind) -> &'static str {
     match kind {
         BoxKind::Pass(_) => "#dcecf7",
         BoxKind::Culled => "#e8e8e8",
-        BoxKind::Off | BoxKind::Constant => "#f7e3c0",
+        BoxKind::Off => "#f7e3c0",
         BoxKind::Output => "#d9f0d3",
     }
 }

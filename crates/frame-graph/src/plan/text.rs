@@ -29,7 +29,7 @@ pub(super) fn text(plan: &Plan) -> String {
             let rest = history
                 .rest
                 .map_or_else(String::new, |frames| format!("; rests after {frames} still frames"));
-            let _ = writeln!(out, "  {name}, at first {}, reset by {}{rest}", history.init, reset.join(", "));
+            let _ = writeln!(out, "  {name}, reset by {}{rest}", reset.join(", "));
         }
     }
     let _ = writeln!(out, "memory\n  {}", plan.memory);

@@ -2,7 +2,7 @@
 
 use super::{PassId, Plan, PlannedInput};
 use crate::compile::identity;
-use crate::description::{Body, Formula, PassDecl};
+use crate::description::{Formula, PassDecl};
 use crate::interface::check_facts;
 use crate::link::LinkContext;
 use crate::port::{Facts, InputDesc, Module, OutputContext, OutputDesc, PassTypes};
@@ -98,8 +98,7 @@ impl Exchange<'_> {
             if interface.is_some_and(|interface| check_facts(interface, &port, &facts).is_err()) {
                 return None;
             }
-            // The shape of what stands in place of a pass that is off follows from facts too.
-            if !same_code(&planned.facts, &facts) || self.old.constants().next().is_some() {
+            if !same_code(&planned.facts, &facts) {
                 return None;
             }
             let facts = Arc::new(facts);
@@ -107,7 +106,7 @@ impl Exchange<'_> {
             for (reader, planned) in self.plan.passes.iter_mut().enumerate() {
                 let reader = PassId(reader as u32);
                 for input in &mut planned.inputs {
-                    if input.producer == Some(pass) && input.producer_port == *port {
+                    if input.producer == pass && input.producer_port == *port {
                         input.facts = Arc::clone(&facts);
                         self.waiting.retain(|waiting| *waiting != reader);
                         self.waiting.push(reader);
@@ -148,17 +147,13 @@ fn describe(plan: &Plan, input: &PlannedInput) -> InputDesc {
 
 /// Whether two passes of the same files differ in settings at most.
 fn same_but_settings(a: &PassDecl, b: &PassDecl) -> bool {
-    let copies = |decl: &PassDecl| match &decl.body {
-        Body::Group(group) => group.copies.map(|(count, _)| count),
-        Body::Pass { .. } | Body::Sub { .. } | Body::Removed => None,
-    };
     // All else of a pass cannot hold a parameter.
     let values = |when: &Option<Formula>| {
         let mut origins = Vec::new();
         when.iter().for_each(|when| when.expr.origins(&mut origins));
         origins.into_iter().map(|(name, value, _)| (name, value)).collect::<Vec<_>>()
     };
-    copies(a) == copies(b) && a.overrides == b.overrides && values(&a.when) == values(&b.when)
+    a.overrides == b.overrides && values(&a.when) == values(&b.when)
 }
 
 fn same_settings(a: &PassDecl, b: &PassDecl) -> bool {

@@ -2,15 +2,17 @@
 
 use super::{Node, Parameter, Resolved, print};
 use crate::description::{Body, Link, OutputDecl};
+use crate::link::{Taken, taken};
 use crate::port::PassTypes;
 use crate::value::Value;
+use data_file::Name;
 use serde_json::json;
 use std::fmt;
 
 /// One difference between two flattened pipelines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// What differs: `pass`, `link`, `setting`, `output format`, `switch`, `off`, `parameter`, `input` or `output`.
+    /// What differs: `pass`, `link`, `setting`, `output format`, `history`, `switch`, `off`, `parameter`, `input` or `output`.
     pub what: &'static str,
     /// Which one: `lights`, `gather.view`, `blur.radius`.
     pub path: String,
@@ -85,13 +87,24 @@ pub fn diff(a: &Resolved, b: &Resolved, kinds: &dyn PassTypes) -> Vec<Difference
         r.inputs.iter().map(|i| (i.name.value.to_string(), i.interface.value.to_string())).collect()
     };
     all.lists("input", "", inputs(a), inputs(b));
-    for node in &a.nodes {
-        match b.nodes.iter().find(|other| other.name == node.name) {
-            Some(other) => nodes(&mut all, (a, node), (b, other), kinds),
+    let (of_a, of_b) = (taken(a, kinds), taken(b, kinds));
+    for (i, node) in a.nodes.iter().enumerate() {
+        match b.index.get(&node.name).map(|other| *other as usize) {
+            Some(other) => {
+                let (x, y) = (
+                    Side { resolved: a, taken: &of_a, at: i },
+                    Side { resolved: b, taken: &of_b, at: other },
+                );
+                nodes(&mut all, (&x, &y), kinds);
+            }
+            None if matches!(node.decl.body, Body::Removed) => {}
             None => all.value("pass", node.name.to_string(), Some(kind(node)), None),
         }
     }
-    for node in b.nodes.iter().filter(|node| a.nodes.iter().all(|other| other.name != node.name)) {
+    let is_new = |node: &&Node| {
+        !matches!(node.decl.body, Body::Removed) && a.nodes.iter().all(|other| other.name != node.name)
+    };
+    for node in b.nodes.iter().filter(is_new) {
         all.value("pass", node.name.to_string(), None, Some(kind(node)));
         // The settings of a new pass are as much a difference as the pass.
         all.lists("setting", &format!("{}.", node.name), Vec::new(), given(node, kinds));
@@ -104,7 +117,7 @@ fn kind(node: &Node) -> String {
     match &node.decl.body {
         Body::Pass { kind, shader: None } => kind.value.to_string(),
         Body::Pass { kind, shader: Some(shader) } => format!("{} {}", kind.value, shader.value),
-        Body::Group(_) | Body::Sub { .. } => "a sub-graph".to_owned(),
+        Body::Group(_) | Body::Sub(_) => "a sub-graph".to_owned(),
         Body::Removed => "removed".to_owned(),
     }
 }
@@ -147,23 +160,32 @@ fn given(node: &Node, kinds: &dyn PassTypes) -> Vec<(String, String)> {
     settings.map(|setting| (setting.name, setting.value)).collect()
 }
 
-fn nodes(
-    all: &mut Differences,
-    (x, a): (&Resolved, &Node),
-    (y, b): (&Resolved, &Node),
-    kinds: &dyn PassTypes,
-) {
+/// One of two nodes that are compared.
+struct Side<'a> {
+    resolved: &'a Resolved,
+    taken: &'a [Option<Taken>],
+    at: usize,
+}
+
+impl<'a> Side<'a> {
+    fn node(&self) -> &'a Node {
+        &self.resolved.nodes[self.at]
+    }
+
+    fn links(&self) -> Vec<(Name, &'a Link)> {
+        self.resolved.links_of(self.at, self.taken[self.at].as_ref())
+    }
+}
+
+fn nodes(all: &mut Differences, (x, y): (&Side<'_>, &Side<'_>), kinds: &dyn PassTypes) {
+    let (a, b) = (x.node(), y.node());
     let prefix = format!("{}.", a.name);
     all.value("pass", a.name.to_string(), Some(kind(a)), Some(kind(b)));
-    let links = |resolved: &Resolved, node: &Node| {
-        let named = |l: &Link| {
-            let port = if l.port.value.is_empty() { "the input that fits" } else { l.port.value.as_str() };
-            (port.to_owned(), print::link(l))
-        };
-        let links = node.decl.links.iter().chain(&node.decl.feed);
-        links.filter(|link| resolved.removed(link).is_none()).map(named).collect()
+    let links = |links: Vec<(Name, &Link)>| {
+        links.into_iter().map(|(port, link)| (port.to_string(), print::link(link))).collect()
     };
-    all.lists("link", &prefix, links(x, a), links(y, b));
+    all.lists("link", &prefix, links(x.links()), links(y.links()));
+    let (x, y) = (x.resolved, y.resolved);
     let every = |node| settings(node, kinds).into_iter().map(|s| (s.name, s.value)).collect();
     let (before, after) = match kind(a) == kind(b) {
         true => (every(a), every(b)),
@@ -176,7 +198,9 @@ fn nodes(
     if let (Body::Group(of_a), Body::Group(of_b)) = (&a.decl.body, &b.decl.body) {
         all.lists("output", &prefix, outputs(x, &of_a.outputs), outputs(y, &of_b.outputs));
     }
+    let history = |node: &Node| node.decl.history.as_ref().map(|policy| print::history(&policy.value));
+    all.value("history", a.name.to_string(), history(a), history(b));
     all.value("switch", a.name.to_string(), print::when(a), print::when(b));
-    let off = |node: &Node| node.decl.off.as_ref().map(|off| print::off(&off.value));
+    let off = |node: &Node| node.decl.off.as_ref().map(|off| print::off(&off.value, ""));
     all.value("off", a.name.to_string(), off(a), off(b));
 }

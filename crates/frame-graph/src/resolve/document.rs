@@ -199,6 +199,7 @@ impl Resolver<'_> {
                 }
                 decl.when = decl.when.or_else(|| entry.decl.when.clone());
                 decl.off = decl.off.or_else(|| entry.decl.off.clone());
+                decl.history = decl.history.or_else(|| entry.decl.history.clone());
                 decl.feed = decl.feed.or_else(|| entry.decl.feed.clone());
                 *entry = Entry { name: name.clone(), decl: Arc::new(decl) };
             }
@@ -271,13 +272,13 @@ impl Resolver<'_> {
                 let mut decl = decl.clone();
                 // The past, where the link reads it, is now that of the inserted pass.
                 let target = if from.value.port.is_some() { from.value.clone() } else { link.target.clone() };
-                let port = At { value: Name::EMPTY, place: link.place };
+                let port = At { value: Name::default(), place: link.place };
                 // What is wrong with a port that the patch names is wrong there.
                 let (place, content_end) = match &from.value.port {
                     Some(_) => (from.place, None),
                     None => (link.place, link.content_end),
                 };
-                decl.feed = Some(Link { port, target, place, content_end, past: None, ..link.clone() });
+                decl.feed = Some(Link { port, target, place, content_end, past: false, ..link.clone() });
                 link.target = Target { pass: name.value.clone(), port: None, member: None };
                 link.place = name.place;
                 link.content_end = None;
@@ -333,6 +334,6 @@ impl Resolver<'_> {
 
     /// Whether a pass of a document is a sub-graph.
     pub(super) fn is_sub(entry: &Entry) -> bool {
-        matches!(entry.decl.body, Body::Sub { .. })
+        matches!(entry.decl.body, Body::Sub(_))
     }
 }

@@ -1,13 +1,12 @@
 //! Puts parameters in and moves the passes of sub-graphs up into the pipeline.
 
-use super::copies::{Repeated, told_once};
 use super::document::Document;
 use super::localise::prefixed;
 use super::locate::Located;
 use super::{Files, Node, Parameter, Resolved};
 use crate::codes;
 use crate::description::{
-    At, Body, Description, Entry, Group, InputDecl, Link, OutputDecl, PassDecl, Set, SetValue,
+    At, Body, Description, Entry, Group, InputDecl, Link, OutputDecl, PassDecl, Set, SetValue, Sub,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
 use crate::value::{Misfit, Setting, Value};
@@ -19,7 +18,7 @@ use std::sync::Arc;
 /// Deepest nesting of sub-graphs.
 const MAX_PARTS: usize = 16;
 /// Most passes of a flattened pipeline.
-pub(super) const MAX_PASSES: usize = 65_536;
+const MAX_PASSES: usize = 65_536;
 
 /// A value for a parameter or a setting, from a patch, from `set:` of a sub-graph, or from outside.
 #[derive(Clone, Debug)]
@@ -62,8 +61,6 @@ pub(super) struct Resolver<'a> {
     pub(super) part_parameters: Vec<(Name, Vec<Parameter>)>,
     /// The sub-graphs that are being flattened, outermost first.
     pub(super) parts: Vec<String>,
-    /// Where those of them that are repeated say so.
-    pub(super) repeated: Vec<Place>,
 }
 
 /// The parameters that a file's values may name.
@@ -81,7 +78,6 @@ impl<'a> Resolver<'a> {
             nodes: Vec::new(),
             part_parameters: Vec::new(),
             parts: Vec::new(),
-            repeated: Vec::new(),
         }
     }
 
@@ -96,7 +92,7 @@ impl<'a> Resolver<'a> {
         self.nodes.reserve(document.passes.len());
         let (about, paper, inputs) =
             (document.about.clone(), document.paper.clone(), document.inputs.clone());
-        let (parameters, outputs) = self.flatten(document, "", None, given);
+        let (parameters, outputs) = self.flatten(document, Scope::new(), "", None, given);
         let mut index = FxHashMap::default();
         index.reserve(self.nodes.len());
         for (i, node) in self.nodes.iter().enumerate() {
@@ -110,9 +106,8 @@ impl<'a> Resolver<'a> {
             }
         }
         if !self.errors.is_empty() {
-            return Err(Diagnostics::sorted(told_once(self.errors, &self.nodes)));
+            return Err(Diagnostics::sorted(self.errors));
         }
-        self.adopt(&index);
         let Resolver { sources, nodes, part_parameters, notes, .. } = self;
         Ok(Resolved {
             sources,
@@ -128,36 +123,18 @@ impl<'a> Resolver<'a> {
         })
     }
 
-    /// In a file that was flattened before, passes belong to the groups whose names theirs begin with.
-    fn adopt(&mut self, index: &FxHashMap<Name, u32>) {
-        if !self.nodes.iter().any(|n| n.parent.is_none() && matches!(n.decl.body, Body::Group(_))) {
-            return;
-        }
-        for i in 0..self.nodes.len() {
-            let mut rest = &*self.nodes[i].name;
-            while let Some((outer, _)) = rest.rsplit_once('/') {
-                if let Some(group) = index.get(outer)
-                    && matches!(self.nodes[*group as usize].decl.body, Body::Group(_))
-                {
-                    self.nodes[i].parent = Some(*group);
-                    break;
-                }
-                rest = outer;
-            }
-        }
-    }
-
-    /// Flattens a document into `self.nodes`; returns its parameters and its outputs.
-    pub(super) fn flatten(
+    /// Flattens a document, whose values may name the parameters in `scope` beside its own, into `self.nodes`; returns
+    /// its parameters and its outputs.
+    fn flatten(
         &mut self,
         document: Document,
+        mut scope: Scope,
         prefix: &str,
         parent: Option<u32>,
         given: Vec<Assignment>,
     ) -> (Scope, Vec<OutputDecl>) {
         let Document { parameters: decls, passes, mut outputs, mut assignments, .. } = document;
         assignments.extend(given);
-        let mut scope: Scope = Vec::with_capacity(decls.len());
         for decl in decls {
             let place = decl.default.as_ref().map_or(decl.place, |default| default.place);
             let default = decl.default.map(|default| default.value);
@@ -198,8 +175,8 @@ impl<'a> Resolver<'a> {
             let full =
                 if prefix.is_empty() { name.value } else { Name::from(format!("{prefix}/{}", name.value)) };
             let decl = self.localise(decl, prefix, &scope);
-            if matches!(decl.body, Body::Sub { .. }) {
-                self.part(full, name.place, decl, parent, assigned);
+            if matches!(decl.body, Body::Sub(_)) {
+                self.part(full, name.place, decl, &scope, parent, assigned);
                 continue;
             }
             let mut decl = decl;
@@ -235,16 +212,12 @@ impl<'a> Resolver<'a> {
         (scope, outputs)
     }
 
-    pub(super) fn too_large(&mut self, place: Place) {
+    fn too_large(&mut self, place: Place) {
         if self.errors.iter().any(|e| e.code == codes::TOO_LARGE.code) {
             return;
         }
         let message = format!("the flattened pipeline has more than {MAX_PASSES} passes");
-        let error = Diagnostic::new(&codes::TOO_LARGE, message);
-        let error = match self.repeated.first() {
-            Some(repeat) => error.label(self.sources.span(*repeat), "repeated here"),
-            None => error.label(self.sources.span(place), ""),
-        };
+        let error = Diagnostic::new(&codes::TOO_LARGE, message).label(self.sources.span(place), "");
         self.errors.push(error);
     }
 
@@ -254,12 +227,20 @@ impl<'a> Resolver<'a> {
         name: Name,
         place: Place,
         decl: Arc<PassDecl>,
+        scope: &Scope,
         parent: Option<u32>,
         assigned: Vec<Assignment>,
     ) {
         let mut decl = Arc::unwrap_or_clone(decl);
-        let Body::Sub { file: At { value: path, place: file_place }, repeat } = decl.body.clone() else {
-            return;
+        let Body::Sub(sub) = std::mem::replace(&mut decl.body, Body::Removed) else { return };
+        let (path, file_place) = match sub {
+            Sub::File(At { value: path, place }) => (path, place),
+            Sub::Inline { inputs, passes, outputs } => {
+                let document = Document { inputs, passes, outputs, ..Document::default() };
+                let path = name.to_string();
+                self.inside(name, place, decl, document, scope.clone(), (&path, place), parent, assigned);
+                return;
+            }
         };
         let named = self.located(&path, file_place);
         if self.parts.contains(&named) || self.parts.len() > MAX_PARTS {
@@ -280,7 +261,28 @@ impl<'a> Resolver<'a> {
         }
         let Some(description) = self.load(&path, file_place) else { return };
         let document = self.document(&named, &description);
-        self.check_border(&mut decl, &name, &path, file_place, &document.inputs);
+        self.parts.push(named);
+        let part = name.clone();
+        let parameters =
+            self.inside(name, place, decl, document, Scope::new(), (&path, file_place), parent, assigned);
+        self.part_parameters.push((part, parameters));
+        self.parts.pop();
+    }
+
+    /// Takes in the document of a sub-graph, whose path is told with its place; returns its parameters.
+    #[expect(clippy::too_many_arguments, reason = "all that a sub-graph has")]
+    fn inside(
+        &mut self,
+        name: Name,
+        place: Place,
+        mut decl: PassDecl,
+        document: Document,
+        scope: Scope,
+        (path, file_place): (&str, Place),
+        parent: Option<u32>,
+        assigned: Vec<Assignment>,
+    ) -> Scope {
+        self.check_border(&mut decl, &name, path, file_place, &document.inputs);
         let mut given: Vec<Assignment> = std::mem::take(&mut decl.set)
             .into_iter()
             .map(|set| Assignment {
@@ -295,26 +297,11 @@ impl<'a> Resolver<'a> {
         given.iter_mut().for_each(|given| given.depth += 1);
         let group = self.nodes.len() as u32;
         let inputs = document.inputs.clone();
-        decl.body = Body::Removed;
         self.nodes.push(Node { name: name.clone(), place, parent, decl: Arc::new(decl.clone()) });
-        self.parts.push(named);
-        let (scope, outputs, copies) = match repeat {
-            None => {
-                let (scope, outputs) = self.flatten(document, &name, Some(group), given);
-                (scope, outputs, None)
-            }
-            Some(repeat) => {
-                let whole = Repeated { name: &name, place, group, links: &decl.links, repeat: &repeat };
-                self.repeated.push(repeat.count.place);
-                let (scope, outputs, count) = self.copies(&whole, &document, given);
-                self.repeated.pop();
-                (scope, outputs, Some((count, repeat.count.place)))
-            }
-        };
-        self.part_parameters.push((name, scope));
-        self.parts.pop();
-        decl.body = Body::Group(Group { inputs, outputs, copies });
+        let (scope, outputs) = self.flatten(document, scope, &name, Some(group), given);
+        decl.body = Body::Group(Group { inputs, outputs });
         self.nodes[group as usize].decl = Arc::new(decl);
+        scope
     }
 
     /// Every link of a sub-graph must have an input there, and every input that is needed a link.
@@ -342,7 +329,7 @@ impl<'a> Resolver<'a> {
             .suggest("inputs", &link.port.value, inputs.iter().map(|i| &*i.name.value));
             self.errors.push(error);
         }
-        for input in inputs.iter().filter(|i| !i.optional && decl.link(&i.name.value).is_none()) {
+        for input in inputs.iter().filter(|i| decl.link(&i.name.value).is_none()) {
             let name_of = [&*input.name.value];
             if decl.links.iter().any(|link| !known(link) && nearest(&link.port.value, name_of).is_some()) {
                 continue;
@@ -361,7 +348,7 @@ impl<'a> Resolver<'a> {
     /// Joins the link that `Insert` broke to the only input of a sub-graph that must be linked and is not. What inputs take
     /// is compared with what they get where links are followed.
     fn feed(&mut self, decl: &mut PassDecl, name: &Name, feed: Link, inputs: &[InputDecl]) {
-        let free = inputs.iter().filter(|i| !i.optional && decl.link(&i.name.value).is_none());
+        let free = inputs.iter().filter(|i| decl.link(&i.name.value).is_none());
         match *free.collect::<Vec<_>>() {
             [input] => {
                 let port = At { value: input.name.value.clone(), place: feed.place };
@@ -448,7 +435,7 @@ impl<'a> Resolver<'a> {
             self.errors.push(error);
             return;
         };
-        if matches!(passes[i].decl.body, Body::Removed | Body::Group(_)) {
+        if matches!(passes[i].decl.body, Body::Removed) {
             let error = Diagnostic::new(&codes::PATH, format!("`{pass}` has no settings"))
                 .label(self.sources.span(assignment.path_place), "")
                 .label(self.sources.span(passes[i].name.place), "it is no pass any more");

@@ -4,12 +4,13 @@ use super::{Node, Resolved, print};
 use crate::description::{At, Body, InputDecl, Link, OutputDecl, Set};
 use crate::diagnostic::Place;
 use crate::plan::json::value;
+use crate::port::PassTypes;
 use serde_json::{Value as Json, json};
 
 impl Resolved {
     /// Returns the flattened pipeline for programs: what [`Resolved::to_ron`] writes as text. Every value has its
     /// `origin`: file, line and column. `ron` is that text.
-    pub fn to_json(&self) -> Json {
+    pub fn to_json(&self, kinds: &dyn PassTypes) -> Json {
         let parameters = self.parameters.iter().map(|parameter| {
             let setting = &parameter.setting;
             json!({
@@ -31,7 +32,7 @@ impl Resolved {
             "inputs": self.inputs_json(&self.inputs),
             "passes": self.nodes.iter().map(|node| self.node_json(node)).collect::<Vec<_>>(),
             "outputs": self.outputs_json(&self.outputs),
-            "ron": self.to_ron(),
+            "ron": self.to_ron(kinds, true),
         })
     }
 
@@ -46,7 +47,6 @@ impl Resolved {
             json!({
                 "name": input.name.value.as_str(),
                 "interface": input.interface.value.as_str(),
-                "optional": input.optional,
                 "origin": self.origin(input.name.place),
             })
         };
@@ -69,7 +69,7 @@ impl Resolved {
         json!({
             "input": link.port.value.as_str(),
             "from": link.target.to_string(),
-            "previous": link.past.is_some(),
+            "previous": link.past,
             "lost": self.removed(link).is_some(),
             "origin": self.origin(link.place),
         })
@@ -81,7 +81,7 @@ impl Resolved {
             Body::Pass { kind, shader } => {
                 ("pass", Some(kind.value.as_str()), shader.as_ref().map(|shader| shader.value.as_str()))
             }
-            Body::Group(_) | Body::Sub { .. } => ("sub-graph", None, None),
+            Body::Group(_) | Body::Sub(_) => ("sub-graph", None, None),
             Body::Removed => ("removed", None, None),
         };
         let set = |set: &Set| {
@@ -109,8 +109,9 @@ impl Resolved {
                 "output": out.port.value.as_str(), "is": print::out(out), "origin": self.origin(out.port.place),
             })).collect::<Vec<_>>(),
             "outputs": outputs,
+            "history": decl.history.as_ref().map(|policy| print::history(&policy.value)),
             "when": print::when(node),
-            "off": decl.off.as_ref().map(|At { value, .. }| print::off(value)),
+            "off": decl.off.as_ref().map(|At { value, .. }| print::off(value, "")),
             "origin": self.origin(decl.removed.unwrap_or(node.place)),
         })
     }

@@ -3,7 +3,7 @@
 use super::Parameter;
 use super::flatten::{Resolver, Scope};
 use crate::codes;
-use crate::description::{At, Body, Dim, Formula, Off, PassDecl, Repeat, SetValue, Target, out_overrides};
+use crate::description::{At, Body, Dim, Formula, Off, PassDecl, SetValue, Target, out_overrides};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::expression::ExprKind;
 use crate::value::Value;
@@ -15,12 +15,8 @@ impl Resolver<'_> {
     pub(super) fn localise(&mut self, mut decl: Arc<PassDecl>, prefix: &str, scope: &Scope) -> Arc<PassDecl> {
         let in_set = decl.set.iter().any(|set| set.value.get().is_none());
         let in_outs = decl.outs.iter().any(|o| o.size.is_some() || o.count.is_some() || !o.facts.is_empty());
-        let repeated = matches!(decl.body, Body::Sub { repeat: Some(_), .. });
-        if in_set || in_outs || repeated || decl.when.is_some() || !prefix.is_empty() {
+        if in_set || in_outs || decl.when.is_some() || !prefix.is_empty() {
             let decl = Arc::make_mut(&mut decl);
-            if let Body::Sub { repeat: Some(Repeat { count, .. }), .. } = &mut decl.body {
-                self.put_known(&mut count.value, count.place, scope);
-            }
             for set in &mut decl.set {
                 self.put(&mut set.value, set.place, scope);
             }

@@ -70,7 +70,6 @@ impl Resolved {
             link = match (&decl.body, &decl.off) {
                 (Body::Removed, _) => return decl.removed.map(|_| found),
                 (_, Some(At { value: off, .. })) if decl.removed.is_some() => match off {
-                    Off::Constant(_) => return None,
                     Off::Input(port) => decl.link(port)?,
                     Off::Link(other) => other,
                 },
@@ -79,7 +78,7 @@ impl Resolved {
                     let only = || group.outputs.first().filter(|_| group.outputs.len() == 1);
                     &target.port.as_ref().map_or_else(only, named)?.link
                 }
-                (Body::Pass { .. } | Body::Sub { .. }, _) => return None,
+                (Body::Pass { .. } | Body::Sub(_), _) => return None,
             };
         }
         None

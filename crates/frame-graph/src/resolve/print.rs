@@ -2,23 +2,27 @@
 
 use super::{Node, Resolved};
 use crate::description::{
-    At, Body, Dim, Formula, Group, InputDecl, Link, Off, OutDecl, OutputDecl, SaidFact, Set, SetValue, Size,
+    At, Body, Dim, Formula, HistoryPolicy, InputDecl, Link, Off, OutDecl, OutputDecl, SaidFact, Set,
+    SetValue, Size, Target,
 };
 use crate::diagnostic::Place;
-use crate::resource::Clear;
+use crate::link::{Taken, taken};
+use crate::port::PassTypes;
 use crate::value::{Value, ValueType};
 use data_file::Name;
 use std::fmt::Write as _;
 
 struct Printer<'a> {
     resolved: &'a Resolved,
+    taken: Vec<Option<Taken>>,
     origins: bool,
     text: String,
 }
 
 /// The file as text; with `origins`, comments tell where values came from that the file itself does not hold.
-pub(super) fn print(resolved: &Resolved, origins: bool) -> String {
-    let mut printer = Printer { resolved, origins, text: String::from("Pipeline(\n") };
+pub(super) fn print(resolved: &Resolved, kinds: &dyn PassTypes, origins: bool) -> String {
+    let taken = taken(resolved, kinds);
+    let mut printer = Printer { resolved, taken, origins, text: String::from("Pipeline(\n") };
     printer.pipeline();
     printer.text.push_str(")\n");
     printer.text
@@ -37,28 +41,37 @@ pub(super) fn value(value: &Value) -> String {
 }
 
 pub(super) fn link(link: &Link) -> String {
-    let port = quoted(&link.target.to_string());
-    match &link.past {
-        None => port,
-        Some(past) => {
-            let reset: Vec<String> = past.reset.iter().map(|cause| cause.to_string()).collect();
-            let rest = past.rest.map_or_else(String::new, |frames| format!(", rest: {frames}"));
-            format!("Prev(port: {port}, init: {}, reset: [{}]{rest})", past.init, reset.join(", "))
-        }
-    }
+    let prev = if link.past { "prev " } else { "" };
+    quoted(&format!("{prev}{}", link.target))
+}
+
+pub(super) fn history(policy: &HistoryPolicy) -> String {
+    let reset: Vec<String> = policy.reset.iter().map(|cause| cause.to_string()).collect();
+    let rest = policy.rest.map_or_else(String::new, |frames| format!(", rest: {frames}"));
+    format!("(reset: [{}]{rest})", reset.join(", "))
 }
 
 pub(super) fn set(set: &SetValue) -> String {
     set.get().map_or_else(String::new, value)
 }
 
-pub(super) fn off(off: &Off) -> String {
+/// What `off:` says, as the sub-graph `scope` knows it.
+pub(super) fn off(off: &Off, scope: &str) -> String {
     match off {
-        Off::Constant(Clear::Zero) => "Black".to_owned(),
-        Off::Constant(color) => color.to_string(),
         Off::Input(port) => format!("Input({})", quoted(port)),
-        Off::Link(other) => link(other),
+        Off::Link(other) => local(other, scope),
     }
+}
+
+/// The name of a node as the sub-graph `scope` knows it.
+fn unprefixed<'n>(name: &'n str, scope: &str) -> &'n str {
+    name.strip_prefix(scope).and_then(|rest| rest.strip_prefix('/')).unwrap_or(name)
+}
+
+/// A link as the sub-graph `scope` knows it.
+fn local(other: &Link, scope: &str) -> String {
+    let pass = Name::from(unprefixed(&other.target.pass, scope));
+    link(&Link { target: Target { pass, ..other.target.clone() }, ..other.clone() })
 }
 
 /// What `when:` says, with parameters as values; `None` where there is no switch.
@@ -110,9 +123,17 @@ pub(super) fn out(out: &OutDecl) -> String {
     format!("Out({})", fields.join(", "))
 }
 
-fn input(input: &InputDecl) -> String {
-    let interface = quoted(&input.interface.value);
-    if input.optional { format!("Optional({interface})") } else { interface }
+impl Resolved {
+    /// Returns the links of a node, each with the name of its input, without those that its pass type does not take or
+    /// whose source was removed.
+    pub(super) fn links_of(&self, node: usize, taken: Option<&Taken>) -> Vec<(Name, &Link)> {
+        let decl = &self.nodes[node].decl;
+        let is_taken = |at: usize| taken.is_none_or(|taken| taken.links[at]);
+        let links = decl.links.iter().enumerate().filter(|(at, link)| !link.inherited || is_taken(*at));
+        let links = links.map(|(_, link)| (link.port.value.clone(), link));
+        let feed = decl.feed.as_ref().and_then(|feed| Some((taken?.feed.clone()?, feed)));
+        links.chain(feed).filter(|(_, link)| self.removed(link).is_none()).collect()
+    }
 }
 
 impl Printer<'_> {
@@ -181,59 +202,71 @@ impl Printer<'_> {
             let line = format!("{}: {}({}),", quoted(&setting.name), setting.ty.form(), fields.join(", "));
             p.value(2, &line, parameter.place, false);
         });
-        self.map(1, "inputs", &resolved.inputs, |p, i| {
-            p.value(2, &format!("{}: {},", quoted(&i.name.value), input(i)), i.name.place, false);
-        });
-        let nodes: Vec<usize> = (0..resolved.nodes.len()).collect();
-        self.map(1, "passes", &nodes, |p, i| p.node(*i));
-        self.outputs(1, &resolved.outputs);
+        self.inputs(1, &resolved.inputs.iter().collect::<Vec<_>>());
+        self.passes(1, None);
+        self.outputs(1, "", &resolved.outputs);
     }
 
-    fn outputs(&mut self, depth: usize, outputs: &[OutputDecl]) {
-        self.map(depth, "outputs", outputs, |p, output| {
-            let line = format!("{}: {},", quoted(&output.name.value), link(&output.link));
+    /// The passes of a sub-graph, or of the pipeline itself; those that were removed are left out.
+    fn passes(&mut self, depth: usize, parent: Option<u32>) {
+        let nodes = self.resolved.nodes.iter().enumerate();
+        let inside =
+            nodes.filter(|(_, node)| node.parent == parent && !matches!(node.decl.body, Body::Removed));
+        let inside: Vec<usize> = inside.map(|(i, _)| i).collect();
+        self.map(depth, "passes", &inside, |p, i| p.node(depth + 1, *i));
+    }
+
+    fn inputs(&mut self, depth: usize, inputs: &[&InputDecl]) {
+        self.map(depth, "inputs", inputs, |p, input| {
+            let line = format!("{}: {},", quoted(&input.name.value), quoted(&input.interface.value));
+            p.value(depth + 1, &line, input.name.place, false);
+        });
+    }
+
+    /// The outputs of the sub-graph of a name; those that are lost with a pass that was removed are left out.
+    fn outputs(&mut self, depth: usize, scope: &str, outputs: &[OutputDecl]) {
+        let there = outputs.iter().filter(|output| self.resolved.removed(&output.link).is_none());
+        let there: Vec<&OutputDecl> = there.collect();
+        self.map(depth, "outputs", &there, |p, output| {
+            let line = format!("{}: {},", quoted(&output.name.value), local(&output.link, scope));
             p.value(depth + 1, &line, output.link.place, false);
         });
     }
 
-    fn links(&mut self, name: &str, links: &[Link], inherited: bool) {
-        let links: Vec<&Link> = links.iter().filter(|l| l.inherited == inherited).collect();
-        self.map(3, name, &links, |p, l| {
-            p.value(4, &format!("{}: {},", quoted(&l.port.value), link(l)), l.place, false);
-        });
-    }
-
-    fn node(&mut self, index: usize) {
+    fn node(&mut self, depth: usize, index: usize) {
         let resolved = self.resolved;
         let node = &resolved.nodes[index];
         let decl = &node.decl;
-        let name = quoted(&node.name);
+        let scope = node.parent.map_or("", |parent| resolved.nodes[parent as usize].name.as_str());
+        let name = quoted(unprefixed(&node.name, scope));
+        let links = resolved.links_of(index, self.taken[index].as_ref());
         match &decl.body {
             Body::Pass { kind, shader } => {
-                self.value(2, &format!("{name}: Pass("), node.place, false);
-                self.value(3, &format!("kind: {},", quoted(&kind.value)), kind.place, false);
+                self.value(depth, &format!("{name}: Pass("), node.place, false);
+                self.value(depth + 1, &format!("kind: {},", quoted(&kind.value)), kind.place, false);
                 if let Some(shader) = shader {
-                    self.value(3, &format!("shader: {},", quoted(&shader.value)), shader.place, false);
+                    self.value(
+                        depth + 1,
+                        &format!("shader: {},", quoted(&shader.value)),
+                        shader.place,
+                        false,
+                    );
                 }
             }
-            Body::Group(Group { inputs, .. }) => {
-                self.value(2, &format!("{name}: Group("), node.place, false);
-                self.map(3, "inputs", inputs, |p, i| {
-                    p.value(4, &format!("{}: {},", quoted(&i.name.value), input(i)), i.name.place, false);
-                });
+            Body::Group(group) => {
+                self.value(depth, &format!("{name}: Sub("), node.place, false);
+                let linked = |input: &&InputDecl| links.iter().any(|(port, _)| *port == input.name.value);
+                let inputs: Vec<&InputDecl> = group.inputs.iter().filter(linked).collect();
+                self.inputs(depth + 1, &inputs);
             }
-            Body::Removed | Body::Sub { .. } => {
-                let place = decl.removed.unwrap_or(node.place);
-                return self.value(2, &format!("{name}: Removed,"), place, true);
-            }
+            Body::Removed | Body::Sub(_) => return,
         }
-        self.links("in", &decl.links, false);
-        self.links("keep", &decl.links, true);
-        if let Some(feed) = &decl.feed {
-            self.value(3, &format!("feed: {},", link(feed)), feed.place, false);
-        }
+        self.map(depth + 1, "in", &links, |p, (port, link)| {
+            p.value(depth + 2, &format!("{}: {},", quoted(port), local(link, scope)), link.place, false);
+        });
         if let Body::Group(group) = &decl.body {
-            self.outputs(3, &group.outputs);
+            self.passes(depth + 1, Some(index as u32));
+            self.outputs(depth + 1, &node.name, &group.outputs);
         }
         // What no value is known of is the default of the setting, unless the pipeline's own parameter gives it one.
         let root = |s: &Set| match &s.value {
@@ -242,28 +275,31 @@ impl Printer<'_> {
         };
         let set_: Vec<&Set> =
             decl.set.iter().filter(|s| s.value.get().is_some() || root(s).is_some()).collect();
-        self.map(3, "set", &set_, |p, s| {
+        self.map(depth + 1, "set", &set_, |p, s| {
             if let Some(root) = root(s) {
                 let line = format!("{}: {},", quoted(&s.name.value), quoted(&format!("${root}")));
-                return p.value(4, &line, s.place, s.patched);
+                return p.value(depth + 2, &line, s.place, s.patched);
             }
             let line = format!("{}: {},", quoted(&s.name.value), set(&s.value));
             match &s.value {
-                SetValue::Parameter(_, Some((_, place))) => p.value(4, &line, *place, true),
-                SetValue::Formula(formula, _) => p.computed(4, &line, formula, &s.value.origins()),
-                _ => p.value(4, &line, s.place, s.patched),
+                SetValue::Parameter(_, Some((_, place))) => p.value(depth + 2, &line, *place, true),
+                SetValue::Formula(formula, _) => p.computed(depth + 2, &line, formula, &s.value.origins()),
+                _ => p.value(depth + 2, &line, s.place, s.patched),
             }
         });
-        self.map(3, "out", &decl.outs, |p, o| {
-            p.value(4, &format!("{}: {},", quoted(&o.port.value), out(o)), o.port.place, false);
+        self.map(depth + 1, "out", &decl.outs, |p, o| {
+            p.value(depth + 2, &format!("{}: {},", quoted(&o.port.value), out(o)), o.port.place, false);
         });
+        if let Some(At { value: policy, place }) = &decl.history {
+            self.value(depth + 1, &format!("history: {},", history(policy)), *place, false);
+        }
         if let Some(text) = when(node) {
             let place = decl.removed.or(decl.when.as_ref().map(|w| w.text.place)).unwrap_or(node.place);
-            self.value(3, &format!("when: {},", quoted(&text)), place, decl.removed.is_some());
+            self.value(depth + 1, &format!("when: {},", quoted(&text)), place, decl.removed.is_some());
         }
         if let Some(o) = &decl.off {
-            self.value(3, &format!("off: {},", off(&o.value)), o.place, false);
+            self.value(depth + 1, &format!("off: {},", off(&o.value, scope)), o.place, false);
         }
-        self.line(2, "),");
+        self.line(depth, "),");
     }
 }

@@ -40,7 +40,7 @@ impl Resolved {
             });
         });
         let parts = self.parts(&mut heirs);
-        let own = self.parameters.iter().map(|parameter| inherit(&heirs, &Name::EMPTY, parameter, ""));
+        let own = self.parameters.iter().map(|parameter| inherit(&heirs, &Name::default(), parameter, ""));
         let mut found: Vec<Settable> = own.chain(parts).collect();
         found.append(&mut passes);
         found
@@ -89,7 +89,7 @@ impl Resolved {
     /// Tells which parameters have no default and can inherit none.
     pub(crate) fn check_defaults(&self, kinds: &dyn PassTypes) -> Vec<Diagnostic> {
         let parts = self.part_parameters.iter().map(|(part, parameters)| (part.clone(), parameters));
-        let all = parts.chain([(Name::EMPTY, &self.parameters)]);
+        let all = parts.chain([(Name::default(), &self.parameters)]);
         let open: Vec<(Name, &Parameter)> = all
             .flat_map(|(part, parameters)| parameters.iter().map(move |p| (part.clone(), p)))
             .filter(|(_, parameter)| parameter.value.is_none())
@@ -148,20 +148,19 @@ impl Resolved {
 
     /// The sub-graph around a sub-graph.
     fn around(&self, part: &Name) -> Name {
-        self.index.get(part).map_or(Name::EMPTY, |node| self.scope(*node as usize))
+        self.index.get(part).map_or_else(Name::default, |node| self.scope(*node as usize))
     }
 
     /// The sub-graph whose parameters the values of a node may name.
     fn scope(&self, node: usize) -> Name {
         let mut at = self.nodes[node].parent;
         while let Some(part) = at.map(|at| &self.nodes[at as usize]) {
-            // A copy has those of the sub-graph that is repeated.
             if self.part_parameters.iter().any(|(name, _)| *name == part.name) {
                 return part.name.clone();
             }
             at = part.parent;
         }
-        Name::EMPTY
+        Name::default()
     }
 }
 

@@ -58,11 +58,13 @@ fn changed<'o>(
             converted(given).is_some() && converted(given) == converted(&known.value)
         })
     };
-    // Other overrides may reach what a path names: a parameter that its value comes from, or all copies of a sub-graph.
+    // Other overrides may reach what a path names: a parameter that its value comes from.
     let others: Vec<Reach> = given
         .iter()
         .filter(|given| !is_same(given))
-        .map(|(path, _)| if known.contains_key(path.as_str()) { resolved.reach(path) } else { Reach::Copies })
+        .map(
+            |(path, _)| if known.contains_key(path.as_str()) { resolved.reach(path) } else { Reach::Unknown },
+        )
         .collect();
     given.into_iter().filter(|given| !is_same(given) || resolved.is_open(&given.0, &others)).collect()
 }
@@ -74,8 +76,8 @@ enum Reach {
     Setting,
     /// A parameter, and all that is computed from it.
     Parameter,
-    /// Several copies of a sub-graph, or one whose parameters are not listed by themselves.
-    Copies,
+    /// What it names is not listed.
+    Unknown,
 }
 
 impl Resolved {
@@ -84,7 +86,6 @@ impl Resolved {
         let Some((owner, _)) = path.rsplit_once('.') else { return Reach::Parameter };
         match self.index.get(owner).map(|i| &self.nodes[*i as usize].decl.body) {
             Some(Body::Pass { .. }) => Reach::Setting,
-            Some(Body::Group(group)) if group.copies.is_some() => Reach::Copies,
             _ => Reach::Parameter,
         }
     }
@@ -93,9 +94,7 @@ impl Resolved {
     fn is_open(&self, path: &str, others: &[Reach]) -> bool {
         let Some((owner, setting)) = path.rsplit_once('.') else { return false };
         match self.reach(path) {
-            // What a copy of a sub-graph has is listed of the first alone.
-            Reach::Copies => true,
-            Reach::Parameter => others.iter().any(|other| *other != Reach::Setting),
+            Reach::Unknown | Reach::Parameter => others.iter().any(|other| *other != Reach::Setting),
             Reach::Setting => {
                 let set = self.index.get(owner).and_then(|i| {
                     self.nodes[*i as usize].decl.set.iter().find(|set| set.name.value == *setting)
@@ -104,7 +103,7 @@ impl Resolved {
                 others.iter().any(|other| match other {
                     Reach::Setting => false,
                     Reach::Parameter => computed,
-                    Reach::Copies => true,
+                    Reach::Unknown => true,
                 })
             }
         }

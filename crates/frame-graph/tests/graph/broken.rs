@@ -49,7 +49,7 @@ fn every_broken_file_gives_its_errors() {
 }
 
 #[test]
-fn colour_is_only_where_it_is_asked_for() {
+fn color_is_only_where_it_is_asked_for() {
     let files = files("tests/broken");
     let errors = errors_of("unknown-kind.ron", &files).unwrap();
     assert!(!errors.render(false).contains('\x1b'));

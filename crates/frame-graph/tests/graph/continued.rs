@@ -6,7 +6,7 @@ use frame_graph::{Change, CompileOptions, FrameState};
 
 const STATE: &str = r#"
     "noise": Pass(kind: "noise"),
-    "state": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "i0": "noise", "own": Prev(port: "state", reset: [Cut]) }),
+    "state": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "i0": "noise", "own": "prev state" }, history: (reset: [Cut])),
 "#;
 
 fn begins(plan: &Plan, pass: &str) -> Begins {
@@ -34,9 +34,7 @@ fn a_past_that_one_pass_writes_on_in_is_one_object() {
 #[test]
 fn a_past_that_others_read_is_copied() {
     let with = |pass: &str| plan(&format!("{STATE} {pass}"), r#""a": "state", "b": "other""#);
-    let other = with(
-        r#""other": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": Prev(port: "state", reset: [Cut]) })"#,
-    );
+    let other = with(r#""other": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": "prev state" })"#);
     assert_eq!(begins(&other, "state"), Begins::CopyOfPast(HistoryId(0)));
     assert!(!other.histories[0].in_place && other.histories[0].copies[0] != other.histories[0].copies[1]);
     // Of this frame's state there may be any number of readers.
@@ -44,7 +42,7 @@ fn a_past_that_others_read_is_copied() {
     assert_eq!(begins(&now, "state"), Begins::InPlace(HistoryId(0)));
     // A reader that is culled is none.
     let text = format!(
-        r#"{STATE} "other": Pass(kind: "fullscreen", shader: "a.wgsl", in: {{ "i0": Prev(port: "state", reset: [Cut]) }})"#
+        r#"{STATE} "other": Pass(kind: "fullscreen", shader: "a.wgsl", in: {{ "i0": "prev state" }})"#
     );
     assert_eq!(begins(&plan(&text, r#""a": "state""#), "state"), Begins::InPlace(HistoryId(0)));
 }
@@ -55,7 +53,7 @@ fn what_another_pass_made_is_copied() {
     let passes = r#"
         "noise": Pass(kind: "noise"),
         "now": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "own": "noise" }),
-        "then": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "own": Prev(port: "noise") }),
+        "then": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "own": "prev noise" }),
     "#;
     let plan = plan(passes, r#""a": "now", "b": "then""#);
     assert_eq!(begins(&plan, "now"), Begins::Copy(plan.resource("noise.irradiance").unwrap()));
@@ -65,7 +63,7 @@ fn what_another_pass_made_is_copied() {
 
 #[test]
 fn what_is_continued_has_the_same_shape() {
-    let passes = r#""half": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "own": Prev(port: "noise") }, out: { "out": Out(size: "frame / 2") }),
+    let passes = r#""half": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "own": "prev noise" }, out: { "out": Out(size: "frame / 2") }),
         "noise": Pass(kind: "noise")"#;
     let error = plan_with(passes, r#""a": "half""#, &CompileOptions::default()).unwrap_err();
     assert_eq!(error.0[0].code, "E035");
@@ -119,8 +117,8 @@ fn at_rest(plan: &Plan) -> impl FnMut(&[&str]) -> Vec<bool> {
 fn what_runs_at_rest_has_not_seen_the_newest() {
     let passes = r#"
         "view": Pass(kind: "gbuffer"),
-        "state": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "i0": "view", "own": Prev(port: "state", reset: [Cut], rest: 2) }),
-        "late": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": Prev(port: "state", reset: [Cut], rest: 2) })"#;
+        "state": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "i0": "view", "own": "prev state" }, history: (reset: [Cut], rest: 2)),
+        "late": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": "prev state" })"#;
     let plan = plan(passes, r#""a": "state", "b": "late""#);
     let mut run = at_rest(&plan);
     let late = plan.pass("late").unwrap().0 as usize;
@@ -133,8 +131,8 @@ fn what_runs_at_rest_has_not_seen_the_newest() {
 fn what_follows_from_a_past_wakes_with_it() {
     let passes = r#"
         "view": Pass(kind: "gbuffer"),
-        "second": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": Prev(port: "view", rest: 2) }),
-        "third": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": Prev(port: "second", rest: 2) })"#;
+        "second": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": "prev view" }, history: (rest: 2)),
+        "third": Pass(kind: "fullscreen", shader: "a.wgsl", in: { "i0": "prev second" })"#;
     let plan = plan(passes, r#""a": "view", "b": "third""#);
     let mut run = at_rest(&plan);
     let at = |name: &str| plan.pass(name).unwrap().0 as usize;

@@ -24,7 +24,6 @@ fn each_pass_and_output_has_a_box_of_its_kind() {
     }
     assert_eq!(of(BoxKind::Culled), ["unused"]);
     assert_eq!(of(BoxKind::Off), ["glossy"]);
-    assert_eq!(of(BoxKind::Constant), ["glossy.irradiance"]);
     assert_eq!(of(BoxKind::Output), ["image", "indirect", "depth"]);
 }
 
@@ -65,7 +64,7 @@ fn edges_lead_from_the_right_of_a_box_to_the_left_of_one() {
     for expected in [
         ("view", "lights", "view", false),
         ("shadows/splat", "gather", "atlas → visibility", false),
-        ("glossy.irradiance", "image", "irradiance → glossy", false),
+        ("filter", "image", "irradiance → glossy", false),
         ("steady", "steady", "past: color → history", true),
         ("steady", "image", "Texture", false),
         ("view", "depth", "Texture", false),

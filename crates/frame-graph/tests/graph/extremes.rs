@@ -14,7 +14,7 @@ fn errors(text: String, mut files: MemoryFiles) -> Option<Diagnostics> {
     let context = LinkContext { frame: (1920, 1080), traits: traits() };
     let run = || -> Result<(), Diagnostics> {
         let resolved = resolve("x.ron", &files, &Overrides::default())?;
-        let again = resolved.to_ron();
+        let again = resolved.to_ron(&TestPassTypes::new(), true);
         let graph = link(&resolved, &TestPassTypes::new(), &context)?;
         compile(&graph, &CompileOptions::default())?;
         drop(again);

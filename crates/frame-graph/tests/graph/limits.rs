@@ -63,6 +63,6 @@ fn where_no_number_is_taken_none_is_advised() {
 #[test]
 fn a_fact_that_is_too_great_is_told_before_sizes_are_known() {
     // The history buffer of the pass itself has no size yet when the pass is asked first.
-    let told = told(&refused(101, "", r#", "past": Prev(port: "fill")"#, ""));
+    let told = told(&refused(101, "", r#", "past": "prev fill""#, ""));
     assert_eq!(told, [("`fill`: 101 maps are too many".to_owned(), "at most 100 lights".to_owned())]);
 }

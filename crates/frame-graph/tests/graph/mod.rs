@@ -14,7 +14,6 @@ mod off;
 mod random;
 mod reader;
 mod removed;
-mod repeat;
 mod succession;
 mod variant_text;
 mod variants;

@@ -144,7 +144,7 @@ pub(super) fn scheduled(
 ) -> Vec<Option<Vec<Content>>> {
     for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
         let producer = plan.resources[history.resource.0 as usize].producer;
-        let runs = producer.is_some_and(|pass| schedule.runs[pass.0 as usize]);
+        let runs = schedule.runs[producer.0 as usize];
         if slot.reset.is_some() && (runs || !history.in_place) {
             objects[history.copies[slot.previous].0 as usize] = INIT;
         }

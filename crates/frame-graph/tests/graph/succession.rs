@@ -13,10 +13,10 @@ const LOOP: &str = r#"Pipeline(passes: {
     "lights": Pass(kind: "lights", in: { "view": "view" }),
     "gather": Pass(kind: "gather", in: { "view": "view", "lights": "lights" }),
     "shown": Pass(kind: "composite", in: { "indirect": "gather" }),
-    "sum": Pass(kind: "accumulate", in: { "color": "shown.image", "history": Prev(port: "sum") }),
+    "sum": Pass(kind: "accumulate", in: { "color": "shown.image", "history": "prev sum" }),
     "image": Pass(kind: "blur", in: { "irradiance": "noise" }),
     "noise": Pass(kind: "noise"),
-    "fixed": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "own": Prev(port: "fixed", reset: [Reload]) }, out: { "out": Out(size: (4, 4)) }),
+    "fixed": Pass(kind: "fullscreen", shader: "go-on.wgsl", in: { "own": "prev fixed" }, out: { "out": Out(size: (4, 4)) }, history: (reset: [Reload])),
 }, outputs: { "sum": "sum", "image": "image", "fixed": "fixed" })"#;
 
 fn plan_of(text: &str, set: &[(&str, &str)], frame: (u32, u32), options: &CompileOptions) -> Plan {
@@ -92,7 +92,7 @@ fn a_value_ends_only_the_pasts_that_follow_from_it() {
     let schedule = state.begin(&base, &set("lights"));
     assert_eq!(schedule.histories[0].reset, None);
     assert!(schedule.runs[base.pass("lights").unwrap().0 as usize]);
-    let asks = LOOP.replace("Prev(port: \"sum\")", "Prev(port: \"sum\", reset: [Setting])");
+    let asks = LOOP.replace("\"prev sum\" }", "\"prev sum\" }, history: (reset: [Setting])");
     let asks = plan_of(&asks, &[], (64, 64), &CompileOptions::default());
     let mut state = FrameState::new(&asks);
     state.begin(&asks, &Change::default());
@@ -129,7 +129,7 @@ fn what_else_is_in_a_plan_ends_no_past() {
     assert_eq!(after(&base, &kept, &[]), found(&both));
     let more = LOOP.replace("outputs: {", r#"outputs: { "more": "more","#).replace(
         r#""noise": "#,
-        r#""more": Pass(kind: "accumulate", in: { "color": "fixed.out", "history": Prev(port: "fixed", reset: [Reload]) }), "noise": "#,
+        r#""more": Pass(kind: "accumulate", in: { "color": "fixed.out", "history": "prev fixed" }), "noise": "#,
     );
     let more = plan_of(&more, &[], (64, 64), &CompileOptions::default());
     let fixed = |plan: &Plan| (0..plan.histories.len()).find(|h| name(plan, *h) == "fixed.out").unwrap();
@@ -148,9 +148,9 @@ fn what_else_is_in_a_plan_ends_no_past() {
     assert_eq!(after(&without, &base, &[ResetCause::Scene])[0], ("sum.color".to_owned(), 0, scene));
 }
 
-/// Another link into what feeds a past is a change; so is another pass type, another initial value, another format.
+/// Another link into what feeds a past is a change; so is another pass type, another format.
 #[test]
-fn links_kinds_and_initial_values_are_part_of_what_a_past_is() {
+fn links_and_kinds_are_part_of_what_a_past_is() {
     let base = plan(&[]);
     let reload = Some(ResetCause::Reload);
     for (from, to) in [
@@ -159,7 +159,6 @@ fn links_kinds_and_initial_values_are_part_of_what_a_past_is() {
             r#"kind: "composite", in: { "indirect": "gather" }"#,
             r#"kind: "composite", in: { "indirect": "noise" }"#,
         ),
-        (r#"Prev(port: "sum")"#, r#"Prev(port: "sum", init: Color(1, 0, 0, 1))"#),
     ] {
         assert!(LOOP.contains(from), "{from}");
         let other = plan_of(&LOOP.replace(from, to), &[], (64, 64), &CompileOptions::default());

@@ -4,18 +4,12 @@ use super::kinds::{MemoryFiles, TestPassTypes};
 use super::whole::{BASE, SHADOWS};
 use frame_graph::{Overrides, Resolved, Value, resolve, variant};
 
-/// A loop of three blurs around a sub-graph with parameters of its own, one of which comes from outside.
+/// A sub-graph with a parameter that comes from outside.
 const LOOP: &str = r#"Pipeline(
-    parameters: { "n": U32(default: 3), "radius": F32(default: 2), "wide": U32(default: 8) },
+    parameters: { "radius": F32(default: 2), "wide": U32(default: 8) },
     passes: {
         "noise": Pass(kind: "noise"),
-        "loop": Sub(
-            file: "step.ron",
-            in: { "irradiance": "noise" },
-            set: { "radius": "$radius" },
-            repeat: "$n",
-            carry: { "irradiance": "soft" },
-        ),
+        "loop": Sub(file: "step.ron", in: { "irradiance": "noise" }, set: { "radius": "$radius" }),
         "last": Pass(kind: "blur", in: { "irradiance": "loop" }, set: { "radius": "$wide * 2.0" }),
     },
     outputs: { "image": "last" },
@@ -122,19 +116,7 @@ fn values_of_the_base_stay_where_another_change_would_reach_them() {
     assert_eq!(patches("loop.ron", &computed), "Set(\"wide\", 3), Set(\"last.radius\", 16.0)");
     let inner = [("map", Value::U32(32)), ("shadows.map", Value::U32(64))];
     assert_eq!(patches("base.ron", &inner), "Set(\"map\", 32), Set(\"shadows.map\", 64)");
-    // Of all copies but one.
-    let copies = [("loop/blur.radius", Value::F32(5.0)), ("loop/1/blur.radius", Value::F32(2.0))];
-    let expected = "Set(\"loop/blur.radius\", 5.0), Set(\"loop/1/blur.radius\", 2.0)";
-    assert_eq!(patches("loop.ron", &copies), expected);
-    let inner = [("loop/1.radius", Value::F32(5.0)), ("loop.radius", Value::F32(2.0))];
-    assert_eq!(patches("loop.ron", &inner), "Set(\"loop/1.radius\", 5.0), Set(\"loop.radius\", 2.0)");
     // A plain change of one setting reaches nothing else.
     let apart = [("last.offset", Value::I32(2)), ("last.radius", Value::F32(16.0))];
     assert_eq!(patches("loop.ron", &apart), "Set(\"last.offset\", 2)");
-}
-
-#[test]
-fn copies_that_the_base_does_not_have_are_set() {
-    let more = [("n", Value::U32(4)), ("loop/3/blur.radius", Value::F32(9.0))];
-    assert_eq!(patches("loop.ron", &more), "Set(\"n\", 4), Set(\"loop/3/blur.radius\", 9.0)");
 }

@@ -18,9 +18,9 @@ Pipeline(
         "shadows": Sub(file: "parts/shadows.ron", in: { "lights": "lights" }, set: { "map": "$map" }),
         "gather": Pass(kind: "gather", in: { "view": "view", "lights": "lights", "visibility": "shadows" }),
         "filter": Pass(kind: "blur", in: { "view": "view", "irradiance": "gather" }),
-        "glossy": Pass(kind: "gather", in: { "view": "view", "lights": "lights" }, when: "scene.glossy && $count > 1", off: Black),
+        "glossy": Pass(kind: "gather", in: { "view": "view", "lights": "lights" }, when: "scene.glossy && $count > 1", off: "filter"),
         "image": Pass(kind: "composite", in: { "indirect": "filter", "glossy": "glossy" }),
-        "steady": Pass(kind: "accumulate", in: { "color": "image", "history": Prev(port: "steady", init: Black, reset: [Cut]) }),
+        "steady": Pass(kind: "accumulate", in: { "color": "image", "history": "prev steady" }, history: (reset: [Cut])),
         "unused": Pass(kind: "noise"),
     },
     outputs: { "image": "steady", "indirect": "filter", "depth": "view.depth" },
@@ -54,7 +54,7 @@ fn a_whole_pipeline_compiles_and_runs() {
         *fate("glossy"),
         Fate::Off {
             why: "scene.glossy && ($count > 1) (scene.glossy = false, count = 256)".into(),
-            instead: "Black".into()
+            instead: "`filter.irradiance`".into()
         }
     );
     assert_eq!(plan.histories.len(), 1);

@@ -1,10 +1,7 @@
 //! A pass with any steps.
 
-use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, UseContext, input, output,
-};
-use pass_test::{Harness, Outputs};
+use pass::{Compute, OutputDesc, ResourceDesc, Step};
+use pass_test::{Harness, Outputs, TestPass};
 
 /// Buffers of words, and what is done with them.
 #[derive(Default)]
@@ -16,19 +13,19 @@ pub(crate) struct Bench {
 }
 
 impl Bench {
-    /// An input of these words.
+    /// Adds an input of these words.
     pub(crate) fn input(mut self, name: &'static str, words: &[u32]) -> Bench {
         self.inputs.push((name, words.to_vec()));
         self
     }
 
-    /// An output of this many words.
+    /// Adds an output of this many words.
     pub(crate) fn output(mut self, name: &'static str, words: usize) -> Bench {
         self.outputs.push((name, words));
         self
     }
 
-    /// Scratch memory and steps.
+    /// Adds scratch memory and steps.
     pub(crate) fn steps(
         mut self,
         scratch: impl IntoIterator<Item = OutputDesc>,
@@ -39,9 +36,17 @@ impl Bench {
         self
     }
 
-    /// `None` where there is no adapter.
+    /// Runs the steps; `None` where there is no adapter.
     pub(crate) fn run(&self) -> Option<Outputs> {
-        let mut harness = Harness::new(self);
+        let mut pass = TestPass::new("bench");
+        for (name, words) in &self.outputs {
+            pass = pass.output(OutputDesc::one(name, ResourceDesc::buffer(4 * (*words).max(1) as u64)));
+        }
+        pass = self.scratch.iter().cloned().fold(pass, TestPass::output);
+        pass = self.inputs.iter().fold(pass, |pass, (name, _)| pass.input(name, "Buffer"));
+        let steps: Vec<Step> = self.steps.iter().cloned().map(Step::Compute).collect();
+        let pass = pass.steps(move |_| steps.clone());
+        let mut harness = Harness::new(&pass);
         for (name, words) in &self.inputs {
             // No buffer is empty.
             let bytes = 4 * words.len().max(1) as u64;
@@ -49,34 +54,5 @@ impl Bench {
             harness = harness.input(name, "Buffer", &[], vec![member]);
         }
         harness.run()
-    }
-}
-
-impl Pass for Bench {
-    fn info(&self) -> Info {
-        Info { kind: "bench", about: "Any steps.", paper: "", shaders: &[] }
-    }
-
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(Vec::new())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: self.inputs.iter().map(|(name, _)| input(name, "Buffer", "Words.")).collect(),
-            outputs: self.outputs.iter().map(|(name, _)| output(name, "Buffer", "Words.")).collect(),
-            ..Ports::default()
-        })
-    }
-
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let buffer = |(name, words): &(&str, usize)| {
-            OutputDesc::one(name, ResourceDesc::buffer(4 * (*words).max(1) as u64))
-        };
-        Ok(self.outputs.iter().map(buffer).chain(self.scratch.iter().cloned()).collect())
-    }
-
-    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        Ok(Recording::of(self.steps.clone()))
     }
 }

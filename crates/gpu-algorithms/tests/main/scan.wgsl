@@ -1,4 +1,4 @@
-// Prefix sums of a buffer, of which the first words are so many.
+// Prefix sums of a buffer, whose length is in another buffer.
 
 #import "algorithms/scan.wgsl"
 

@@ -4,7 +4,7 @@ use crate::bench::Bench;
 use crate::{LENGTHS, MANY, cx, numbers};
 use gpu_algorithms::{RadixSort, reference};
 
-/// How a sort gets what it sorts.
+/// The input of a sort.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
     Pairs,

@@ -29,7 +29,7 @@ pub struct TemporalDifference {
     pub disoccluded: usize,
     /// Pixels whose surface left the frame.
     pub outside: usize,
-    /// Pixels left out because one of the two colours is NaN or infinite.
+    /// Pixels left out because one of the two colors is NaN or infinite.
     pub non_finite: usize,
 }
 

@@ -28,9 +28,9 @@ fn chunk(kind: &[u8; 4], content: &[u8]) -> Vec<u8> {
 }
 
 /// A PNG file of 8 bits a sample; `packed` is its content.
-fn png(width: u32, height: u32, colour: u8, between: &[Vec<u8>], packed: &[u8]) -> Vec<u8> {
+fn png(width: u32, height: u32, color: u8, between: &[Vec<u8>], packed: &[u8]) -> Vec<u8> {
     let mut header = [width, height].map(u32::to_be_bytes).concat();
-    header.extend([8, colour, 0, 0, 0]);
+    header.extend([8, color, 0, 0, 0]);
     let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
     png.extend(chunk(b"IHDR", &header));
     png.extend(between.concat());

@@ -1,10 +1,8 @@
 //! The harness with small passes of its own: what it refuses, several frames, the past, and the order of threads.
 
-use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext,
-};
-use pass_test::{Harness, ResetCause};
+use pass::{Compute, OutputDesc, RecordContext, ResourceDesc, SceneBindings, Step, Threads};
+use pass_test::{Harness, ResetCause, TestPass};
+use std::sync::LazyLock;
 
 const SHADER: &str = "crates/pass-test/tests/main/passes.wgsl";
 
@@ -14,62 +12,25 @@ pass::settings! {
     }
 }
 
-/// A pass of one entry point that writes one buffer, named after it.
-struct Small {
-    entry: &'static str,
-    output: &'static str,
-    bytes: u64,
-    threads: [u32; 3],
-    /// Whether it reads a past, and the frame.
-    remembers: bool,
+/// Returns a pass of one entry point that writes one buffer.
+fn small(entry: &'static str, output: &str, bytes: u64, threads: [u32; 3]) -> TestPass {
+    let step = move |cx: &RecordContext<'_>| {
+        vec![Step::Compute(Compute::new(cx.shader(SHADER, &[]), entry, Threads::Grid(threads)))]
+    };
+    let output = OutputDesc::one(output, ResourceDesc::buffer(bytes)).cleared();
+    SmallSettings::schema()
+        .into_iter()
+        .fold(TestPass::new("small"), TestPass::setting)
+        .output(output)
+        .steps(step)
 }
 
-const COUNT_ON: Small =
-    Small { entry: "count_on", output: "state", bytes: 16, threads: [1, 1, 1], remembers: true };
-const VISIT: Small = Small {
-    entry: "visit",
-    output: "visits",
-    bytes: 4 * 40 * 12 * 6,
-    threads: [40, 12, 6],
-    remembers: false,
-};
-const ARRIVE: Small = Small {
-    entry: "arrive",
-    output: "arrivals",
-    bytes: 16 + 4 * 256,
-    threads: [256, 1, 1],
-    remembers: false,
-};
+/// Reads a history buffer, and the frame.
+static COUNT_ON: LazyLock<TestPass> = LazyLock::new(|| {
+    small("count_on", "state", 16, [1, 1, 1]).input("past", "Buffer").reads(SceneBindings::FRAME)
+});
 
-impl Pass for Small {
-    fn info(&self) -> Info {
-        Info { kind: "small", about: "", paper: "", shaders: &[SHADER] }
-    }
-
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(SmallSettings::schema())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        let past = self.remembers.then(|| pass::input("past", "Buffer", ""));
-        Ok(Ports {
-            inputs: past.into_iter().collect(),
-            outputs: vec![pass::output(self.output, "Buffer", "")],
-            scene_bindings: if self.remembers { SceneBindings::FRAME } else { SceneBindings::NONE },
-        })
-    }
-
-    fn outputs(&self, _: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        Ok(vec![OutputDesc::one(self.output, ResourceDesc::buffer(self.bytes)).cleared()])
-    }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let threads = Threads::Grid(self.threads);
-        Ok(Recording::one(Compute::new(cx.shader(SHADER, &[]), self.entry, threads)))
-    }
-}
-
-/// What a run says that fails.
+/// Returns the message of a run that fails.
 fn refusal(harness: Harness<'_>) -> Option<String> {
     pass_test::gpu()?;
     let run = std::panic::AssertUnwindSafe(|| harness.run().is_some());
@@ -87,24 +48,24 @@ fn state(sum: u32) -> Vec<(&'static str, ResourceDesc, Vec<u8>)> {
 
 #[test]
 fn what_a_pipeline_would_be_refused_for_is_refused() {
-    let closed = || Harness::new(&COUNT_ON).feedback("past", "state");
+    let closed = || Harness::new(&*COUNT_ON).feedback("past", "state");
     let Some(range) = refusal(closed().set("step", 101)) else { return };
     assert!(range.contains("at most 100"), "{range}");
     let name = refusal(closed().set("stepp", 1)).unwrap();
     assert!(name.contains("did you mean `step`"), "{name}");
     let ty = refusal(closed().set("step", "one")).unwrap();
     assert!(ty.contains("u32"), "{ty}");
-    let unlinked = refusal(Harness::new(&COUNT_ON)).unwrap();
+    let unlinked = refusal(Harness::new(&*COUNT_ON)).unwrap();
     assert!(unlinked.contains("past"), "{unlinked}");
     let texture = ResourceDesc::texture_2d(pass::Format::R32Float, (1, 1));
-    let input = Harness::new(&COUNT_ON).input("past", "Radiance", &[], vec![("", texture, Vec::new())]);
+    let input = Harness::new(&*COUNT_ON).input("past", "Radiance", &[], vec![("", texture, Vec::new())]);
     let sort = refusal(input).unwrap();
     assert!(sort.contains("`small.past` takes a buffer, and this is a texture"), "{sort}");
 }
 
 #[test]
 fn a_loop_goes_on_from_frame_to_frame() {
-    let closed = || Harness::new(&COUNT_ON).feedback("past", "state").set("step", 10);
+    let closed = || Harness::new(&*COUNT_ON).feedback("past", "state").set("step", 10);
     let Some(first) = counted(closed()) else { return };
     assert_eq!(first, [10, 0, 1, 0], "there is no past in the first frame");
     assert_eq!(counted(closed().frames(5).frame_index(7)), Some([50, 4, 0, 11]));
@@ -114,25 +75,27 @@ fn a_loop_goes_on_from_frame_to_frame() {
 
 #[test]
 fn a_past_has_the_age_it_is_given() {
-    let Some(none) = counted(Harness::new(&COUNT_ON).past("past", "Buffer", 0, state(100))) else { return };
+    let Some(none) = counted(Harness::new(&*COUNT_ON).past("past", "Buffer", 0, state(100))) else { return };
     assert_eq!(none, [1, 0, 1, 0]);
-    let old = Harness::new(&COUNT_ON).past("past", "Buffer", 3, state(100));
+    let old = Harness::new(&*COUNT_ON).past("past", "Buffer", 3, state(100));
     assert_eq!(counted(old), Some([101, 3, 0, 3]));
 }
 
 /// Every thread's work is done once, by whichever thread: the harness compares the two runs.
 #[test]
 fn another_order_of_threads_does_the_same_work() {
-    let Some(outputs) = Harness::new(&VISIT).run() else { return };
+    let visit = small("visit", "visits", 4 * 40 * 12 * 6, [40, 12, 6]);
+    let Some(outputs) = Harness::new(&visit).run() else { return };
     assert_eq!(outputs.read::<u32>("visits"), [1; 40 * 12 * 6]);
 }
 
 #[test]
 fn what_depends_on_the_order_of_threads_is_found() {
-    let Some(found) = refusal(Harness::new(&ARRIVE)) else { return };
+    let arrive = small("arrive", "arrivals", 16 + 4 * 256, [256, 1, 1]);
+    let Some(found) = refusal(Harness::new(&arrive)) else { return };
     assert!(found.starts_with("`small.arrivals` depends on the order of threads"), "{found}");
     let reason = "the list is not in order";
-    let outputs = Harness::new(&ARRIVE).depends_on_thread_order(reason).run().unwrap();
+    let outputs = Harness::new(&arrive).depends_on_thread_order(reason).run().unwrap();
     let mut arrived = outputs.read::<u32>("arrivals")[1..257].to_vec();
     arrived.sort_unstable();
     assert!(arrived.into_iter().eq(0..256));

@@ -19,7 +19,7 @@ var<uniform> settings: Settings;
 var<storage, read> past: State;
 var<storage, read_write> state: State;
 
-/// Counts on from the past, and notes what it is told.
+/// Counts on from the history buffer, and writes its facts.
 @compute @workgroup_size(1)
 fn count_on() {
     state = State(past.sum + settings.step, settings.past_age, settings.past_reset, frame.index);

@@ -111,7 +111,10 @@ impl Known<'_> {
             self.values.insert(format!("{prefix}size"), size);
             self.values.insert(format!("{prefix}layers"), Value::U32(texture.layers));
         }
-        for (fact, value) in port.facts.iter().filter(|(_, value)| value.as_text().is_none()) {
+        let of_module = port.facts.module().into_iter().flat_map(|module| &module.facts);
+        let of_module = of_module.map(|(fact, value)| (fact.as_str(), value));
+        let facts = port.facts.iter().chain(of_module);
+        for (fact, value) in facts.filter(|(_, value)| value.as_text().is_none()) {
             self.values.entry(format!("{prefix}{fact}")).or_insert_with(|| value.clone());
         }
     }

@@ -4,7 +4,7 @@ use super::outputs::COUNT;
 use crate::{Interface, OutputContext, PassTypeError, Value};
 use frame_graph::port::{Facts, InputDesc, OutputOverride};
 
-/// Returns the facts of an output. Of one that is offered as an interface, each fact is that which the use says with
+/// Returns the facts of an output but for those that its directive gives. Of one that no directive declares and that is offered as an interface, each fact is that which the use says with
 /// `out:`; else that of the linked inputs of the same interface, which must agree on it. `count` is that of the buffers
 /// of the output, where something tells it.
 ///
@@ -14,6 +14,7 @@ pub(super) fn of_output(
     interface: Option<&Interface>,
     port: &str,
     said: Option<&OutputOverride>,
+    is_declared: bool,
     count: Option<u32>,
     cx: &OutputContext<'_>,
 ) -> Result<Facts, PassTypeError> {
@@ -36,6 +37,7 @@ pub(super) fn of_output(
         let value = match (stated, counted(fact.name)) {
             (Some(stated), _) => stated.clone().and_then(|value| value.convert(fact.ty)),
             (None, Some(count)) => Some(count),
+            (None, None) if is_declared => None,
             (None, None) => handed_on(port, interface.name, fact.name, &inputs)?.cloned(),
         };
         if let Some(value) = value {

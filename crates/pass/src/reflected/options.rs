@@ -1,12 +1,132 @@
-//! Variants of a shader of a user's: its options as settings, and stand-ins for the modules of interfaces.
+//! Variants of the shaders of a pass: options as settings, what decides the others, and stand-ins for the modules of
+//! interfaces.
 
-use super::{UserShader, list, member_of};
+use super::{MainShader, begins, list};
 use crate::{
     Define, InputPort, Interface, Library, PassTypeError, Request, Setting, Settings, Traits, UseContext,
-    scene_bindings,
+    request, scene_bindings,
 };
 use frame_graph::codes::shader::MISSING_FILE;
-use shader_library::ShaderOption;
+use shader_library::{DeclaredPort, FileInfo, Outline, ShaderOption};
+use std::sync::Arc;
+
+/// What decides the options of a pass's shaders.
+#[derive(Clone, Copy)]
+pub(crate) struct Known<'a> {
+    /// The settings of the use.
+    pub(crate) settings: &'a Settings,
+    /// The traits of the scene, once they are known.
+    pub(crate) traits: Option<&'a Traits>,
+    /// Whether an input is linked.
+    pub(crate) linked: &'a dyn Fn(&str) -> bool,
+    /// Whether an output is read.
+    pub(crate) read: &'a dyn Fn(&str) -> bool,
+    /// Whether an input has a member.
+    pub(crate) member: &'a dyn Fn(&str, &str) -> Option<bool>,
+}
+
+/// What an option of a pass means, by its name.
+enum Meaning<'a> {
+    /// Whether an input is linked.
+    Linked(&'a str),
+    /// Whether an output is read.
+    Read(&'a str),
+    /// Whether an input has a member.
+    Member(&'a str, &'a str),
+    /// A trait of the scene.
+    Trait,
+    /// Only the pass sets it.
+    Internal,
+    Setting,
+}
+
+/// Returns what an option means in a pass that declares these ports.
+fn meaning<'a>(option: &ShaderOption, name: &'a str, declared: &'a Outline) -> Meaning<'a> {
+    let is_in = |ports: &[DeclaredPort]| ports.iter().any(|port| port.name == name);
+    if option.internal {
+        return Meaning::Internal;
+    }
+    if is_in(&declared.inputs) {
+        return Meaning::Linked(name);
+    }
+    if is_in(&declared.outputs) {
+        return Meaning::Read(name);
+    }
+    let member = |port: &'a DeclaredPort| Some((&*port.name, super::member_of(name, &port.name)?));
+    if let Some((port, member)) = declared.inputs.iter().filter_map(member).max_by_key(|(port, _)| port.len())
+    {
+        return Meaning::Member(port, member);
+    }
+    if scene_bindings::TRAITS.contains(&name) { Meaning::Trait } else { Meaning::Setting }
+}
+
+impl<'a> Known<'a> {
+    /// Returns what decides which ports and entry points a pass has. Those of a user's file are the same for each scene.
+    pub(super) fn of(&self, main: &MainShader) -> Known<'a> {
+        Known { traits: self.traits.filter(|_| main.folder.is_some()), ..*self }
+    }
+
+    /// Returns the variant that is selected of a shader of a pass that declares these ports. Options that the request gives
+    /// stay.
+    pub(crate) fn select(&self, library: &Library, mut request: Request, declared: &Outline) -> Request {
+        // Options may stand within `#if`: each that is given can bring more.
+        loop {
+            let Ok(outline) = library.outline(&request) else { return request };
+            let before = request.defines.len();
+            for option in &outline.options {
+                if !request.defines.contains_key(&option.name)
+                    && let Some(value) = self.value(option, declared)
+                {
+                    request.defines.insert(option.name.clone(), value);
+                }
+            }
+            if request.defines.len() == before {
+                return request;
+            }
+        }
+    }
+
+    /// Returns the value of an option; `None` where nothing decides it, and for one of another type.
+    pub(crate) fn value(&self, option: &ShaderOption, declared: &Outline) -> Option<Define> {
+        let name = option.name.to_lowercase();
+        let of = |value| Define::try_from(value).ok();
+        let value = match meaning(option, &name, declared) {
+            Meaning::Internal => None,
+            Meaning::Linked(port) => Some(Define::Bool((self.linked)(port))),
+            Meaning::Read(port) => Some(Define::Bool((self.read)(port))),
+            Meaning::Member(port, member) => (self.member)(port, member).map(Define::Bool),
+            Meaning::Trait => self.traits?.0.get(&name).and_then(of),
+            Meaning::Setting => self.settings.0.get(&name).and_then(of),
+        };
+        value.filter(|value| std::mem::discriminant(value) == std::mem::discriminant(&option.default))
+    }
+
+    /// Returns what the selected variant of a shader declares.
+    pub(super) fn outline(
+        &self,
+        library: &Library,
+        request: &Request,
+        declared: &Outline,
+    ) -> Option<Arc<Outline>> {
+        library.outline(&self.select(library, request.clone(), declared)).ok()
+    }
+}
+
+/// Returns what the main shader declares with its options at their defaults.
+///
+/// # Errors
+/// A file that is not there, or cannot be composed.
+pub(super) fn declared(cx: &UseContext<'_>, main: &MainShader) -> Result<Arc<Outline>, PassTypeError> {
+    let outline = cx.shaders.outline(&main.request);
+    outline.map_err(|errors| not_there(cx.shaders, &main.path).unwrap_or_else(|| main.refused(errors)))
+}
+
+/// Returns the shaders of a pass beside the main one: the files of its folder that have entry points.
+pub(super) fn others(library: &Library, main: &MainShader) -> Vec<FileInfo> {
+    let Some(folder) = &main.folder else { return Vec::new() };
+    let all = library.folder(folder);
+    all.iter().filter(|file| file.has_entries && file.path != main.path).cloned().collect()
+}
 
 /// An `#import interface`, which is an input.
 #[derive(Clone, Debug)]
@@ -28,48 +148,54 @@ impl Imported {
 
     /// Whether the module reads a global of this name.
     pub(super) fn fills(&self, global: &str) -> bool {
-        global == self.port || member_of(global, &self.port).is_some()
+        begins(global, &self.port)
     }
 }
 
 /// The request with a stand-in for each interface that the shader imports.
 pub(super) fn stand_in(
     cx: &UseContext<'_>,
-    user: &UserShader<'_>,
+    main: &MainShader,
+    request: &Request,
+    declared: &Outline,
 ) -> Result<(Request, Vec<Imported>), PassTypeError> {
-    let library = cx.shaders;
-    let refused = |errors| PassTypeError::new(format!("`{}` is refused\n{errors}", user.path));
-    let outline = library
-        .outline(&user.request)
-        .map_err(|errors| not_there(library, user.path).unwrap_or_else(|| refused(errors)))?;
-    let mut request = user.request.clone();
+    let outline = cx.shaders.outline(request).map_err(|errors| main.refused(errors))?;
+    let mut request = request.clone();
     let mut imported = Vec::new();
-    for port in outline.interfaces {
-        if request.modules.contains_key(&port) {
+    // Imports may stand within `#if`, which a variant may open: all inputs with a module have one.
+    let of_inputs = declared.inputs.iter().map(|input| &input.name);
+    for port in outline.interfaces.iter().chain(of_inputs) {
+        if request.modules.contains_key(port) {
             continue;
         }
+        let by_declaration = declared.inputs.iter().find(|input| input.name == *port);
         // `camera_visibility` is of the interface Visibility, `lit_points` of Points.
-        let named = |interface: &str| {
-            let name = snake_case(interface);
-            port == name || port.strip_suffix(&name).is_some_and(|rest| rest.ends_with('_'))
+        let named = |interface: &str| match by_declaration {
+            Some(declared) => declared.interface == interface,
+            None => {
+                let name = snake_case(interface);
+                *port == name || port.strip_suffix(&name).is_some_and(|rest| rest.ends_with('_'))
+            }
         };
         let with_modules = || {
             let stand_in = |known: &Interface| Some((known.name, known.stand_in?));
             cx.interfaces.iter().filter_map(stand_in)
         };
-        let Some((interface, module)) = with_modules().find(|(interface, _)| named(interface)) else {
-            let message = format!(
-                "`{}` imports the interface \"{port}\", and no producer has such a module",
-                user.path
-            );
-            let names: Vec<String> = with_modules().map(|(name, _)| snake_case(name)).collect();
-            let quoted = list(names.iter().map(|name| format!("\"{name}\"")));
-            let suffixes = list(names.iter().map(|name| format!("`_{name}`")));
-            return Err(PassTypeError::new(message)
-                .help(format!("there are {quoted}, and names that end in {suffixes}")));
-        };
-        request.modules.insert(port.clone(), module.to_owned());
-        imported.push(Imported { port, interface });
+        if let Some((interface, module)) = with_modules().find(|(interface, _)| named(interface)) {
+            request.modules.insert(port.clone(), module.to_owned());
+            imported.push(Imported { port: port.clone(), interface });
+            continue;
+        }
+        if !outline.interfaces.contains(port) {
+            continue;
+        }
+        let message =
+            format!("`{}` imports the interface \"{port}\", and no producer has such a module", main.path);
+        let names: Vec<String> = with_modules().map(|(name, _)| snake_case(name)).collect();
+        let quoted = list(names.iter().map(|name| format!("\"{name}\"")));
+        let suffixes = list(names.iter().map(|name| format!("`_{name}`")));
+        let help = format!("there are {quoted}, and names that end in {suffixes}");
+        return Err(PassTypeError::new(message).help(help));
     }
     Ok((request, imported))
 }
@@ -100,21 +226,17 @@ fn snake_case(interface: &str) -> String {
     name
 }
 
-/// The settings that the options and `struct Settings` of all variants declare.
-pub(super) fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec<Setting>, PassTypeError> {
-    let (library, (request, _)) = (cx.shaders, stand_in(cx, user)?);
-    let refused = |errors| PassTypeError::new(format!("`{}` is refused\n{errors}", user.path));
-    let shader = library.load(&request).map_err(refused)?;
-    let mut all: Vec<Setting> = shader
-        .outline()
-        .options
-        .iter()
-        .filter(|option| !is_trait(option))
-        .map(ShaderOption::setting)
-        .collect();
-    let options = all.len();
-    let mut declared = shader.settings().map_err(|errors| PassTypeError::new(errors.to_string()))?;
-    // What only other variants declare. Whatever else is wrong with them is told where they are used.
+/// The settings that the options and `struct Settings` of all variants of a user's file declare.
+pub(super) fn settings_of_file(
+    cx: &UseContext<'_>,
+    main: &MainShader,
+) -> Result<Vec<Setting>, PassTypeError> {
+    let (library, declared) = (cx.shaders, declared(cx, main)?);
+    let (request, _) = stand_in(cx, main, &main.request, &declared)?;
+    let shader = library.load(&request).map_err(|errors| main.refused(errors))?;
+    let mut options = settings_of_options(&shader.outline().options, &declared);
+    let mut members = shader.settings().map_err(|errors| PassTypeError::new(errors.to_string()))?;
+    // What only other variants declare. Whatever else is wrong with them is reported where they are used.
     let variants = if shader.outline().options.is_empty() {
         Vec::new()
     } else {
@@ -123,61 +245,81 @@ pub(super) fn settings(cx: &UseContext<'_>, user: &UserShader<'_>) -> Result<Vec
     for variant in variants {
         let more = library.load(&variant).and_then(|shader| shader.settings()).unwrap_or_default();
         for setting in more {
-            if !declared.iter().any(|known| known.name == setting.name) {
-                declared.push(setting);
+            if !members.iter().any(|known| known.name == setting.name) {
+                members.push(setting);
             }
         }
     }
-    if let Some(twice) = declared.iter().find(|setting| all.iter().any(|option| option.name == setting.name))
-    {
-        let message =
-            format!("`{}` is an option and a member of `Settings`: one name for two settings", twice.name);
-        return Err(PassTypeError::new(message));
-    }
-    all.append(&mut declared);
-    // What is set most is told first.
-    all.rotate_left(options);
-    Ok(all)
+    check_apart(&members, &options)?;
+    members.append(&mut options);
+    Ok(members)
 }
 
-/// The variant that settings select.
-pub(super) fn select(library: &Library, mut request: Request, settings: &Settings) -> Request {
-    // Options may stand within `#if`: each that is given can bring more.
-    loop {
-        let options = library.outline(&request).map(|outline| outline.options).unwrap_or_default();
-        let before = request.defines.len();
-        for option in options {
-            let value = settings.0.get(&setting_name(&option)).and_then(|value| Define::try_from(value).ok());
-            if let Some(value) = value.filter(|value| fits(&option, value)) {
-                request.defines.insert(option.name, value);
+/// The settings that the options and `struct Settings` declare in the files of a pass's folder, and the options of the
+/// modules that it provides.
+pub(super) fn settings_of_folder(
+    cx: &UseContext<'_>,
+    main: &MainShader,
+    folder: &str,
+) -> Result<Vec<Setting>, PassTypeError> {
+    let (library, declared) = (cx.shaders, declared(cx, main)?);
+    let (mut members, mut options): (Vec<Setting>, Vec<Setting>) = Default::default();
+    let files = library.folder(folder);
+    let paths = files.iter().map(|file| file.path.clone()).filter(|path| *path != main.path);
+    let modules = declared
+        .outputs
+        .iter()
+        .filter_map(|output| Some(module_path(library, folder, output.module.as_ref()?)));
+    for path in std::iter::once(main.path.clone()).chain(paths).chain(modules) {
+        let of_file = request(&path, &[]);
+        let outline = library.outline(&of_file).map_err(|errors| main.refused(errors))?;
+        for setting in settings_of_options(&outline.options, &declared) {
+            if !options.iter().any(|known| known.name == setting.name) {
+                options.push(setting);
             }
         }
-        if request.defines.len() == before {
-            return request;
+        for setting in library.settings(&of_file).map_err(|errors| main.refused(errors))? {
+            match members.iter().find(|known| known.name == setting.name) {
+                None => members.push(setting),
+                Some(known) if known.declared == setting.declared => {}
+                Some(known) => {
+                    let (name, places) = (&setting.name, (&known.declared, &setting.declared));
+                    let message = format!("{}: the setting `{name}` is declared twice", places.1);
+                    return Err(PassTypeError::new(message).help(format!("it is declared at {}", places.0)));
+                }
+            }
         }
+    }
+    check_apart(&members, &options)?;
+    members.append(&mut options);
+    Ok(members)
+}
+
+/// The path of a module that a directive names: beside the main file, or among the shared files.
+pub(super) fn module_path(library: &Library, folder: &str, name: &str) -> String {
+    let beside = format!("{folder}/{name}");
+    if library.folder(folder).iter().any(|file| file.path == beside) {
+        beside
+    } else if name.contains('/') {
+        name.to_owned()
+    } else {
+        format!("shaders/{name}")
     }
 }
 
-/// The variant for a scene: options that are named as its traits have their values.
-pub(super) fn select_for_scene(library: &Library, mut request: Request, traits: &Traits) -> Request {
-    for option in library.outline(&request).map(|outline| outline.options).unwrap_or_default() {
-        let value = traits.0.get(&setting_name(&option)).and_then(|value| Define::try_from(value).ok());
-        if let Some(value) = value.filter(|value| fits(&option, value)) {
-            request.defines.insert(option.name, value);
-        }
+fn settings_of_options(options: &[ShaderOption], declared: &Outline) -> Vec<Setting> {
+    let is_setting = |option: &&ShaderOption| {
+        matches!(meaning(option, &option.name.to_lowercase(), declared), Meaning::Setting)
+    };
+    options.iter().filter(is_setting).map(ShaderOption::setting).collect()
+}
+
+fn check_apart(members: &[Setting], options: &[Setting]) -> Result<(), PassTypeError> {
+    match members.iter().find(|setting| options.iter().any(|option| option.name == setting.name)) {
+        Some(twice) => Err(PassTypeError::new(format!(
+            "`{}` is an option and a member of `Settings`: one name for two settings",
+            twice.name
+        ))),
+        None => Ok(()),
     }
-    request
-}
-
-fn fits(option: &ShaderOption, value: &Define) -> bool {
-    std::mem::discriminant(value) == std::mem::discriminant(&option.default)
-}
-
-/// Options are named in capitals, settings and traits are not.
-fn setting_name(option: &ShaderOption) -> String {
-    option.name.to_lowercase()
-}
-
-fn is_trait(option: &ShaderOption) -> bool {
-    scene_bindings::TRAITS.contains(&&*setting_name(option))
 }

@@ -1,18 +1,17 @@
-//! A pass type without Rust of its own.
+//! A pass type whose uses name their WGSL.
 
-use super::{Reflected, UserShader};
-use crate::{
-    Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, Request, Setting,
-    Settings, Use, UseContext,
-};
+use super::MainShader;
+use crate::{About, Library, Pass, PassTypeError, Request, Use};
 use shader_library::Stage;
 
-/// A pass type whose uses name a WGSL file that says all the rest: the entry points of one stage, in the order of the
+/// A pass type whose uses name a WGSL file that declares all the rest: the entry points of one stage, in the order of the
 /// text.
 #[derive(Debug)]
 pub struct ShaderPass {
-    /// What the documentation says of it.
-    pub info: Info,
+    /// The name in RON.
+    pub kind: &'static str,
+    /// What it computes.
+    pub about: &'static str,
     /// The stage of the entry points.
     pub stage: Stage,
     /// Returns the shader that is run for a user's file: the file itself, or one that imports it.
@@ -21,42 +20,26 @@ pub struct ShaderPass {
     pub example: &'static str,
 }
 
-impl ShaderPass {
-    fn user<'a>(&self, use_: &Use<'a>) -> Result<UserShader<'a>, PassTypeError> {
-        let path = use_.shader.ok_or_else(|| {
-            PassTypeError::new("the use names no shader").help(format!("say which: {}", self.example))
-        })?;
-        Ok(UserShader { path, request: (self.request)(path), stage: self.stage })
-    }
-}
-
 impl Pass for ShaderPass {
-    fn info(&self) -> Info {
-        self.info
+    fn kind(&self) -> &'static str {
+        self.kind
+    }
+
+    fn about(&self, library: &Library) -> About {
+        let folder = library.folder(&format!("passes/{}", self.kind));
+        let shaders = folder.iter().map(|file| file.path.clone()).collect();
+        About { about: self.about.to_owned(), shaders, ..About::default() }
     }
 
     fn takes_shader(&self) -> bool {
         true
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        super::settings(cx, &self.user(&cx.use_)?)
-    }
-
-    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
-        Reflected::new(cx, &self.user(&cx.use_)?, settings)?.ports(cx, settings)
-    }
-
-    fn outputs(
-        &self,
-        cx: &UseContext<'_>,
-        outputs: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        Reflected::new(cx, &self.user(&cx.use_)?, outputs.settings)?.outputs(cx, outputs)
-    }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let (user, use_cx) = (self.user(&cx.use_)?, cx.use_context());
-        Reflected::new(&use_cx, &user, cx.settings)?.record(cx, &user)
+    fn main_shader(&self, use_: &Use<'_>) -> Result<MainShader, PassTypeError> {
+        let path = use_.shader.ok_or_else(|| {
+            PassTypeError::new("the use names no shader").help(format!("say which: {}", self.example))
+        })?;
+        let request = (self.request)(path);
+        Ok(MainShader { path: path.to_owned(), request, stage: Some(self.stage), folder: None })
     }
 }

@@ -1,7 +1,8 @@
-//! The steps of a shader of a user's: a dispatch or a draw for each of its entry points.
+//! The steps of a pass: a dispatch or a draw for each of the entry points of its main shader.
 
 use super::outputs::{COUNT, Form};
-use super::{Reflected, UserShader, list, member_of, options};
+use super::scope::Scope;
+use super::{Reflected, begins, list};
 use crate::{
     Compute, Draw, PassTypeError, PortDesc, Ports, Raster, RecordContext, Recording, ResourceDesc, Settings,
     Step, Target, Threads, Value,
@@ -17,14 +18,33 @@ const ROUND: &str = "round";
 
 impl Reflected {
     fn said(&self, entry: &Entry) -> Option<&EntryAttributes> {
-        self.attributes.entries.iter().find(|said| said.name == entry.name)
+        self.attributes().entries.iter().find(|said| said.name == entry.name)
+    }
+
+    /// With what an error in the attributes of an entry point begins.
+    fn beginning(&self, said: &EntryAttributes) -> String {
+        let place = self.shader().place(said.place.clone());
+        let place = place.map_or_else(String::new, |place| format!("{place}: "));
+        format!("{place}`{}`: ", said.name)
     }
 
     /// An error in the attributes of an entry point.
     fn wrong(&self, said: &EntryAttributes, message: String) -> PassTypeError {
-        let place =
-            self.shader.place(said.place.clone()).map_or_else(String::new, |place| format!("{place}: "));
-        PassTypeError::new(format!("{place}`{}`: {message}", said.name))
+        PassTypeError::new(format!("{}{message}", self.beginning(said)))
+    }
+
+    /// The number that an attribute gives.
+    fn amount(
+        &self,
+        cx: &RecordContext<'_>,
+        said: &EntryAttributes,
+        Amount(text): &Amount,
+    ) -> Result<u32, PassTypeError> {
+        let interface = &self.shader().interface;
+        let constants = interface.constants.iter().map(|(name, value)| (name, value));
+        let names = self.outline.inputs.iter().map(|input| &*input.name);
+        let scope = Scope::of_steps(cx).with(constants, names);
+        scope.whole(text).map_err(|wrong| wrong.at(&self.beginning(said)))
     }
 
     /// Checks that what attributes name is there.
@@ -47,7 +67,7 @@ impl Reflected {
                 let scratch =
                     self.written.iter().filter(|written| written.scratch).map(|written| &*written.name);
                 let known: Vec<&str> = inputs.chain(outputs).chain(scratch).collect();
-                if !known.iter().any(|port| is_of(port, name)) {
+                if !known.iter().any(|port| begins(name, port)) {
                     let error = self.wrong(said, format!("there is no input, output or scratch `{name}`"));
                     return Err(error.help(match nearest(name, known.iter().copied()) {
                         Some(near) => format!("did you mean `{near}`?"),
@@ -60,8 +80,11 @@ impl Reflected {
                 Some(ThreadCount::Grid(amounts)) => amounts,
                 _ => &[],
             };
-            for amount in threads.iter().chain(&said.repeat) {
-                self.amount(said, amount, settings)?;
+            let interface = &self.shader().interface;
+            let constants = interface.constants.iter().map(|(name, value)| (name, value));
+            let scope = Scope::of_settings(settings).with(constants, []);
+            for Amount(text) in threads.iter().chain(&said.repeat) {
+                scope.check(text).map_err(|wrong| wrong.at(&self.beginning(said)))?;
             }
         }
         Ok(())
@@ -70,9 +93,9 @@ impl Reflected {
     /// Checks that an entry point does not read what it writes under another name.
     fn check_aliases(&self, entry: &Entry) -> Result<(), PassTypeError> {
         let uses = |name: &str| {
-            entry.globals.iter().any(|&global| self.shader.interface.globals[global].name == name)
+            entry.globals.iter().any(|&global| self.shader().interface.globals[global].name == name)
         };
-        for said in &self.attributes.globals {
+        for said in &self.attributes().globals {
             if let Some(read) = &said.reads
                 && uses(&said.name)
                 && uses(read)
@@ -87,51 +110,19 @@ impl Reflected {
         Ok(())
     }
 
-    /// The number that an attribute gives.
-    fn amount(
-        &self,
-        said: &EntryAttributes,
-        amount: &Amount,
-        settings: &Settings,
-    ) -> Result<u32, PassTypeError> {
-        let name = match amount {
-            Amount::Number(number) => return Ok(*number),
-            Amount::Setting(name) => name,
-        };
-        match settings.0.get(name) {
-            Some(Value::U32(number)) => Ok(*number),
-            Some(other) => {
-                Err(self.wrong(said, format!("`{name}` is {}, not a u32", other.ty().with_article())))
-            }
-            None => {
-                let error = self.wrong(said, format!("there is no setting `{name}`"));
-                Err(error.help(match nearest(name, settings.0.keys().map(String::as_str)) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("there are {}", list(settings.0.keys())),
-                }))
-            }
-        }
-    }
-
     /// Returns the steps: the entry points in order, each as often as it says.
     ///
     /// # Errors
     /// Thread counts that nothing gives.
-    pub(super) fn record(
-        &self,
-        cx: &RecordContext<'_>,
-        user: &UserShader<'_>,
-    ) -> Result<Recording, PassTypeError> {
+    pub(super) fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let use_cx = cx.use_context();
-        // First what the use says, then what the modules of producers add.
-        let request = options::select(cx.shaders, cx.with_modules(user.request.clone()), cx.settings);
-        let shader = options::select_for_scene(cx.shaders, request, cx.traits);
+        let shader = cx.variant(self.main.request.clone());
         let mut recording = Recording::default();
         for (index, entry) in self.entries.iter().enumerate() {
             let said = self.said(entry);
             let repeat = said.and_then(|said| Some((said, said.repeat.as_ref()?)));
             let rounds = match repeat {
-                Some((said, amount)) => match self.amount(said, amount, cx.settings)? {
+                Some((said, amount)) => match self.amount(cx, said, amount)? {
                     rounds if rounds > MAX_REPEATS => {
                         return Err(self.wrong(said, format!("{rounds} repeats are more than {MAX_REPEATS}")));
                     }
@@ -140,7 +131,7 @@ impl Reflected {
                 None => 1,
             };
             let bind: Vec<(String, String)> = self
-                .attributes
+                .attributes()
                 .globals
                 .iter()
                 .filter_map(|global| Some((global.name.clone(), global.reads.clone()?)))
@@ -183,12 +174,12 @@ impl Reflected {
         let port = |name: &str| {
             let ports = || cx.inputs.iter().chain(cx.outputs);
             let exact = ports().find(|port| port.name == *name);
-            exact.or_else(|| ports().find(|port| is_of(&port.name, name)))
+            exact.or_else(|| ports().find(|port| begins(name, &port.name)))
         };
         match threads {
-            ThreadCount::Row(amount) => self.amount(said, amount, cx.settings).map(Threads::Row),
+            ThreadCount::Row(amount) => Ok(Threads::Row(self.amount(cx, said, amount)?.max(1))),
             ThreadCount::Grid([x, y, z]) => {
-                let amount = |amount| self.amount(said, amount, cx.settings);
+                let amount = |amount| self.amount(cx, said, amount).map(|count| count.max(1));
                 Ok(Threads::Grid([amount(x)?, amount(y)?, amount(z)?]))
             }
             ThreadCount::Texels(name) => {
@@ -200,7 +191,7 @@ impl Reflected {
             }
             ThreadCount::Elements(name) => {
                 let count = port(name).and_then(|port| self.elements(port, name));
-                count.map(Threads::Row).ok_or_else(|| {
+                count.map(|count| Threads::Row(count.max(1))).ok_or_else(|| {
                     self.wrong(
                         said,
                         format!("nothing says how many elements `{name}` has: it has no fact `count`"),
@@ -215,7 +206,7 @@ impl Reflected {
         if let Some(count) = COUNT.of(&port.facts) {
             return Some(count);
         }
-        let (_, global) = self.shader.interface.global(name)?;
+        let (_, global) = self.shader().interface.global(name)?;
         let GlobalKind::Storage { layout, .. } = &global.kind else { return None };
         let (_, stride) = layout.element.as_ref()?;
         let bytes = port.members.iter().find_map(|(_, desc)| match desc {
@@ -233,7 +224,7 @@ impl Reflected {
             let of_entry = |name: &str| {
                 let written =
                     self.written.iter().any(|w| w.name == name && !matches!(w.form, Form::Target(_)));
-                written && entry.globals.iter().any(|&g| self.shader.interface.globals[g].name == name)
+                written && entry.globals.iter().any(|&g| self.shader().interface.globals[g].name == name)
             };
             port.members.iter().any(|(member, _)| match &**member {
                 "" => of_entry(&port.name),
@@ -246,11 +237,6 @@ impl Reflected {
             return Threads::Grid([texture.size.0, texture.size.1, texture.layers]);
         }
         let count = written.iter().find_map(|port| COUNT.of(&port.facts));
-        Threads::Row(count.unwrap_or(1))
+        Threads::Row(count.unwrap_or(1).max(1))
     }
-}
-
-/// Whether a name is that of a port, or of a global that the port fills.
-fn is_of(port: &str, name: &str) -> bool {
-    name == port || member_of(name, port).is_some()
 }

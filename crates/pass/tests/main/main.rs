@@ -1,6 +1,7 @@
 //! Settings, and linking of what passes record.
 
 mod contents;
+mod declared;
 mod facts;
 mod modules;
 mod pass_types;

@@ -17,11 +17,7 @@ pub(crate) struct TestPassTypes<'a> {
 
 impl TestPassTypes<'_> {
     fn find(&self, kind: &str) -> &dyn Pass {
-        *self
-            .passes
-            .iter()
-            .find(|pass| pass.info().kind == kind)
-            .expect("pipelines of tests name what there is")
+        *self.passes.iter().find(|pass| pass.kind() == kind).expect("pipelines of tests name what there is")
     }
 
     /// The plan of a pipeline, or why it does not link.
@@ -67,11 +63,18 @@ static INTERFACES: &[Interface] = &[
         .with_facts(&[TILE.decl(), TILES.decl()]),
     Interface::new("Maps", "", &[Member::required("", Content::Texture(Format::R32Float), "")])
         .with_facts(&[SIDE.decl(), TILES.decl(), BOUND.decl()]),
+    Interface::new("Numbers", "", &[Member::required("", Content::Buffer, "f32")])
+        .with_facts(&[COUNT.decl(), SCALE.decl()]),
 ];
+
+/// How many numbers there are.
+const COUNT: Fact<u32> = Fact::required("count", "");
+/// What they are multiplied by.
+const SCALE: Fact<f32> = Fact::optional("scale", "");
 
 impl PassTypes for TestPassTypes<'_> {
     fn names(&self) -> Vec<String> {
-        self.passes.iter().map(|pass| pass.info().kind.into()).collect()
+        self.passes.iter().map(|pass| pass.kind().into()).collect()
     }
 
     fn interfaces(&self) -> &[Interface] {

@@ -2,7 +2,7 @@
 
 use crate::pass_types::TestPassTypes;
 use pass::reflected::ShaderPass;
-use pass::{Info, Library, Traits, Value};
+use pass::{Library, Traits, Value};
 use shader_library::{MemoryFiles, Stage};
 use std::sync::Arc;
 
@@ -15,7 +15,8 @@ const WRAPPER: &str = "#import interface \"effect\"
 ";
 
 const FRAGMENTS: ShaderPass = ShaderPass {
-    info: Info { kind: "fragments", about: "", paper: "", shaders: &[] },
+    kind: "fragments",
+    about: "",
     stage: Stage::Fragment,
     request: |path| {
         let mut request = pass::request("wrapper.wgsl", &[]);

@@ -22,15 +22,6 @@ impl<'a, F: Float> Interpreter<'a, F> {
     ) -> Result<Value<F>, Fault> {
         let value = |handle: Handle<Expression>| self.value(frame, handle);
         Ok(match &frame.function.expressions[handle] {
-            Expression::Literal(literal) => of_literal(*literal)?,
-            Expression::Constant(constant) => {
-                self.global_expression(self.module.constants[*constant].init)?
-            }
-            Expression::ZeroValue(ty) => self.zero(*ty)?,
-            Expression::Compose { ty, components } => {
-                let values = components.iter().map(|component| value(*component));
-                self.compose(*ty, values.collect::<Result<_, _>>()?)?
-            }
             Expression::Access { base, index } => {
                 let index = match value(*index)? {
                     Value::Scalar(Scalar::U32(index)) => index,
@@ -46,7 +37,6 @@ impl<'a, F: Float> Interpreter<'a, F> {
                 Some(base) => part(base, *index)?,
                 None => part(&value(*base)?, *index)?,
             },
-            Expression::Splat { size, value: of } => splat(*size as usize, &value(*of)?)?,
             Expression::Swizzle { size, vector, pattern } => match value(*vector)? {
                 Value::Vector(vector) => {
                     let pattern = &pattern[..*size as usize];
@@ -89,34 +79,33 @@ impl<'a, F: Float> Interpreter<'a, F> {
             }
             Expression::As { expr, kind, convert } => cast(&value(*expr)?, *kind, *convert)?,
             Expression::CallResult(_) => return Err(Fault::new("a call that returns nothing has no value")),
-            other => {
-                return Err(Fault::new(format!(
-                    "{} is not known to the interpreter",
-                    expression_name(other)
-                )));
-            }
+            other => self.constant(other, &value)?,
         })
     }
 
-    /// The value of an expression of the module: naga has evaluated all but its composition.
+    /// Returns the value of an expression of the module: naga has evaluated all but its composition.
     pub(super) fn global_expression(&self, handle: Handle<Expression>) -> Result<Value<F>, Fault> {
-        Ok(match &self.module.global_expressions[handle] {
+        self.constant(&self.module.global_expressions[handle], &|handle| self.global_expression(handle))
+    }
+
+    /// Returns the value of an expression that may stand in the module and in functions.
+    fn constant(
+        &self,
+        expression: &Expression,
+        value: &dyn Fn(Handle<Expression>) -> Result<Value<F>, Fault>,
+    ) -> Result<Value<F>, Fault> {
+        Ok(match expression {
             Expression::Literal(literal) => of_literal(*literal)?,
             Expression::Constant(constant) => {
                 self.global_expression(self.module.constants[*constant].init)?
             }
             Expression::ZeroValue(ty) => self.zero(*ty)?,
             Expression::Compose { ty, components } => {
-                let values = components.iter().map(|component| self.global_expression(*component));
+                let values = components.iter().map(|component| value(*component));
                 self.compose(*ty, values.collect::<Result<_, _>>()?)?
             }
-            Expression::Splat { size, value } => splat(*size as usize, &self.global_expression(*value)?)?,
-            other => {
-                return Err(Fault::new(format!(
-                    "{} is not known to the interpreter",
-                    expression_name(other)
-                )));
-            }
+            Expression::Splat { size, value: of } => splat(*size as usize, &value(*of)?)?,
+            other => return Err(Fault::unknown(expression_name(other))),
         })
     }
 
@@ -163,29 +152,25 @@ fn of_literal<F: Float>(literal: Literal) -> Result<Value<F>, Fault> {
         Literal::U32(x) => Scalar::U32(x),
         Literal::I32(x) => Scalar::I32(x),
         Literal::Bool(on) => Scalar::Bool(on),
-        other => return Err(Fault::new(format!("the number {other:?} is not known to the interpreter"))),
+        other => return Err(Fault::unknown(format_args!("the number {other:?}"))),
     }))
 }
 
-/// A conversion to a kind of scalar of that width; of bits, without one.
+/// Converts to a scalar type of `width` bytes; bitcasts if `width` is `None`.
 fn cast<F: Float>(value: &Value<F>, kind: ScalarKind, width: Option<naga::Bytes>) -> Result<Value<F>, Fault> {
     if let Some(width) = width
         && width != 4
         && kind != ScalarKind::Bool
     {
-        return Err(Fault::new(format!("a number of {width} bytes is not known to the interpreter")));
+        return Err(Fault::unknown(format_args!("a number of {width} bytes")));
     }
     let one =
         |scalar: Scalar<F>| if width.is_some() { converted(scalar, kind) } else { same_bits(scalar, kind) };
-    Ok(match value {
-        Value::Scalar(scalar) => Value::Scalar(one(*scalar)?),
-        Value::Vector(vector) => {
-            let components = vector.components().iter().map(|component| one(*component));
-            Value::Vector(Vector::new(components.collect::<Result<Vec<_>, _>>()?))
-        }
+    match value {
+        Value::Scalar(_) | Value::Vector(_) => operator::each(value, &one),
         // A conversion of a matrix of f32 can only be to f32.
-        other => other.clone(),
-    })
+        other => Ok(other.clone()),
+    }
 }
 
 fn converted<F: Float>(scalar: Scalar<F>, kind: ScalarKind) -> Result<Scalar<F>, Fault> {
@@ -203,7 +188,7 @@ fn converted<F: Float>(scalar: Scalar<F>, kind: ScalarKind) -> Result<Scalar<F>,
         (ScalarKind::Sint, _) => Scalar::I32(number as i32),
         (ScalarKind::Uint, _) => Scalar::U32(number as u32),
         (ScalarKind::Float, _) => Scalar::Float(F::of(number)),
-        _ => return Err(Fault::new("an abstract number is not known to the interpreter")),
+        _ => return Err(Fault::unknown("an abstract number")),
     })
 }
 
@@ -222,7 +207,7 @@ fn same_bits<F: Float>(scalar: Scalar<F>, kind: ScalarKind) -> Result<Scalar<F>,
         ScalarKind::Sint => Scalar::I32(bits as i32),
         ScalarKind::Uint => Scalar::U32(bits),
         ScalarKind::Float => Scalar::Float(F::of(f64::from(f32::from_bits(bits)))),
-        _ => return Err(Fault::new("a bitcast to this type is not known to the interpreter")),
+        _ => return Err(Fault::unknown("a bitcast to this type")),
     })
 }
 

@@ -17,7 +17,7 @@ pub(super) fn call<F: Float>(fun: Math, arguments: &[Value<F>]) -> Result<Value<
 }
 
 fn unknown<T>(fun: Math) -> Result<T, Fault> {
-    Err(Fault::new(format!("the function {fun:?} is not known to the interpreter")))
+    Err(Fault::unknown(format_args!("the function {fun:?}")))
 }
 
 fn number<F: Float>(x: F) -> Result<Scalar<F>, Fault> {
@@ -162,25 +162,16 @@ fn of_two<F: Float>(fun: Math, a: &Value<F>, b: &Value<F>) -> Result<Value<F>, F
             }
             _ => unknown(fun),
         }),
-        _ => both(a, b, &|a, b| match (a, b) {
-            (Scalar::Float(a), Scalar::Float(b)) => match fun {
-                Math::Min => number(a.min(b)),
-                Math::Max => number(a.max(b)),
-                Math::Pow => number(a.powf(b)),
-                Math::Atan2 => number(a.atan2(b)),
-                Math::Step => number(F::of(f64::from(u8::from(a <= b)))),
-                _ => unknown(fun),
-            },
-            (Scalar::I32(a), Scalar::I32(b)) => match fun {
-                Math::Min => Ok(Scalar::I32(a.min(b))),
-                Math::Max => Ok(Scalar::I32(a.max(b))),
-                _ => unknown(fun),
-            },
-            (Scalar::U32(a), Scalar::U32(b)) => match fun {
-                Math::Min => Ok(Scalar::U32(a.min(b))),
-                Math::Max => Ok(Scalar::U32(a.max(b))),
-                _ => unknown(fun),
-            },
+        _ => both(a, b, &|a, b| match (fun, a, b) {
+            (Math::Min, Scalar::Float(a), Scalar::Float(b)) => number(a.min(b)),
+            (Math::Max, Scalar::Float(a), Scalar::Float(b)) => number(a.max(b)),
+            (Math::Pow, Scalar::Float(a), Scalar::Float(b)) => number(a.powf(b)),
+            (Math::Atan2, Scalar::Float(a), Scalar::Float(b)) => number(a.atan2(b)),
+            (Math::Step, Scalar::Float(a), Scalar::Float(b)) => number(F::of(f64::from(u8::from(a <= b)))),
+            (Math::Min, Scalar::I32(a), Scalar::I32(b)) => Ok(Scalar::I32(a.min(b))),
+            (Math::Max, Scalar::I32(a), Scalar::I32(b)) => Ok(Scalar::I32(a.max(b))),
+            (Math::Min, Scalar::U32(a), Scalar::U32(b)) => Ok(Scalar::U32(a.min(b))),
+            (Math::Max, Scalar::U32(a), Scalar::U32(b)) => Ok(Scalar::U32(a.max(b))),
             _ => unknown(fun),
         }),
     }

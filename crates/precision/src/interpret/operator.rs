@@ -111,11 +111,13 @@ pub(super) fn dot<F: Float>(a: &[Scalar<F>], b: &[Scalar<F>]) -> Result<Scalar<F
 pub(super) fn of_scalars<F: Float>(op: Binary, a: Scalar<F>, b: Scalar<F>) -> Result<Scalar<F>, Fault> {
     match (a, b) {
         (Scalar::Float(a), Scalar::Float(b)) => of_floats(op, a, b),
-        (Scalar::I32(a), Scalar::I32(b)) => of_signed(op, a, b),
-        (Scalar::U32(a), Scalar::U32(b)) => of_unsigned(op, a, b),
         // The number of places of a shift is unsigned, whatever is shifted.
         (Scalar::I32(a), Scalar::U32(b)) if op == Binary::ShiftLeft => Some(Scalar::I32(a.wrapping_shl(b))),
         (Scalar::I32(a), Scalar::U32(b)) if op == Binary::ShiftRight => Some(Scalar::I32(a.wrapping_shr(b))),
+        (Scalar::U32(a), Scalar::U32(b)) if op == Binary::ShiftLeft => Some(Scalar::U32(a.wrapping_shl(b))),
+        (Scalar::U32(a), Scalar::U32(b)) if op == Binary::ShiftRight => Some(Scalar::U32(a.wrapping_shr(b))),
+        (Scalar::I32(a), Scalar::I32(b)) => of_signed(op, a, b),
+        (Scalar::U32(a), Scalar::U32(b)) => of_unsigned(op, a, b),
         (Scalar::Bool(a), Scalar::Bool(b)) => match op {
             Binary::LogicalAnd | Binary::And => Some(Scalar::Bool(a && b)),
             Binary::LogicalOr | Binary::InclusiveOr => Some(Scalar::Bool(a || b)),
@@ -151,36 +153,28 @@ fn of_floats<F: Float>(op: Binary, a: F, b: F) -> Option<Scalar<F>> {
     }))
 }
 
-fn of_signed<F: Float>(op: Binary, a: i32, b: i32) -> Option<Scalar<F>> {
-    Some(Scalar::I32(match op {
-        Binary::Add => a.wrapping_add(b),
-        Binary::Subtract => a.wrapping_sub(b),
-        Binary::Multiply => a.wrapping_mul(b),
-        // [WGSL §8.7: division by zero gives the dividend, and no remainder]
-        Binary::Divide => a.checked_div(b).unwrap_or(a),
-        Binary::Modulo => a.checked_rem(b).unwrap_or(0),
-        Binary::And => a & b,
-        Binary::InclusiveOr => a | b,
-        Binary::ExclusiveOr => a ^ b,
-        _ => return compared(op, a, b),
-    }))
+/// Defines an operation of two integers of a type.
+macro_rules! of_integers {
+    ($name:ident $type:ident $scalar:ident) => {
+        fn $name<F: Float>(op: Binary, a: $type, b: $type) -> Option<Scalar<F>> {
+            Some(Scalar::$scalar(match op {
+                Binary::Add => a.wrapping_add(b),
+                Binary::Subtract => a.wrapping_sub(b),
+                Binary::Multiply => a.wrapping_mul(b),
+                // [WGSL §8.7: division by zero gives the dividend, and no remainder]
+                Binary::Divide => a.checked_div(b).unwrap_or(a),
+                Binary::Modulo => a.checked_rem(b).unwrap_or(0),
+                Binary::And => a & b,
+                Binary::InclusiveOr => a | b,
+                Binary::ExclusiveOr => a ^ b,
+                _ => return compared(op, a, b),
+            }))
+        }
+    };
 }
 
-fn of_unsigned<F: Float>(op: Binary, a: u32, b: u32) -> Option<Scalar<F>> {
-    Some(Scalar::U32(match op {
-        Binary::Add => a.wrapping_add(b),
-        Binary::Subtract => a.wrapping_sub(b),
-        Binary::Multiply => a.wrapping_mul(b),
-        Binary::Divide => a.checked_div(b).unwrap_or(a),
-        Binary::Modulo => a.checked_rem(b).unwrap_or(0),
-        Binary::And => a & b,
-        Binary::InclusiveOr => a | b,
-        Binary::ExclusiveOr => a ^ b,
-        Binary::ShiftLeft => a.wrapping_shl(b),
-        Binary::ShiftRight => a.wrapping_shr(b),
-        _ => return compared(op, a, b),
-    }))
-}
+of_integers!(of_signed i32 I32);
+of_integers!(of_unsigned u32 U32);
 
 pub(super) fn select<F: Float>(
     condition: &Value<F>,
@@ -208,7 +202,7 @@ pub(super) fn relational<F: Float>(fun: RelationalFunction, value: &Value<F>) ->
         RelationalFunction::All => truths.iter().all(|on| *on),
         RelationalFunction::Any => truths.iter().any(|on| *on),
         RelationalFunction::IsNan | RelationalFunction::IsInf => {
-            return Err(Fault::new(format!("{fun:?} is not known to the interpreter")));
+            return Err(Fault::unknown(format_args!("{fun:?}")));
         }
     })))
 }

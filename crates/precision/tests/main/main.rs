@@ -12,9 +12,9 @@ use std::sync::Arc;
 fn library() -> Library {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
     let mut roots = vec!["shaders".to_owned()];
-    let folders = std::fs::read_dir(format!("{root}/interfaces")).unwrap().flatten();
+    let folders = std::fs::read_dir(format!("{root}/crates/interfaces")).unwrap().flatten();
     let folders = folders.filter(|entry| entry.file_type().is_ok_and(|file| file.is_dir()));
-    roots.extend(folders.map(|entry| format!("interfaces/{}", entry.file_name().display())));
+    roots.extend(folders.map(|entry| format!("crates/interfaces/{}", entry.file_name().display())));
     roots.push(String::new());
     Library::new(Arc::new(DiskFiles::new(root))).with_roots(roots)
 }

@@ -112,7 +112,7 @@ fn what_is_no_probe_is_told() {
         (format!("{given}{range}/// [samples: 0]\n{function}"), "expected a whole number"),
         (format!("{given}{range}/// [compared: lines]\n{function}"), "`lines` is neither"),
         (format!("{given}{range}/// [option: GLOSSY]\n{function}"), "expected the name of an option"),
-        (format!("{given}{range}/// [colour: red]\n{function}"), "`colour` is none of"),
+        (format!("{given}{range}/// [color: red]\n{function}"), "`color` is none of"),
         (format!("{range}fn probe(x: f32) -> f32 {{ return x; }}"), "there is no `struct Given`"),
         (format!("{range}{}", function.replace("Given", "vec4<f32>")), "there is no `struct Given`"),
         (format!("struct Given {{ x: f32 }}\n{range}{function}"), "there is no `fn given`"),
@@ -144,13 +144,13 @@ fn the_report_has_all_and_escapes_it() {
         "by &lt;hand&gt;",
         "default-src 'none'",
         "x [rad]",
-        "class=\"exceeds\"",
+        "class=\"number exceeds\"",
     ] {
         assert!(page.contains(expected), "{expected}");
     }
     assert!(!page.contains("NaN") && !page.contains("<hand>"), "{page}");
     assert_eq!(page.matches("<svg").count(), 2);
-    assert_eq!(page.matches("class=\"line ").count(), 8);
+    assert_eq!(page.matches("class=\"series ").count(), 8);
 }
 
 #[test]

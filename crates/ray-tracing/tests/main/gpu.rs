@@ -1,31 +1,16 @@
 //! The shader against its CPU reference.
 
 use crate::shared::{Mesh, Random, Ray};
-use bytemuck::{Pod, Zeroable};
 use frame_graph::port::OutputOverride;
 use glam::{Vec2, Vec3};
 use pass_test::Harness;
-use ray_tracing::STACK;
 use scene::{Encoding, Scene, Texture, Wrap};
-use shader_library::Request;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct GivenRay {
-    origin: Vec3,
-    nearest: f32,
-    direction: Vec3,
-    farthest: f32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct FoundHit {
-    barycentrics: [f32; 2],
-    distance: f32,
-    triangle: u32,
-    occluded: u32,
-    leaves: u32,
+wgsl_structs::wgsl! {
+    "tests/rays.wgsl" {
+        struct GivenRay;
+        struct FoundHit;
+    }
 }
 
 /// How the shader traces rays: by the hierarchy, and by ray queries where the adapter has them.
@@ -41,9 +26,9 @@ fn follow(scene: &Scene, time: f32, way: &str, rays: &[Ray]) -> Option<Vec<Found
     let given: Vec<GivenRay> = rays
         .iter()
         .map(|ray| GivenRay {
-            origin: ray.origin,
+            origin: ray.origin.to_array(),
             nearest: ray.nearest,
-            direction: ray.direction,
+            direction: ray.direction.to_array(),
             farthest: ray.farthest,
         })
         .collect();
@@ -213,14 +198,4 @@ fn rays_leave_the_surfaces_that_they_start_from() {
             }
         }
     }
-}
-
-#[test]
-fn the_shader_keeps_as_many_nodes_as_trees_may_need() {
-    let shader = pass_test::shaders().load(&Request::new("crates/ray-tracing/tests/rays.wgsl")).unwrap();
-    let constant =
-        shader.module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some("BVH_STACK"));
-    let value = &shader.module.global_expressions[constant.unwrap().1.init];
-    assert_eq!(*value, naga::Expression::Literal(naga::Literal::U32(STACK as u32)));
-    shader.check_layout(&ray_tracing::layouts(), "ray-tracing").unwrap();
 }

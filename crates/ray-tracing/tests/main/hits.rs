@@ -122,7 +122,7 @@ fn a_tree_too_deep_is_built_by_halves() {
         mesh.indices.extend([first, first + 1, first + 2]);
     }
     let bvh = mesh.bvh();
-    // Of 25 to 50 leaves, halves and halves of halves make three levels of four.
+    // Halves and halves of halves of 25 to 50 leaves make three levels of four.
     assert!(bvh.stack() <= 9, "{}", bvh.stack());
     let mut from = 0.0;
     for i in 0..100 {
@@ -132,7 +132,7 @@ fn a_tree_too_deep_is_built_by_halves() {
     }
 }
 
-/// Of flat walls, in ever more equal triangles, a ray visits a few more nodes each time, not twice as many.
+/// A ray visits a few more nodes of flat walls with each division of their triangles, not twice the number.
 #[test]
 fn flat_walls_cost_the_logarithm_of_their_triangles() {
     let [few, more] = ["hall-1k", "hall-64k"].map(|name| Mesh::of(&pass_test::scene(name)).bvh().cost());

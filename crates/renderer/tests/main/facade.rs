@@ -1,4 +1,4 @@
-//! What goes on, what is kept, and what ends the past.
+//! Frames that go on, values that are kept, and causes that reset history buffers.
 
 use crate::{PIPELINE, counted, gpu, renderer, step, tree, without_pipeline};
 use frame_graph::Overrides;

@@ -1,4 +1,4 @@
-//! The facade as an application sees it: what it keeps when something is refused, what ends the past, and what it tells.
+//! The facade as an application sees it: what it keeps after a refusal, what resets history buffers, and what it reports.
 
 mod facade;
 mod outputs;
@@ -16,7 +16,8 @@ const PIPELINE: &str = r#"Pipeline(
         "other": Pass(kind: "gbuffer"),
         "count": Pass(
             kind: "compute", shader: "shaders/count.wgsl",
-            in: { "before": Prev(port: "count.after", init: Zero, reset: [Resize, Cut, Scene]) },
+            in: { "before": "prev count.after" },
+            history: (reset: [Resize, Cut, Scene]),
             out: { "after": Out(size: (1, 1)) },
         ),
     },

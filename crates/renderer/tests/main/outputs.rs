@@ -31,15 +31,15 @@ fn a_resource_is_kept_for_reading_back() {
 #[test]
 fn frames_run_until_the_pipeline_says_that_it_is_done() {
     let Some((mut plain, folder)) = renderer() else { return };
-    let mut told = Vec::new();
-    let mut note = |progress: Option<renderer::Progress>| told.push(progress.is_some());
+    let mut reported = Vec::new();
+    let mut note = |progress: Option<renderer::Progress>| reported.push(progress.is_some());
     plain
         .frame_until_done(|_, progress| {
             note(progress);
             ControlFlow::Continue(())
         })
         .unwrap();
-    assert_eq!(told, [false], "a pipeline that says nothing is done with every frame");
+    assert_eq!(reported, [false], "a pipeline that says nothing is done with every frame");
 
     let Some(gpu) = gpu() else { return };
     let mut progressive = without_pipeline(gpu, folder.path(), "plane");

@@ -1,5 +1,5 @@
 //! A colonnaded atrium, modelled on the structure of Sponza: a court open to the sky, surrounded by two
-//! storeys of arcades, the lower with groin vaults; drapes of strong colours in the arches. About 31 m × 16 m
+//! storeys of arcades, the lower with groin vaults; drapes of strong colors in the arches. About 31 m × 16 m
 //! × 9 m.
 
 use std::f32::consts::TAU;

@@ -2,7 +2,7 @@
 //!
 //! Geometry: the measured data of Cornell University's Program of Computer Graphics
 //! (graphics.cornell.edu/online/box/data.html), converted from millimetres to metres. The box is open towards
-//! the camera at z < 0; red is on the left, at large x. Colours: the measured reflectances converted to
+//! the camera at z < 0; red is on the left, at large x. Colors: the measured reflectances converted to
 //! linear Rec. 709, with the values of the Computer Graphics Archive (McGuire 2017, CornellBox-Original).
 
 use glam::{Vec3, Vec4};

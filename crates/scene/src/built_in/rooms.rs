@@ -1,4 +1,4 @@
-//! Closed buildings of one storey, drawn as plans: rooms with walls of strong colours, joined by corridors and
+//! Closed buildings of one storey, drawn as plans: rooms with walls of strong colors, joined by corridors and
 //! doorways, so that most of what light reaches is hidden from the camera. After the sequences of SMC-IR §5.
 
 use glam::Vec3;
@@ -12,8 +12,8 @@ const CELL: f32 = 0.4;
 /// Heights of doorways, and of rooms \[m\].
 const HEIGHTS: [f32; 2] = [2.1, 2.6];
 
-/// Colours of the walls, by the letters of plans; floor, ceiling, corridors and doorways come first.
-const COLOURS: [(char, &str, [f32; 3]); 9] = [
+/// Colors of the walls, by the letters of plans; floor, ceiling, corridors and doorways come first.
+const COLORS: [(char, &str, [f32; 3]); 9] = [
     ('_', "floor", [0.45, 0.41, 0.37]),
     ('-', "ceiling", [0.80, 0.79, 0.76]),
     ('.', "plaster", [0.72, 0.70, 0.66]),
@@ -90,10 +90,10 @@ pub(super) fn corridor() -> Model {
 fn build(name: &str, plan: &[&str]) -> Model {
     let mut builder = Builder::default();
     let materials =
-        COLOURS.map(|(letter, name, albedo)| (letter, builder.material(Material::matte(name, albedo))));
+        COLORS.map(|(letter, name, albedo)| (letter, builder.material(Material::matte(name, albedo))));
     let material = |letter: char| -> MaterialId {
         let found = materials.iter().find(|(known, _)| *known == letter);
-        found.expect("plans have letters of colours").1
+        found.expect("plans have letters of colors").1
     };
     let cells: Vec<Vec<char>> = plan.iter().map(|row| row.chars().collect()).collect();
     let (rows, columns) = (cells.len(), cells[0].len());

@@ -1,34 +1,22 @@
-//! Reads a description from the syntax tree of a scene file: every value is checked at its place, and all
-//! errors are reported at once.
+//! The grammar of scene files: types that serde reads, and the checks of their values. All errors are reported at once.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use data_file::codes::scene as codes;
+use data_file::grammar::{Entries, Number, Reader, Spanned, read};
 use data_file::paths::{OUTSIDE, may_name};
-use data_file::reader::{self, Fields, Form, Node, Reader};
 use data_file::{Diagnostic, Diagnostics, Place, Source};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
+use serde::Deserialize;
 
-use super::{
-    At, CameraKeys, Description, Geometry, Keyframes, Keys, LightKeys, Object, ObjectKeys, numbers, rotation,
-};
+use super::{CameraKeys, Description, Geometry, Keyframes, Keys, LightKeys, Object, ObjectKeys, rotation};
 use crate::built_in;
 use crate::camera::Camera;
 use crate::light::{BRIGHTEST, Light, LightKind};
 use crate::model::Transform;
-use crate::origin::{local, world};
-
-const SCENE: &[&str] = &["about", "geometry", "camera", "lights", "lights_from_file", "keyframes"];
-const CAMERA: &[&str] = &["position", "target", "up", "vertical_fov_deg", "near"];
-const SPOT: &[&str] = &["name", "position", "direction", "intensity", "outer_deg", "inner_deg"];
-const POINT: &[&str] = &["name", "position", "intensity"];
-const DIRECTIONAL: &[&str] = &["name", "direction", "irradiance"];
-const KEYFRAMES: &[&str] = &["frames_per_second", "repeat", "camera", "lights", "objects"];
-const GEOMETRY: &str = "`BuiltIn(\"name\")`, `File(\"model.glb\")` or `Objects([…])`";
-const TRANSFORM: &str = "`Transform(translate: (x, y, z), rotate_deg: (x, y, z), scale: (x, y, z))`";
-const FINITE: &str = "a finite number";
+use crate::origin::local;
 
 /// Reads a scene file, with its places in the world relative to `origin`. Geometry files are looked up in a `folder`, if
 /// one is given; they may also be in the folders given with it.
@@ -40,11 +28,134 @@ pub(crate) fn parse(
     folder: Option<(&Path, &[PathBuf])>,
     origin: DVec3,
 ) -> Result<Description, Diagnostics> {
-    let objects = BTreeMap::new();
-    reader::parse(source, |reader, tree| Grammar { reader, folder, origin, objects }.scene(tree))
+    read(source, 0, &[], |reader, file| {
+        Checks { reader, folder, origin, objects: BTreeMap::new() }.scene(file)
+    })
 }
 
-struct Grammar<'a, 'b> {
+#[derive(Deserialize)]
+#[serde(rename = "Scene")]
+struct SceneFile {
+    about: Option<String>,
+    geometry: GeometryFile,
+    camera: Option<CameraFile>,
+    lights: Vec<LightFile>,
+    lights_from_file: Option<bool>,
+    keyframes: Option<Spanned<KeyframesFile>>,
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "`BuiltIn(\"name\")`, `File(\"model.glb\")` or `Objects([…])`")]
+enum GeometryFile {
+    BuiltIn(Spanned<String>),
+    File(Spanned<String>),
+    Objects(Vec<ObjectFile>),
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Object", expecting = "`Object(name: \"…\", geometry: …)`")]
+struct ObjectFile {
+    name: Spanned<String>,
+    geometry: GeometryFile,
+    transform: Option<TransformFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(
+    rename = "Transform",
+    expecting = "`Transform(translate: (x, y, z), rotate_deg: (x, y, z), scale: (x, y, z))`"
+)]
+struct TransformFile {
+    translate: Option<Vector>,
+    rotate_deg: Option<Vector>,
+    scale: Option<Vector>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Camera", expecting = "`Camera(position: …, target: …, …)`")]
+struct CameraFile {
+    position: Vector,
+    target: Spanned<Vector>,
+    up: Option<Direction>,
+    vertical_fov_deg: Spanned<Number>,
+    near: Option<Spanned<Number>>,
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "`Spot(…)`, `Point(…)` or `Directional(…)`")]
+#[expect(clippy::large_enum_variant, reason = "a scene has few lights, and each is converted at once")]
+enum LightFile {
+    Spot {
+        name: Option<String>,
+        position: Vector,
+        direction: Direction,
+        intensity: Power,
+        outer_deg: Spanned<Number>,
+        inner_deg: Option<Spanned<Number>>,
+    },
+    Point {
+        name: Option<String>,
+        position: Vector,
+        intensity: Power,
+    },
+    Directional {
+        name: Option<String>,
+        direction: Direction,
+        irradiance: Power,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Keyframes")]
+struct KeyframesFile {
+    frames_per_second: Option<Spanned<Number>>,
+    repeat: Option<bool>,
+    camera: Option<Spanned<Vec<CameraKey>>>,
+    lights: Entries<Vec<LightKey>>,
+    objects: Entries<Vec<ObjectKey>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Key", expecting = "`Key(time: …, …)`")]
+struct CameraKey {
+    time: Spanned<Number>,
+    position: Option<Vector>,
+    target: Option<Vector>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Key", expecting = "`Key(time: …, …)`")]
+struct LightKey {
+    time: Spanned<Number>,
+    position: Option<Vector>,
+    direction: Option<Direction>,
+    intensity: Option<Power>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Key", expecting = "`Key(time: …, …)`")]
+struct ObjectKey {
+    time: Spanned<Number>,
+    translate: Option<Vector>,
+    rotate_deg: Option<Vector>,
+    scale: Option<Vector>,
+}
+
+type Numbers = [Spanned<Number>; 3];
+
+#[derive(Deserialize)]
+#[serde(expecting = "three numbers: (x, y, z)")]
+struct Vector(Numbers);
+
+#[derive(Deserialize)]
+#[serde(expecting = "a direction: (x, y, z)")]
+struct Direction(Spanned<Numbers>);
+
+#[derive(Deserialize)]
+#[serde(expecting = "red, green and blue: (r, g, b)")]
+struct Power(Numbers);
+
+struct Checks<'a, 'b> {
     reader: &'a mut Reader<'b>,
     folder: Option<(&'a Path, &'a [PathBuf])>,
     origin: DVec3,
@@ -56,73 +167,44 @@ struct Grammar<'a, 'b> {
 /// A condition on a number, and its description for messages.
 type Rule = (&'static str, fn(f32) -> bool);
 
-impl Grammar<'_, '_> {
-    fn scene(mut self, tree: &Node) -> Option<Description> {
-        let fields = self.reader.fields(tree, "`Scene(…)`", &[("Scene", SCENE)])?;
-        let about = fields.get("about").and_then(|node| self.reader.text(node, "text"));
-        let geometry =
-            self.reader.need(&fields, "geometry").and_then(|node| self.geometry(node, self.origin));
-        let camera = fields.get("camera").map(|node| self.camera(node));
-        let lights = fields.get("lights").map(|node| self.lights(node)).unwrap_or_default();
-        let lights_from_file = fields.get("lights_from_file").map_or(Some(true), |node| self.bool(node));
-        let keyframes = fields.get("keyframes").map(|node| self.keyframes(node));
-        Some(Description {
-            about: about.unwrap_or_default().to_owned(),
-            geometry: geometry?,
-            camera: camera.map_or(Some(None), |camera| camera.map(Some))?,
-            lights,
-            lights_from_file: lights_from_file?,
-            keyframes: keyframes.map_or(Some(None), |keyframes| keyframes.map(Some))?,
-        })
+const FINITE: Rule = ("a finite number", f32::is_finite);
+
+impl Checks<'_, '_> {
+    fn scene(mut self, file: SceneFile) -> Description {
+        let lights = file.lights.into_iter().enumerate();
+        Description {
+            about: file.about.unwrap_or_default(),
+            geometry: self.geometry(file.geometry, self.origin),
+            camera: file.camera.map(|camera| self.camera(&camera)),
+            lights: lights.map(|(index, light)| self.light(light, index)).collect(),
+            lights_from_file: file.lights_from_file.unwrap_or(true),
+            keyframes: file.keyframes.map(|keyframes| self.keyframes(keyframes.value)),
+        }
     }
 
-    fn geometry(&mut self, node: &Node, origin: DVec3) -> Option<Geometry> {
-        let (name, [item]) = (match &node.form {
-            Form::Tuple(Some(name), items) => (name, items.as_slice()),
-            _ => {
-                self.reader.wrong(node, GEOMETRY);
-                return None;
-            }
-        }) else {
-            self.reader.wrong(node, GEOMETRY);
-            return None;
-        };
-        match name.text.as_str() {
-            "BuiltIn" => {
-                let name = self.text(item, "the name of a built-in geometry")?;
-                if !built_in::names().contains(&name.value.as_str()) {
-                    let message = format!("there is no built-in geometry `{}`", name.value);
+    fn geometry(&mut self, file: GeometryFile, origin: DVec3) -> Geometry {
+        match file {
+            GeometryFile::BuiltIn(name) => {
+                if !built_in::names().contains(&name.as_str()) {
+                    let message = format!("there is no built-in geometry `{}`", *name);
                     let error = Diagnostic::new(&codes::NAME, message)
                         .label(self.reader.span(name.place), "not built in")
-                        .suggest("built-in geometries", &name.value, built_in::names());
+                        .suggest("built-in geometries", &name, built_in::names());
                     self.reader.tell(error);
                 }
-                Some(Geometry::BuiltIn(name))
+                Geometry::BuiltIn(name)
             }
-            "File" => {
-                let file = self.text(item, "the path of a .glb or .gltf file")?;
+            GeometryFile::File(file) => {
                 self.file_is_there(&file);
-                Some(Geometry::File(file))
+                Geometry::File(file)
             }
-            "Objects" => {
-                let items = self.reader.list(item, "a list: [Object(…), …]");
-                Some(Geometry::Objects(items.iter().filter_map(|item| self.object(item, origin)).collect()))
-            }
-            other => {
-                let place = Place { file: self.reader.file, start: name.start, end: name.end };
-                let error = Diagnostic::new(
-                    &data_file::codes::UNKNOWN_FORM,
-                    format!("`{other}` is not known here: expected {GEOMETRY}"),
-                )
-                .label(self.reader.span(place), "")
-                .suggest("forms", other, ["BuiltIn", "File", "Objects"]);
-                self.reader.tell(error);
-                None
+            GeometryFile::Objects(objects) => {
+                Geometry::Objects(objects.into_iter().map(|object| self.object(object, origin)).collect())
             }
         }
     }
 
-    fn file_is_there(&mut self, file: &At<String>) {
+    fn file_is_there(&mut self, file: &Spanned<String>) {
         let Some((folder, roots)) = self.folder else { return };
         let path = folder.join(&file.value);
         let scene = folder.join("scene");
@@ -148,347 +230,222 @@ impl Grammar<'_, '_> {
         self.reader.tell(error);
     }
 
-    fn object(&mut self, node: &Node, origin: DVec3) -> Option<Object> {
-        let forms = [("Object", &["name", "geometry", "transform"][..])];
-        let fields = self.reader.fields(node, "`Object(name: \"…\", geometry: …)`", &forms)?;
-        let name = self.reader.need(&fields, "name").and_then(|node| self.text(node, "a name"));
-        if let Some(name) = &name {
-            match self.objects.get(&name.value) {
-                Some((first, _)) => {
-                    self.reader.duplicate(&format!("the object `{}`", name.value), name.place, *first);
-                }
-                None => {
-                    self.objects.insert(name.value.clone(), (name.place, origin));
-                }
+    fn object(&mut self, file: ObjectFile, origin: DVec3) -> Object {
+        let name = file.name;
+        match self.objects.get(&name.value) {
+            Some((first, _)) => {
+                let first = *first;
+                self.reader.duplicate(&format!("the object `{}`", *name), name.place, first);
+            }
+            None => {
+                self.objects.insert(name.value.clone(), (name.place, origin));
             }
         }
-        let geometry = self.reader.need(&fields, "geometry");
-        let geometry = geometry.and_then(|node| self.geometry(node, DVec3::ZERO));
+        let geometry = self.geometry(file.geometry, DVec3::ZERO);
         let unmoved = Transform { translation: (DVec3::ZERO - origin).as_vec3(), ..Transform::default() };
-        let transform = fields.get("transform").map_or(Some(unmoved), |node| self.transform(node, origin));
-        Some(Object { name: name?, geometry: geometry?, transform: transform? })
+        let transform = file.transform.map_or(unmoved, |file| Transform {
+            translation: file.translate.map_or(unmoved.translation, |at| self.place(&at, origin)),
+            rotation: file.rotate_deg.map_or(Quat::IDENTITY, |turn| self.rotation(&turn)),
+            scale: file.scale.map_or(Vec3::ONE, |scale| self.vector(&scale)),
+        });
+        Object { name, geometry, transform }
     }
 
-    fn transform(&mut self, node: &Node, origin: DVec3) -> Option<Transform> {
-        let forms = [("Transform", &["translate", "rotate_deg", "scale"][..])];
-        let fields = self.reader.fields(node, TRANSFORM, &forms)?;
-        let unmoved = Some((DVec3::ZERO - origin).as_vec3());
-        let translation = fields.get("translate").map_or(unmoved, |node| self.place(node, origin));
-        let mut vector = |name: &str, otherwise: Vec3| {
-            fields.get(name).map_or(Some(otherwise), |node| self.finite_vector(node))
-        };
-        let turn = vector("rotate_deg", Vec3::ZERO);
-        let scale = vector("scale", Vec3::ONE);
-        Some(Transform { translation: translation?, rotation: rotation(turn?), scale: scale? })
-    }
-
-    fn camera(&mut self, node: &Node) -> Option<Camera> {
-        let fields =
-            self.reader.fields(node, "`Camera(position: …, target: …, …)`", &[("Camera", CAMERA)])?;
-        let position = self.needed(&fields, "position", Self::position);
-        let target = self.needed(&fields, "target", Self::position);
-        let up = fields.get("up").map_or(Some(Vec3::Y), |node| self.direction(node));
-        let fov = self.needed(&fields, "vertical_fov_deg", |grammar, node| {
-            grammar.number(node, ("degrees between 0 and 180", |x| x > 0.0 && x < 180.0))
-        });
-        let near = fields.get("near").map_or(Some(0.0), |node| {
-            self.number(node, ("a distance in metres, above 0", |x| x.is_finite() && x > 0.0))
-        });
+    fn camera(&mut self, file: &CameraFile) -> Camera {
+        let (position, target) = (self.position(&file.position), self.position(&file.target));
         // Two points that are one for `f32` so far from the origin may be two for another origin.
-        let exact = |name: &str| fields.get(name).and_then(numbers).map(|numbers| numbers.map(world));
-        if let (Some(from), Some(to), Some(node)) = (position, target, fields.get("target"))
-            && from == to
-            && exact("position") == exact("target")
-        {
-            let place = self.reader.place(node);
-            self.reader
-                .error(&codes::CONFLICT, place, "the camera's position and target are the same point")
-                .labels[0]
-                .message = "it looks nowhere".to_owned();
+        let exact = |vector: &Vector| vector.0.map(|number| number.value.as_f64());
+        if position == target && exact(&file.position) == exact(&file.target) {
+            let message = "the camera's position and target are the same point";
+            let place = self.reader.span(file.target.place);
+            self.reader.tell(Diagnostic::new(&codes::CONFLICT, message).label(place, "it looks nowhere"));
         }
-        Some(Camera {
-            position: position?,
-            target: target?,
-            up: up?,
-            vertical_fov: fov?.to_radians(),
-            near: near?,
-        })
+        let fov: Rule = ("degrees between 0 and 180", |x| x > 0.0 && x < 180.0);
+        let near: Rule = ("a distance in metres, above 0", |x| x.is_finite() && x > 0.0);
+        Camera {
+            position,
+            target,
+            up: file.up.as_ref().map_or(Vec3::Y, |up| self.direction(up)),
+            vertical_fov: self.number(file.vertical_fov_deg, fov).to_radians(),
+            near: file.near.map_or(0.0, |distance| self.number(distance, near)),
+        }
     }
 
-    fn lights(&mut self, node: &Node) -> Vec<Light> {
-        let items = self.reader.list(node, "a list: [Spot(…), Point(…), Directional(…)]");
-        items.iter().enumerate().filter_map(|(index, item)| self.light(item, index)).collect()
-    }
-
-    fn light(&mut self, node: &Node, index: usize) -> Option<Light> {
-        let forms = [("Spot", SPOT), ("Point", POINT), ("Directional", DIRECTIONAL)];
-        let fields = self.reader.fields(node, "`Spot(…)`, `Point(…)` or `Directional(…)`", &forms)?;
-        let name = match fields.get("name") {
-            Some(node) => self.text(node, "a name").map(|name| name.value),
-            None => Some(String::new()),
-        };
-        let name = name.map(|name| if name.is_empty() { format!("light {index}") } else { name });
-        let kind = match fields.form() {
-            "Spot" => self.cone(&fields),
-            "Point" => Some(LightKind::Point),
-            _ => Some(LightKind::Directional),
-        };
-        let position = match kind {
-            Some(LightKind::Directional) => Some(Vec3::ZERO),
-            _ => self.needed(&fields, "position", Self::position),
-        };
-        let direction = match kind {
-            Some(LightKind::Point) => Some(Vec3::NEG_Y),
-            _ => self.needed(&fields, "direction", Self::direction).map(Vec3::normalize),
-        };
-        let intensity = if fields.form() == "Directional" { "irradiance" } else { "intensity" };
-        let intensity = self.needed(&fields, intensity, Self::power);
-        Some(Light {
-            name: name?,
-            kind: kind?,
-            position: position?,
-            direction: direction?,
-            intensity: intensity?,
-        })
-    }
-
-    fn cone(&mut self, fields: &Fields<'_>) -> Option<LightKind> {
-        let outer = self.needed(fields, "outer_deg", |grammar, node| {
-            let expected = "half the cone's angle, above 0 and at most 90 degrees";
-            grammar.number(node, (expected, |x| x > 0.0 && x <= 90.0))
-        });
-        let inner = match fields.get("inner_deg") {
-            Some(node) => {
-                let expected = "half the inner cone's angle, 0 to 90 degrees";
-                self.number(node, (expected, |x| (0.0..=90.0).contains(&x)))
+    fn light(&mut self, file: LightFile, index: usize) -> Light {
+        let (name, kind, position, direction, intensity) = match file {
+            LightFile::Spot { name, position, direction, intensity, outer_deg, inner_deg } => {
+                let kind = self.cone(outer_deg, inner_deg);
+                (name, kind, Some(position), Some(direction), intensity)
             }
-            None => outer,
+            LightFile::Point { name, position, intensity } => {
+                (name, LightKind::Point, Some(position), None, intensity)
+            }
+            LightFile::Directional { name, direction, irradiance } => {
+                (name, LightKind::Directional, None, Some(direction), irradiance)
+            }
         };
-        let (outer, inner) = (outer?, inner?);
-        if let (true, Some(inner_node), Some(outer_node)) =
-            (inner > outer, fields.get("inner_deg"), fields.get("outer_deg"))
-        {
+        Light {
+            name: name.filter(|name| !name.is_empty()).unwrap_or_else(|| format!("light {index}")),
+            kind,
+            position: position.map_or(Vec3::ZERO, |at| self.position(&at)),
+            direction: direction.map_or(Vec3::NEG_Y, |aim| self.direction(&aim).normalize_or_zero()),
+            intensity: self.power(&intensity),
+        }
+    }
+
+    fn cone(&mut self, outer_deg: Spanned<Number>, inner_deg: Option<Spanned<Number>>) -> LightKind {
+        let rule: Rule = ("half the cone's angle, above 0 and at most 90 degrees", |x| x > 0.0 && x <= 90.0);
+        let outer = self.number(outer_deg, rule);
+        let rule: Rule = ("half the inner cone's angle, 0 to 90 degrees", |x| (0.0..=90.0).contains(&x));
+        let inner = inner_deg.map_or(outer, |inner| self.number(inner, rule));
+        if let Some(inner_deg) = inner_deg.filter(|_| inner > outer) {
             let message = format!("the inner cone, {inner}°, is wider than the outer, {outer}°");
             let error = Diagnostic::new(&codes::CONFLICT, message)
-                .label(self.reader.span_of(inner_node), "at most `outer_deg`")
-                .label(self.reader.span_of(outer_node), "the outer cone");
+                .label(self.reader.span(inner_deg.place), "at most `outer_deg`")
+                .label(self.reader.span(outer_deg.place), "the outer cone");
             self.reader.tell(error);
         }
-        Some(LightKind::Spot { inner: inner.to_radians(), outer: outer.to_radians() })
+        LightKind::Spot { inner: inner.to_radians(), outer: outer.to_radians() }
     }
 
-    fn keyframes(&mut self, node: &Node) -> Option<Keyframes> {
-        let fields = self.reader.fields(node, "`Keyframes(…)`", &[("Keyframes", KEYFRAMES)])?;
-        let rate = fields.get("frames_per_second").map_or(Some(30.0), |node| {
-            self.number(node, ("frames per second, above 0", |x| x.is_finite() && x > 0.0))
-        });
-        let repeat = fields.get("repeat").map_or(Some(false), |node| self.bool(node));
+    fn keyframes(&mut self, file: KeyframesFile) -> Keyframes {
+        let rule: Rule = ("frames per second, above 0", |x| x.is_finite() && x > 0.0);
+        let frames_per_second = file.frames_per_second.map_or(30.0, |rate| self.number(rate, rule));
         let mut end = 0.0;
-        let camera = fields.get("camera").map(|node| {
-            let value = self.camera_keys(node, &mut end);
-            At { value, place: self.reader.head(node) }
+        let camera = file.camera.map(|keys| {
+            let place = self.reader.head(keys.place);
+            Spanned { value: self.camera_keys(&keys.value, &mut end), place }
         });
-        let lights = fields.get("lights").map(|node| self.named(node, "a light"));
-        let lights = lights.unwrap_or_default().into_iter();
-        let lights = lights.map(|(name, node)| (name, self.light_keys(node, &mut end))).collect();
-        let objects = fields.get("objects").map(|node| self.named(node, "an object")).unwrap_or_default();
-        for (name, _) in &objects {
+        let lights = file.lights.into_iter();
+        let lights = lights.map(|(name, keys)| (name, self.light_keys(&keys, &mut end))).collect();
+        let mut objects = Vec::new();
+        for (name, keys) in file.objects {
             if !self.objects.contains_key(&name.value) && !self.reader.is_full() {
-                let message = format!("keyframes for `{}`, but no object has this name", name.value);
+                let message = format!("keyframes for `{}`, but no object has this name", *name);
                 let error = Diagnostic::new(&codes::NAME, message)
                     .label(self.reader.span(name.place), "no such object")
-                    .suggest("objects", &name.value, self.objects.keys().map(String::as_str));
+                    .suggest("objects", &name, self.objects.keys().map(String::as_str));
                 self.reader.tell(error);
             }
-        }
-        let objects = objects.into_iter().map(|(name, node)| {
             let origin = self.objects.get(&name.value).map_or(DVec3::ZERO, |(_, origin)| *origin);
-            (name, self.object_keys(node, origin, &mut end))
-        });
-        let objects = objects.collect();
-        Some(Keyframes { frames_per_second: rate?, repeat: repeat?, end, camera, lights, objects })
+            objects.push((name, self.object_keys(&keys, origin, &mut end)));
+        }
+        Keyframes { frames_per_second, repeat: file.repeat.unwrap_or(false), end, camera, lights, objects }
     }
 
-    fn camera_keys(&mut self, node: &Node, end: &mut f32) -> CameraKeys {
-        let keys = self.keys(node, &["time", "position", "target"], end);
+    fn camera_keys(&mut self, keys: &[CameraKey], end: &mut f32) -> CameraKeys {
+        let times = self.times(keys.iter().map(|key| key.time), end);
+        let channel = |of: fn(&CameraKey) -> &Option<Vector>| keys.iter().map(of);
         CameraKeys {
-            position: self.channel(&keys, "position", Self::position),
-            target: self.channel(&keys, "target", Self::position),
+            position: self.channel("position", &times, channel(|key| &key.position), Self::position),
+            target: self.channel("target", &times, channel(|key| &key.target), Self::position),
         }
     }
 
-    fn light_keys(&mut self, node: &Node, end: &mut f32) -> LightKeys {
-        let keys = self.keys(node, &["time", "position", "direction", "intensity"], end);
+    fn light_keys(&mut self, keys: &[LightKey], end: &mut f32) -> LightKeys {
+        let times = self.times(keys.iter().map(|key| key.time), end);
+        let (position, direction) =
+            (keys.iter().map(|key| &key.position), keys.iter().map(|key| &key.direction));
+        let intensity = keys.iter().map(|key| &key.intensity);
         LightKeys {
-            position: self.channel(&keys, "position", Self::position),
-            direction: self.channel(&keys, "direction", Self::direction),
-            intensity: self.channel(&keys, "intensity", Self::power),
+            position: self.channel("position", &times, position, Self::position),
+            direction: self.channel("direction", &times, direction, Self::direction),
+            intensity: self.channel("intensity", &times, intensity, Self::power),
         }
     }
 
-    fn object_keys(&mut self, node: &Node, origin: DVec3, end: &mut f32) -> ObjectKeys {
-        let keys = self.keys(node, &["time", "translate", "rotate_deg", "scale"], end);
-        let degrees = self.channel(&keys, "rotate_deg", Self::finite_vector);
+    fn object_keys(&mut self, keys: &[ObjectKey], origin: DVec3, end: &mut f32) -> ObjectKeys {
+        let times = self.times(keys.iter().map(|key| key.time), end);
+        let channel = |of: fn(&ObjectKey) -> &Option<Vector>| keys.iter().map(of);
         ObjectKeys {
-            translate: self.channel(&keys, "translate", |grammar, node| grammar.place(node, origin)),
-            rotate: degrees.into_iter().map(|(time, degrees)| (time, rotation(degrees))).collect(),
-            scale: self.channel(&keys, "scale", Self::finite_vector),
+            translate: self.channel("translate", &times, channel(|key| &key.translate), |checks, at| {
+                checks.place(at, origin)
+            }),
+            rotate: self.channel("rotate_deg", &times, channel(|key| &key.rotate_deg), Self::rotation),
+            scale: self.channel("scale", &times, channel(|key| &key.scale), Self::vector),
         }
     }
 
-    /// Reads the entries of a map whose keys are names, and reports names that are given twice.
-    fn named<'n>(&mut self, node: &'n Node, what: &str) -> Vec<(At<String>, &'n Node)> {
-        let Form::Map(entries) = &node.form else {
-            self.reader.wrong(node, &format!("a map: {{ \"the name of {what}\": [Key(…), …] }}"));
-            return Vec::new();
-        };
-        let mut found: Vec<(At<String>, &Node)> = Vec::new();
-        let mut places = BTreeMap::new();
-        for (key, value) in entries {
-            let Some(name) = self.text(key, &format!("the name of {what}")) else { continue };
-            match places.get(&name.value) {
-                Some(first) => self.reader.duplicate(&format!("`{}`", name.value), name.place, *first),
-                None => {
-                    places.insert(name.value.clone(), name.place);
-                    found.push((name, value));
-                }
-            }
-        }
-        found
+    /// Returns the times of keys; `end` is raised to the last of them.
+    fn times(&mut self, times: impl Iterator<Item = Spanned<Number>>, end: &mut f32) -> Vec<Spanned<f32>> {
+        let rule: Rule = ("a time in seconds, not negative", |x| x.is_finite() && x >= 0.0);
+        let times: Vec<_> = times.map(|time| time.with(self.number(time, rule))).collect();
+        *end = times.iter().fold(*end, |end, time| end.max(time.value));
+        times
     }
 
-    /// Reads the fields of each valid key with its time; `end` is raised to the last time.
-    fn keys<'n>(&mut self, node: &'n Node, names: &'static [&'static str], end: &mut f32) -> Vec<Key<'n>> {
-        let items = self.reader.list(node, "a list: [Key(time: …, …), …]");
-        let mut keys = Vec::with_capacity(items.len());
-        for item in items {
-            let Some(fields) = self.reader.fields(item, "`Key(time: …, …)`", &[("Key", names)]) else {
-                continue;
-            };
-            let Some(node) = self.reader.need(&fields, "time") else { continue };
-            let rule: Rule = ("a time in seconds, not negative", |x| x.is_finite() && x >= 0.0);
-            let Some(value) = self.number(node, rule) else { continue };
-            *end = end.max(value);
-            keys.push(Key { time: At { value, place: self.reader.place(node) }, fields });
-        }
-        keys
-    }
-
-    /// Reads the keys that set one value; their times must rise.
-    fn channel(
+    /// Returns the keys that set one value; their times must rise.
+    fn channel<'k, T: 'k, V>(
         &mut self,
-        keys: &[Key<'_>],
         name: &str,
-        read: impl Fn(&mut Self, &Node) -> Option<Vec3>,
-    ) -> Keys<Vec3> {
+        times: &[Spanned<f32>],
+        values: impl Iterator<Item = &'k Option<T>>,
+        read: impl Fn(&mut Self, &T) -> V,
+    ) -> Keys<V> {
         let mut found = Keys::new();
-        let mut last: Option<&At<f32>> = None;
-        for key in keys {
-            let Some(node) = key.fields.get(name) else { continue };
-            if let Some(last) = last.filter(|last| key.time.value <= last.value) {
+        let mut last: Option<Spanned<f32>> = None;
+        for (time, value) in times.iter().zip(values) {
+            let Some(value) = value else { continue };
+            if let Some(last) = last.filter(|last| time.value <= last.value) {
                 let message = format!(
                     "the keys of `{name}` must be in the order of their times: {:?} s is not later than {:?} s",
-                    key.time.value, last.value
+                    time.value, last.value
                 );
                 let error = Diagnostic::new(&codes::CONFLICT, message)
-                    .label(self.reader.span(key.time.place), "not later")
+                    .label(self.reader.span(time.place), "not later")
                     .label(self.reader.span(last.place), "than the key before it");
                 self.reader.tell(error);
             }
-            last = Some(&key.time);
-            found.extend(read(self, node).map(|value| (key.time.value, value)));
+            last = Some(*time);
+            found.push((time.value, read(self, value)));
         }
         found
     }
 
-    fn needed<T>(
-        &mut self,
-        fields: &Fields<'_>,
-        name: &str,
-        read: impl Fn(&mut Self, &Node) -> Option<T>,
-    ) -> Option<T> {
-        self.reader.need(fields, name).and_then(|node| read(self, node))
-    }
-
-    fn text(&mut self, node: &Node, expected: &str) -> Option<At<String>> {
-        let value = self.reader.text(node, expected)?.to_owned();
-        Some(At { value, place: self.reader.place(node) })
-    }
-
-    fn bool(&mut self, node: &Node) -> Option<bool> {
-        if let Form::Bool(value) = node.form {
-            return Some(value);
+    /// Returns a number that satisfies the rule.
+    fn number(&mut self, number: Spanned<Number>, (expected, keeps): Rule) -> f32 {
+        let value = local(number.value, 0.0);
+        if !keeps(value) {
+            self.reader.error(&codes::RANGE, number.place, format!("expected {expected}, found {value}"));
         }
-        self.reader.wrong(node, "`true` or `false`");
-        None
+        value
     }
 
-    /// Reads a number that satisfies the rule.
-    fn number(&mut self, node: &Node, (expected, keeps): Rule) -> Option<f32> {
-        let Form::Number(number) = node.form else {
-            self.reader.wrong(node, expected);
-            return None;
-        };
-        let value = local(number, 0.0);
-        if keeps(value) {
-            return Some(value);
-        }
-        let place = self.reader.place(node);
-        self.reader.error(&codes::RANGE, place, format!("expected {expected}, found {value}"));
-        None
+    fn numbers(&mut self, numbers: &Numbers, rule: Rule) -> Vec3 {
+        Vec3::from_array(numbers.map(|number| self.number(number, rule)))
     }
 
-    /// Reads three numbers, each of which satisfies the rule.
-    fn vector(&mut self, node: &Node, expected: &str, rule: Rule) -> Option<Vec3> {
-        match &node.form {
-            Form::Tuple(None, items) if items.len() == 3 => {
-                let [x, y, z] = [0, 1, 2].map(|i| self.number(&items[i], rule));
-                Some(Vec3::new(x?, y?, z?))
-            }
-            _ => {
-                self.reader.wrong(node, expected);
-                None
-            }
-        }
+    fn vector(&mut self, vector: &Vector) -> Vec3 {
+        self.numbers(&vector.0, FINITE)
     }
 
-    fn finite_vector(&mut self, node: &Node) -> Option<Vec3> {
-        self.vector(node, "three numbers: (x, y, z)", (FINITE, f32::is_finite))
+    fn rotation(&mut self, degrees: &Vector) -> Quat {
+        rotation(self.vector(degrees))
     }
 
-    /// Reads a place in the world.
-    fn position(&mut self, node: &Node) -> Option<Vec3> {
-        self.place(node, self.origin)
+    /// Returns a place in the world.
+    fn position(&mut self, vector: &Vector) -> Vec3 {
+        self.place(vector, self.origin)
     }
 
-    /// Reads a place, relative to `origin`.
-    fn place(&mut self, node: &Node, origin: DVec3) -> Option<Vec3> {
-        self.finite_vector(node)?;
-        let numbers = numbers(node)?;
-        Some(Vec3::from_array(std::array::from_fn(|i| local(numbers[i], origin[i]))))
+    /// Returns a place, relative to `origin`.
+    fn place(&mut self, vector: &Vector, origin: DVec3) -> Vec3 {
+        self.vector(vector);
+        Vec3::from_array(std::array::from_fn(|axis| local(vector.0[axis].value, origin[axis])))
     }
 
-    fn direction(&mut self, node: &Node) -> Option<Vec3> {
-        let direction = self.vector(node, "a direction: (x, y, z)", (FINITE, f32::is_finite))?;
-        if direction.try_normalize().is_none() {
-            let place = self.reader.place(node);
+    fn direction(&mut self, direction: &Direction) -> Vec3 {
+        let vector = self.numbers(&direction.0, FINITE);
+        if vector.is_finite() && vector.try_normalize().is_none() {
             let message = "expected a direction: not all three numbers can be 0, or too large for a length";
-            self.reader.error(&codes::RANGE, place, message);
-            return None;
+            self.reader.error(&codes::RANGE, direction.0.place, message);
         }
-        Some(direction)
+        vector
     }
 
-    fn power(&mut self, node: &Node) -> Option<Vec3> {
-        let rule: Rule = ("a number from 0 to 10³⁰", |x| (0.0..=BRIGHTEST).contains(&x));
-        self.vector(node, "red, green and blue: (r, g, b)", rule)
+    fn power(&mut self, power: &Power) -> Vec3 {
+        self.numbers(&power.0, ("a number from 0 to 10³⁰", |x| (0.0..=BRIGHTEST).contains(&x)))
     }
-}
-
-/// A key of an animation.
-struct Key<'n> {
-    time: At<f32>,
-    fields: Fields<'n>,
 }
 
 /// Returns the glTF files of `folder`/`inner`, as a scene file in `folder` names them.

@@ -1,4 +1,4 @@
-//! The keys that a scene file has, for whoever adds to them.
+//! Reads the keys of a scene file.
 
 use super::{CameraKey, LightKey};
 use crate::description::{Keys, parse};
@@ -51,7 +51,7 @@ pub fn keys_of(path: &Path, origin: DVec3) -> Result<SceneKeys, SceneError> {
     Ok(SceneKeys { camera, lights: lights.collect() })
 }
 
-/// All times of some channels, each once, rising.
+/// Returns the times of some channels, each once, in rising order.
 fn times(channels: &[&Keys<Vec3>]) -> Vec<f32> {
     let mut times: Vec<f32> =
         channels.iter().flat_map(|channel| channel.iter().map(|(time, _)| *time)).collect();

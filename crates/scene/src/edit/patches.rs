@@ -3,27 +3,27 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use data_file::reader::{Form, Node, skip_blanks};
+use data_file::grammar::{Node, Parts, Shape, skip_blanks};
 
 /// Replacements of ranges of a text, which do not overlap.
 pub(super) struct Patches<'a> {
     text: &'a str,
     list: Vec<(Range<usize>, String)>,
-    /// What the text indents by.
+    /// The step of indentation of the text.
     step: String,
 }
 
 /// The bytes of a node.
-pub(super) fn range(node: &Node) -> Range<usize> {
-    node.start as usize..node.end as usize
+pub(super) fn range(node: Node<'_>) -> Range<usize> {
+    node.start()..node.end()
 }
 
 impl<'a> Patches<'a> {
     /// Begins to change a text, given its tree.
-    pub(super) fn new(text: &'a str, tree: &Node) -> Patches<'a> {
+    pub(super) fn new(text: &'a str, tree: Node<'_>) -> Patches<'a> {
         let mut patches = Patches { text, list: Vec::new(), step: "    ".to_owned() };
         let first = Items::of(tree).ranges.first().map(|item| item.start);
-        let outer = patches.indent(tree.start as usize);
+        let outer = patches.indent(tree.start());
         let inner = first.filter(|at| patches.starts_line(*at)).map(|at| patches.indent(at));
         if let Some(step) = inner.and_then(|inner| inner.strip_prefix(outer)).filter(|step| !step.is_empty())
         {
@@ -33,7 +33,7 @@ impl<'a> Patches<'a> {
     }
 
     /// Replaces the bytes of a node.
-    pub(super) fn replace(&mut self, node: &Node, by: String) {
+    pub(super) fn replace(&mut self, node: Node<'_>, by: String) {
         self.list.push((range(node), by));
     }
 
@@ -46,7 +46,7 @@ impl<'a> Patches<'a> {
         for (range, by) in &self.list {
             debug_assert!(range.start >= at, "changes overlap at byte {at}");
             if range.start < at {
-                // What is missing is found when the result is read.
+                // The check of the result finds what is missing.
                 continue;
             }
             out.push_str(&self.text[at..range.start]);
@@ -113,19 +113,15 @@ pub(super) struct Items {
 
 impl Items {
     /// Returns the items of a node.
-    pub(super) fn of(node: &Node) -> Items {
-        let ranges: Vec<_> = match &node.form {
-            Form::Struct(_, fields) => {
-                fields.iter().map(|field| field.name.start as usize..field.value.end as usize).collect()
-            }
-            Form::Tuple(_, items) | Form::List(items) => items.iter().map(range).collect(),
-            Form::Map(entries) => {
-                entries.iter().map(|(key, value)| key.start as usize..value.end as usize).collect()
-            }
-            _ => Vec::new(),
+    pub(super) fn of(node: Node<'_>) -> Items {
+        let pair = |(key, value): (Node<'_>, Node<'_>)| key.start()..value.end();
+        let ranges: Vec<_> = match (node.shape(), node.parts()) {
+            (Shape::Map, _) => node.entries().into_iter().map(pair).collect(),
+            (_, Parts::Fields(fields)) => fields.into_iter().map(pair).collect(),
+            (_, Parts::Items(items)) => items.into_iter().map(range).collect(),
         };
-        let close = (node.end as usize).saturating_sub(1);
-        Items { open: node.start as usize, close, ranges, removed: BTreeSet::new(), added: BTreeMap::new() }
+        let close = node.end().saturating_sub(1);
+        Items { open: node.start(), close, ranges, removed: BTreeSet::new(), added: BTreeMap::new() }
     }
 
     /// Returns the number of items that there are.
@@ -196,7 +192,7 @@ impl Items {
             let before = before
                 .map(|before| self.ranges[before].end)
                 .filter(|end| comma.is_none() && patches.text[*end..item.start].trim() == ",");
-            // What is added in place of this item goes behind the comma before it.
+            // An item added in place of this one goes behind the comma before it.
             let before = before.map(|end| if self.added.contains_key(&index) { end + 1 } else { end });
             let before =
                 before.filter(|end| patches.text[*end..item.start].trim_start_matches(',').trim().is_empty());

@@ -1,10 +1,10 @@
-//! Where in the tree of a scene file the values of an edit are.
+//! Finds the values of an edit in the tree of a scene file.
 
 use std::collections::BTreeMap;
 
 use data_file::Diagnostic;
 use data_file::codes::scene as codes;
-use data_file::reader::{Form, Node, Reader};
+use data_file::grammar::{Node, Parts, Reader, Shape};
 use glam::{DVec3, Vec3};
 
 use super::patches::{Items, Patches};
@@ -14,16 +14,16 @@ use crate::camera::Camera;
 use crate::light::{Light, LightKind};
 
 /// Adds to `patches` what makes the edit of a valid scene file.
-pub(super) fn edit(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, edit: &SceneEdit) {
+pub(super) fn edit(reader: &mut Reader<'_>, tree: Node<'_>, patches: &mut Patches<'_>, edit: &SceneEdit) {
     let mut items = Items::of(tree);
     if let Some(camera) = &edit.camera {
-        match child(tree, "camera") {
+        match tree.field("camera") {
             Some(node) => set_fields(node, patches, &camera_fields(camera, edit.origin, Some(node))),
             None => items.add(items.len(), format!("camera: {}", camera_text(camera, edit.origin))),
         }
     }
     edit_lights(reader, tree, patches, edit);
-    match child(tree, "keyframes") {
+    match tree.field("keyframes") {
         Some(node) => edit_keyframes(node, patches, edit),
         None => {
             let indent = items.indent(patches);
@@ -42,32 +42,25 @@ impl Items {
     }
 }
 
-/// Returns the value of a field of a form.
-fn child<'n>(node: &'n Node, name: &str) -> Option<&'n Node> {
-    let Form::Struct(_, fields) = &node.form else { return None };
-    fields.iter().find(|field| field.name.text == name).map(|field| &field.value)
-}
-
 /// Sets fields of a form, adds those that it lacks and removes those that are to be left out.
-fn set_fields(node: &Node, patches: &mut Patches<'_>, fields: &[Field]) {
-    let Form::Struct(_, known) = &node.form else { return };
+fn set_fields(node: Node<'_>, patches: &mut Patches<'_>, fields: &[Field]) {
+    let Parts::Fields(known) = node.parts() else { return };
     let mut items = Items::of(node);
     let mut kept = known.len();
     for (name, value) in fields {
-        match (known.iter().position(|field| field.name.text == *name), value) {
-            (Some(index), Some(value)) => value.write(&known[index].value, patches),
+        match (known.iter().position(|(known, _)| known.text() == *name), value) {
+            (Some(index), Some(value)) => value.write(known[index].1, patches),
             (Some(index), None) => items.remove(index),
             (None, _) => {}
         }
     }
-    let left_out = |index: &usize| {
-        fields.iter().any(|(name, value)| value.is_none() && known[*index].name.text == *name)
-    };
+    let left_out =
+        |index: &usize| fields.iter().any(|(name, value)| value.is_none() && known[*index].0.text() == *name);
     while kept > 0 && left_out(&(kept - 1)) {
         kept -= 1;
     }
     for (name, value) in fields {
-        if let (None, Some(value)) = (known.iter().find(|field| field.name.text == *name), value) {
+        if let (None, Some(value)) = (known.iter().find(|(known, _)| known.text() == *name), value) {
             items.add(kept, format!("{name}: {}", value.text()));
         }
     }
@@ -75,8 +68,8 @@ fn set_fields(node: &Node, patches: &mut Patches<'_>, fields: &[Field]) {
 }
 
 /// Returns the fields of a camera, given that of the file: what follows from the scene stays out.
-fn camera_fields(camera: &Camera, origin: DVec3, file: Option<&Node>) -> Vec<Field> {
-    let has = |name: &str| file.is_some_and(|node| child(node, name).is_some());
+fn camera_fields(camera: &Camera, origin: DVec3, file: Option<Node<'_>>) -> Vec<Field> {
+    let has = |name: &str| file.is_some_and(|node| node.field(name).is_some());
     let most = 180f32.next_down();
     let mut fields = vec![
         ("position", Some(Value::Place { value: camera.position, origin })),
@@ -97,7 +90,7 @@ pub(super) fn camera_text(camera: &Camera, origin: DVec3) -> String {
 }
 
 /// Returns the form of a light, and its fields, given that of the file.
-fn light_fields(light: &Light, origin: DVec3, file: Option<&Node>) -> (&'static str, Vec<Field>) {
+fn light_fields(light: &Light, origin: DVec3, file: Option<Node<'_>>) -> (&'static str, Vec<Field>) {
     let position = ("position", Some(Value::Place { value: light.position, origin }));
     let direction = ("direction", Some(Value::Direction(light.direction)));
     let intensity = ("intensity", Some(Value::Vector(light.intensity)));
@@ -107,7 +100,7 @@ fn light_fields(light: &Light, origin: DVec3, file: Option<&Node>) -> (&'static 
             ("Directional", vec![direction, ("irradiance", Some(Value::Vector(light.intensity)))])
         }
         LightKind::Spot { inner, outer } => {
-            let known = |name| file.and_then(|node| child(node, name));
+            let known = |name| file.and_then(|node| node.field(name));
             let kept = known("outer_deg").and_then(number).filter(|kept| kept.to_radians() == outer);
             // An inner cone that is read as wider than the outer is an error, be it by rounding.
             let outer_deg = kept.unwrap_or_else(|| degrees(outer).min(90.0));
@@ -127,45 +120,44 @@ pub(super) fn light_text(light: &Light, origin: DVec3) -> String {
     text.replacen('(', &format!("(name: {:?}, ", light.name), 1)
 }
 
-fn edit_lights(reader: &mut Reader<'_>, tree: &Node, patches: &mut Patches<'_>, edit: &SceneEdit) {
-    let list = child(tree, "lights");
-    let items = match list.map(|node| &node.form) {
-        Some(Form::List(items)) => items.as_slice(),
-        _ => &[],
-    };
-    let name = |(index, node): (usize, &Node)| match child(node, "name").map(|name| &name.form) {
-        Some(Form::Text(name, _)) if !name.is_empty() => name.clone(),
+fn edit_lights(reader: &mut Reader<'_>, tree: Node<'_>, patches: &mut Patches<'_>, edit: &SceneEdit) {
+    let list = tree.field("lights");
+    let items = list.map(Node::items).unwrap_or_default();
+    let name = |(index, node): (usize, &Node<'_>)| match node.field("name").map(|name| name.shape()) {
+        Some(Shape::Text(name)) if !name.is_empty() => name,
         _ => format!("light {index}"),
     };
     let names: Vec<String> = items.iter().enumerate().map(name).collect();
-    // Of lights with the same name, the first edit is of the first, and so on.
+    // The first edit of a name is of the first light with that name, and so on.
     let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
     for light in &edit.lights {
         let count = seen.entry(&light.name).or_default();
-        let found = names.iter().zip(items).filter(|(name, _)| **name == light.name).nth(*count);
+        let found = names.iter().zip(&items).filter(|(name, _)| **name == light.name).nth(*count);
         *count += 1;
         let (form, Some((_, node))) = (light_fields(light, edit.origin, None).0, found) else {
-            let place = list.or(child(tree, "geometry")).unwrap_or(tree);
+            let place = list.or(tree.field("geometry")).unwrap_or(tree);
             let error = Diagnostic::new(
                 &codes::NAME,
                 format!("the light `{}` is not in `lights` of this file", light.name),
             )
-            .label(reader.head_of(place), "not here")
+            .label(reader.span(reader.head(reader.place(place))), "not here")
             .note("it belongs to the geometry, a glTF file, which is not written to")
             .note("`lights_from_file: false` leaves out the lights of that file; those in `lights` can be edited")
             .suggest("lights of this file", &light.name, names.iter().map(String::as_str));
             reader.tell(error);
             continue;
         };
-        match &node.form {
-            Form::Struct(Some(known), _) if known.text == form => {
-                let (_, fields) = light_fields(light, edit.origin, Some(node));
-                set_fields(node, patches, &fields);
+        match node.shape() {
+            Shape::Form(Some(known)) if known == form => {
+                let (_, fields) = light_fields(light, edit.origin, Some(*node));
+                set_fields(*node, patches, &fields);
             }
             _ => {
                 let message = format!("the light `{}` cannot become a `{form}`", light.name);
-                let error = Diagnostic::new(&codes::CONFLICT, message)
-                    .label(reader.head_of(node), "another kind of light in the file");
+                let error = Diagnostic::new(&codes::CONFLICT, message).label(
+                    reader.span(reader.head(reader.place(*node))),
+                    "another kind of light in the file",
+                );
                 reader.tell(error);
             }
         }
@@ -203,23 +195,23 @@ fn light_keys(edit: &SceneEdit) -> impl Iterator<Item = (&str, KeyFields)> {
     edit.light_keys.iter().map(move |(name, keys)| (name.as_str(), keys.iter().map(fields).collect()))
 }
 
-fn edit_keyframes(node: &Node, patches: &mut Patches<'_>, edit: &SceneEdit) {
+fn edit_keyframes(node: Node<'_>, patches: &mut Patches<'_>, edit: &SceneEdit) {
     let mut items = Items::of(node);
     let indent = items.indent(patches);
-    match (child(node, "camera"), camera_keys(edit)) {
+    match (node.field("camera"), camera_keys(edit)) {
         (Some(list), Some(keys)) => edit_keys(list, patches, &keys),
         (None, keys) => items.add_some(camera_keys_text(patches, keys, &indent)),
         (Some(_), None) => {}
     }
-    match child(node, "lights") {
+    match node.field("lights") {
         Some(map) => {
-            let Form::Map(entries) = &map.form else { return };
+            let entries = map.entries();
             let mut items = Items::of(map);
             let inner = items.indent(patches);
             for (name, keys) in light_keys(edit) {
-                let is = |node: &Node| matches!(&node.form, Form::Text(text, _) if text == name);
+                let is = |key: &Node<'_>| matches!(key.shape(), Shape::Text(text) if text == name);
                 match entries.iter().find(|(key, _)| is(key)) {
-                    Some((_, list)) => edit_keys(list, patches, &keys),
+                    Some((_, list)) => edit_keys(*list, patches, &keys),
                     None => items.add_some(light_entry(patches, name, &keys, &inner)),
                 }
             }
@@ -264,9 +256,9 @@ fn keys_text(patches: &Patches<'_>, keys: &KeyFields, indent: &str) -> String {
 
 /// Makes the keys of a list those that are given. A key at the same time is the same key; of those between two such
 /// keys, each new one is written over an old one, as long as there are any.
-fn edit_keys(list: &Node, patches: &mut Patches<'_>, keys: &KeyFields) {
-    let Form::List(old) = &list.form else { return };
-    let old_time = |node: &Node| child(node, "time").and_then(number);
+fn edit_keys(list: Node<'_>, patches: &mut Patches<'_>, keys: &KeyFields) {
+    let old = list.items();
+    let old_time = |node: &Node<'_>| node.field("time").and_then(number);
     let new_time = |fields: &Vec<Field>| match fields[0].1 {
         Some(Value::Number(time)) => Some(time),
         _ => None,
@@ -282,7 +274,7 @@ fn edit_keys(list: &Node, patches: &mut Patches<'_>, keys: &KeyFields) {
         let (to_i, to_j) = pair.unwrap_or((old.len(), keys.len()));
         let both = (to_i - i).min(to_j - j);
         for k in 0..both {
-            set_fields(&old[i + k], patches, &keys[j + k]);
+            set_fields(old[i + k], patches, &keys[j + k]);
         }
         (i + both..to_i).for_each(|index| items.remove(index));
         for key in &keys[j + both..to_j] {
@@ -290,7 +282,7 @@ fn edit_keys(list: &Node, patches: &mut Patches<'_>, keys: &KeyFields) {
         }
         (i, j) = (to_i, to_j);
         if let Some((a, b)) = pair {
-            set_fields(&old[a], patches, &keys[b]);
+            set_fields(old[a], patches, &keys[b]);
             (i, j) = (a + 1, b + 1);
         }
     }

@@ -1,10 +1,9 @@
 //! The values that an edit writes: whether they differ from what a file has, and how they are written.
 
-use data_file::reader::{Form, Node};
+use data_file::grammar::{Node, Number, Shape};
 use glam::{DVec3, Vec3};
 
 use super::patches::Patches;
-use crate::description::numbers;
 use crate::origin::{kept, local, written};
 
 /// The value of a field.
@@ -24,7 +23,7 @@ pub(super) enum Value {
     },
     /// A vector of which only the direction matters.
     Direction(Vec3),
-    /// In radians, written in degrees, of which there are at most so many.
+    /// In radians; written in degrees, at most `most`.
     Angle {
         radians: f32,
         most: f32,
@@ -36,18 +35,19 @@ pub(super) type Field = (&'static str, Option<Value>);
 
 impl Value {
     /// Writes the value over that of the file, if it is another one: only the numbers that differ.
-    pub(super) fn write(self, node: &Node, patches: &mut Patches<'_>) {
+    pub(super) fn write(self, node: Node<'_>, patches: &mut Patches<'_>) {
         if self.is(node) {
             return;
         }
-        match (self, &node.form) {
-            (Value::Vector(value) | Value::Direction(value), Form::Tuple(None, items)) => {
-                for (item, value) in items.iter().zip(value.to_array()) {
+        let is_tuple = node.shape() == Shape::Form(None);
+        match self {
+            Value::Vector(value) | Value::Direction(value) if is_tuple => {
+                for (item, value) in node.items().into_iter().zip(value.to_array()) {
                     Value::Number(value).write(item, patches);
                 }
             }
-            (Value::Place { value, origin }, Form::Tuple(None, items)) => {
-                for (item, (value, origin)) in items.iter().zip(coordinates(value, origin)) {
+            Value::Place { value, origin } if is_tuple => {
+                for (item, (value, origin)) in node.items().into_iter().zip(coordinates(value, origin)) {
                     Value::Coordinate { value, origin }.write(item, patches);
                 }
             }
@@ -56,13 +56,12 @@ impl Value {
     }
 
     /// Returns whether the file has this value.
-    fn is(self, node: &Node) -> bool {
+    fn is(self, node: Node<'_>) -> bool {
         match self {
             Value::Number(value) => number(node) == Some(value),
             Value::Vector(value) => vector(node) == Some(value),
             Value::Coordinate { value, origin } => {
-                let Form::Number(number) = node.form else { return false };
-                local(number, origin) == kept(value, origin)
+                node.number().is_some_and(|number| local(number, origin) == kept(value, origin))
             }
             Value::Place { value, origin } => numbers(node).is_some_and(|numbers| {
                 let mut pairs = numbers.into_iter().zip(coordinates(value, origin));
@@ -100,11 +99,17 @@ fn coordinates(place: Vec3, origin: DVec3) -> [(f32, f64); 3] {
 }
 
 /// Returns the number of a node, as the grammar reads it.
-pub(super) fn number(node: &Node) -> Option<f32> {
-    if let Form::Number(number) = node.form { Some(local(number, 0.0)) } else { None }
+pub(super) fn number(node: Node<'_>) -> Option<f32> {
+    node.number().map(|number| local(number, 0.0))
 }
 
-fn vector(node: &Node) -> Option<Vec3> {
+/// Returns the numbers of `(x, y, z)`.
+fn numbers(node: Node<'_>) -> Option<[Number; 3]> {
+    let [x, y, z] = node.items()[..] else { return None };
+    Some([x.number()?, y.number()?, z.number()?])
+}
+
+fn vector(node: Node<'_>) -> Option<Vec3> {
     numbers(node).map(|numbers| numbers.map(|number| local(number, 0.0)).into())
 }
 

@@ -74,8 +74,8 @@ impl Importer<'_> {
                 let of = |(joints, weights): &(Vec<[u32; 4]>, Vec<[f32; 4]>)| {
                     std::array::from_fn::<_, 4, _>(|i| (joints[vertex][i], weights[vertex][i]))
                 };
-                let told = sets.iter().flat_map(of);
-                told.filter(|(_, weight)| *weight > 0.0 && weight.is_finite())
+                let influences = sets.iter().flat_map(of);
+                influences.filter(|(_, weight)| *weight > 0.0 && weight.is_finite())
             };
             let sum: f32 = pairs().map(|(_, weight)| weight).sum();
             if sum > 0.0 && sum.is_finite() {
@@ -109,19 +109,19 @@ impl Importer<'_> {
         let own = &self.get(&self.root.meshes, mesh, "mesh", place)?.weights;
         let count = targets_of(&model.meshes[mesh]);
         self.take(count as u64, 4, place)?;
-        let Some(told) = json.weights.as_ref().or(own.as_ref()) else {
+        let Some(weights) = json.weights.as_ref().or(own.as_ref()) else {
             return Ok(Morph { rest: vec![0.0; count], tracks: Vec::new() });
         };
-        if told.len() != count {
-            let found = told.len();
+        if weights.len() != count {
+            let found = weights.len();
             self.repairs.push(format!(
                 "{place}: {found} weights for {count} morph targets: those that are missing are 0"
             ));
         }
-        if told.iter().any(|weight| !weight.is_finite()) {
+        if weights.iter().any(|weight| !weight.is_finite()) {
             self.repairs.push(format!("{place}: its morph weights that are not finite are taken as 0"));
         }
-        let weight = |i: usize| told.get(i).copied().filter(|weight| weight.is_finite()).unwrap_or(0.0);
+        let weight = |i: usize| weights.get(i).copied().filter(|weight| weight.is_finite()).unwrap_or(0.0);
         Ok(Morph { rest: (0..count).map(weight).collect(), tracks: Vec::new() })
     }
 

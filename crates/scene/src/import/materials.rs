@@ -207,8 +207,8 @@ impl Importer<'_> {
     fn image_name(&self, image: usize) -> String {
         let json = self.root.images.get(image);
         let file = |uri: &String| !uri.starts_with("data:");
-        let told = json.and_then(|i| named(&i.name).or_else(|| named(&i.uri).filter(file)));
-        told.unwrap_or_else(|| format!("image {image}"))
+        let name = json.and_then(|i| named(&i.name).or_else(|| named(&i.uri).filter(file)));
+        name.unwrap_or_else(|| format!("image {image}"))
     }
 
     fn without(&mut self, image: usize, problem: &str) {

@@ -105,7 +105,7 @@ impl Importer<'_> {
             self.repairs.push(format!("{place}: the last {} indices make no triangle", corners.len() % 3));
         }
         if attribute(Semantic::Colors(0)).is_some() {
-            self.repairs.push(format!("{place}: colours of vertices are left out"));
+            self.repairs.push(format!("{place}: colors of vertices are left out"));
         }
         let targets = self.targets(json, count, place)?;
         let influences = self.influences(json, count, place)?;

@@ -13,8 +13,8 @@ use crate::common::{Glb, InMemory, load_bytes, load_text};
 pub(crate) fn sample() -> Glb {
     let mut glb = Glb::square();
     let uvs = glb.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
-    glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uvs);
-    glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    glb.attribute("TEXCOORD_0", uvs);
+    glb.primitive()["material"] = json!(0);
     let mut png = std::io::Cursor::new(Vec::new());
     image::RgbaImage::new(2, 2).write_to(&mut png, image::ImageFormat::Png).expect("encoded");
     let view = glb.view(png.get_ref());
@@ -47,8 +47,7 @@ pub(crate) fn sample() -> Glb {
     );
     let moved = glb.floats("VEC3", &[0.0, 0.0, 1.0].repeat(4));
     let turned = glb.floats("VEC3", &[1.0, 0.0, 0.0].repeat(4));
-    glb.json["meshes"][0]["primitives"][0]["targets"] =
-        json!([{ "POSITION": moved, "NORMAL": turned }, { "POSITION": moved }]);
+    glb.primitive()["targets"] = json!([{ "POSITION": moved, "NORMAL": turned }, { "POSITION": moved }]);
     glb.json["meshes"][0]["weights"] = json!([0.25, 0.5]);
     let joints = glb.fours(&[0u8, 1, 0, 0].repeat(4), false);
     glb.attribute("JOINTS_0", joints);
@@ -59,11 +58,7 @@ pub(crate) fn sample() -> Glb {
     glb.json["nodes"][0]["skin"] = json!(0);
     let weights = glb.floats("SCALAR", &[0.0, 0.0, 1.0, 1.0]);
     glb.animate(0, "weights", "LINEAR", input, weights);
-    let at = glb.view(&[2u8]);
-    let value = glb.view(bytemuck::cast_slice(&[2.0f32, 2.0, 0.0]));
-    glb.json["accessors"][0]["sparse"] = json!({
-        "count": 1, "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": value },
-    });
+    glb.sparse(0, 2, [2.0, 2.0, 0.0], 1);
     glb.json["scenes"] = json!([{ "nodes": [0, 1] }]);
     glb
 }
@@ -141,7 +136,7 @@ fn odd_value() -> impl Strategy<Value = Value> {
 
 #[test]
 fn the_sample_itself_is_good() {
-    let scene = sample().load().expect("a good file");
+    let scene = sample().scene();
     let sizes = (scene.triangles(), scene.lights.len(), scene.cameras.len(), scene.textures.len());
     assert_eq!(sizes, (2, 1, 1, 2), "{:?}", scene.repairs);
     let changes = scene.changes(0.0, 0.5);
@@ -192,7 +187,7 @@ proptest! {
     #[test]
     fn any_text_as_the_name_of_a_scene(spec in "\\PC{0,20}") {
         prop_assume!(!Path::new(&spec).exists());
-        let files = InMemory([("cornell-box.ron", String::new())].into());
+        let files = InMemory { texts: [("cornell-box.ron", String::new())].into(), ..InMemory::default() };
         prop_assert!(scene::load(&spec, &files).is_err());
     }
 }

@@ -4,7 +4,7 @@ use data_file::Files;
 use glam::Vec3;
 use scene::{Scene, about, built_in_names};
 
-use crate::common::{Shipped, load_text, shipped};
+use crate::common::{Shipped, assert_trait, built_in, shipped};
 
 #[test]
 fn every_shipped_scene_loads_and_says_what_it_is() {
@@ -38,8 +38,7 @@ fn assert_windings(scene: &Scene) {
 #[test]
 fn triangles_wind_as_their_normals_say() {
     for name in built_in_names() {
-        let scene = load_text(&format!("Scene(geometry: BuiltIn({name:?}))")).expect("a good file");
-        assert_windings(&scene);
+        assert_windings(&built_in(name));
     }
 }
 
@@ -158,8 +157,7 @@ fn plans_are_closed_and_of_the_drawn_size() {
 
 #[test]
 fn simple_bodies_have_their_closed_forms() {
-    let area =
-        |name: &str| load_text(&format!("Scene(geometry: BuiltIn({name:?}))")).expect("a good file").area();
+    let area = |name: &str| built_in(name).area();
     assert!((area("plane") - 4.0).abs() < 1e-6, "2 m × 2 m");
     assert!((area("cube") - 6.0).abs() < 1e-6, "six faces");
     let sphere = area("sphere");
@@ -168,13 +166,13 @@ fn simple_bodies_have_their_closed_forms() {
 }
 
 #[test]
-fn traits_tell_what_is_there() {
+fn traits_state_what_is_there() {
     let expect = |name: &str, expected: &[(&str, u32)]| {
-        let traits = shipped(name).traits();
+        let scene = shipped(name);
         for (key, value) in expected {
-            assert_eq!(traits.0[*key].as_u32(), Some(*value), "{name}: {key}");
+            assert_eq!(scene.traits().0[*key].as_u32(), Some(*value), "{name}: {key}");
         }
-        traits
+        scene
     };
     let counts = [
         ("lights", 3),
@@ -187,9 +185,9 @@ fn traits_tell_what_is_there() {
     let lights = expect("cornell-box-lights", &counts);
     for name in ["textured", "glossy", "emissive", "masked", "environment", "moving_camera", "moving_lights"]
     {
-        assert_eq!(lights.0[name].as_bool(), Some(false), "{name}");
+        assert_trait(&lights, name, false);
     }
     let lamp = expect("cornell-box-lamp", &[("lights", 0), ("light_layers", 0), ("triangles", 32)]);
-    assert_eq!(lamp.0["emissive"].as_bool(), Some(true), "the lamp emits");
+    assert_trait(&lamp, "emissive", true);
     expect("empty", &[("triangles", 0)]);
 }

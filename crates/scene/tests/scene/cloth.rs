@@ -3,13 +3,9 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
-use scene::{Changes, Scene};
+use scene::Changes;
 
-use crate::common::{load_text, shipped};
-
-fn cloth() -> Scene {
-    load_text(r#"Scene(geometry: BuiltIn("cloth"))"#).expect("a good file")
-}
+use crate::common::{assert_trait, built_in, shipped};
 
 /// z and its slopes along x and y: a quarter of a metre (y/h)² sin(π x − 2.5 π y/h − π t), h = 1.5 m.
 fn wave(x: f64, y: f64, time: f64) -> (f64, [f64; 2]) {
@@ -21,9 +17,9 @@ fn wave(x: f64, y: f64, time: f64) -> (f64, [f64; 2]) {
 
 #[test]
 fn the_cloth_waves_as_its_closed_form_says_and_repeats() {
-    let scene = cloth();
+    let scene = built_in("cloth");
     assert!((scene.triangles(), scene.duration) == (3072, 2.0), "{} triangles", scene.triangles());
-    assert_eq!(scene.traits().0["moving_geometry"].as_bool(), Some(true));
+    assert_trait(&scene, "moving_geometry", true);
     for time in [0.0f32, 0.03, 0.5, 0.777, 1.0, 1.9, 2.0, 5.3] {
         let pose = scene.at(time);
         for (vertex, rest) in pose.moved[0].vertices.iter().zip(&scene.vertices) {
@@ -42,7 +38,7 @@ fn the_cloth_waves_as_its_closed_form_says_and_repeats() {
 
 #[test]
 fn the_cloths_rod_does_not_move_and_its_box_holds_every_swing() {
-    let scene = cloth();
+    let scene = built_in("cloth");
     for time in [0.0, 0.4, 1.3] {
         let moved = &scene.at(time).moved[0].vertices;
         let rod = moved.iter().filter(|v| v.position[1] == 0.0);

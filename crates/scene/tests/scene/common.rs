@@ -1,4 +1,4 @@
-//! What the tests share: the scenes of this project, descriptions in memory, and small glTF files.
+//! Shared by the tests: the scenes of this project, descriptions in memory, and small glTF files.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -48,50 +48,67 @@ impl SceneFiles for Shipped {
     }
 }
 
-/// Descriptions in memory.
-pub(crate) struct InMemory(pub(crate) BTreeMap<&'static str, String>);
+/// Descriptions in memory, by their file names, with geometry files in a folder.
+#[derive(Default)]
+pub(crate) struct InMemory {
+    pub(crate) texts: BTreeMap<&'static str, String>,
+    pub(crate) folder: PathBuf,
+}
 
 impl Files for InMemory {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
-        self.0.get(path).map(|text| Arc::new(Source { name: path.into(), text: text.clone() }))
+        self.texts.get(path).map(|text| Source::new(path, text.as_str()))
     }
 
     fn list(&self) -> Vec<String> {
-        self.0.keys().map(|name| name.to_string()).collect()
+        self.texts.keys().map(|name| name.to_string()).collect()
     }
 }
 
-impl SceneFiles for InMemory {}
+impl SceneFiles for InMemory {
+    fn folder(&self) -> PathBuf {
+        self.folder.clone()
+    }
+}
 
 pub(crate) fn shipped(name: &str) -> Scene {
     load(name, &Shipped).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Loads a file on disk.
+pub(crate) fn try_load(path: &Path) -> Result<Scene, SceneError> {
+    load(path.to_str().unwrap(), &InMemory::default())
+}
+
+/// Loads a good file on disk.
+pub(crate) fn load_path(path: &Path) -> Scene {
+    try_load(path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Loads a scene file of this text, which names geometry files of `folder`.
+pub(crate) fn load_text_in(folder: &Path, text: &str) -> Result<Scene, SceneError> {
+    load("test", &InMemory { texts: [("test.ron", text.to_owned())].into(), folder: folder.into() })
 }
 
 pub(crate) fn load_text(text: &str) -> Result<Scene, SceneError> {
     load_text_in(Path::new(""), text)
 }
 
-/// Loads a scene file of this text, which names geometry files of `folder`.
-pub(crate) fn load_text_in(folder: &Path, text: &str) -> Result<Scene, SceneError> {
-    load("test", &InFolder(folder, text))
+/// Loads a good scene file of this text, which names geometry files of `folder`.
+#[track_caller]
+pub(crate) fn scene_in(folder: &Path, text: &str) -> Scene {
+    load_text_in(folder, text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-struct InFolder<'a>(&'a Path, &'a str);
-
-impl Files for InFolder<'_> {
-    fn read(&self, path: &str) -> Option<Arc<Source>> {
-        (path == "test.ron").then(|| Source::new(path, self.1))
-    }
-
-    fn list(&self) -> Vec<String> {
-        vec!["test.ron".to_owned()]
-    }
+/// Loads a good scene file of this text.
+#[track_caller]
+pub(crate) fn scene_of(text: &str) -> Scene {
+    scene_in(Path::new(""), text)
 }
 
-impl SceneFiles for InFolder<'_> {
-    fn folder(&self) -> PathBuf {
-        self.0.to_owned()
-    }
+/// Loads a built-in geometry alone.
+pub(crate) fn built_in(name: &str) -> Scene {
+    scene_of(&format!("Scene(geometry: BuiltIn({name:?}))"))
 }
 
 /// Unsigned integers, with their componentType.
@@ -138,30 +155,44 @@ impl Glb {
         self.push("bufferViews", json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }))
     }
 
+    pub(crate) fn accessor(&mut self, accessor: Value) -> usize {
+        self.push("accessors", accessor)
+    }
+
     pub(crate) fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
         let sizes = [("SCALAR", 1), ("VEC2", 2), ("VEC3", 3), ("VEC4", 4), ("MAT4", 16)];
         let components = sizes.iter().find(|(k, _)| *k == kind).expect("a kind").1;
-        let view = self.view(bytemuck::cast_slice(values));
-        let count = values.len() / components;
-        self.push(
-            "accessors",
-            json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind }),
-        )
+        let (view, count) = (self.view(bytemuck::cast_slice(values)), values.len() / components);
+        self.accessor(json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind }))
     }
 
-    /// Elements of four unsigned integers each.
+    /// Adds elements of four unsigned integers each.
     pub(crate) fn fours<T: Unsigned>(&mut self, values: &[T], normalized: bool) -> usize {
-        let view = self.view(bytemuck::cast_slice(values));
-        self.push(
-            "accessors",
-            json!({ "bufferView": view, "componentType": T::COMPONENT, "normalized": normalized,
-                "count": values.len() / 4, "type": "VEC4" }),
-        )
+        let (view, count) = (self.view(bytemuck::cast_slice(values)), values.len() / 4);
+        self.accessor(json!({ "bufferView": view, "componentType": T::COMPONENT, "normalized": normalized,
+            "count": count, "type": "VEC4" }))
+    }
+
+    /// Returns the first primitive.
+    pub(crate) fn primitive(&mut self) -> &mut Value {
+        &mut self.json["meshes"][0]["primitives"][0]
+    }
+
+    /// Replaces one element of an accessor by a sparse value.
+    pub(crate) fn sparse(&mut self, accessor: usize, element: u8, value: [f32; 3], count: u64) {
+        let (at, value) = (self.view(&[element]), self.view(bytemuck::cast_slice(&value)));
+        self.json["accessors"][accessor]["sparse"] = json!({ "count": count,
+            "indices": { "bufferView": at, "componentType": 5121 }, "values": { "bufferView": value } });
+    }
+
+    /// Removes the normals of the first primitive.
+    pub(crate) fn without_normals(&mut self) {
+        self.primitive()["attributes"].as_object_mut().expect("an object").remove("NORMAL");
     }
 
     /// Sets an attribute of the first primitive.
     pub(crate) fn attribute(&mut self, name: &str, accessor: usize) {
-        self.json["meshes"][0]["primitives"][0]["attributes"][name] = json!(accessor);
+        self.primitive()["attributes"][name] = json!(accessor);
     }
 
     /// Adds a channel, as an animation of its own sampler, to the first animation.
@@ -185,11 +216,8 @@ impl Glb {
     }
 
     pub(crate) fn indices(&mut self, values: &[u16]) -> usize {
-        let view = self.view(bytemuck::cast_slice(values));
-        self.push(
-            "accessors",
-            json!({ "bufferView": view, "componentType": 5123, "count": values.len(), "type": "SCALAR" }),
-        )
+        let (view, count) = (self.view(bytemuck::cast_slice(values)), values.len());
+        self.accessor(json!({ "bufferView": view, "componentType": 5123, "count": count, "type": "SCALAR" }))
     }
 
     /// A mesh of one primitive.
@@ -229,17 +257,47 @@ impl Glb {
     pub(crate) fn load(&self) -> Result<Scene, SceneError> {
         load_bytes("test.glb", &self.bytes())
     }
+
+    /// Loads a good file.
+    #[track_caller]
+    pub(crate) fn scene(&self) -> Scene {
+        self.load().unwrap_or_else(|error| panic!("{error}"))
+    }
 }
 
 /// Loads a file of these bytes from a folder of its own.
 pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Scene, SceneError> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join(name);
-    std::fs::write(&path, bytes).expect("a file");
-    load(path.to_str().expect("UTF-8"), &InMemory(BTreeMap::new()))
+    let folder = folder_of(&[(name, bytes)]);
+    try_load(&folder.path().join(name))
 }
 
-/// The place of a vertex in the world of the scene's file.
+/// Returns a folder with these files.
+pub(crate) fn folder_of(files: &[(&str, &[u8])]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+    folder
+}
+
+/// A way to spoil a file: what is spoilt, words of the error, and the change.
+pub(crate) type Spoilt = (&'static str, &'static [&'static str], fn(&mut Glb));
+
+/// Checks that each case refuses the file, with its name and these words.
+pub(crate) fn assert_refused(good: impl Fn() -> Glb, cases: &[Spoilt]) {
+    for (what, words, change) in cases {
+        let mut glb = good();
+        change(&mut glb);
+        let error = glb.load().expect_err(what).to_string();
+        for word in ["test.glb"].iter().chain(*words) {
+            assert!(error.contains(word), "{what}: `{word}` in: {error}");
+        }
+    }
+}
+
+/// Returns the position of a vertex in the world of the scene's file.
 pub(crate) fn position(scene: &Scene, vertex: usize) -> Vec3 {
     (scene.origin + Vec3::from(scene.vertices[vertex].position).as_dvec3()).as_vec3()
 }
@@ -248,7 +306,35 @@ pub(crate) fn normal(scene: &Scene, vertex: usize) -> Vec3 {
     scene.vertices[vertex].normal.into()
 }
 
-/// Whether any of the stated repairs holds these words.
+#[track_caller]
+pub(crate) fn assert_near(found: Vec3, expected: Vec3) {
+    assert!(found.abs_diff_eq(expected, 1e-6), "{found}, not {expected}");
+}
+
+/// Checks that triangles wind as their vertices are shaded; returns their unit normals.
+#[track_caller]
+pub(crate) fn assert_windings(scene: &Scene, tolerance: f32) -> Vec<Vec3> {
+    let triangles = scene.indices.chunks_exact(3).map(|triangle| {
+        let [a, b, c] = [0, 1, 2].map(|i| position(scene, triangle[i] as usize));
+        let (face, shading) = ((b - a).cross(c - a).normalize(), normal(scene, triangle[0] as usize));
+        assert!(face.abs_diff_eq(shading, tolerance), "winds as {face}, shaded as {shading}");
+        face
+    });
+    triangles.collect()
+}
+
 pub(crate) fn states(scene: &Scene, words: &str) -> bool {
     scene.repairs.iter().any(|repair| repair.contains(words))
+}
+
+/// Checks that a repair that the scene states holds these words.
+#[track_caller]
+pub(crate) fn assert_states(scene: &Scene, words: &str) {
+    assert!(states(scene, words), "expected `{words}` in {:?}", scene.repairs);
+}
+
+/// Checks a trait of the scene.
+#[track_caller]
+pub(crate) fn assert_trait(scene: &Scene, name: &str, expected: bool) {
+    assert_eq!(scene.traits().0[name].as_bool(), Some(expected), "{name}");
 }

@@ -1,6 +1,6 @@
 //! The extent without empty space: that of all triangles, but where something lies far from all else.
 
-use crate::common::{Shipped, load_text, shipped};
+use crate::common::{Shipped, scene_of, shipped};
 use data_file::Files;
 
 /// A scene of cubes of 1 m at these places.
@@ -15,7 +15,7 @@ fn cubes(places: &[[f32; 3]]) -> scene::Scene {
             )
         })
         .collect();
-    load_text(&format!("Scene(about: \"Cubes\", geometry: Objects([{objects}]))")).unwrap()
+    scene_of(&format!("Scene(about: \"Cubes\", geometry: Objects([{objects}]))"))
 }
 
 #[test]

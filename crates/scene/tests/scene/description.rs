@@ -1,17 +1,20 @@
 //! Scene files: what they say, and what is wrong with them.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use data_file::codes::scene::CODES;
 use glam::Vec3;
 use scene::{LightKind, SceneError, load};
+use serde_json::json;
 
-use crate::common::{Glb, InMemory, Shipped, load_text, load_text_in, shipped, states};
+use crate::common::{
+    Glb, Shipped, built_in, folder_of, load_path, load_text_in, scene_of, shipped, states, try_load,
+};
 
 #[test]
 fn a_description_sets_camera_and_lights() {
-    let scene = load_text(
+    let scene = scene_of(
         r#"Scene(
             about: "a test",
             geometry: BuiltIn("cube"),
@@ -22,8 +25,7 @@ fn a_description_sets_camera_and_lights() {
                 Directional(direction: (3, 0, 4), irradiance: (7, 8, 9)),
             ],
         )"#,
-    )
-    .expect("a good file");
+    );
     assert_eq!((scene.name.as_str(), scene.about.as_str()), ("test", "a test"));
     assert_eq!(scene.camera.position, Vec3::new(0.0, 1.0, 4.0));
     assert_eq!((scene.camera.vertical_fov, scene.camera.near), (60f32.to_radians(), 0.5));
@@ -41,28 +43,27 @@ fn a_description_sets_camera_and_lights() {
 
 #[test]
 fn what_is_not_given_is_made_up_and_stated() {
-    let scene = load_text(r#"Scene(geometry: BuiltIn("cube"))"#).expect("a good file");
+    let scene = built_in("cube");
     assert!(states(&scene, "no camera") && states(&scene, "no lights"), "{:?}", scene.repairs);
     for vertex in &scene.vertices {
         let pixel = scene.camera.project(vertex.position.into(), [100, 100]).expect("in front");
         assert!(pixel.min_element() > 0.0 && pixel.max_element() < 100.0, "the cube is seen: {pixel}");
     }
     let given = r#"Scene(geometry: BuiltIn("cube"), camera: Camera(position: (0, 0, 9), target: (0, 0, 0), vertical_fov_deg: 9))"#;
-    let near = load_text(given).expect("a good file").camera.near;
+    let near = scene_of(given).camera.near;
     assert!((near - 3f32.sqrt() * 1e-4).abs() < 1e-9, "a ten-thousandth of the extent: {near}");
 }
 
 #[test]
 fn objects_stand_where_they_are_put() {
-    let scene = load_text(
+    let scene = scene_of(
         r#"Scene(geometry: Objects([
             Object(name: "a", geometry: BuiltIn("cube"), transform: Transform(translate: (10, 0, 0), rotate_deg: (0, 0, 90), scale: (4, 2, 2))),
             Object(name: "group", transform: Transform(translate: (0, 0, -5)), geometry: Objects([
                 Object(name: "b", geometry: BuiltIn("plane")),
             ])),
         ]))"#,
-    )
-    .expect("a good file");
+    );
     let (min, max) = scene.bounds();
     // The cube, 4 m long in x, is turned upright about z; the plane lies at z = −5, at the group's place.
     assert!(min.abs_diff_eq(Vec3::new(-1.0, -2.0, -6.0), 1e-5), "{min}");
@@ -72,16 +73,15 @@ fn objects_stand_where_they_are_put() {
 
 #[test]
 fn a_file_is_found_beside_the_description_and_its_lights_can_be_left_out() {
-    let folder = tempfile::tempdir().expect("a folder");
     let mut glb = Glb::square();
     glb.json["extensions"] =
-        serde_json::json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 2.0 }] } });
-    glb.push("nodes", serde_json::json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
-    std::fs::write(folder.path().join("square.glb"), glb.bytes()).expect("a file");
+        json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 2.0 }] } });
+    glb.push("nodes", json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
+    let folder = folder_of(&[("square.glb", &glb.bytes())]);
     let path = folder.path().join("scene.ron");
     for (option, lights) in [("", 1), (", lights_from_file: false", 0)] {
-        std::fs::write(&path, format!(r#"Scene(geometry: File("square.glb"){option})"#)).expect("a file");
-        let scene = load(path.to_str().expect("UTF-8"), &Shipped).expect("a good file");
+        std::fs::write(&path, format!(r#"Scene(geometry: File("square.glb"){option})"#)).unwrap();
+        let scene = load_path(&path);
         assert_eq!((scene.triangles(), scene.lights.len()), (2, lights), "with `{option}`");
         assert_eq!(scene.files, [path.clone(), folder.path().join("square.glb")], "what to watch");
     }
@@ -89,13 +89,15 @@ fn a_file_is_found_beside_the_description_and_its_lights_can_be_left_out() {
 
 #[test]
 fn an_unknown_name_offers_the_nearest() {
-    let Err(error) = load("cornel-box", &Shipped) else { panic!("there is none") };
-    assert!(matches!(error, SceneError::NotFound { .. }), "{error}");
-    assert!(error.to_string().contains("did you mean `cornell-box`?"), "{error}");
-    let Err(error) = load("nowhere/scene.ron", &Shipped) else { panic!("there is none") };
-    assert!(error.to_string().contains("nowhere/scene.ron"), "{error}");
-    let Err(error) = load("nowhere.glb", &Shipped) else { panic!("there is none") };
-    assert!(error.to_string().contains("nowhere.glb"), "{error}");
+    for (spec, words) in [
+        ("cornel-box", "did you mean `cornell-box`?"),
+        ("nowhere/scene.ron", "nowhere/scene.ron"),
+        ("nowhere.glb", "nowhere.glb"),
+    ] {
+        let Err(error) = load(spec, &Shipped) else { panic!("there is none") };
+        assert!(matches!(error, SceneError::NotFound { .. }), "{error}");
+        assert!(error.to_string().contains(words), "{error}");
+    }
 }
 
 #[test]
@@ -127,21 +129,16 @@ fn every_broken_file_gives_its_errors() {
 
 #[test]
 fn a_folder_or_a_file_of_no_text_is_unreadable() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("binary.ron");
-    std::fs::write(&path, [0xff, 0xfe, 0x00]).expect("a file");
-    let nothing = InMemory(BTreeMap::new());
-    let result = load(path.to_str().expect("UTF-8"), &nothing);
-    assert!(matches!(result, Err(SceneError::Unreadable { .. })), "{result:?}");
-    let path = folder.path().join("folder.glb");
-    std::fs::create_dir(&path).expect("a folder");
-    let result = load(path.to_str().expect("UTF-8"), &nothing);
-    assert!(matches!(result, Err(SceneError::Unreadable { .. })), "{result:?}");
+    let folder = folder_of(&[("binary.ron", &[0xff, 0xfe, 0x00]), ("folder.glb/inner", &[])]);
+    for name in ["binary.ron", "folder.glb"] {
+        let result = try_load(&folder.path().join(name));
+        assert!(matches!(result, Err(SceneError::Unreadable { .. })), "{name}: {result:?}");
+    }
 }
 
 #[test]
 fn the_hash_is_of_the_content() {
-    let hash = |text: &str| load_text(text).expect("a good file").hash;
+    let hash = |text: &str| scene_of(text).hash;
     let cube =
         r#"Scene(geometry: BuiltIn("cube"), lights: [Point(position: (0, 2, 0), intensity: (1, 1, 1))])"#;
     assert_eq!(hash(cube), hash(cube), "the same twice");

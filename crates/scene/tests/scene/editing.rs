@@ -12,7 +12,7 @@ use scene::{
 };
 use serde_json::json;
 
-use crate::common::{Glb, Shipped, load_text, load_text_in};
+use crate::common::{Glb, Shipped, folder_of, scene_in, scene_of};
 
 const ODD: &str = include_str!("odd.ron");
 const BARE: &str = "Scene(geometry: BuiltIn(\"cube\"))";
@@ -50,11 +50,7 @@ fn edit_text(text: &str, edit: &SceneEdit) -> String {
     edited(&Source::new("test.ron", text), edit).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
-fn load(text: &str) -> Scene {
-    load_text(text).unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
-
-/// What edits are made of: few enough values that some are those of a file.
+/// Numbers of edits: few enough that some are those of a file.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![(-3i32..4).prop_map(|n| n as f32), -50.0f32..50.0, Just(1e-7), Just(-3.25e9)]
 }
@@ -229,10 +225,10 @@ proptest! {
     fn what_is_set_is_read_back_and_comments_remain(file in any::<prop::sample::Index>(), draw in draw()) {
         let texts = texts();
         let source = file.get(&texts);
-        let was = load(&source.text);
+        let was = scene_of(&source.text);
         let edit = make(&was, &draw, false);
         let text = edited(source, &edit).unwrap_or_else(|errors| panic!("{errors}"));
-        assert_edited(&load(&text), &was, &edit)?;
+        assert_edited(&scene_of(&text), &was, &edit)?;
         prop_assert_eq!(comments(&text), comments(&source.text), "{}", text);
         for line in source.text.lines().filter(|line| line.starts_with("//")) {
             prop_assert!(text.contains(line), "{line} is lost");
@@ -248,10 +244,10 @@ proptest! {
     fn the_later_of_two_edits_holds(file in any::<prop::sample::Index>(), first in draw(), second in draw()) {
         let texts = texts();
         let source = file.get(&texts);
-        let was = load(&source.text);
+        let was = scene_of(&source.text);
         let (first, second) = (make(&was, &first, true), make(&was, &second, true));
         let both = edit_text(&edit_text(&source.text, &first), &second);
-        assert_edited(&load(&both), &was, &second)?;
+        assert_edited(&scene_of(&both), &was, &second)?;
         prop_assert_eq!(comments(&both), comments(&source.text), "{}", both);
     }
 }
@@ -259,7 +255,7 @@ proptest! {
 #[test]
 fn an_edit_of_nothing_and_of_equal_values_changes_nothing() {
     for source in texts() {
-        let scene = load(&source.text);
+        let scene = scene_of(&source.text);
         assert_eq!(edit_text(&source.text, &SceneEdit::default()), source.text, "{}", source.name);
         if source.text.contains("keyframes") || !source.text.contains("camera:") {
             continue;
@@ -271,7 +267,7 @@ fn an_edit_of_nothing_and_of_equal_values_changes_nothing() {
 
 #[test]
 fn only_the_numbers_that_changed_are_replaced() {
-    let scene = load(ODD);
+    let scene = scene_of(ODD);
     let mut camera = Camera { up: Vec3::Y, vertical_fov: 45f32.to_radians(), ..scene.camera };
     (camera.position, camera.target) = (Vec3::new(1.0, 2.75, -3.0), Vec3::ZERO);
     let mut bulb = scene.lights[1].clone();
@@ -300,7 +296,7 @@ fn what_is_missing_is_added_in_the_style_of_its_neighbours() {
         vertical_fov: 39.3077f32.to_radians(),
         near: 0.0,
     };
-    let mut key = load(text).lights[0].clone();
+    let mut key = scene_of(text).lights[0].clone();
     key.kind = LightKind::Spot { inner: 20f32.to_radians(), outer: 30f32.to_radians() };
     let keys = vec![
         LightKey { time: 0.0, direction: Some(Vec3::NEG_Y), ..LightKey::default() },
@@ -359,7 +355,7 @@ fn lights_of_one_name_are_edited_in_their_order() {
         Point(name: \"a\", position: (1, 0, 0), intensity: (1, 1, 1)), Point(position: (2, 0, 0), intensity: (1, 1, 1)),
         Point(name: \"a\", position: (3, 0, 0), intensity: (1, 1, 1)),
     ])";
-    let mut lights = load(text).lights;
+    let mut lights = scene_of(text).lights;
     lights[1].position.y = 5.0;
     lights[2].position.y = 7.0;
     let edit = SceneEdit { lights, ..SceneEdit::default() };
@@ -375,7 +371,7 @@ fn refused(text: &str, edit: &SceneEdit) -> String {
 
 #[test]
 fn what_cannot_be_written_is_refused() {
-    let scene = load(ODD);
+    let scene = scene_of(ODD);
     let with = |change: fn(&mut Light)| {
         let mut light = scene.lights[0].clone();
         change(&mut light);
@@ -397,9 +393,8 @@ fn what_cannot_be_written_is_refused() {
 
 #[test]
 fn a_file_is_replaced_as_a_whole_with_its_permissions() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder_of(&[("odd.ron", ODD.as_bytes())]);
     let path = folder.path().join("odd.ron");
-    std::fs::write(&path, ODD).expect("a file");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
@@ -432,7 +427,6 @@ fn a_file_is_replaced_as_a_whole_with_its_permissions() {
 
 #[test]
 fn a_bare_gltf_file_gets_a_scene_file() {
-    let folder = tempfile::tempdir().expect("a folder");
     let mut glb = Glb::square();
     let light = |kind: &str| json!({ "type": kind, "intensity": 2.0, "name": kind, "spot": { "outerConeAngle": 0.5 } });
     glb.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light("point"), light("spot")] } });
@@ -440,8 +434,8 @@ fn a_bare_gltf_file_gets_a_scene_file() {
         let extensions = json!({ "KHR_lights_punctual": { "light": index } });
         glb.push("nodes", json!({ "translation": [index, 2, 3], "extensions": extensions }));
     }
-    std::fs::write(folder.path().join("square.glb"), glb.bytes()).expect("a file");
-    let scene = glb.load().expect("a good file");
+    let folder = folder_of(&[("square.glb", &glb.bytes())]);
+    let scene = glb.scene();
     let mut lights = scene.lights.clone();
     lights[1].intensity = Vec3::new(1.0, 2.0, 3.5);
     let edit = SceneEdit {
@@ -450,7 +444,7 @@ fn a_bare_gltf_file_gets_a_scene_file() {
         ..SceneEdit::default()
     };
     let text = scene_file_for(&scene, "square.glb", &edit).expect("written");
-    let read = load_text_in(folder.path(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let read = scene_in(folder.path(), &text);
     assert_eq!((read.lights.len(), read.triangles()), (2, scene.triangles()), "{text}");
     for (read, light) in read.lights.iter().zip(&lights) {
         assert_eq!(
@@ -467,9 +461,8 @@ fn a_bare_gltf_file_gets_a_scene_file() {
 
 #[test]
 fn keys_are_those_that_were_written() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder_of(&[("scene.ron", BARE.as_bytes())]);
     let path = folder.path().join("scene.ron");
-    std::fs::write(&path, "Scene(geometry: BuiltIn(\"cube\"))").unwrap();
     assert_eq!(scene::keys_of(&path, DVec3::ZERO).unwrap(), scene::SceneKeys::default());
     let key = |time: f32| CameraKey {
         time,

@@ -1,16 +1,19 @@
 //! Files that ask for more than they hold: gigabytes from kilobytes, depth without end, paths to elsewhere. Each is
 //! refused with what it asks for, before memory is taken.
 
-use crate::common::{Glb, InMemory, load_bytes, load_text, load_text_in};
+use crate::common::{
+    Glb, Shipped, folder_of, load_bytes, load_path, load_text, load_text_in, scene_in, scene_of, try_load,
+};
+use data_file::Files;
 use proptest::prelude::*;
-use scene::{Scene, SceneError, load};
+use scene::{Scene, SceneError};
 use serde_json::{Value, json};
 use std::fs;
 use std::time::Duration;
 
 const LIMIT: Duration = Duration::from_secs(20);
 
-/// The error of a file of less than 400 KB, told in time.
+/// Returns the error of a file of less than 400 KB, which must be found in time.
 fn refused(bytes: Vec<u8>) -> String {
     assert!(bytes.len() < 400_000, "{} bytes", bytes.len());
     let name = if bytes.starts_with(b"glTF") { "test.glb" } else { "test.gltf" };
@@ -29,9 +32,9 @@ fn too_much(glb: &Glb, place: &str) {
     );
 }
 
-/// An accessor of so many zeros.
+/// Adds an accessor of zeros.
 fn zeros(glb: &mut Glb, kind: &str, component: u32, count: u64) -> usize {
-    glb.push("accessors", json!({ "componentType": component, "count": count, "type": kind }))
+    glb.accessor(json!({ "componentType": component, "count": count, "type": kind }))
 }
 
 #[test]
@@ -58,11 +61,8 @@ fn accessors_without_a_buffer_cannot_ask_for_gigabytes() {
 #[test]
 fn sparse_accessors_cannot_ask_for_gigabytes() {
     let mut glb = Glb::square();
-    let (at, value) = (glb.view(&[2u8]), glb.view(bytemuck::cast_slice(&[2.0f32, 2.0, 0.0])));
-    let sparse = json!({ "count": 1u64 << 60, "indices": { "bufferView": at, "componentType": 5121 },
-        "values": { "bufferView": value } });
     let accessor = zeros(&mut glb, "VEC3", 5126, 4);
-    glb.json["accessors"][accessor]["sparse"] = sparse;
+    glb.sparse(accessor, 2, [2.0, 2.0, 0.0], 1 << 60);
     glb.attribute("POSITION", accessor);
     too_much(&glb, &format!("accessor {accessor}"));
 }
@@ -79,7 +79,7 @@ fn lists_that_many_parts_share_are_counted_for_each() {
 
 #[test]
 fn corners_without_normals_are_counted_with_their_targets() {
-    // A triangle with many targets, told again and again by its indices: each corner has all targets.
+    // A triangle with many targets, repeated by its indices: each corner has all targets.
     let mut glb = Glb::new();
     let positions = glb.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let indices = glb.indices(&[0, 1, 2].repeat(20_000));
@@ -100,7 +100,7 @@ fn a_mesh_at_nodes_without_number_is_counted_for_each() {
     too_much(&glb, "test");
     // The weights of morph targets are of nodes.
     let mut glb = Glb::square();
-    glb.json["meshes"][0]["primitives"][0]["targets"] = json!(vec![json!({}); 40_000]);
+    glb.primitive()["targets"] = json!(vec![json!({}); 40_000]);
     glb.json["nodes"] = json!(vec![json!({ "mesh": 0 }); 10_000]);
     too_much(&glb, "node");
 }
@@ -126,7 +126,7 @@ fn nodes_must_be_a_tree_of_any_depth() {
 }
 
 #[test]
-fn long_names_are_not_repeated_by_what_is_told() {
+fn long_names_are_not_repeated_by_what_is_stated() {
     let mut glb = Glb::new();
     let positions = glb.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let part = json!({ "attributes": { "POSITION": positions } });
@@ -134,8 +134,8 @@ fn long_names_are_not_repeated_by_what_is_told() {
     glb.push("nodes", json!({ "mesh": 0, "name": "y".repeat(100_000) }));
     let bytes = glb.bytes();
     let scene = mutation::within(LIMIT, move || load_bytes("test.glb", &bytes)).expect("a scene");
-    let told: usize = scene.repairs.iter().map(String::len).sum();
-    assert!(scene.repairs.len() >= 2000 && told < 1_000_000, "{told} bytes");
+    let stated: usize = scene.repairs.iter().map(String::len).sum();
+    assert!(scene.repairs.len() >= 2000 && stated < 1_000_000, "{stated} bytes");
 }
 
 /// A square with a texture of these bytes.
@@ -146,8 +146,14 @@ fn textured(image: &[u8]) -> Glb {
     glb.push("textures", json!({ "source": 0 }));
     let texture = json!({ "index": 0 });
     glb.push("materials", json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } }));
-    glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    glb.primitive()["material"] = json!(0);
     glb
+}
+
+/// Checks that one repair holds both.
+fn assert_states_both(scene: &Scene, a: &str, b: &str) {
+    let both = scene.repairs.iter().any(|repair| repair.contains(a) && repair.contains(b));
+    assert!(both, "{:?}", scene.repairs);
 }
 
 /// A PNG file of one bit a pixel, all black.
@@ -164,12 +170,8 @@ fn images_cannot_ask_for_gigabytes() {
     png[16..24].copy_from_slice(&[16_384_u32.to_be_bytes(); 2].concat());
     too_much(&textured(&png), "image 0");
     png[16..24].copy_from_slice(&[0x7f; 8]);
-    let scene = textured(&png).load().expect("it is left out");
-    assert!(
-        scene.repairs.iter().any(|repair| repair.contains("odd") && repair.contains("16384")),
-        "{:?}",
-        scene.repairs
-    );
+    let scene = textured(&png).scene();
+    assert_states_both(&scene, "odd", "16384");
     // One image of 4 MiB, as the source of many textures.
     let mut glb = textured(&black(1024, 1024));
     for _ in 0..1000 {
@@ -197,12 +199,8 @@ fn an_image_for_which_the_decoder_panics_is_left_out_and_named() {
         png.extend(content);
         png.extend(sum);
     }
-    let scene = textured(&png).load().expect("the rest is good");
-    assert!(
-        scene.repairs.iter().any(|repair| repair.contains("`odd`") && repair.contains("palette")),
-        "{:?}",
-        scene.repairs
-    );
+    let scene = textured(&png).scene();
+    assert_states_both(&scene, "`odd`", "palette");
 }
 
 #[test]
@@ -228,7 +226,7 @@ fn a_scene_file_cannot_ask_for_gigabytes() {
         mutation::within(LIMIT, move || load_text(&text).map(|_| ())).expect_err("too much").to_string();
     assert!(error.contains("it asks for ") && error.contains("KiB of files"), "{error}");
     // A few are what a scene may hold, however many bytes it has; and what is small, many times.
-    assert_eq!(load_text(&objects(3, "BuiltIn(\"hall-16k\")")).expect("a scene").instances.len() % 3, 0);
+    assert_eq!(scene_of(&objects(3, "BuiltIn(\"hall-16k\")")).instances.len() % 3, 0);
     let text = objects(20_000, "BuiltIn(\"cube\")");
     let scene = mutation::within(LIMIT, move || load_text(&text)).expect("a scene");
     assert_eq!(scene.triangles(), 240_000);
@@ -236,16 +234,15 @@ fn a_scene_file_cannot_ask_for_gigabytes() {
 
 #[test]
 fn a_file_that_is_named_in_many_ways_is_read_once() {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("a.glb"), Glb::square().bytes()).expect("a file");
+    let folder = folder_of(&[("a.glb", &Glb::square().bytes())]);
     let object = |i: usize| format!("Object(name: \"o{i}\", geometry: File(\"{}a.glb\")),", "./".repeat(i));
     let text = format!("Scene(geometry: Objects([{}]))", (0..20).map(object).collect::<String>());
-    let scene = load_text_in(folder.path(), &text).expect("a scene");
+    let scene = scene_in(folder.path(), &text);
     assert_eq!((scene.triangles(), scene.files.len()), (40, 1));
 }
 
 #[test]
-fn descriptions_of_one_piece_and_of_many_names_are_told_fast() {
+fn descriptions_of_one_piece_and_of_many_names_are_stated_fast() {
     for (piece, text) in mutation::large(1 << 20) {
         let error = mutation::within(LIMIT, move || load_text(&text).map(|_| ())).expect_err("no scene");
         assert!(error.to_string().len() < 200_000, "{piece:?}");
@@ -274,13 +271,10 @@ fn descriptions_of_one_piece_and_of_many_names_are_told_fast() {
 
 #[test]
 fn files_name_no_files_outside_of_their_folders() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let square = Glb::square().bytes();
+    let names = ["models/a.glb", "scenes/a.glb", "scenes/inner/a.glb"];
+    let folder = folder_of(&names.map(|name| (name, &square[..])));
     let at = |name: &str| folder.path().join(name);
-    fs::create_dir_all(at("scenes/inner")).expect("folders");
-    fs::create_dir_all(at("models")).expect("folders");
-    for name in ["models/a.glb", "scenes/a.glb", "scenes/inner/a.glb"] {
-        fs::write(at(name), Glb::square().bytes()).expect("a file");
-    }
     let scenes = at("scenes");
     let load_file = |file: &str| load_text_in(&scenes, &format!("Scene(geometry: File({file:?}))"));
     let absolute = at("scenes/a.glb");
@@ -300,25 +294,23 @@ fn files_name_no_files_outside_of_their_folders() {
         );
     }
     // On the command line the user says so.
-    let given = load(outside.to_str().expect("UTF-8"), &InMemory(Default::default())).expect("a model");
+    let given = load_path(&outside);
     assert_eq!(given.triangles(), 2);
 }
 
 #[test]
 fn models_name_no_files_outside_of_their_folders() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let png = black(2, 2);
+    let folder =
+        folder_of(&["a.png", "models/a.png", "models/textures/a b.png"].map(|name| (name, &png[..])));
     let at = |name: &str| folder.path().join(name);
-    fs::create_dir_all(at("models/textures")).expect("folders");
-    for name in ["a.png", "models/a.png", "models/textures/a b.png"] {
-        fs::write(at(name), black(2, 2)).expect("a file");
-    }
     let outside = at("a.png");
     let outside = outside.to_str().expect("UTF-8");
     let load_with = |uri: &str| -> Result<Scene, SceneError> {
         let mut glb = textured(&[]);
         glb.json["images"] = json!([{ "uri": uri, "name": "odd" }]);
-        fs::write(at("models/m.glb"), glb.bytes()).expect("a file");
-        load(at("models/m.glb").to_str().expect("UTF-8"), &InMemory(Default::default()))
+        fs::write(at("models/m.glb"), glb.bytes()).unwrap();
+        try_load(&at("models/m.glb"))
     };
     let inside = at("models/a.png");
     let inside = format!("file://{}", inside.to_str().expect("UTF-8"));
@@ -337,8 +329,8 @@ fn models_name_no_files_outside_of_their_folders() {
         "../../../../etc/passwd",
     ] {
         let scene = load_with(bad).expect("the texture is left out");
-        let told = scene.repairs.iter().any(|repair| repair.contains("`odd`") && repair.contains("`--root`"));
-        assert!(told && scene.textures.is_empty(), "{bad}: {:?}", scene.repairs);
+        assert_states_both(&scene, "`odd`", "`--root`");
+        assert!(scene.textures.is_empty(), "{bad}: {:?}", scene.repairs);
     }
     let mut glb = Glb::square();
     glb.json["buffers"] = json!([{ "uri": "../a.png", "byteLength": 4 }]);
@@ -368,11 +360,7 @@ fn base64(three: &[u8]) -> String {
 }
 
 fn descriptions() -> impl Iterator<Item = String> {
-    let folder = crate::common::root().join("scenes");
-    let paths = fs::read_dir(folder).expect("the folder of scenes").flatten().map(|entry| entry.path());
-    let mut paths: Vec<_> = paths.filter(|path| path.extension().is_some_and(|e| e == "ron")).collect();
-    paths.sort();
-    paths.into_iter().map(|path| fs::read_to_string(path).expect("a text"))
+    Shipped.list().into_iter().map(|name| Shipped.read(&name).expect("a file").text.clone())
 }
 
 proptest! {

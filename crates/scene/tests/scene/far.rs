@@ -1,16 +1,18 @@
 //! Scenes that lie far from the origin of their files.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use data_file::{Files, Source};
 use glam::{DVec3, Quat, Vec3};
 use scene::{Camera, CameraKey, LightKey, Pose, Scene, SceneEdit, built_in_names, keys_of, scene_file_for};
 use serde_json::json;
 
-use crate::common::{Glb, Shipped, load_text, load_text_in, shipped, states};
+use crate::common::{
+    Glb, Shipped, assert_states, built_in, folder_of, load_path, load_text, scene_in, scene_of, shipped,
+    states,
+};
 
-/// Where the scenes of these tests are put: far along each axis alone and along all, and where numbers are not round.
+/// The offsets of the scenes of these tests: far along each axis alone and along all, and where numbers are not round.
 const FAR: [DVec3; 7] = [
     DVec3::new(1e6, 0.0, 0.0),
     DVec3::new(0.0, -1e6, 0.0),
@@ -78,9 +80,7 @@ fn furnished(offset: DVec3) -> String {
 
 /// A folder with the model that the scene names.
 fn folder() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("model.glb"), Glb::square().bytes()).expect("a file");
-    folder
+    folder_of(&[("model.glb", &Glb::square().bytes())])
 }
 
 /// Every place of a scene at one time, in the world of its file.
@@ -134,9 +134,9 @@ fn assert_moved(scene: &Scene, near: &Scene, offset: DVec3) {
 #[test]
 fn a_scene_file_far_out_makes_the_scene_that_it_makes_at_the_origin() {
     let folder = folder();
-    let near = load_text_in(folder.path(), &furnished(DVec3::ZERO)).expect("a good file");
+    let near = scene_in(folder.path(), &furnished(DVec3::ZERO));
     for offset in FAR {
-        let scene = load_text_in(folder.path(), &furnished(offset)).expect("a good file");
+        let scene = scene_in(folder.path(), &furnished(offset));
         assert_moved(&scene, &near, offset);
         assert_eq!(scene.files, near.files, "what to watch");
         assert_ne!(scene.hash, near.hash, "a camera from elsewhere would see something else");
@@ -145,13 +145,12 @@ fn a_scene_file_far_out_makes_the_scene_that_it_makes_at_the_origin() {
 
 #[test]
 fn an_object_without_a_place_is_at_the_origin_of_the_file() {
-    let folder = tempfile::tempdir().expect("a folder");
     let mut glb = Glb::square();
     glb.json["nodes"][0]["translation"] = json!([1e6, 0.0, 0.0]);
-    std::fs::write(folder.path().join("far.glb"), glb.bytes()).expect("a file");
+    let folder = folder_of(&[("far.glb", &glb.bytes())]);
     let placed = r#"Scene(geometry: Objects([Object(name: "far", geometry: File("far.glb"))]))"#;
     for text in [placed, r#"Scene(geometry: File("far.glb"))"#] {
-        let scene = load_text_in(folder.path(), text).expect("a good file");
+        let scene = scene_in(folder.path(), text);
         assert_eq!(scene.origin, DVec3::new(1e6, 0.0, 0.0), "{text}");
         assert_eq!(scene.vertices[2].position, [1.0, 1.0, 0.0], "{text}");
     }
@@ -206,11 +205,11 @@ fn model(offset: DVec3) -> Glb {
 
 #[test]
 fn the_roots_of_a_gltf_file_far_out_keep_what_is_below_them() {
-    let near = model(DVec3::ZERO).load().expect("a good file");
+    let near = model(DVec3::ZERO).scene();
     // Places that f32 holds, since the file has no more.
     for offset in [1e6 * DVec3::X, -1e6 * DVec3::Y, 1e5 * DVec3::ONE, DVec3::new(0.0, 65_536.0, -1_048_576.0)]
     {
-        let scene = model(offset).load().expect("a good file");
+        let scene = model(offset).scene();
         assert_moved(&scene, &near, offset);
     }
 }
@@ -230,7 +229,7 @@ fn nodes_below_a_turned_root_keep_their_distances() {
             .collect();
         let children = [vec![0], children].concat();
         glb.push("nodes", json!({ "children": children, "rotation": turn }));
-        let scene = glb.load().expect("a good file");
+        let scene = glb.scene();
         let first = Vec3::from(scene.vertices[0].position);
         scene.vertices.iter().map(|vertex| Vec3::from(vertex.position) - first).collect::<Vec<_>>()
     };
@@ -247,7 +246,7 @@ fn vertices_far_out_in_their_file_stay_where_it_has_them() {
     let positions = glb.floats("VEC3", &corners);
     glb.mesh(json!({ "attributes": { "POSITION": positions } }));
     glb.push("nodes", json!({ "mesh": 0 }));
-    let scene = glb.load().expect("a good file");
+    let scene = glb.scene();
     assert!(scene.origin.x > 999_990.0, "{}", scene.origin);
     for (vertex, corner) in scene.vertices.iter().zip(corners.chunks_exact(3)) {
         let place = scene.origin + Vec3::from(vertex.position).as_dvec3();
@@ -263,12 +262,12 @@ fn scenes_near_the_origin_keep_it_wherever_their_camera_is() {
         assert!(!states(&scene, "origin"), "{file}: {:?}", scene.repairs);
     }
     for name in built_in_names() {
-        let scene = load_text(&format!("Scene(geometry: BuiltIn({name:?}))")).expect("a good file");
+        let scene = built_in(name);
         assert_eq!(scene.origin, DVec3::ZERO, "{name}");
     }
     let text = r#"Scene(geometry: BuiltIn("cube"), lights: [Point(position: (0, 1000000, 0), intensity: (1, 1, 1))],
         camera: Camera(position: (1000000, 0, 0), target: (0, 0, 0), vertical_fov_deg: 1))"#;
-    let scene = load_text(text).expect("a good file");
+    let scene = scene_of(text);
     assert_eq!((scene.origin, scene.camera.position), (DVec3::ZERO, Vec3::new(1e6, 0.0, 0.0)));
 }
 
@@ -281,17 +280,12 @@ fn a_camera_far_out_may_look_at_what_is_near_it() {
             camera: Camera(position: (1000000.25, 0, 3), target: {target}, vertical_fov_deg: 40))"#
         )
     };
-    let scene = load_text(&text("(1000000.26, 0, 3)")).expect("a good file");
+    let scene = scene_of(&text("(1000000.26, 0, 3)"));
     assert!(scene.camera.forward().abs_diff_eq(Vec3::X, 1e-6), "{:?}", scene.camera);
     let error = load_text(&text("(1000000.250, 0.0, 3)")).expect_err("refused").to_string();
     assert!(error.contains("the same point"), "{error}");
-    let scene = load_text(&text("(1000000.2500000001, 0.0, 3)")).expect("a good file");
-    assert!(states(&scene, "too near to tell apart"), "{:?}", scene.repairs);
-}
-
-/// Writes a scene to a file of a folder, and loads it.
-fn load_file(path: &Path) -> Scene {
-    scene::load(path.to_str().expect("UTF-8"), &Shipped).unwrap_or_else(|error| panic!("{error}"))
+    let scene = scene_of(&text("(1000000.2500000001, 0.0, 3)"));
+    assert_states(&scene, "too near each other");
 }
 
 #[test]
@@ -300,12 +294,12 @@ fn what_is_saved_far_out_is_read_back() {
         let folder = folder();
         let path = folder.path().join("scene.ron");
         let text = furnished(offset);
-        std::fs::write(&path, &text).expect("a file");
-        let scene = load_file(&path);
+        std::fs::write(&path, &text).unwrap();
+        let scene = load_path(&path);
         let origin = scene.origin;
         let keys = keys_of(&path, origin).expect("keys");
         let same = SceneEdit {
-            camera: Some(Camera { near: 0.0, ..load_file(&path).camera }),
+            camera: Some(Camera { near: 0.0, ..load_path(&path).camera }),
             lights: scene.lights.clone(),
             camera_keys: Some(keys.camera.clone()),
             light_keys: keys.lights.clone(),
@@ -348,7 +342,7 @@ fn what_is_saved_far_out_is_read_back() {
         scene::save(&path, &edit).expect("saved");
         let saved = std::fs::read_to_string(&path).expect("a file");
         assert!(saved.contains("// it moves"), "{saved}");
-        let now = load_file(&path);
+        let now = load_path(&path);
         assert_eq!(now.origin, origin, "the geometry is the same");
         let keys = keys_of(&path, origin).expect("keys");
         assert_eq!(
@@ -372,7 +366,7 @@ fn saved_places_have_no_more_digits_than_they_need() {
     let text = r#"Scene(geometry: Objects([Object(name: "cube", geometry: BuiltIn("cube"),
         transform: Transform(translate: (1000000, 0, 0)))]),
     camera: Camera(position: (1000000.278, 0.3, 5), target: (1e6, 0, 0), vertical_fov_deg: 40))"#;
-    let scene = load_text(text).expect("a good file");
+    let scene = scene_of(text);
     assert_eq!(scene.origin, DVec3::new(1e6, 0.0, 0.0));
     let mut camera = scene.camera;
     let edit = |camera| SceneEdit { camera: Some(camera), origin: scene.origin, ..SceneEdit::default() };
@@ -389,15 +383,14 @@ fn saved_places_have_no_more_digits_than_they_need() {
 
 #[test]
 fn a_bare_gltf_file_far_out_gets_a_scene_file_in_its_world() {
-    let folder = tempfile::tempdir().expect("a folder");
     let glb = model(1e6 * DVec3::X);
-    std::fs::write(folder.path().join("model.glb"), glb.bytes()).expect("a file");
-    let scene = glb.load().expect("a good file");
+    let folder = folder_of(&[("model.glb", &glb.bytes())]);
+    let scene = glb.scene();
     let key = CameraKey { time: 1.0, position: Some(Vec3::X), target: None };
     let edit = SceneEdit { camera_keys: Some(vec![key]), ..SceneEdit::default() };
     let text = scene_file_for(&scene, "model.glb", &edit).expect("written");
     assert!(text.contains("Key(time: 1.0, position: (1000001.0, "), "{text}");
-    let read = load_text_in(folder.path(), &text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let read = scene_in(folder.path(), &text);
     assert_eq!(read.origin, scene.origin, "{text}");
     assert_eq!(read.lights[0].position, scene.lights[0].position, "{text}");
     assert_eq!((read.camera.position, read.camera.target), (Vec3::X, scene.camera.target), "{text}");

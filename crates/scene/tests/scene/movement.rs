@@ -4,11 +4,11 @@ use glam::Vec3;
 use scene::Changes;
 use serde_json::json;
 
-use crate::common::{Glb, load_text, shipped};
+use crate::common::{Glb, assert_states, assert_trait, scene_of, shipped};
 
 #[test]
 fn keys_are_met_and_hold_outside() {
-    let scene = load_text(
+    let scene = scene_of(
         r#"Scene(
             geometry: Objects([Object(name: "cube", geometry: BuiltIn("cube"))]),
             camera: Camera(position: (0, 0, 9), target: (0, 0, 0), vertical_fov_deg: 40),
@@ -20,8 +20,7 @@ fn keys_are_met_and_hold_outside() {
                 objects: { "cube": [Key(time: 0, translate: (0, 0, 0)), Key(time: 4, translate: (8, 0, 0), rotate_deg: (0, 90, 0))] },
             ),
         )"#,
-    )
-    .expect("a good file");
+    );
     assert_eq!((scene.duration, scene.frame_time(25)), (4.0, 2.5), "the last key; 10 frames a second");
     assert_eq!(scene.at(0.5).camera.position, Vec3::new(0.0, 0.0, 9.0), "holds before the first key");
     assert_eq!(scene.at(7.0).camera.position, Vec3::new(0.0, 3.0, 9.0), "holds after the last");
@@ -43,9 +42,8 @@ fn keys_are_met_and_hold_outside() {
     assert_eq!(scene.changes(5.0, 6.0), none, "all holds");
     assert_eq!(scene.changes(2.5, 3.5), Changes { geometry: true, ..none }, "only the cube still moves");
     assert_eq!(scene.changes(1.0, 1.5), Changes { camera: true, lights: true, geometry: true }, "all move");
-    let traits = scene.traits();
     for name in ["moving_camera", "moving_lights", "moving_geometry"] {
-        assert_eq!(traits.0[name].as_bool(), Some(true), "{name}");
+        assert_trait(&scene, name, true);
     }
 }
 
@@ -53,7 +51,7 @@ fn keys_are_met_and_hold_outside() {
 fn keyframes_can_repeat() {
     let text = r#"Scene(geometry: BuiltIn("cube"), lights: [Point(name: "bulb", position: (0, 5, 0), intensity: (1, 1, 1))],
         keyframes: Keyframes(repeat: true, lights: { "bulb": [Key(time: 0, position: (0, 5, 0)), Key(time: 2, position: (4, 5, 0))] }))"#;
-    let scene = load_text(text).expect("a good file");
+    let scene = scene_of(text);
     let x = |time: f32| scene.at(time).lights[0].position.x;
     assert!((x(0.5) - 1.0).abs() < 1e-5 && (x(4.5) - 1.0).abs() < 1e-5, "{} and {}", x(0.5), x(4.5));
 }
@@ -77,41 +75,31 @@ fn animated(interpolation: &str, values: &[f32]) -> Glb {
     glb.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }));
     let input = glb.floats("SCALAR", &[0.0, 1.0]);
     let output = glb.floats("VEC3", values);
-    glb.push(
-        "animations",
-        json!({
-            "samplers": [{ "input": input, "output": output, "interpolation": interpolation }],
-            "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
-        }),
-    );
+    glb.animate(0, "translation", interpolation, input, output);
     glb
 }
 
 #[test]
 fn a_gltf_animation_moves_mesh_light_and_camera_and_repeats() {
-    let scene = animated("LINEAR", &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0]).load().expect("a good file");
+    let scene = animated("LINEAR", &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0]).scene();
     for time in [0.25, 3.25] {
         let pose = scene.at(time);
         assert_eq!(pose.moved[0].vertices[0].position, [0.5, 0.0, 0.0], "the first corner at {time} s");
         assert_eq!(pose.lights[0].position, Vec3::new(0.5, 0.0, 0.0), "the light at {time} s");
         assert_eq!(pose.camera.position, Vec3::new(0.5, 0.0, 5.0), "the camera at {time} s");
     }
-    let step = animated("STEP", &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0]).load().expect("a good file");
+    let step = animated("STEP", &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0]).scene();
     assert_eq!(step.at(0.9).lights[0].position.x, 0.0, "steps hold");
     let mut cubic = vec![0.0; 18];
     cubic[12] = 2.0;
-    let cubic = animated("CUBICSPLINE", &cubic).load().expect("a good file");
+    let cubic = animated("CUBICSPLINE", &cubic).scene();
     assert!((cubic.at(0.25).lights[0].position.x - 2.0 * 0.15625).abs() < 1e-6, "smooth step of a quarter");
 }
 
 #[test]
 fn an_animation_that_makes_no_sense_is_left_out_and_stated() {
-    let scene = animated("LINEAR", &[0.0, 0.0, 0.0]).load().expect("a good file otherwise");
-    assert!(
-        scene.repairs.iter().any(|r| r.contains("expected 2 values for 2 times, found 1")),
-        "{:?}",
-        scene.repairs
-    );
+    let scene = animated("LINEAR", &[0.0, 0.0, 0.0]).scene();
+    assert_states(&scene, "expected 2 values for 2 times, found 1");
     assert_eq!(scene.at(0.5).lights[0].position, Vec3::ZERO, "nothing moves");
 }
 

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3, Vec3};
 use proptest::prelude::*;
 use scene::{Hit, Instance, MovedVertices, Scene, Vertex};
 
-use crate::common::{load_text, shipped};
+use crate::common::{built_in, shipped};
 
 /// Returns a still scene of these triangles, two to an instance.
 fn soup(triangles: &[[Vec3; 3]]) -> Scene {
@@ -81,7 +81,7 @@ fn assert_first(
 /// A closed surface whose triangles share the positions of their corners.
 fn sphere() -> &'static Scene {
     static SPHERE: OnceLock<Scene> = OnceLock::new();
-    SPHERE.get_or_init(|| load_text(r#"Scene(geometry: BuiltIn("sphere"))"#).expect("a good file"))
+    SPHERE.get_or_init(|| built_in("sphere"))
 }
 
 /// Few enough values that many triangles share corners, lie in one plane, or have no area.

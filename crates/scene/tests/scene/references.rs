@@ -2,10 +2,10 @@
 //! the JSON only: glTF has none.)
 
 use glam::Vec3;
-use scene::{LightKind, load};
+use scene::LightKind;
 use serde_json::Value;
 
-use crate::common::{Shipped, shared};
+use crate::common::{load_path, shared};
 
 fn vector(json: &Value) -> Vec3 {
     Vec3::from(std::array::from_fn(|i| json[i].as_f64().expect("a number") as f32))
@@ -16,7 +16,7 @@ fn cameras_and_lights_are_those_of_the_references() {
     let Some(folder) = shared() else { return };
     for name in ["cornell_spot", "cornell_glossy_spot", "sponza_spot", "sponza_sun"] {
         let file = folder.join(format!("references/{name}.glb"));
-        let scene = load(file.to_str().expect("UTF-8"), &Shipped).unwrap_or_else(|e| panic!("{e}"));
+        let scene = load_path(&file);
         let text = std::fs::read_to_string(file.with_extension("json")).expect("the JSON beside it");
         let json: Value = serde_json::from_str(&text).expect("JSON");
         let (position, target) = (vector(&json["camera"]["position"]), vector(&json["camera"]["target"]));
@@ -61,8 +61,7 @@ fn every_scene_of_the_folder_loads_with_its_size() {
         ("sponza_tex", 66453, 10),
     ];
     for (name, triangles, textures) in listed {
-        let file = folder.join(format!("{name}.glb"));
-        let scene = load(file.to_str().expect("UTF-8"), &Shipped).unwrap_or_else(|e| panic!("{e}"));
+        let scene = load_path(&folder.join(format!("{name}.glb")));
         assert_eq!((scene.triangles(), scene.textures.len()), (triangles, textures), "{name}");
         let camera = scene.at(0.7).camera;
         assert!(camera.view().is_finite(), "{name}: {camera:?}");

@@ -1,6 +1,6 @@
 //! Tests of the table by which triangles are sampled.
 
-use crate::common::{Glb, load_text, shipped};
+use crate::common::{Glb, built_in, shipped};
 
 #[test]
 fn the_table_rises_to_the_end_in_proportion_to_area() {
@@ -46,8 +46,8 @@ fn the_guide_says_where_to_search() {
 fn triangles_without_area_are_never_drawn() {
     let mut glb = Glb::square();
     let indices = glb.indices(&[0, 0, 1, 0, 1, 2, 3, 3, 3, 0, 2, 3]);
-    glb.json["meshes"][0]["primitives"][0]["indices"] = indices.into();
-    let table = glb.load().expect("degenerate triangles are legal").area_table();
+    glb.primitive()["indices"] = indices.into();
+    let table = glb.scene().area_table();
     assert_eq!(table, [0, 0, 1 << 31, 1 << 31, u32::MAX], "half and half");
 }
 
@@ -55,9 +55,9 @@ fn triangles_without_area_are_never_drawn() {
 fn without_any_area_triangles_count_alike() {
     let mut glb = Glb::square();
     let indices = glb.indices(&[0, 0, 1, 2, 2, 3]);
-    glb.json["meshes"][0]["primitives"][0]["indices"] = indices.into();
-    assert_eq!(glb.load().expect("legal").area_table(), [0, 1 << 31, u32::MAX], "half and half");
-    let empty = load_text(r#"Scene(geometry: BuiltIn("empty"))"#).expect("legal");
+    glb.primitive()["indices"] = indices.into();
+    assert_eq!(glb.scene().area_table(), [0, 1 << 31, u32::MAX], "half and half");
+    let empty = built_in("empty");
     assert_eq!(empty.area_table(), [0], "no triangles");
 }
 
@@ -100,11 +100,11 @@ fn without_emitters_the_table_is_one_entry() {
     let end = scene::Emitter { triangle: u32::MAX, for_photons: 0, for_paths: 0 };
     let dark = shipped("cornell-box").emitters();
     assert_eq!((dark.power, dark.table), (0.0, vec![end]));
-    let empty = load_text(r#"Scene(geometry: BuiltIn("empty"))"#).expect("legal");
+    let empty = built_in("empty");
     assert_eq!(empty.emitters().table, [end]);
 }
 
-/// Of three squares, one emits nothing, one a quarter of what the third does, by the mean of its texture.
+/// The first of three squares emits nothing, the second a quarter of the third, by the mean of its texture.
 #[test]
 fn emitters_count_by_power_and_paths_sample_the_brighter_ones() {
     let mut scene = shipped("plane");

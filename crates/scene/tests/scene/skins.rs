@@ -3,12 +3,15 @@
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::{Mat4, Quat, Vec3, Vec4};
-use scene::{Changes, MovedVertices, Scene, load};
+use scene::{Changes, MovedVertices, Scene};
 use serde_json::{Value, json};
 
-use crate::common::{Glb, Shipped, normal, position, shared, states};
+use crate::common::{
+    Glb, Spoilt, assert_near, assert_refused, assert_states, assert_trait, assert_windings, folder_of,
+    load_path, normal, position, scene_in, shared, states,
+};
 
-/// What every vertex of the square follows: pairs of a joint and a weight.
+/// The influences on every vertex of the square: pairs of a joint and a weight.
 type Bound<'a> = &'a [(u16, f32)];
 
 /// A square whose vertices all follow the same joints. Its own node, which counts for nothing, is far away;
@@ -58,15 +61,14 @@ fn assert_corners(scene: &Scene, expected: [[f32; 3]; 4]) {
 
 #[test]
 fn a_joint_turns_vertices_about_itself_and_their_node_counts_for_nothing() {
-    let scene = hinged().load().expect("a good file");
+    let scene = hinged().scene();
     // About (1, 0, 0), (x, y) − (1, 0) goes to (−y, x − 1).
     assert_corners(&scene, [[1.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, -1.0, 0.0]]);
-    assert_eq!(scene.traits().0["moving_geometry"].as_bool(), Some(false), "bent once and for all");
+    assert_trait(&scene, "moving_geometry", false);
     assert!(!scene.instances[0].moves, "it stays so");
     // About y, the normal turns too: z goes to x.
-    let scene = skinned(&[json!({ "rotation": turned(Vec3::Y, FRAC_PI_2) })], &[(0, 1.0)]).load();
-    let scene = scene.expect("a good file");
-    assert!(normal(&scene, 0).abs_diff_eq(Vec3::X, 1e-6), "{}", normal(&scene, 0));
+    let scene = skinned(&[json!({ "rotation": turned(Vec3::Y, FRAC_PI_2) })], &[(0, 1.0)]).scene();
+    assert_near(normal(&scene, 0), Vec3::X);
 }
 
 #[test]
@@ -74,26 +76,26 @@ fn joints_move_with_the_joints_above_them() {
     let mut glb = skinned(&[json!({ "translation": [0.0, 0.0, 2.0] }), json!({})], &[(1, 1.0)]);
     glb.json["nodes"][1]["children"] = json!([2]);
     glb.json["scenes"] = json!([{ "nodes": [0, 1] }]);
-    assert_eq!(position(&glb.load().expect("a good file"), 2), Vec3::new(1.0, 1.0, 2.0));
+    assert_eq!(position(&glb.scene(), 2), Vec3::new(1.0, 1.0, 2.0));
 }
 
 #[test]
 fn two_joints_of_half_the_weight_blend_their_matrices() {
     let joints =
         [json!({}), json!({ "rotation": turned(Vec3::Y, FRAC_PI_2), "translation": [0.0, 0.0, 4.0] })];
-    let scene = skinned(&joints, &[(0, 0.5), (1, 0.5)]).load().expect("a good file");
+    let scene = skinned(&joints, &[(0, 0.5), (1, 0.5)]).scene();
     // (x, y, 0) goes to the mean of itself and of (0, y, 4 − x).
     assert_corners(&scene, [[0.0, 0.0, 2.0], [0.5, 0.0, 1.5], [0.5, 1.0, 1.5], [0.0, 1.0, 2.0]]);
     // The mean of no turn and of a right angle is half a right angle, and shorter.
     let (sin, cos) = FRAC_PI_4.sin_cos();
-    assert!(normal(&scene, 3).abs_diff_eq(Vec3::new(sin, 0.0, cos), 1e-6), "{}", normal(&scene, 3));
+    assert_near(normal(&scene, 3), Vec3::new(sin, 0.0, cos));
 }
 
 #[test]
 fn sets_of_joints_add_up() {
     let joints: Vec<Value> = (0..6).map(|i| json!({ "translation": [0.0, 0.0, i] })).collect();
     let bound: Vec<(u16, f32)> = (0..6).map(|i| (i, [0.1, 0.1, 0.1, 0.1, 0.2, 0.4][i as usize])).collect();
-    let scene = skinned(&joints, &bound).load().expect("a good file");
+    let scene = skinned(&joints, &bound).scene();
     // 0.1 (0 + 1 + 2 + 3) + 0.2 · 4 + 0.4 · 5.
     assert!((position(&scene, 0).z - 3.4).abs() < 1e-5, "{}", position(&scene, 0));
 }
@@ -106,7 +108,7 @@ fn joints_and_weights_are_read_in_every_format() {
         let (joint, weight) = (joint(&mut glb), weight(&mut glb));
         glb.attribute("JOINTS_0", joint);
         glb.attribute("WEIGHTS_0", weight);
-        let scene = glb.load().expect("a good file");
+        let scene = glb.scene();
         assert!(!states(&scene, "weights"), "{:?}", scene.repairs);
         position(&scene, 0).z
     };
@@ -125,10 +127,10 @@ fn joints_and_weights_are_read_in_every_format() {
 fn morph_targets_come_before_joints() {
     let mut glb = hinged();
     let by = glb.floats("VEC3", &[2.0, 0.0, 0.0].repeat(4));
-    glb.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": by }]);
+    glb.primitive()["targets"] = json!([{ "POSITION": by }]);
     glb.json["meshes"][0]["weights"] = json!([0.5]);
     // One to the right before the turn is one up after it.
-    let scene = glb.load().expect("a good file");
+    let scene = glb.scene();
     assert_corners(&scene, [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]);
 }
 
@@ -148,13 +150,8 @@ fn normals_and_windings_stay_together_through_any_joints() {
         glb.attribute("POSITION", positions);
         let normals = glb.floats("VEC3", &slanted.to_array().repeat(4));
         glb.attribute("NORMAL", normals);
-        let scene = glb.load().expect("a good file");
-        for triangle in scene.indices.chunks_exact(3) {
-            let [a, b, c] = [0, 1, 2].map(|i| position(&scene, triangle[i] as usize));
-            let face = (b - a).cross(c - a).normalize();
-            let shading = normal(&scene, triangle[0] as usize);
-            assert!(face.abs_diff_eq(shading, 1e-5), "{a}, {b}: winds as {face}, shaded as {shading}");
-        }
+        let scene = glb.scene();
+        assert_windings(&scene, 1e-5);
         let above = (a * 0.75 + b * 0.25).transform_point3(slanted);
         let side = (above - position(&scene, 0)).dot(normal(&scene, 0));
         assert!(side > 0.0, "{a}, {b}: the normal changes sides");
@@ -164,8 +161,7 @@ fn normals_and_windings_stay_together_through_any_joints() {
 #[test]
 fn a_mesh_without_normals_is_bent_flat() {
     let mut glb = hinged();
-    let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
-    attributes.as_object_mut().expect("an object").remove("NORMAL");
+    glb.without_normals();
     // Only vertex 2, at (1, 1, 0), follows the joint wholly; it goes to the origin.
     let still = glb.push("nodes", json!({}));
     glb.json["skins"][0]["joints"] = json!([1, still]);
@@ -173,12 +169,12 @@ fn a_mesh_without_normals_is_bent_flat() {
     let joints = glb.fours(&[1u8, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0], false);
     glb.attribute("JOINTS_0", joints);
     glb.json["nodes"][1]["translation"] = json!([1.0, 0.0, 1.0]);
-    let scene = glb.load().expect("a good file");
+    let scene = glb.scene();
     // Triangles (0, 1, 2) and (0, 2, 3), where 2 is now at (0, 0, 1): the planes y = 0 and x = 0.
     let corners = [0, 1, 2, 3, 4, 5].map(|vertex| position(&scene, vertex));
     assert!(corners[2].abs_diff_eq(Vec3::Z, 1e-6) && corners[4].abs_diff_eq(Vec3::Z, 1e-6), "{corners:?}");
-    assert!(normal(&scene, 0).abs_diff_eq(Vec3::NEG_Y, 1e-6), "{}", normal(&scene, 0));
-    assert!(normal(&scene, 5).abs_diff_eq(Vec3::NEG_X, 1e-6), "{}", normal(&scene, 5));
+    assert_near(normal(&scene, 0), Vec3::NEG_Y);
+    assert_near(normal(&scene, 5), Vec3::NEG_X);
 }
 
 /// A joint that turns by a right angle about z in a second.
@@ -193,9 +189,9 @@ fn turning() -> Glb {
 
 #[test]
 fn animated_joints_move_the_mesh() {
-    let scene = turning().load().expect("a good file");
+    let scene = turning().scene();
     assert!(scene.instances[0].moves, "it moves");
-    assert_eq!(scene.traits().0["moving_geometry"].as_bool(), Some(true), "the trait says so");
+    assert_trait(&scene, "moving_geometry", true);
     for time in [0.5, 3.5] {
         let corner = Vec3::from(scene.at(time).moved[0].vertices[1].position);
         let expected = Vec3::new(FRAC_PI_4.cos(), FRAC_PI_4.sin(), 0.0);
@@ -212,7 +208,7 @@ fn a_skinned_meshs_own_node_may_move_and_changes_nothing() {
     let (input, output) =
         (glb.floats("SCALAR", &[0.0, 2.0]), glb.floats("VEC3", &[0.0, 0.0, 0.0, 9.0, 0.0, 0.0]));
     glb.animate(0, "translation", "LINEAR", input, output);
-    let scene = glb.load().expect("a good file");
+    let scene = glb.scene();
     // From 1 to 2 s the joint holds, and only the node goes on.
     assert_eq!((scene.duration, scene.changes(1.2, 1.8)), (2.0, Changes::default()));
     assert_eq!(scene.at(1.2).moved, scene.at(1.8).moved);
@@ -220,15 +216,12 @@ fn a_skinned_meshs_own_node_may_move_and_changes_nothing() {
 
 #[test]
 fn a_scene_file_places_a_skinned_model() {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("hinged.glb"), hinged().bytes()).expect("a file");
-    let path = folder.path().join("two.ron");
+    let folder = folder_of(&[("hinged.glb", &hinged().bytes())]);
     let text = r#"Scene(geometry: Objects([
         Object(name: "left", geometry: File("hinged.glb"), transform: Transform(translate: (-5, 0, 0))),
         Object(name: "right", geometry: File("hinged.glb"), transform: Transform(translate: (5, 0, 0))),
     ]), keyframes: Keyframes(objects: { "right": [Key(time: 0, translate: (5, 0, 0)), Key(time: 1, translate: (5, 9, 0))] }))"#;
-    std::fs::write(&path, text).expect("a file");
-    let scene = load(path.to_str().expect("UTF-8"), &Shipped).expect("a good file");
+    let scene = scene_in(folder.path(), text);
     assert!(position(&scene, 0).abs_diff_eq(Vec3::new(-4.0, -1.0, 0.0), 1e-5), "{}", position(&scene, 0));
     assert!(position(&scene, 4).abs_diff_eq(Vec3::new(6.0, -1.0, 0.0), 1e-5), "{}", position(&scene, 4));
     let moved = scene.at(1.0).moved;
@@ -244,7 +237,7 @@ fn a_mesh_is_shared_by_skins_and_by_nodes_without() {
     let joint = glb.push("nodes", json!({ "translation": [0.0, 0.0, 3.0] }));
     glb.push("skins", json!({ "joints": [joint] }));
     glb.push("nodes", json!({ "name": "other", "mesh": 0, "skin": 1 }));
-    let scene = glb.load().expect("a good file");
+    let scene = glb.scene();
     let names: Vec<_> = scene.instances.iter().map(|i| i.name.as_str()).collect();
     assert_eq!(names, ["square", "stiff", "other"]);
     let corners = [2, 6, 10].map(|vertex| position(&scene, vertex));
@@ -266,7 +259,7 @@ fn what_cannot_be_followed_is_stated() {
             glb.attribute("WEIGHTS_0", weights);
         }),
         ("part 0 of mesh `mesh` has no joints", [100.0, 0.0, 0.0], |glb| {
-            let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
+            let attributes = &mut glb.primitive()["attributes"];
             attributes.as_object_mut().expect("an object").retain(|name, _| !name.ends_with("_0"));
         }),
         ("its joints are not all in the scene", [100.0, 0.0, 0.0], |glb| {
@@ -280,8 +273,8 @@ fn what_cannot_be_followed_is_stated() {
     for (words, corner, change) in cases {
         let mut glb = hinged();
         change(&mut glb);
-        let scene = glb.load().expect("a good file");
-        assert!(states(&scene, words), "expected `{words}` in {:?}", scene.repairs);
+        let scene = glb.scene();
+        assert_states(&scene, words);
         assert!(position(&scene, 0).abs_diff_eq(corner.into(), 1e-6), "{words}: {}", position(&scene, 0));
     }
 }
@@ -290,16 +283,14 @@ fn what_cannot_be_followed_is_stated() {
 fn a_joint_of_no_size_gives_a_point_and_unit_normals() {
     let mut glb = hinged();
     glb.json["nodes"][1]["scale"] = json!([0.0, 0.0, 0.0]);
-    let scene = glb.load().expect("a good file");
+    let scene = glb.scene();
     assert_corners(&scene, [[1.0, 0.0, 0.0]; 4]);
     assert!((normal(&scene, 0).length() - 1.0).abs() < 1e-6, "{}", normal(&scene, 0));
 }
 
 #[test]
 fn errors_name_the_skin_and_what_was_expected() {
-    /// What is spoilt, the words the error must hold, how it is spoilt.
-    type Case = (&'static str, &'static [&'static str], fn(&mut Glb));
-    let cases: [Case; 9] = [
+    let cases: [Spoilt; 9] = [
         ("a missing skin", &["node `square`", "no skin 4: there are 1"], |glb| {
             glb.json["nodes"][0]["skin"] = json!(4);
         }),
@@ -331,14 +322,7 @@ fn errors_name_the_skin_and_what_was_expected() {
             glb.attribute("WEIGHTS_0", weights);
         }),
     ];
-    for (what, words, change) in cases {
-        let mut glb = hinged();
-        change(&mut glb);
-        let error = glb.load().expect_err(what).to_string();
-        for word in words {
-            assert!(error.contains(word), "{what}: `{word}` in: {error}");
-        }
-    }
+    assert_refused(hinged, &cases);
 }
 
 /// The longest edge of each triangle of a scene, whose moved vertices are these.
@@ -364,8 +348,7 @@ fn real_figures_move_without_tearing() {
     for (name, vertices, height) in
         [("CesiumMan", 3273, 1.507), ("Fox", 1728, 78.9), ("cornell_fox_anim", 1728, 0.59)]
     {
-        let file = folder.join(format!("{name}.glb"));
-        let scene = load(file.to_str().expect("UTF-8"), &Shipped).unwrap_or_else(|e| panic!("{e}"));
+        let scene = load_path(&folder.join(format!("{name}.glb")));
         assert!(!states(&scene, "skin") && !states(&scene, "weights"), "{name}: {:?}", scene.repairs);
         let rest = longest_edges(&scene, &[]);
         for step in 0..12 {

@@ -1,11 +1,11 @@
 //! Walks of 50 frames and more, as TCAS §6.2 has them, through nothing.
 
 use glam::Vec3;
-use scene::{Scene, load};
+use scene::Scene;
 
-use crate::common::{Shipped, root, shared};
+use crate::common::{load_path, root, shared, shipped};
 
-/// What part of the way from `start` along `way` is free [0 to 1], before a triangle is met (Möller & Trumbore 1997).
+/// Returns the free part [0 to 1] of the way from `start` along `way`, before a triangle is met (Möller & Trumbore 1997).
 fn free_part(scene: &Scene, start: Vec3, way: Vec3) -> f32 {
     let vertex = |i: u32| Vec3::from(scene.vertices[i as usize].position);
     let hits = scene.indices.chunks_exact(3).filter_map(|corners| {
@@ -37,13 +37,13 @@ fn assert_free(name: &str, scene: &Scene, frames: u16) {
 fn walks_go_through_nothing() {
     let walks = [("atrium", 60), ("atrium-lights", 60), ("nave", 60), ("maze", 660), ("corridor", 600)];
     for (name, frames) in walks {
-        assert_free(name, &load(name, &Shipped).unwrap_or_else(|e| panic!("{e}")), frames);
+        assert_free(name, &shipped(name), frames);
     }
 }
 
 #[test]
 fn the_ways_of_rays_are_found() {
-    let plane = load("plane", &Shipped).unwrap_or_else(|e| panic!("{e}"));
+    let plane = shipped("plane");
     let corner = |k: usize| Vec3::from(plane.vertices[plane.indices[k] as usize].position);
     let centre = (corner(0) + corner(1) + corner(2)) / 3.0;
     let normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalize();
@@ -58,11 +58,11 @@ fn the_ways_of_rays_are_found() {
 #[test]
 fn the_walk_in_sponza_goes_through_nothing() {
     let Some(shared) = shared() else { return };
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = tempfile::tempdir().unwrap();
     let walk = folder.path().join("sponza-walk.ron");
     std::fs::copy(root().join("docs/examples/sponza-walk.ron"), &walk).expect("the example");
     std::fs::copy(shared.join("sponza.glb"), folder.path().join("sponza.glb")).expect("Sponza");
-    let scene = load(walk.to_str().expect("UTF-8"), &Shipped).unwrap_or_else(|e| panic!("{e}"));
+    let scene = load_path(&walk);
     assert_eq!(scene.lights.len(), 6);
     assert_free("sponza-walk", &scene, 60);
 }

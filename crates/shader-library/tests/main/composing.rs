@@ -59,7 +59,7 @@ fn an_interface_is_the_module_that_the_caller_names() {
     assert_eq!(rays.files(), ["gather.wgsl", "rays/rays.wgsl", "rays/trace.wgsl"]);
     assert_ne!(none.hash, rays.hash);
     let outline = library.outline(&Request::new("gather.wgsl")).unwrap();
-    assert_eq!(outline.interfaces.into_iter().collect::<Vec<_>>(), ["visibility"]);
+    assert_eq!(outline.interfaces.iter().collect::<Vec<_>>(), ["visibility"]);
 }
 
 const VARIANTS: &str = "\

@@ -165,7 +165,7 @@ fn shipped(folder: &Path, found: &mut Vec<(String, String)>, root: &Path) {
 fn good() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut found = Vec::new();
-    for folder in ["shaders", "passes", "interfaces"] {
+    for folder in ["shaders", "passes", "crates/interfaces"] {
         shipped(&root.join(folder), &mut found, &root);
     }
     found.sort();

@@ -2,18 +2,16 @@
 
 use crate::{library, shader};
 use data_file::Value;
-use shader_library::{Request, StructLayout, struct_layout, write_struct};
-
-#[repr(C)]
-struct VirtualLight {
-    position: [f32; 3],
-    area: f32,
-    normal: [f32; 3],
-    index: u32,
-}
+use shader_library::{Request, StructLayout, write_struct};
 
 fn cpu() -> StructLayout {
-    struct_layout!(VirtualLight { position: "vec3f", area: "f32", normal: "vec3<f32>", index: "u32" })
+    let members = [
+        ("position", "vec3<f32>", 0, 12),
+        ("area", "f32", 12, 4),
+        ("normal", "vec3<f32>", 16, 12),
+        ("index", "u32", 28, 4),
+    ];
+    StructLayout::new("VirtualLight", 32, &members)
 }
 
 const SHADER: &str = "

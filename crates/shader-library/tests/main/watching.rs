@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// What changes until `wanted` has, or until it should long have.
 fn changes_until(watcher: &mut Watcher, wanted: &Path) -> BTreeSet<PathBuf> {
-    let deadline = Instant::now() + Duration::from_secs(10);
+    let deadline = Instant::now() + Duration::from_secs(300);
     let mut changed = BTreeSet::new();
     while !changed.contains(wanted) && Instant::now() < deadline {
         std::thread::sleep(Duration::from_millis(5));

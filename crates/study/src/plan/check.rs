@@ -51,7 +51,7 @@ impl<'a> Checker<'a> {
                 }
                 Err(why) => {
                     let known = self.registry.scenes();
-                    let error = refused(&codes::SCENE, ("scene", "scenes"), scene, &why, &known);
+                    let error = refused(&codes::SCENE, ("scene", "scenes"), scene, &why.to_string(), &known);
                     self.errors.push(error);
                 }
             }
@@ -68,7 +68,8 @@ impl<'a> Checker<'a> {
             Ok(facts) => Some(facts),
             Err(why) => {
                 let known = self.registry.pipelines();
-                let error = refused(&codes::PIPELINE, ("pipeline", "pipelines"), name, &why, &known);
+                let error =
+                    refused(&codes::PIPELINE, ("pipeline", "pipelines"), name, &why.to_string(), &known);
                 self.errors.push(error);
                 None
             }

@@ -1,4 +1,4 @@
-//! Which files the names in a study mean.
+//! The files that the names in a study mean.
 
 use super::check::Checker;
 use crate::description::At;
@@ -9,7 +9,7 @@ use frame_graph::codes::Code;
 use std::path::Path;
 
 impl Checker<'_> {
-    /// Tells where a path of the study leads to a file that it may not name. What the command line gives has its own
+    /// Returns whether the study may name the file at a path, and reports an error otherwise. What the command line gives has its own
     /// source, whose name is the option.
     pub(super) fn may_name(&mut self, code: &'static Code, path: &At<String>) -> bool {
         let by = &path.span.source.name;

@@ -1,4 +1,4 @@
-//! Which values of a column are the best, as far as their intervals can tell.
+//! The best values of a column, within their intervals.
 
 use crate::{Better, Interval};
 
@@ -25,7 +25,7 @@ impl Best {
         (!values.iter().all(|value| best.includes(value))).then_some(best)
     }
 
-    /// Returns whether a value is the best, or cannot be told from it.
+    /// Returns whether a value is the best, or is not distinguishable from it.
     pub(super) fn includes(&self, value: &Interval) -> bool {
         costs(self.better, value).0 <= self.bound
     }
@@ -49,7 +49,7 @@ fn costs(better: Better, value: &Interval) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// Which of some values, mean and half width, are the best.
+    /// Returns for each value, mean and half width, whether it is among the best.
     fn best(better: Better, values: &[(f64, f64)], floor: Option<f64>) -> Vec<bool> {
         let half = |half: f64| (half > 0.0).then_some(half);
         let values: Vec<Interval> =

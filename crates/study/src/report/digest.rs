@@ -1,7 +1,8 @@
 //! Groups cells for the report: one row for each scene, pipeline and combination of values, over its seeds.
 
-use super::number;
 use std::collections::BTreeMap;
+
+use report::number;
 
 use crate::{Axis, AxisValue, Cell, Interval, MeasureInfo, Outcome, Results};
 

@@ -6,18 +6,17 @@ mod frames;
 
 use std::collections::BTreeSet;
 
-use super::chart::Drawing;
 use super::digest::Digest;
-use super::escape;
+use report::{Drawing, escape};
 
 /// A chart.
 pub(super) struct Figure {
     pub(super) kind: Kind,
     /// The values by which it is selected among the others of its section: one for each of [`Kind::choices`].
     pub(super) choice: Vec<String>,
-    /// Name of its SVG file, without folder; that of its PDF file differs in the ending alone.
+    /// Name of its SVG file, without folder.
     pub(super) file: String,
-    /// What it shows and how to read it.
+    /// A description for readers.
     pub(super) caption: String,
     /// The chart.
     pub(super) drawing: Drawing,
@@ -42,13 +41,6 @@ impl Kind {
             Kind::Frames => &["Scene", "Measure", "Values"],
             Kind::Passes | Kind::Memory => &["Scene", "Rows"],
         }
-    }
-}
-
-impl Figure {
-    /// Returns the name of its PDF file, without folder.
-    pub(super) fn pdf_file(&self) -> String {
-        format!("{}.pdf", self.file.trim_end_matches(".svg"))
     }
 }
 

@@ -1,19 +1,18 @@
-//! The report page: inserts the text of its sections into the template `page.html`.
+//! The report page.
 
 mod setup;
 
 use std::fmt::Write;
 
-use super::chart::style_sheet;
 use super::digest::Digest;
-use super::escape::html;
 use super::figures::{Figure, Figures, Kind};
-use super::number;
 use super::pictures::Pictures;
-use super::table::Table;
 use crate::Outcome;
+use report::escape::html;
+use report::{Page, Table, number};
 
-const FRAME: &str = include_str!("page.html");
+/// The image viewer, which the script fills.
+const VIEWER: &str = include_str!("viewer.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str =
     concat!(include_str!("page.js"), "\n", include_str!("linear.js"), "\n", include_str!("pictures.js"));
@@ -58,7 +57,7 @@ pub(super) fn page(
     let frames = has_frames.then(|| charts(Kind::Frames, "frames", "Frame by frame", ""));
     let costs = [
         charts(Kind::Passes, "passes", "Time per pass", "Nothing to draw: no cell has times of its passes."),
-        charts(Kind::Memory, "memory", "Memory", "Nothing to draw: no cell tells its memory."),
+        charts(Kind::Memory, "memory", "Memory", "Nothing to draw: no cell has a record of its memory."),
     ];
     let pictures_section = Section { id: "pictures", name: "Pictures", body: viewer(pictures) };
     let tables_section = Section { id: "tables", name: "Tables", body: tables_body(digest, tables) };
@@ -87,32 +86,18 @@ pub(super) fn page(
     let contents = order.map(|part| format!("<li><a href=\"#{}\">{}</a></li>\n", part.id, part.name));
     let contents: String = contents.collect();
 
-    filled(FRAME, |name| match name {
-        "title" => format!("{}: study", html(&results.study.name)),
-        "style" => style_sheet() + STYLE,
-        "head" => head(digest),
-        "contents" => contents.clone(),
-        "sections" => sections.clone(),
-        "foot" => format!(
-            "<p>Written by Lightloom {} from the study’s folder. It needs no other file and no network.</p>",
-            html(&results.study.version)
-        ),
-        "pictures" => json(pictures),
-        "script" => SCRIPT.to_owned(),
-        other => unreachable!("page.html has no place called `{other}`"),
-    })
-}
-
-/// Replaces the placeholders `<!--NAME-->` of a template. Inserted text is not scanned again.
-fn filled(frame: &str, fill: impl Fn(&str) -> String) -> String {
-    let mut parts = frame.split("<!--");
-    let mut out = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (name, after) = part.split_once("-->").unwrap_or((part, ""));
-        out += &fill(name);
-        out += after;
-    }
-    out
+    let body = format!(
+        "<a class=skip href=\"#main\">Skip to the results</a>\n<header>\n{}</header>\n<nav aria-label=Sections>\n\
+         <ul>\n{contents}</ul>\n<button type=button id=theme>Theme: auto</button>\n</nav>\n<main id=main>\n\
+         {sections}</main>\n<footer><p>Written by Lightloom {} from the study’s folder. It needs no other file and no \
+         network.</p></footer>\n<div id=tip role=tooltip hidden></div>\n\
+         <script type=\"application/json\" id=pictures-data>{}</script>",
+        head(digest),
+        html(&results.study.version),
+        json(pictures),
+    );
+    let title = format!("{}: study", results.study.name);
+    Page { title: &title, style: STYLE, body: &body, script: SCRIPT }.html()
 }
 
 /// Formats JSON for a `script` element: without `<`, which could end it.
@@ -146,7 +131,7 @@ fn head(digest: &Digest<'_>) -> String {
         ("Cells", format!("{} of {total} done", digest.results.cells.len() - failed)),
         ("Took", duration(seconds)),
         ("Frame", format!("{} × {} px", study.size.0, study.size.1)),
-        ("Judged output", study.output.clone()),
+        ("Measured output", study.output.clone()),
         ("Budget", study.budget.clone()),
         ("Warm-up", format!("{} frames", study.warm_up)),
         ("Seeds", seeds.join(", ")),
@@ -236,12 +221,11 @@ fn chooser(names: &[&str], figures: &[&Figure], none: &str) -> String {
             out,
             "<figure class=choice data-choice=\"{}\">\n<div class=drawing>{}</div>\n\
              <figcaption>{} <button type=button class=save data-file=\"{file}\">Save SVG</button> \
-             <code>figures/{file}</code>, <code>{pdf}</code></figcaption>\n</figure>",
+             <code>figures/{file}</code></figcaption>\n</figure>",
             html(&json(&figure.choice)),
             figure.drawing.svg(),
             html(&figure.caption),
             file = html(&figure.file),
-            pdf = html(&figure.pdf_file()),
         );
     }
     out + "</div>\n"
@@ -272,86 +256,18 @@ fn table_body(table: &Table) -> String {
     };
     format!(
         "<div class=scroll>{}</div>\n<p class=note>{}</p>\n{}{}",
-        table.html(),
+        table.html(true),
         html(&table.caption),
         copyable("LaTeX", &table.latex()),
         copyable("Markdown", &table.markdown()),
     )
 }
 
-/// Returns the image viewer, which the script fills.
 fn viewer(pictures: &Pictures) -> String {
     if pictures.count() == 0 {
         return "<p class=note>There are no pictures in this study’s results.</p>\n".to_owned();
     }
-    let views = [
-        ("slider", "Slider"),
-        ("side", "Side by side"),
-        ("image", "Image"),
-        ("reference", "Reference"),
-        ("flip", "ꟻLIP"),
-        ("difference", "Difference"),
-    ];
-    let radio = |(value, name): (&str, &str)| {
-        format!("<label><input type=radio name=view value={value}> {name}</label>")
-    };
-    let views: String = views.into_iter().map(radio).collect();
-    format!(
-        "<div id=picture-selects class=selects></div>
-<div class=selects><label>Beside it<select id=beside></select></label></div>
-<div class=tools>
-<fieldset><legend>View</legend>{views}</fieldset>
-<div class=zooms role=group aria-label=Zoom>
-<button type=button id=zoom-out aria-label=\"Zoom out\">−</button>
-<button type=button id=zoom-in aria-label=\"Zoom in\">+</button>
-<button type=button id=zoom-fit>Fit</button>
-<button type=button id=zoom-one title=\"One pixel of the picture to one of the page\">1:1</button>
-<output id=zoom></output>
-</div>
-<div class=zooms role=group aria-label=Exposure>
-<label for=exposure>Exposure</label>
-<input type=range id=exposure min=-12 max=12 step=0.05>
-<input type=number id=exposure-number step=0.1 aria-label=\"Exposure in EV\"> EV
-<button type=button id=exposure-auto title=\"As the reference asks for\">Auto</button>
-</div>
-<div class=zooms role=group aria-label=Crops>
-<button type=button id=crop-mark aria-pressed=false>Mark a crop</button>
-<button type=button id=crop-shown>Crop what is shown</button>
-</div>
-</div>
-<div class=pictures>
-<div>
-<div id=stage tabindex=0 role=group \
-aria-label=\"Pictures; arrows move, + and − zoom, 0 fits, c crops, brackets change the exposure\">
-<div class=\"pane under\"><canvas role=img></canvas><div class=probe hidden></div>\
-<span class=\"tag right\">reference</span></div>
-<div class=\"pane over\"><canvas role=img></canvas><div class=probe hidden></div>\
-<span class=\"tag left\"></span></div>
-<div id=divider role=slider tabindex=0 aria-label=\"Share of the image on the left\" aria-valuemin=0 \
-aria-valuemax=100 aria-valuenow=50></div>
-</div>
-<div class=bar id=flip-bar hidden><span>0</span><span></span><span>1</span>\
-<span>ꟻLIP: perceived difference of a pixel</span></div>
-<div class=bar id=difference-bar hidden><span id=difference-low></span><span></span><span id=difference-high></span>\
-<span id=difference-of></span></div>
-<p class=note id=picture-note></p>
-<p class=note>Drag the divider; click the picture, then turn the wheel to zoom and drag to move. Drag with Shift to \
-mark a crop. The address names what is shown.</p>
-</div>
-<div>
-<div id=pixel class=scroll tabindex=0 role=group aria-label=\"Values of a pixel; arrows move it\">
-<table><caption id=pixel-at>Pixel: none under the pointer</caption>
-<thead><tr><th scope=col>Linear</th><th scope=col class=number>R</th><th scope=col class=number>G</th>\
-<th scope=col class=number>B</th></tr></thead><tbody></tbody></table>
-</div>
-<dl class=facts id=picture-facts></dl>
-</div>
-</div>
-<div id=crops></div>
-<details id=crops-field hidden><summary>These crops for the study’s file</summary><div class=copyable>\
-<button type=button class=copy>Copy</button><pre></pre></div></details>
-"
-    )
+    VIEWER.to_owned()
 }
 
 fn duration(seconds: f64) -> String {

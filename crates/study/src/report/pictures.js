@@ -67,12 +67,12 @@ function makeViewer() {
     });
   }
 
-  /// Paints a part of a picture; `colour` writes the pixel `from` to the place `to` of an ImageData.
-  function paint(canvas, { width }, [left, top, columns, rows], colour) {
+  /// Paints a part of a picture; `color` writes the pixel `from` to the place `to` of an ImageData.
+  function paint(canvas, { width }, [left, top, columns, rows], color) {
     const pixels = new ImageData(columns, rows);
     for (let y = 0, to = 0; y < rows; y++) {
       for (let x = 0; x < columns; x++, to += 4) {
-        colour(pixels.data, (top + y) * width + left + x, to);
+        color(pixels.data, (top + y) * width + left + x, to);
         pixels.data[to + 3] = 255;
       }
     }
@@ -81,7 +81,7 @@ function makeViewer() {
     canvas.getContext("2d", { willReadFrequently: true }).putImageData(pixels, 0, 0);
   }
 
-  /// The colours of a linear picture; magenta where it is NaN or infinite.
+  /// The colors of a linear picture; magenta where it is NaN or infinite.
   const shown = ({ codes: [red, green, blue] }, table) => (out, from, to) => {
     const codes = [red[from], green[from], blue[from]];
     const broken = codes.some((code) => (code & 0x7c00) === 0x7c00);

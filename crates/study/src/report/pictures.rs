@@ -14,8 +14,8 @@ use encoded::{Encoded, diverging, step, white};
 use linear::Linear;
 
 use super::digest::{Digest, Row};
-use super::number::Measured;
 use crate::Cell;
+use report::Measured;
 
 /// The greatest number of characters of base64 for all pictures together: keeps the page below 40 MB.
 const MOST_CHARACTERS: usize = 36_000_000;
@@ -29,7 +29,7 @@ pub(super) struct Pictures {
     cells: Vec<View>,
     /// The crops of the study, in shares of the sides: left, top, width, height.
     crops: Vec<[f64; 4]>,
-    /// The colours of differences: see [`diverging`].
+    /// The colors of differences: see [`diverging`].
     diverging: String,
     /// Names and content of the files of crops.
     #[serde(skip)]
@@ -44,7 +44,7 @@ pub(super) struct Pictures {
 struct Truth {
     /// `None` if there is no reference.
     picture: Option<Linear>,
-    /// How the exposure was chosen, and other notes.
+    /// The choice of the exposure, and other notes.
     note: String,
     /// Radiance is shown times 2 to this power, unless the reader chooses another.
     exposure: f32,
@@ -170,7 +170,7 @@ fn truths(digest: &Digest<'_>, folder: &Path, notes: &mut Vec<String>) -> Vec<Tr
         match Image::read(folder.join(path)) {
             Ok(image) => truths.push(Truth::new(scene, path, image)),
             Err(error) => {
-                notes.push(format!("Reference of {}: {}", digest.scenes[scene], told(path, &error)));
+                notes.push(format!("Reference of {}: {}", digest.scenes[scene], message(path, &error)));
             }
         }
     }
@@ -262,13 +262,13 @@ impl Set {
                         set.notes.push(format!("{who}: {error}"));
                     }
                 }
-                Err(error) => set.notes.push(format!("{who}: {}", told(path, &error))),
+                Err(error) => set.notes.push(format!("{who}: {}", message(path, &error))),
             }
         }
         if let Some(path) = &cell.images.flip {
             match Image::read(folder.join(path)) {
                 Ok(image) => set.flip = Some(Encoded::new(&image)),
-                Err(error) => set.notes.push(format!("{who}: {}", told(path, &error))),
+                Err(error) => set.notes.push(format!("{who}: {}", message(path, &error))),
             }
         }
         set
@@ -285,7 +285,7 @@ impl View {
         let fact = |measure: &crate::MeasureInfo| {
             let value = cell.measures.get(&measure.key).copied().flatten()?;
             let unit = if measure.unit.is_empty() { String::new() } else { format!(" {}", measure.unit) };
-            let text = Measured::single(value).text();
+            let text = Measured::new(value, None).text();
             Some((measure.label.clone(), format!("{text}{unit}")))
         };
         View {
@@ -309,7 +309,7 @@ fn with_pictures<'a>(row: &Row<'a>) -> Vec<&'a Cell> {
 }
 
 /// Formats an error with the path as the study names it: the page may be read on another machine.
-fn told(path: &str, error: &metrics::ImageError) -> String {
+fn message(path: &str, error: &metrics::ImageError) -> String {
     let error = error.to_string();
     let reason = error.split_once(": ").map_or(&*error, |(_, reason)| reason);
     format!("{path}: {reason}")

@@ -61,26 +61,6 @@ fn the_page_holds_the_figures_as_they_are_in_files() {
 }
 
 #[test]
-fn each_figure_has_a_pdf() {
-    let folder = tempfile::tempdir().expect("a folder");
-    study::report(&sample::results(), folder.path()).expect("a report");
-    let files = contents(folder.path());
-    let of =
-        |ending: &str| -> Vec<&str> { files.keys().filter_map(|name| name.strip_suffix(ending)).collect() };
-    assert!(of(".svg").len() > 50 && of(".svg") == of(".pdf"), "{:?}", of(".pdf"));
-    for stem in of(".svg") {
-        let [svg, pdf] = [".svg", ".pdf"].map(|ending| &files[&format!("{stem}{ending}")]);
-        let (svg, pdf) = (String::from_utf8_lossy(svg), String::from_utf8_lossy(pdf));
-        assert_eq!(svg.matches("</text>").count(), pdf.matches(" BT\n").count(), "{stem}");
-        // A rectangle or path each, which is filled, stroked or both.
-        let painted = |letter: &str| pdf.matches(&format!("\n{letter}\n")).count();
-        let elements = svg.matches("<path ").count() + svg.matches("<rect ").count();
-        assert_eq!(elements, painted("B") + painted("S") + painted("f"), "{stem}");
-        assert!(!pdf.contains("?"), "{stem} has a character that the fonts lack");
-    }
-}
-
-#[test]
 fn crops_are_files_for_papers() {
     let folder = tempfile::tempdir().expect("a folder");
     let results = sample::with_pictures(folder.path());

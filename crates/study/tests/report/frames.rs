@@ -83,7 +83,7 @@ fn combinations_that_dashes_cannot_tell_apart_are_split() {
 }
 
 #[test]
-fn values_of_one_pipeline_have_colours() {
+fn values_of_one_pipeline_have_colors() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut results = walk(3);
     results.cells.retain(|cell| cell.pipeline == PIPELINES[0]);

@@ -106,7 +106,7 @@ fn charts_are_saved(browser: &mut Browser, folder: &Path) {
     // The browser makes the file before it has written it.
     let whole = || std::fs::read_to_string(&path).is_ok_and(|text| text.trim_end().ends_with("</svg>"));
     while !whole() {
-        assert!(start.elapsed() < Duration::from_secs(30), "{name} is not saved");
+        assert!(start.elapsed() < Duration::from_secs(300), "{name} is not saved");
         std::thread::sleep(Duration::from_millis(20));
     }
     let [saved, written] = [path, folder.join("figures").join(&name)]
@@ -233,13 +233,13 @@ fn views_change(browser: &mut Browser) {
 fn the_exposure_is_chosen(browser: &mut Browser) {
     let auto = browser.text(LEFT);
     let stops = browser.number("document.querySelector('#exposure-number').valueAsNumber");
-    let colour = |browser: &mut Browser| {
+    let color = |browser: &mut Browser| {
         let pixel = browser.eval(
             "[...document.querySelector('.over canvas').getContext('2d').getImageData(2, 2, 1, 1).data]",
         );
         pixel.as_array().expect("a list").iter().filter_map(serde_json::Value::as_f64).collect::<Vec<_>>()
     };
-    let before = colour(browser);
+    let before = color(browser);
     let _ = browser.eval(&format!(
         "(e => {{ e.value = {}; e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); }})\
          (document.querySelector('#exposure-number'))",
@@ -251,7 +251,7 @@ fn the_exposure_is_chosen(browser: &mut Browser) {
         let value = value / 255.0;
         if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
     };
-    for (before, after) in before.iter().zip(colour(browser)).take(3).filter(|(before, _)| **before < 250.0) {
+    for (before, after) in before.iter().zip(color(browser)).take(3).filter(|(before, _)| **before < 250.0) {
         assert!((linear(after) / linear(*before) - 0.5).abs() < 0.03, "{before} {after}");
     }
     assert_eq!(browser.number("document.querySelector('#exposure-number').valueAsNumber"), stops - 1.0);

@@ -1,7 +1,6 @@
 //! Equal time, equal lights, equal frames.
 
-use super::fake::{Fake, number, plan, run, study};
-use frame_graph::Source;
+use super::fake::{Fake, done, number, parse, plan, run, study};
 use study::AxisValue;
 
 #[test]
@@ -9,7 +8,7 @@ fn equal_time_is_searched_once_for_all_seeds() {
     let folder = tempfile::tempdir().unwrap();
     let text = "Study(scenes: [\"box\"], pipelines: [\"fast\", \"exact\"], size: (8, 4), seeds: 3, measures: [\"gpu-ms\"],
         budget: Time(ms: 12.0, by: \"lights\", frames: 4))";
-    let timed = plan(study::parse(Source::new("x.ron", text)).unwrap());
+    let timed = plan(parse(text));
     let mut lab = Fake::default();
     let ran = run(&timed, &mut lab, folder.path()).unwrap();
     for cell in &ran.results.cells {
@@ -33,13 +32,7 @@ fn equal_time_is_searched_once_for_all_seeds() {
 
 #[test]
 fn a_budget_that_cannot_be_met_takes_the_nearest_and_says_so() {
-    let folder = tempfile::tempdir().unwrap();
-    let ran = run(
-        &plan(study("measures: [\"gpu-ms\"], budget: Time(ms: 1.0, by: \"lights\")")),
-        &mut Fake::default(),
-        folder.path(),
-    )
-    .unwrap();
+    let (folder, ran) = done(&plan(study("measures: [\"gpu-ms\"], budget: Time(ms: 1.0, by: \"lights\")")));
     let cell = &ran.results.cells[0];
     assert_eq!(cell.chosen["lights"], AxisValue::Number(1.0));
     assert_eq!(cell.notes, ["1 ms cannot be met: with `lights` = 1 a frame takes 2.010 ms"]);

@@ -1,6 +1,6 @@
 //! What the paper says, beside what was measured.
 
-use super::fake::{Fake, plan, run, told};
+use super::fake::{Fake, done, parse, plan, run, told};
 use frame_graph::Source;
 use std::fs;
 use study::{AxisValue, Edits, Finding, Results, RunOptions, Study, Verdict};
@@ -32,8 +32,7 @@ fn means(finding: &Finding<'_>) -> Vec<Option<f64>> {
 
 #[test]
 fn claims_are_checked_on_means_over_cells() {
-    let folder = tempfile::tempdir().unwrap();
-    let ran = run(&plan(claiming(CLAIMS)), &mut Fake::default(), folder.path()).unwrap();
+    let (_folder, ran) = done(&plan(claiming(CLAIMS)));
     let findings = ran.results.findings();
     let verdicts: Vec<Option<Verdict>> = findings.iter().map(|finding| finding.verdict).collect();
     let (yes, no) = (Some(Verdict::Holds), Some(Verdict::Fails));
@@ -89,8 +88,9 @@ fn report_and_page_show_what_holds() {
     assert!(page.contains("<td class=failed><b>does not hold</b></td>"));
     let latex = read("tables/claims.tex");
     assert!(latex.contains("fast $\\le$ 0.32 $\\times$ slow") && latex.contains("\\textbf{does not hold}"));
-    study::publish(&[folder.path().to_owned()], &at("page.md")).unwrap();
-    assert!(read("page.md").contains(lines[4]));
+    let pages = study::publish(&[folder.path().to_owned()], &at("pages")).unwrap();
+    assert_eq!(pages, [at("pages/claims.md")]);
+    assert!(read("pages/claims.md").contains(lines[4]));
 }
 
 #[test]
@@ -129,14 +129,13 @@ fn what_was_not_run_is_not_measured() {
 
 #[test]
 fn a_claim_may_be_about_some_scenes() {
-    let folder = tempfile::tempdir().unwrap();
     let text = "Study(scenes: [\"box\", \"walk\"], pipelines: [\"fast\", \"exact\"], size: (8, 4), measures: [\"gpu-ms\"],
         claims: [
             Order(measure: \"gpu-ms\", rising: [\"fast\", \"exact\"]),
             Order(measure: \"gpu-ms\", rising: [\"fast\", \"exact\"], scenes: [\"walk\"]),
         ])";
-    let study = study::parse(Source::new("x.ron", text)).unwrap();
-    let ran = run(&plan(study.clone()), &mut Fake::default(), folder.path()).unwrap();
+    let study = parse(text);
+    let (folder, ran) = done(&plan(study.clone()));
     let scenes: Vec<&str> = ran.results.findings().iter().map(|finding| finding.scenes[0]).collect();
     assert_eq!(scenes, ["box", "walk", "walk"]);
     // A run on another scene has nothing to say of it.
@@ -149,11 +148,10 @@ fn a_claim_may_be_about_some_scenes() {
 /// A claim at a size names it as the axis does.
 #[test]
 fn sizes_are_picked_too() {
-    let folder = tempfile::tempdir().unwrap();
     let text = "Study(scenes: [\"box\"], pipelines: [\"fast\"], vary: Grid({ \"size\": [(8, 4), (4, 4)] }),
         measures: [\"gpu-ms\"],
         claims: [Ratio(measure: \"gpu-ms\", of: At(\"fast\", { \"size\": (8, 4) }), to: At(\"fast\", { \"size\": (4, 4) }), at_most: 1)])";
-    let plan = plan(study::parse(Source::new("x.ron", text)).unwrap());
-    let ran = run(&plan, &mut Fake::default(), folder.path()).unwrap();
+    let plan = plan(parse(text));
+    let (_folder, ran) = done(&plan);
     assert_eq!(ran.results.findings()[0].verdict, Some(Verdict::Holds));
 }

@@ -1,12 +1,11 @@
 //! One failing cell, a reference that fails, a full disk, two runs on one folder.
 
-use super::fake::{Fake, plan, run, study, told};
-use frame_graph::Source;
+use super::fake::{Fake, done, parse, plan, run, study, told};
 use metrics::{Display, Image};
 use study::{Outcome, Plan, RunOptions};
 
 fn of(text: &str) -> Plan {
-    plan(study::parse(Source::new("x.ron", text)).unwrap_or_else(|errors| panic!("{errors}")))
+    plan(parse(text))
 }
 
 fn error(outcome: &Outcome) -> &str {
@@ -18,11 +17,10 @@ fn error(outcome: &Outcome) -> &str {
 
 #[test]
 fn a_cell_that_fails_leaves_the_others() {
-    let folder = tempfile::tempdir().unwrap();
     let plan =
         of("Study(scenes: [\"box\"], pipelines: [\"broken\", \"nan\", \"fast\"], size: (8, 4), seeds: [1],
         measures: [\"rel-mse\", \"gpu-ms\"], reference: Pipeline(pipeline: \"truth\"))");
-    let ran = run(&plan, &mut Fake::default(), folder.path()).unwrap();
+    let (folder, ran) = done(&plan);
     assert_eq!((ran.run, ran.failed), (3, 2));
     let cells = &ran.results.cells;
     assert_eq!(error(&cells[0].outcome), "the device was lost");

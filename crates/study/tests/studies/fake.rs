@@ -7,8 +7,8 @@ use metrics::virtual_lights::VirtualLight;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use study::{
-    AxisValue, CellRun, Event, Identity, Laboratory, Memory, Observed, Occluded, PipelineFacts, Plan, Ran,
-    Registry, RunOptions, RunRequest, SceneFacts, SceneRecord, Step, Study, StudyError, Values,
+    AxisValue, CellRun, Event, Failure, Identity, Laboratory, Memory, Observed, Occluded, PipelineFacts,
+    Plan, Ran, Registry, RunOptions, RunRequest, SceneFacts, SceneRecord, Step, Study, StudyError, Values,
 };
 
 /// What there is: `box` stands still, `walk` moves, and `grid-N` has N triangles, which add to the time of `exact` as
@@ -56,10 +56,10 @@ impl Registry for Shelf {
         (name == "neighbour" && own == "fast").then(|| format!("{folder}/neighbour.ron"))
     }
 
-    fn scene(&self, name: &str) -> Result<SceneFacts, String> {
+    fn scene(&self, name: &str) -> Result<SceneFacts, Failure> {
         let triangles = triangles(name);
         if triangles.is_none() && !self.scenes().contains(&name.to_owned()) {
-            return Err(format!("there is no scene `{name}`"));
+            return Err(Failure::render(format!("there is no scene `{name}`")));
         }
         Ok(SceneFacts {
             record: SceneRecord {
@@ -78,13 +78,13 @@ impl Registry for Shelf {
         ["broken", "exact", "fast", "nan", "truth"].map(str::to_owned).to_vec()
     }
 
-    fn pipeline(&self, name: &str) -> Result<PipelineFacts, String> {
+    fn pipeline(&self, name: &str) -> Result<PipelineFacts, Failure> {
         let settings = match name {
             "fast" | "nan" => vec![whole("lights", 64, &[]), whole("map", 32, &[32, 64])],
             "exact" | "broken" => vec![whole("lights", 64, &[])],
             "truth" => vec![whole("samples", 16, &[])],
             "direct" => Vec::new(),
-            _ => return Err(format!("there is no pipeline `{name}`")),
+            _ => return Err(Failure::render(format!("there is no pipeline `{name}`"))),
         };
         let outputs: &[&str] = match name {
             "truth" => &["indirect", "progress"],
@@ -142,7 +142,7 @@ impl Laboratory for Fake {
         "paper and pencil".to_owned()
     }
 
-    fn identity(&mut self, request: &RunRequest) -> Result<Identity, String> {
+    fn identity(&mut self, request: &RunRequest) -> Result<Identity, Failure> {
         let shader = self.shaders.get(&request.pipeline).copied().unwrap_or_default();
         Ok(Identity { hash: shader })
     }
@@ -150,15 +150,15 @@ impl Laboratory for Fake {
     fn run(
         &mut self,
         request: &RunRequest,
-        observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+        observe: &mut dyn FnMut(Observed) -> Result<(), Failure>,
         step: &mut dyn FnMut(Step),
-    ) -> Result<CellRun, String> {
+    ) -> Result<CellRun, Failure> {
         if self.dies_after.is_some_and(|runs| self.ran.len() >= runs) {
             panic!("killed");
         }
         self.ran.push(request.clone());
         if request.pipeline == "broken" || (request.pipeline == "truth" && self.no_truth) {
-            return Err("the device was lost".to_owned());
+            return Err(Failure::render("the device was lost"));
         }
         if request.until_done {
             step(Step { step: 8, steps: 16, noise: None });
@@ -220,7 +220,7 @@ impl Laboratory for Fake {
         })
     }
 
-    fn occluded(&mut self, _scene: &str, _frame: u32) -> Result<Occluded, String> {
+    fn occluded(&mut self, _scene: &str, _frame: u32) -> Result<Occluded, Failure> {
         Ok(Box::new(|_, _| false))
     }
 }
@@ -243,7 +243,10 @@ fn camera() -> Pinhole {
 
 /// A study with these fields beside scene, pipelines and size.
 pub(crate) fn study(fields: &str) -> Study {
-    let text = format!("Study(scenes: [\"box\"], pipelines: [\"fast\"], size: (8, 4), {fields})");
+    parse(&format!("Study(scenes: [\"box\"], pipelines: [\"fast\"], size: (8, 4), {fields})"))
+}
+
+pub(crate) fn parse(text: &str) -> Study {
     study::parse(Source::new("studies/test.ron", text)).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
@@ -255,7 +258,14 @@ pub(crate) fn run(plan: &Plan, lab: &mut Fake, folder: &Path) -> Result<Ran, Stu
     study::run(plan, lab, folder, &RunOptions::default(), &mut |_| {})
 }
 
-/// What is told while a study runs, as lines.
+/// Runs a plan by a laboratory without faults, in a folder of its own.
+pub(crate) fn done(plan: &Plan) -> (tempfile::TempDir, Ran) {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = run(plan, &mut Fake::default(), folder.path()).unwrap_or_else(|error| panic!("{error}"));
+    (folder, ran)
+}
+
+/// Returns the events of a run, as lines.
 pub(crate) fn told(plan: &Plan, lab: &mut Fake, folder: &Path, options: &RunOptions) -> Vec<String> {
     let mut lines = Vec::new();
     let ran = study::run(plan, lab, folder, options, &mut |event| {

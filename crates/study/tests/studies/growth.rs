@@ -1,6 +1,6 @@
 //! Claims of growth: exponents over an axis, over pixels, and over the triangles of scenes.
 
-use super::fake::{Fake, plan, run};
+use super::fake::{Fake, done, plan, run};
 use frame_graph::Source;
 use std::fs;
 use study::{Edits, Finding, Study, Verdict};
@@ -26,8 +26,7 @@ const LIGHTS: &str =
 
 #[test]
 fn exponents_are_those_of_the_upper_half() {
-    let folder = tempfile::tempdir().unwrap();
-    let ran = run(&plan(growing(LIGHTS)), &mut Fake::default(), folder.path()).unwrap();
+    let (folder, ran) = done(&plan(growing(LIGHTS)));
     let findings = ran.results.findings();
     let verdicts: Vec<Option<Verdict>> = findings.iter().map(|finding| finding.verdict).collect();
     assert_eq!(verdicts, [Some(Verdict::Holds), Some(Verdict::Holds), Some(Verdict::Fails)]);
@@ -46,10 +45,9 @@ fn exponents_are_those_of_the_upper_half() {
 
 #[test]
 fn fewer_values_than_three_are_not_measured() {
-    let folder = tempfile::tempdir().unwrap();
     let mut study = growing(LIGHTS);
     study.edit(&Edits { quick: true, ..Edits::default() }).unwrap();
-    let ran = run(&plan(study), &mut Fake::default(), folder.path()).unwrap();
+    let (_folder, ran) = done(&plan(study));
     assert!(ran.results.findings().iter().all(|finding| finding.verdict.is_none()));
 }
 
@@ -69,7 +67,6 @@ fn sizes_are_pixels() {
 /// Over triangles there is one result for all scenes that the claim is about.
 #[test]
 fn triangles_are_those_of_the_scenes() {
-    let folder = tempfile::tempdir().unwrap();
     let study = growing(
         "scenes: [\"box\", \"grid-1000\", \"grid-4000\", \"grid-16000\"], size: (8, 4),
          claims: [
@@ -78,7 +75,7 @@ fn triangles_are_those_of_the_scenes() {
             Growth(measure: \"gpu-ms\", of: \"fast\", over: \"triangles\", at_most: 0.1),
          ]",
     );
-    let ran = run(&plan(study), &mut Fake::default(), folder.path()).unwrap();
+    let (folder, ran) = done(&plan(study));
     let findings = ran.results.findings();
     assert_eq!(findings.len(), 2);
     assert_eq!(findings[0].scenes, ["grid-1000", "grid-4000", "grid-16000"]);

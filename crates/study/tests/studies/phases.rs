@@ -1,22 +1,19 @@
 //! GPU time of groups of passes, and the mean of a picture.
 
-use super::fake::{Fake, plan, run, study, told};
+use super::fake::{Fake, done, parse, plan, run, study, told};
 use study::{RunOptions, Study};
 
 const PHASES: &str = "phases: { \"visibility\": [\"gather\", \"rays\"], \"all\": [\"view\", \"rays/trace\"], \"rays\": [\"rays\"] }";
 
 fn both(fields: &str) -> Study {
     let text = format!("Study(scenes: [\"box\"], pipelines: [\"fast\", \"exact\"], size: (8, 4), {fields})");
-    study::parse(frame_graph::Source::new("x.ron", text)).unwrap_or_else(|errors| panic!("{errors}"))
+    parse(&text)
 }
 
 #[test]
 fn phases_are_measures() {
-    let folder = tempfile::tempdir().unwrap();
     // Nothing but the phases asks for times.
-    let ran =
-        run(&plan(both(&format!("measures: [\"memory\"], {PHASES}"))), &mut Fake::default(), folder.path())
-            .unwrap();
+    let (folder, ran) = done(&plan(both(&format!("measures: [\"memory\"], {PHASES}"))));
     // 64 lights: 2 ms for the view, 0.01 ms a light in `gather`, 0.1 ms in `rays/trace`.
     let expected = [[Some(0.64), Some(2.0), None], [Some(6.4), Some(8.4), Some(6.4)]];
     for (cell, expected) in ran.results.cells.iter().zip(expected) {
@@ -90,9 +87,8 @@ fn phases_need_no_reference() {
 
 #[test]
 fn the_mean_needs_no_reference() {
-    let folder = tempfile::tempdir().unwrap();
     let still = study("vary: Grid({ \"lights\": [16, 64] }), budget: Frames(3), measures: [\"mean\"]");
-    let ran = run(&plan(still), &mut Fake::default(), folder.path()).unwrap();
+    let (folder, ran) = done(&plan(still));
     // Seed 0: −0.5 / lights beside 2.
     let means: Vec<Option<f64>> = ran.results.cells.iter().map(|cell| cell.measures["mean"]).collect();
     assert_eq!(means, [Some(2.0 - 0.5 / 16.0), Some(2.0 - 0.5 / 64.0)]);

@@ -1,6 +1,6 @@
 //! Which cells a study has.
 
-use super::fake::{plan, study};
+use super::fake::{parse, plan, study};
 use frame_graph::Source;
 use study::{AxisValue, Edits, Plan};
 
@@ -48,7 +48,7 @@ fn a_grid_has_every_combination_and_pairs_have_rows() {
 fn a_pipeline_without_an_optional_axis_runs_once() {
     let text = "Study(scenes: [\"box\"], pipelines: [\"fast\", Variant(name: \"slow\", pipeline: \"exact\", set: { \"lights\": 9 })],
         set: { \"lights\": 7 }, vary: Grid({ \"map\": Optional([32, 64]) }), measures: [\"gpu-ms\"], size: (8, 4))";
-    let plan = plan(study::parse(Source::new("x.ron", text)).unwrap());
+    let plan = plan(parse(text));
     assert_eq!(cells(&plan), ["fast map=32 8x4 s0", "fast map=64 8x4 s0", "exact  8x4 s0"]);
     // A variant's own value comes after those for all, an axis after both.
     let set = |index: usize| plan.cells[index].request.set.clone();
@@ -61,7 +61,7 @@ fn a_pipeline_without_an_optional_axis_runs_once() {
 #[test]
 fn all_pipelines_are_those_with_the_output() {
     let text = "Study(scenes: [\"box\"], pipelines: All(except: [\"broken\"]), output: \"image\", measures: [\"gpu-ms\"])";
-    let plan = plan(study::parse(Source::new("x.ron", text)).unwrap());
+    let plan = plan(parse(text));
     let names: Vec<&str> = plan.pipelines.iter().map(|pipeline| pipeline.name.as_str()).collect();
     // `truth` has no output `image`.
     assert_eq!(names, ["exact", "fast", "nan"]);

@@ -1,6 +1,6 @@
 //! Values frame by frame.
 
-use super::fake::{Fake, plan, run, study, told};
+use super::fake::{Fake, done, parse, plan, run, study, told};
 use std::fs;
 use study::{FrameSeries, Plan, Results, RunOptions};
 
@@ -18,12 +18,11 @@ fn walk(frames: u32) -> Plan {
 /// The picture of the fake grows by 1 from frame to frame, whatever a pipeline makes of it.
 #[test]
 fn the_reference_has_a_temporal_difference_of_its_own() {
-    let folder = tempfile::tempdir().unwrap();
     let mut walk = study(
         "budget: Frames(3), reference: Pipeline(pipeline: \"truth\"), measures: [\"tid\", \"tid-of-reference\"]",
     );
     walk.edit(&study::Edits { scenes: vec!["walk".to_owned()], ..Default::default() }).unwrap();
-    let ran = run(&plan(walk), &mut Fake::default(), folder.path()).unwrap();
+    let (_folder, ran) = done(&plan(walk));
     let cell = &ran.results.cells[0];
     let series = &cell.series.values["tid-of-reference"];
     assert_eq!(series[0], None, "the first frame has none before it");
@@ -95,9 +94,8 @@ fn a_walk_keeps_every_frame() {
 
 #[test]
 fn what_stands_still_has_no_series() {
-    let folder = tempfile::tempdir().unwrap();
     let still = study("budget: Frames(3), measures: [\"mean\", \"gpu-ms\", \"tid\"]");
-    let ran = run(&plan(still), &mut Fake::default(), folder.path()).unwrap();
+    let (folder, ran) = done(&plan(still));
     assert_eq!(ran.results.cells[0].series, FrameSeries::default());
     let table = fs::read_to_string(folder.path().join("frames.csv")).unwrap();
     assert_eq!(table, "scene,pipeline,seed,frame,measure,value,unit\n");
@@ -109,11 +107,10 @@ fn what_stands_still_has_no_series() {
 /// Frames after one with pixels that are no numbers are timed, and nothing more; the failed cell is in no figure.
 #[test]
 fn a_broken_frame_ends_what_is_measured_of_pixels() {
-    let folder = tempfile::tempdir().unwrap();
     let text = "Study(scenes: [\"walk\"], pipelines: [\"nan\"], size: (8, 4), budget: Frames(2),
         measures: [\"mean\", \"gpu-ms\"])";
-    let plan = plan(study::parse(frame_graph::Source::new("x.ron", text)).unwrap());
-    let ran = run(&plan, &mut Fake::default(), folder.path()).unwrap();
+    let plan = plan(parse(text));
+    let (folder, ran) = done(&plan);
     let series = &ran.results.cells[0].series;
     assert_eq!(series.values.keys().collect::<Vec<_>>(), ["gpu-ms"]);
     assert_eq!(fs::read_to_string(folder.path().join("frames.csv")).unwrap().lines().count(), 1);

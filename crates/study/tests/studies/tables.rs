@@ -1,13 +1,12 @@
 //! The tables, to the letter.
 
-use super::fake::{Fake, plan, run, study};
+use super::fake::{Fake, done, plan, run, study};
 use std::fs;
 
 #[test]
 fn tables_are_tidy_and_ordered() {
-    let folder = tempfile::tempdir().unwrap();
     let sweep = "vary: Grid({ \"lights\": [16, 64] }), seeds: 2, measures: [\"rmse\"], reference: Pipeline(pipeline: \"truth\")";
-    let ran = run(&plan(study(sweep)), &mut Fake::default(), folder.path()).unwrap();
+    let (folder, ran) = done(&plan(study(sweep)));
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
     let values = [("16", 1, "0.09375"), ("16", 2, "0.03125"), ("64", 1, "0.0234375"), ("64", 2, "0.0078125")];
     let rows = values.iter().zip(&ran.results.cells).map(|((lights, seed, value), cell)| {

@@ -1,7 +1,7 @@
 //! The pass on a GPU, on a floor and maps made here. With the maps that lights really see, it is a test of the whole
 //! program: tests/direct.rs.
 
-use direct_light::cpu_reference::{Map, ggx};
+use super::cpu_reference::{Map, ggx};
 use glam::{DVec2, DVec3, Vec3, dvec3, uvec2, vec3};
 use half::f16;
 use pass::{Format, ResourceDesc};

@@ -72,8 +72,8 @@ fn it_sees_what_rays_see() {
             let [x, y, z, _] = seen.normal[i].map(f64::from);
             let facing = dvec3(x, y, z).dot(normal) > 0.999;
             let base = scene.materials[material].base_color.to_array();
-            let coloured = (0..3).all(|k| (seen.albedo[i][k].to_f32() - base[k]).abs() < 1e-3);
-            wrong += u32::from(!(near && facing && coloured));
+            let colored = (0..3).all(|k| (seen.albedo[i][k].to_f32() - base[k]).abs() < 1e-3);
+            wrong += u32::from(!(near && facing && colored));
         }
         // An edge may fall to the other side of a pixel's centre.
         assert!(wrong <= WIDTH * HEIGHT / 200, "{name}: {wrong} pixels differ");

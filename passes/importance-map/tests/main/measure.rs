@@ -35,7 +35,7 @@ fn patches_at_an_angle() {
 }
 
 #[test]
-fn nothing_comes_from_behind_or_from_another_colour() {
+fn nothing_comes_from_behind_or_from_another_color() {
     let behind = sample(dvec3(0.0, 0.0, -0.5), UP, DVec3::ONE);
     let averted = sample(dvec3(0.0, 0.0, 0.5), UP, DVec3::ONE);
     let green = sample(dvec3(0.0, 0.0, 0.5), DOWN, DVec3::Y);

@@ -136,7 +136,7 @@ fn a_glossy_plate_reflects_a_lamp() {
             let mut scene = floor_and_lamp(0.5, side as f32);
             let plate = &mut scene.materials[0];
             plate.roughness = roughness;
-            // All light is reflected by the facets, and as much diffusely as the base colour says.
+            // All light is reflected by the facets, and as much diffusely as the base color says.
             plate.base_color = if diffuse > 0.0 { Vec3::splat(diffuse).extend(1.0) } else { glam::Vec4::ONE };
             plate.metallic = if diffuse > 0.0 { 0.0 } else { 1.0 };
             plate.specular = Vec3::ONE;

@@ -1,7 +1,8 @@
 //! The shaders against the CPU reference, on a GPU.
 
-use crate::probe::{Amplification, SurfaceSample};
+use crate::probe::Amplification;
 use glam::{DVec3, Vec3};
+use interfaces::points::SurfaceSample;
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use points_on_the_fly::PASS;

@@ -1,7 +1,6 @@
 //! A pass that writes what the module of a port Points answers.
 
-use bytemuck::{Pod, Zeroable};
-use interfaces::points::SurfaceSamples;
+use interfaces::points::{SurfaceSample, SurfaceSamples};
 use pass::{
     Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
     ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext,
@@ -10,16 +9,6 @@ use pass_test::{Harness, Outputs};
 use points_on_the_fly::BLOCK;
 use points_on_the_fly::cpu_reference::Wanted;
 use scene::Scene;
-
-/// struct SurfaceSample.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct SurfaceSample {
-    pub(crate) position: [f32; 3],
-    pub(crate) map: u32,
-    pub(crate) normal: [f32; 3],
-    pub(crate) area: f32,
-}
 
 pass::settings! {
     struct ProbeSettings {

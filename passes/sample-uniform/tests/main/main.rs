@@ -1,10 +1,12 @@
 //! Uniform sampling: every texel alike, and the flux of the map.
 
+mod cpu_reference;
+
 use glam::{Vec3, vec3};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{Format, ResourceDesc};
 use pass_test::{Harness, random};
-use sample_uniform::{PASS, cpu_reference};
+use sample_uniform::PASS;
 use scene::{Light, LightKind};
 
 const SIZE: (u32, u32) = (16, 10);

@@ -1,20 +1,15 @@
 //! The shader against the CPU reference, on a GPU.
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use scene::Scene;
 use scene_points::{PASS, cpu_reference};
 
-/// struct Point.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-struct Point {
-    position: [f32; 3],
-    triangle: u32,
-    normal: [f32; 3],
-    barycentric: u32,
+wgsl_structs::wgsl! {
+    "../../shaders/points.wgsl" {
+        struct Point;
+    }
 }
 
 fn run(scene: Scene, count: u32, seed: u32) -> Option<Vec<Point>> {
@@ -79,7 +74,7 @@ fn one_triangle_and_none() {
     let Some(points) = run(soup(&[[1.0; 3]; 6]), 10, 0) else { return };
     assert!(points.iter().all(|point| point.position == [1.0; 3] && point.normal == [0.0; 3]), "{points:?}");
     let points = run(pass_test::scene("empty"), 10, 0).unwrap_or_default();
-    assert_eq!(points, [Point::zeroed(); 10]);
+    assert_eq!(points, [Point::default(); 10]);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use pass_test::view::floor_seen;
 use pass_test::{Harness, RsmTexel};
 use scene::{LightKind, Scene};
 use show_clusters::PASS;
-use show_clusters::cpu_reference::{IN_SHADOW, Projection, colour_of};
+use show_clusters::cpu_reference::{IN_SHADOW, Projection, color_of};
 
 const WIDTH: u32 = 80;
 const HEIGHT: u32 = 60;
@@ -98,13 +98,13 @@ fn clusters() -> Vec<Cluster> {
         .collect()
 }
 
-fn bytes(colour: DVec3) -> [u8; 4] {
-    let [r, g, b] = colour.to_array().map(|x| (255.0 * x).round() as u8);
+fn bytes(color: DVec3) -> [u8; 4] {
+    let [r, g, b] = color.to_array().map(|x| (255.0 * x).round() as u8);
     [r, g, b, 255]
 }
 
 #[test]
-fn each_pixel_has_the_colour_of_its_cell() {
+fn each_pixel_has_the_color_of_its_cell() {
     let scene = scene();
     let Some(found) = show(&scene, &clusters(), 0.0) else { return };
     let (mut lit, mut dark, mut unmapped, mut outside, mut wrong) = (0, 0, 0, 0, 0);
@@ -122,10 +122,10 @@ fn each_pixel_has_the_colour_of_its_cell() {
             Some(texel) => {
                 let index = cluster_of(texel);
                 unmapped += u32::from(index == NONE);
-                let colour = if index == NONE { DVec3::splat(0.4) } else { colour_of(index, hash(index)) };
+                let color = if index == NONE { DVec3::splat(0.4) } else { color_of(index, hash(index)) };
                 let is_lit = projection().is_lit(receiver, DVec3::Z, f64::from(seen(texel)));
                 *(if is_lit { &mut lit } else { &mut dark }) += 1;
-                colour * if is_lit { 1.0 } else { IN_SHADOW }
+                color * if is_lit { 1.0 } else { IN_SHADOW }
             }
         };
         let differs = bytes(expected).into_iter().zip(*found).any(|(a, b)| a.abs_diff(b) > 1);

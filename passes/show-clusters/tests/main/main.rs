@@ -4,7 +4,7 @@ mod gpu;
 
 use pass_test::random::hash;
 use show_clusters::PASS;
-use show_clusters::cpu_reference::colour_of;
+use show_clusters::cpu_reference::color_of;
 
 #[test]
 fn the_shader_is_valid() {
@@ -13,15 +13,15 @@ fn the_shader_is_valid() {
 
 #[test]
 fn clusters_can_be_told_apart() {
-    let colours: Vec<_> = (0..512).map(|i| colour_of(i, hash(i))).collect();
+    let colors: Vec<_> = (0..512).map(|i| color_of(i, hash(i))).collect();
     let (mut alike, mut pairs) = (0, 0);
-    for (i, a) in colours.iter().enumerate() {
+    for (i, a) in colors.iter().enumerate() {
         assert!((*a).min_element() >= 0.05 && a.max_element() <= 1.0, "{a}");
-        for b in &colours[i + 1..] {
+        for b in &colors[i + 1..] {
             pairs += 1;
             alike += u32::from(a.distance(*b) < 0.1);
         }
-        for next in colours[i + 1..].iter().take(4) {
+        for next in colors[i + 1..].iter().take(4) {
             assert!(a.distance(*next) > 0.15, "cluster {i} looks like one of the next: {a} {next}");
         }
     }

@@ -17,14 +17,20 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    let shaders = context.catalog.shaders();
     let Some(name) = &args.kind else {
+        let passes = context.catalog.passes().iter();
+        let all = passes.map(|pass| (pass.kind(), pass.about(shaders)));
         if context.json {
-            let rows: Vec<Value> = context.catalog.passes().iter().map(|pass| json!({ "kind": pass.info().kind, "about": pass.info().about, "paper": pass.info().paper })).collect();
+            let rows: Vec<Value> = all
+                .map(|(kind, about)| json!({ "kind": kind, "about": about.about, "paper": about.paper }))
+                .collect();
             output::json(&Value::Array(rows));
         } else {
-            for info in context.catalog.passes().iter().map(|pass| pass.info()) {
-                let paper = if info.paper.is_empty() { String::new() } else { format!(" [{}]", info.paper) };
-                say!("{:<26} {}{paper}", info.kind, info.about);
+            for (kind, about) in all {
+                let paper =
+                    if about.paper.is_empty() { String::new() } else { format!(" [{}]", about.paper) };
+                say!("{kind:<26} {}{paper}", about.about);
             }
         }
         return Ok(());
@@ -36,15 +42,15 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             None => bail!("there is no pass type `{name}`; there are {}", names.join(", ")),
         }
     };
-    let info = pass.info();
+    let (kind, about) = (pass.kind(), pass.about(shaders));
     let outputs = BTreeMap::new();
-    let use_ = Use { kind: info.kind, shader: None, inputs: &[], outputs: &outputs };
+    let use_ = Use { kind, shader: None, inputs: &[], outputs: &outputs };
     if pass.takes_shader() {
         say!(
             "{}: {}\nports and settings are those of the WGSL file that `shader:` names; an output has the facts of the\n\
              inputs of its interface, unless `Out(facts: …)` states others",
-            info.kind,
-            info.about
+            kind,
+            about.about
         );
         return Ok(());
     }
@@ -53,9 +59,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         Settings(settings.iter().map(|setting| (setting.name.clone(), setting.default.clone())).collect());
     let ports = context.catalog.ports(use_, &defaults).map_err(|error| anyhow::anyhow!(error.message))?;
     if context.json {
-        output::json(&as_json(info, &settings, &ports, context.catalog.interfaces()));
+        output::json(&as_json(kind, &about, &settings, &ports, context.catalog.interfaces()));
     } else {
-        say!("{}", as_text(info, &settings, &ports, context.catalog.interfaces()));
+        say!("{}", as_text(kind, &about, &settings, &ports, context.catalog.interfaces()));
     }
     Ok(())
 }
@@ -77,10 +83,16 @@ fn facts<'a>(interfaces: &'a [Interface], name: &str) -> &'a [FactDecl] {
     interfaces.iter().find(|interface| interface.name == name).map_or(&[][..], |interface| interface.facts)
 }
 
-fn as_text(info: pass::Info, settings: &[Setting], ports: &Ports, interfaces: &[Interface]) -> String {
-    let mut lines = vec![format!("{}: {}", info.kind, info.about)];
-    if !info.paper.is_empty() {
-        lines.push(format!("paper: {}", info.paper));
+fn as_text(
+    kind: &str,
+    about: &pass::About,
+    settings: &[Setting],
+    ports: &Ports,
+    interfaces: &[Interface],
+) -> String {
+    let mut lines = vec![format!("{}: {}", kind, about.about)];
+    if !about.paper.is_empty() {
+        lines.push(format!("paper: {}", about.paper));
     }
     lines.push("inputs".to_owned());
     for port in &ports.inputs {
@@ -121,16 +133,22 @@ pub(super) fn setting_json(name: &str, setting: &Setting, value: &frame_graph::V
     })
 }
 
-fn as_json(info: pass::Info, settings: &[Setting], ports: &Ports, interfaces: &[Interface]) -> Value {
+fn as_json(
+    kind: &str,
+    about: &pass::About,
+    settings: &[Setting],
+    ports: &Ports,
+    interfaces: &[Interface],
+) -> Value {
     let told = |name: &str| -> Vec<Value> {
         let facts = facts(interfaces, name).iter();
         facts.map(|fact| json!({ "name": fact.name, "type": fact.ty.to_string(), "optional": fact.optional, "doc": fact.doc })).collect()
     };
     json!({
-        "kind": info.kind,
-        "about": info.about,
-        "paper": info.paper,
-        "shaders": info.shaders,
+        "kind": kind,
+        "about": about.about,
+        "paper": about.paper,
+        "shaders": about.shaders,
         "inputs": ports.inputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "optional": port.optional, "doc": port.doc })).collect::<Vec<_>>(),
         "outputs": ports.outputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "facts": told(&port.interface), "doc": port.doc })).collect::<Vec<_>>(),
         "settings": settings.iter().map(|setting| setting_json(&setting.name, setting, &setting.default)).collect::<Vec<_>>(),

@@ -1,4 +1,4 @@
-//! `lightloom precision`: what single precision costs in shader functions.
+//! `lightloom precision`: the error of single precision in shader functions.
 
 use crate::context::Context;
 use crate::output::{self, progress, say, write};
@@ -14,15 +14,15 @@ use std::sync::mpsc;
 
 /// Compare shader functions in f32 with the same functions in f64, over ranges of magnitudes.
 ///
-/// A probe is a WGSL file that calls functions of shaders with inputs of one magnitude. Beside its error stands the one
-/// that no formula avoids, since inputs and result are rounded. Exits with 1 where an error is more than a few times that.
+/// A probe is a WGSL file that calls functions of shaders with inputs of one magnitude. Its error is compared with the
+/// unavoidable one, that of rounded inputs and a rounded result. Exits with 1 if an error exceeds its bound.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   lightloom precision
   lightloom precision ggx-peak spot-caps --interpret
   lightloom precision own.wgsl --samples 1000 -o out/own")]
 pub(crate) struct Args {
-    /// Probes, by name or .wgsl file; all unless given
+    /// Probes, by name or .wgsl file; all by default
     #[arg(value_name = "PROBE|FILE.wgsl")]
     probes: Vec<String>,
     /// The folder for the report
@@ -31,7 +31,7 @@ pub(crate) struct Args {
     /// List the probes
     #[arg(long)]
     list: bool,
-    /// Compute f32 by the interpreter, too, and not on the GPU: each operation is rounded once, as no GPU promises
+    /// Compute f32 by the interpreter instead of the GPU: each operation is rounded once
     #[arg(long)]
     interpret: bool,
     /// Magnitudes of each probe
@@ -89,7 +89,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// The probes of these names and files; all where there are none.
+/// Returns the probes of these names and files; all if there are none.
 fn chosen(context: &Context, names: &[String]) -> Result<Vec<Probe>> {
     let library = context.catalog.shaders();
     let all = precision::paths(library);
@@ -141,7 +141,7 @@ fn print(all: &[Measured]) {
     }
 }
 
-/// The GPU, where there is one and it is wanted.
+/// Returns the GPU, if there is one and it is requested.
 fn evaluator(interpret: bool) -> Result<Box<dyn Evaluator>> {
     if interpret {
         return Ok(Box::new(Interpreted));
@@ -153,7 +153,7 @@ fn evaluator(interpret: bool) -> Result<Box<dyn Evaluator>> {
     }
 }
 
-/// Inputs of a dispatch: a bound on its time.
+/// Greatest number of inputs of a dispatch, which bounds its time.
 const MOST_AT_ONCE: usize = 4096;
 
 /// Computes in `f32` by a compute shader.

@@ -5,7 +5,7 @@ use crate::output::say;
 use anyhow::Result;
 use frame_graph::resolve;
 
-/// Print a pipeline flattened, each value with its origin.
+/// Print a pipeline as one file without inheritance, each value with its origin.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  lightloom resolve ism-invtm --set lights=64")]
 pub(crate) struct Args {
@@ -19,9 +19,9 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let resolved = resolve(&args.pipeline, context.catalog.pipelines(), &overrides(&args.set)?)?;
     if context.json {
-        crate::output::json(&resolved.to_json());
+        crate::output::json(&resolved.to_json(&*context.catalog));
     } else {
-        say!("{}", resolved.to_ron());
+        say!("{}", resolved.to_ron(&*context.catalog, true));
     }
     Ok(())
 }

@@ -1,25 +1,24 @@
 //! `lightloom stress`: every pipeline at the extremes.
 
 use crate::context::{Context, parse_size};
-use crate::output::{self, Pace, progress, say, tell, write};
+use crate::output::{self, progress, say, tell, write};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{LinkContext, Overrides, Value, nearest};
-use indicatif::HumanDuration;
 use renderer::{Compiled, compile_options};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use stress::{Case, Cell, Child, Event, Options, REFERENCE, Subject, Verdict};
 
-/// How often the report is written while cells are run.
+/// Interval at which the report is written while cells run.
 const BETWEEN_REPORTS: Duration = Duration::from_secs(20);
 
-/// Render extremes by every pipeline, and say what becomes of them.
+/// Render extreme cases by every pipeline, and report the results.
 ///
-/// Each case is rendered in a process of its own. Cases are scenes at the ends of scale, place, light, camera, geometry and
-/// frames; with --settings also both ends of the range of each setting. Exits with 1 where a picture is not finite, is
-/// negative or has another energy than expected, or where a run crashes. Where the energy is off from the path tracer's, that
-/// of further seeds is looked at, and their mean judged.
+/// Each case is rendered in a process of its own. Cases are extremes of scale, place, light, camera, geometry and frames;
+/// with --settings also both ends of the range of each setting. Exits with 1 if a picture is not finite, has negative values
+/// or another energy than expected, or if a run crashes. If the energy differs from the path tracer's, the mean over further
+/// seeds decides.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   lightloom stress -o out/stress
@@ -30,38 +29,38 @@ pub(crate) struct Args {
     /// The folder for scenes, pictures of defects and the report
     #[arg(short, long = "out", value_name = "DIR", default_value = "out/stress")]
     out: PathBuf,
-    /// A pipeline, by name or .ron file; all unless given. Any number of times
+    /// A pipeline, by name or .ron file; all by default. May be repeated
     #[arg(long)]
     pipeline: Vec<String>,
-    /// A case by name, or several as far*; all unless given. Any number of times
+    /// A case by name, or several as far*; all by default. May be repeated
     #[arg(long)]
     case: Vec<String>,
     /// List the cases
     #[arg(long)]
     list: bool,
-    /// Try both ends of the range of each setting, too
+    /// Also try both ends of the range of each setting
     #[arg(long)]
     settings: bool,
-    /// Try this many pairs of settings at an end of their ranges, drawn at random
+    /// Number of random pairs of settings at the ends of their ranges
     #[arg(long, default_value_t = 0)]
     pairs: usize,
-    /// Also run pipelines that keep something between frames for this many, at least 500: with a light that moves, and
-    /// with nothing that does
+    /// Also run pipelines with history buffers for this number of frames, at least 500: with a moving light, and with a
+    /// still scene
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(i64::from(stress::SHORTEST)..))]
     long: Option<u32>,
     /// Seed of the choice of pairs
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Size of frames in pixels, where a case has none of its own
+    /// Size of frames in pixels, for cases without a size
     #[arg(long, default_value = "64x64", value_parser = parse_size)]
     size: (u32, u32),
-    /// A value for all pipelines that have the name, where a case sets no other. Any number of times
+    /// A value for all pipelines that have the name, unless a case sets it. May be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set, default_values = ["lights=256", "map=32", "rsm.size=64"])]
     set: Vec<String>,
-    /// Samples per pixel of the path tracer; where a case has fewer pixels, as many in all
+    /// Samples per pixel of the path tracer; cases of fewer pixels have the same total
     #[arg(long, default_value_t = 256)]
     samples: u32,
-    /// How long one picture may take, in seconds
+    /// Time limit of one picture, in seconds
     #[arg(long, default_value_t = 120)]
     limit: u64,
 }
@@ -94,26 +93,18 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let report = Report::new(args, &cases);
     let bar = progress(count as u64, "stress");
     let (mut finished, mut written) = (Vec::new(), Instant::now());
-    let (start, mut pace) = (Instant::now(), Pace::new());
     let cells = stress::run(&child, &subjects, &cases, &options, &mut |event| match event {
-        Event::Reference(case) => {
-            bar.set_message(format!("reference of {case}"));
-            if pace.is_due() {
-                tell!("{}/{count} reference of {case}", finished.len());
-            }
-        }
+        Event::Reference(case) => bar.set_message(format!("reference of {case}")),
         Event::Done(cell) => {
             bar.set_message(format!("{} {}", cell.pipeline, cell.case));
             bar.inc(1);
             if cell.is_defect() && !context.json {
                 bar.suspend(|| say!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case));
             }
-            // A run of hours that ends early leaves what it found. That it cannot be written is told at the end.
+            // A run that ends early leaves a report. A report that cannot be written is an error at the end.
             finished.push(cell.clone());
-            if pace.is_due() {
-                let rest = count.saturating_sub(finished.len()) as f64 / finished.len() as f64;
-                let (done, left) = (finished.len(), HumanDuration(start.elapsed().mul_f64(rest)));
-                tell!("{done}/{count} {} · {}, about {left} left", cell.pipeline, cell.case);
+            if bar.is_hidden() {
+                tell!("{}/{count} {} · {}", finished.len(), cell.pipeline, cell.case);
             }
             if written.elapsed() > BETWEEN_REPORTS {
                 let _ = report.write(&finished);
@@ -144,7 +135,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// What is written of the cells that are done.
+/// The report of the finished cells.
 struct Report<'a> {
     folder: &'a Path,
     cases: Vec<Case>,
@@ -175,7 +166,7 @@ impl<'a> Report<'a> {
     }
 }
 
-/// The cases of these names; all where there are none. `far*` is all that begin with `far`.
+/// Returns the cases of these names; all if there are none. `far*` stands for all that begin with `far`.
 fn chosen(names: &[String]) -> Result<Vec<Case>> {
     let all = stress::cases();
     let is = |name: &str, case: &Case| match name.strip_suffix('*') {
@@ -208,7 +199,7 @@ fn list(context: &Context, cases: &[Case]) -> Result<()> {
     Ok(())
 }
 
-/// The pipelines, with what can be set in each. Without names, all that output indirect light and are not the reference.
+/// Returns the pipelines with their settings. Without names, all that output indirect light except the reference.
 fn subjects(context: &Context, args: &Args) -> Result<Vec<Subject>> {
     let link = LinkContext { frame: args.size, traits: context.traits(None)? };
     if !args.pipeline.is_empty() {
@@ -225,7 +216,7 @@ fn subjects(context: &Context, args: &Args) -> Result<Vec<Subject>> {
     Ok(all)
 }
 
-/// A pipeline, and whether it outputs indirect light.
+/// Returns a pipeline, and whether it outputs indirect light.
 fn subject(context: &Context, args: &Args, link: &LinkContext, name: &str) -> Result<(Subject, bool)> {
     let compiled = Compiled::new(&context.catalog, name, &Overrides::default(), link, &compile_options())
         .map_err(|errors| anyhow::anyhow!("{errors}"))?;

@@ -19,7 +19,7 @@ use study::{AxisValue, Edits, Outcome, Plan, Results, RunOptions, Shard, Verdict
 
 /// Run an ablation study.
 ///
-/// Cells that are finished in the folder are not run again, so a run that was stopped goes on with the same command.
+/// Finished cells in the folder do not run again: the same command continues a run that was stopped.
 #[derive(clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = "Examples:
@@ -27,7 +27,7 @@ use study::{AxisValue, Edits, Outcome, Plan, Results, RunOptions, Shard, Verdict
   lightloom study my.ron -o out/my --quick
   lightloom study ism-fig-4 -o out/part-2 --shard 2/8 --references out/references
   lightloom study merge out/part-* -o out/ism-fig-4
-  lightloom study publish out/ism-fig-4 --page docs/results.md")]
+  lightloom study publish out/ism-fig-4")]
 pub(crate) struct Args {
     #[command(subcommand)]
     other: Option<Other>,
@@ -37,32 +37,32 @@ pub(crate) struct Args {
     /// The folder for cells, pictures, tables and the report
     #[arg(short, long = "out", value_name = "DIR", required = true)]
     out: Option<PathBuf>,
-    /// Run part i of n only, each into a folder of its own; `merge` joins them
+    /// Run shard i of n, into a folder of its own; `merge` joins shards
     #[arg(long, value_name = "i/n")]
     shard: Option<Shard>,
-    /// A folder for references, shared with other studies and parts
+    /// A folder for references, shared with other studies and shards
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
-    /// Size of frames in pixels, in place of the study's
+    /// Size of frames in pixels, instead of the study's
     #[arg(long, value_parser = parse_size)]
     size: Option<(u32, u32)>,
-    /// A value for all pipelines that have the name, in place of the study's; an axis of that name takes this value
-    /// only. Any number of times
+    /// A value for all pipelines that have the name, instead of the study's; an axis of that name takes only this
+    /// value. May be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set: Vec<String>,
-    /// A value for the pipeline that makes the references. Any number of times
+    /// A value for the pipeline that renders references. May be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
     set_reference: Vec<String>,
-    /// A scene in place of the study's. Any number of times
+    /// A scene instead of the study's. May be repeated
     #[arg(long)]
     scene: Vec<String>,
-    /// Number of seeds, in place of the study's
+    /// Number of seeds, instead of the study's
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     seeds: Option<u32>,
-    /// Measured frames per cell, in place of the study's
+    /// Measured frames per cell, instead of the study's
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// Time in milliseconds, in place of that of the study's budget of time; other budgets stay
+    /// Time in milliseconds, instead of that of a budget of time; other budgets stay
     #[arg(long, value_parser = parse_ms)]
     ms: Option<f64>,
     /// A quick preview: a quarter of each side, one seed, first and last value of each axis
@@ -72,12 +72,12 @@ pub(crate) struct Args {
 
 #[derive(clap::Subcommand)]
 enum Other {
-    /// Join the folders of the parts of a study
+    /// Join the folders of the shards of a study
     Merge {
         /// The folders
         #[arg(required = true)]
         parts: Vec<PathBuf>,
-        /// Where to put the whole; it may be one of them
+        /// The folder of the merged study; it may be one of them
         #[arg(short, long = "out", value_name = "DIR")]
         out: PathBuf,
     },
@@ -86,31 +86,32 @@ enum Other {
         /// The folder
         folder: PathBuf,
     },
-    /// Put the results of folders into a page of Markdown, each between `<!-- study: NAME -->` and `<!-- end -->`
+    /// Write the results of folders to pages of Markdown, each to `NAME.md` between `<!-- study: NAME -->` and
+    /// `<!-- end -->`
     Publish {
         /// The folders
         #[arg(required = true)]
         folders: Vec<PathBuf>,
-        /// The page
-        #[arg(long, value_name = "FILE", default_value = "docs/results.md")]
-        page: PathBuf,
+        /// The folder of the pages
+        #[arg(long, value_name = "DIR", default_value = "docs/results")]
+        into: PathBuf,
     },
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     match &args.other {
-        Some(Other::Merge { parts, out }) => tell(context, &study::merge(parts, out)?, out, None),
+        Some(Other::Merge { parts, out }) => report(context, &study::merge(parts, out)?, out, None),
         Some(Other::Report { folder }) => {
             let results = Results::read(folder)?;
             study::write_tables(&results, folder)?;
-            tell(context, &results, folder, None)
+            report(context, &results, folder, None)
         }
-        Some(Other::Publish { folders, page }) => {
-            study::publish(folders, page)?;
+        Some(Other::Publish { folders, into }) => {
+            let pages = study::publish(folders, into)?;
             if context.json {
-                output::json(&json!({ "page": page }));
+                output::json(&json!({ "pages": pages }));
             } else {
-                say!("{}", page.display());
+                pages.iter().for_each(|page| say!("{}", page.display()));
             }
             Ok(())
         }
@@ -150,20 +151,20 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
     let options =
         RunOptions { shard: args.shard, references: args.references.clone(), command: command(args, file) };
     let mut progress = Progress::new();
-    let ran = study::run(&plan, &mut lab, out, &options, &mut |event| progress.tell(event));
+    let ran = study::run(&plan, &mut lab, out, &options, &mut |event| progress.report(event));
     progress.finish();
     let ran =
         ran.context("the study stopped; what is finished is kept, and the same command goes on from there")?;
-    tell(context, &ran.results, out, Some(ran.run))?;
+    report(context, &ran.results, out, Some(ran.run))?;
     if ran.failed > 0 {
         bail!("{}", failed(ran.failed));
     }
     Ok(())
 }
 
-/// What is no error of a study and of its pipelines, each told once.
+/// Returns the warnings of a study and of its pipelines, without duplicates.
 fn warnings(context: &Context, plan: &Plan) -> Diagnostics {
-    let mut told = plan.notes.clone();
+    let mut warnings = plan.notes.clone();
     let mut pipelines: Vec<&str> =
         plan.distinct_runs().into_iter().map(|run| run.pipeline.as_str()).collect();
     pipelines.sort_unstable();
@@ -172,15 +173,15 @@ fn warnings(context: &Context, plan: &Plan) -> Diagnostics {
         // Pipelines of a plan are there; values change no warning.
         let resolved = resolve(name, context.catalog.pipelines(), &Overrides::default());
         for warning in resolved.map(|resolved| resolved.warnings().0).unwrap_or_default() {
-            if !told.0.contains(&warning) {
-                told.0.push(warning);
+            if !warnings.0.contains(&warning) {
+                warnings.0.push(warning);
             }
         }
     }
-    told
+    warnings
 }
 
-/// What is said at the end of a run with failed cells.
+/// Returns the message at the end of a run with failed cells.
 fn failed(count: usize) -> String {
     match count {
         1 => "1 cell failed; the same command tries it again".to_owned(),
@@ -188,7 +189,7 @@ fn failed(count: usize) -> String {
     }
 }
 
-/// A study by name or path.
+/// Returns a study by name or path.
 pub(crate) fn source(context: &Context, name: &str) -> Result<Arc<Source>> {
     let file = if name.ends_with(".ron") { name.to_owned() } else { format!("{name}.ron") };
     for path in [format!("studies/{file}"), file] {
@@ -203,13 +204,13 @@ pub(crate) fn source(context: &Context, name: &str) -> Result<Arc<Source>> {
     }
 }
 
-/// The studies there are.
+/// Returns the names of all studies.
 pub(crate) fn names(context: &Context) -> Vec<String> {
     let paths = context.catalog.assets().list("studies", "ron");
     paths.iter().map(|path| path.trim_start_matches("studies/").trim_end_matches(".ron").to_owned()).collect()
 }
 
-/// Values from `name=value`.
+/// Parses `name=value`.
 fn values(option: &str, given: &[String]) -> Result<Vec<(String, AxisValue)>> {
     given
         .iter()
@@ -220,7 +221,7 @@ fn values(option: &str, given: &[String]) -> Result<Vec<(String, AxisValue)>> {
         .collect()
 }
 
-/// The command that makes the results again, wherever they lie.
+/// Returns the command that repeats the run.
 fn command(args: &Args, file: &str) -> String {
     let mut words = vec!["lightloom study".to_owned(), file.to_owned()];
     if let Some((width, height)) = args.size {
@@ -237,8 +238,8 @@ fn command(args: &Args, file: &str) -> String {
     words.join(" ")
 }
 
-/// Writes the report and says what came of it all.
-fn tell(context: &Context, results: &Results, folder: &Path, run: Option<usize>) -> Result<()> {
+/// Writes the report and prints a summary.
+fn report(context: &Context, results: &Results, folder: &Path, run: Option<usize>) -> Result<()> {
     let files = study::report(results, folder)?;
     let page = files.first().map(|page| page.canonicalize().unwrap_or_else(|_| page.clone()));
     let failures = results.cells.iter().filter_map(|cell| match &cell.outcome {

@@ -115,7 +115,7 @@ fn one_box(painter: &Painter, drawn: &DrawnBox, side: &SideView, rect: Rect, hot
         BoxKind::Pass(_) if ran => Color32::from_rgb(190, 220, 245),
         BoxKind::Pass(_) => Color32::from_rgb(215, 222, 228),
         BoxKind::Culled => Color32::from_gray(170),
-        BoxKind::Off | BoxKind::Constant => Color32::from_rgb(247, 227, 192),
+        BoxKind::Off => Color32::from_rgb(247, 227, 192),
         BoxKind::Output => Color32::from_rgb(205, 235, 200),
     };
     let stroke = Stroke::new(if hot { 2.5 } else { 1.0 }, Color32::from_gray(70));

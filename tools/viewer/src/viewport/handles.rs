@@ -74,7 +74,7 @@ fn handle(ui: &Ui, id: egui::Id, at: egui::Pos2, name: &str) -> (Vec2, bool) {
     (moved, over)
 }
 
-/// The colour that a light shines in, as bright as the screen can.
+/// The color that a light shines in, as bright as the screen can.
 fn color(light: &Light) -> Color32 {
     let most = light.intensity.max_element().max(f32::MIN_POSITIVE);
     let channel = |c: f32| (metrics::srgb_from_linear((c / most).clamp(0.0, 1.0)) * 255.0) as u8;

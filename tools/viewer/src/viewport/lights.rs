@@ -10,7 +10,7 @@ use scene::Camera;
 /// The most that are drawn: beyond that, dots hide the picture.
 const MOST: usize = 20_000;
 
-/// Draws a dot for each light, of its colour and as large as its flux, in a ring as large as its area. Those that are new
+/// Draws a dot for each light, of its color and as large as its flux, in a ring as large as its area. Those that are new
 /// in this frame have a white ring.
 pub(super) fn show(app: &App, ui: &Ui, placed: Placed, camera: &Camera) {
     let painter = ui.painter_at(placed.rect);

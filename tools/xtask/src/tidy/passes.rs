@@ -3,26 +3,13 @@
 use super::Finding;
 use crate::tree::{File, Tree, line_at};
 
-const README_LINES: usize = 40;
 const SECTION: &str = "Deviations";
 const TAG: &str = "DEVIATION(";
 
 pub(super) fn readme(tree: &Tree) -> Vec<Finding> {
-    let long = |file: &File| {
-        let lines = file.text.lines().count();
-        (lines > README_LINES).then(|| {
-            Finding::new(
-                &file.path,
-                README_LINES + 1,
-                format!("{lines} lines, of which {README_LINES} may be"),
-            )
-        })
-    };
-    let of = |pass: &str| {
-        let path = format!("passes/{pass}/README.md");
-        tree.file(&path).map_or_else(|| Some(Finding::new(&path, 1, "there is no README")), long)
-    };
-    tree.passes().into_iter().filter_map(of).collect()
+    let paths = tree.passes().into_iter().map(|pass| format!("passes/{pass}/README.md"));
+    let missing = paths.filter(|path| tree.file(path).is_none());
+    missing.map(|path| Finding::new(&path, 1, "there is no README")).collect()
 }
 
 /// In code a deviation is marked by a comment `DEVIATION(name): why`, in the README by an item `- **name**: why`
@@ -36,7 +23,7 @@ pub(super) fn deviations(tree: &Tree) -> Vec<Finding> {
         let code = || tree.below(&folder).filter(|file| file.is("rs") || file.is("wgsl"));
         let (section, told) = told(readme);
         if section.is_none()
-            && let Some((path, line)) = code().find_map(|file| Some((&file.path, cites(file)?)))
+            && let Some((path, line)) = code().find_map(|file| Some((&file.path, cites(file, pass)?)))
         {
             findings.push(Finding::new(
                 path,
@@ -90,8 +77,13 @@ fn tags(file: &File) -> impl Iterator<Item = (&File, usize, &str)> {
     })
 }
 
-/// The line in which a pass names its paper.
-fn cites(file: &File) -> Option<usize> {
+/// The line in which a pass names its paper: in Rust, or at the end of the first paragraph of its main WGSL.
+fn cites(file: &File, pass: &str) -> Option<usize> {
+    if file.path.ends_with(&format!("/{pass}.wgsl")) {
+        let paragraph = file.lines().take_while(|(_, line)| line.starts_with("//") && line.trim() != "//");
+        return paragraph.last().filter(|(_, line)| line.ends_with(']')).map(|(number, _)| number);
+    }
+
     let names_one = |(at, _): &(usize, &str)| {
         let value = file.text[at + "paper:".len()..].trim_start();
         value.starts_with('"') && !value.starts_with("\"\"")

@@ -2,10 +2,9 @@
 
 use super::{Figure, Kind, file};
 use crate::Memory;
-use crate::report::chart::{BarChart, BarRow, Ink, MOST_PARTS, Segment};
 use crate::report::digest::{Digest, Row};
-use crate::report::number;
 use frame_graph::human_bytes;
+use report::{BarChart, BarRow, Ink, MOST_PARTS, Segment, number};
 
 /// The greatest number of rows of a chart; further rows get their own chart.
 const MOST_ROWS: usize = 32;
@@ -143,10 +142,10 @@ fn bar_row(digest: &Digest<'_>, row: &Row<'_>, bars: Vec<Vec<Segment>>, total: S
     }
 }
 
-/// Colours of passes, the same in all charts of a study: the most expensive passes have their own.
+/// Colors of passes, the same in all charts of a study: the most expensive passes have their own.
 struct Inks {
-    /// The passes with their own colours, in the order of the plans.
-    coloured: Vec<String>,
+    /// The passes with their own colors, in the order of the plans.
+    colored: Vec<String>,
 }
 
 impl Inks {
@@ -162,16 +161,16 @@ impl Inks {
         costs.sort_by(|a, b| b.total_cmp(a));
         let least = costs.get(MOST_PARTS - 1).copied().unwrap_or(0.0);
         let costly = sums.into_iter().filter(|(_, ms)| *ms >= least).take(MOST_PARTS);
-        Inks { coloured: costly.map(|(name, _)| name).collect() }
+        Inks { colored: costly.map(|(name, _)| name).collect() }
     }
 
     fn of(&self, pass: &str) -> Ink {
-        self.coloured.iter().position(|name| name == pass).map_or(Ink::Rest, Ink::Part)
+        self.colored.iter().position(|name| name == pass).map_or(Ink::Rest, Ink::Part)
     }
 
-    /// Returns legend entries for the passes in use; those without a colour share one.
+    /// Returns legend entries for the passes in use; those without a color share one.
     fn legend(&self, used: &[String]) -> Vec<(Ink, String)> {
-        let own = self.coloured.iter().filter(|name| used.contains(name));
+        let own = self.colored.iter().filter(|name| used.contains(name));
         let mut legend: Vec<(Ink, String)> = own.map(|name| (self.of(name), name.clone())).collect();
         let mut others: Vec<&String> = used.iter().filter(|name| self.of(name) == Ink::Rest).collect();
         others.sort();

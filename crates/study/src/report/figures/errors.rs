@@ -2,10 +2,9 @@
 
 use super::{Figure, Kind, file};
 use crate::Interval;
-use crate::report::chart::{AxisKind, Line, MOST_DASHES, Point, Series, XyAxis, XyChart};
 use crate::report::digest::{Digest, Row, label_with_unit};
-use crate::report::number::{self, Measured};
 use crate::{AxisValue, Better, MeasureInfo};
+use report::{AxisKind, Line, MOST_DASHES, Point, Series, XyAxis, XyChart, number};
 
 /// The greatest number of charts for an axis and a measure of a scene: one for each combination of the other
 /// axes.
@@ -47,10 +46,10 @@ fn time_chart(
         })
     };
     let combinations = combinations(digest.of_scene(scene), rest);
-    let told_apart = joined.is_some() && (2..=MOST_DASHES).contains(&combinations.len());
+    let are_distinct = joined.is_some() && (2..=MOST_DASHES).contains(&combinations.len());
     let dashes = |row: &Row<'_>| {
         let of = |combination: &Combination<'_>| *combination == group(row, rest);
-        if told_apart { combinations.iter().position(of).unwrap_or(0) } else { 0 }
+        if are_distinct { combinations.iter().position(of).unwrap_or(0) } else { 0 }
     };
     let series = series(digest, scene, &(joined, rest), &dashes, &point);
     let points = points(&series);
@@ -58,11 +57,11 @@ fn time_chart(
         return None;
     }
     let floor = digest.noise(scene, measure);
-    // What is below the error of the reference is no better than that; where all is, there is nothing to tell.
-    let judged = |p: &&Point| (p.x, floor.map_or(p.y, |floor| p.y.max(floor)));
-    let is_told = points.iter().any(|p| floor.is_none_or(|floor| p.y > floor));
-    let front = if is_told {
-        pareto(&points.iter().map(judged).collect::<Vec<_>>(), measure.better)
+    // An error below that of the reference is no better than that; if all are, there is no front.
+    let bounded = |p: &&Point| (p.x, floor.map_or(p.y, |floor| p.y.max(floor)));
+    let has_front = points.iter().any(|p| floor.is_none_or(|floor| p.y > floor));
+    let front = if has_front {
+        pareto(&points.iter().map(bounded).collect::<Vec<_>>(), measure.better)
     } else {
         Vec::new()
     };
@@ -86,7 +85,7 @@ fn time_chart(
     }
     let names = combinations.iter().filter_map(|combination| {
         let row = digest.of_scene(scene).find(|row| group(row, rest) == *combination)?;
-        told_apart.then(|| digest.values_text(row, rest))
+        are_distinct.then(|| digest.values_text(row, rest))
     });
     let chart = XyChart {
         about,
@@ -94,6 +93,7 @@ fn time_chart(
         floor,
         x: XyAxis { title: digest.time_label(), kind: AxisKind::Quantity },
         y: XyAxis { title: label_with_unit(measure), kind: AxisKind::Quantity },
+        bands: Vec::new(),
         front_rises: measure.better == Better::Higher,
         front,
         series,
@@ -179,6 +179,7 @@ fn axis_chart(
         x: XyAxis { title: format!("{}{unit}", info.name), kind },
         y: XyAxis { title: label_with_unit(measure), kind: AxisKind::Quantity },
         series,
+        bands: Vec::new(),
         front: Vec::new(),
         front_rises: false,
         dashes: Vec::new(),
@@ -299,7 +300,7 @@ pub(super) fn tip(digest: &Digest<'_>, row: &Row<'_>, values: &[(&str, &str, &In
     let mut tip = digest.row_text(row);
     let mut seeds = 0;
     for (label, unit, summary) in values {
-        tip += &format!("\n{label}: {} {unit}", Measured::new(summary).text());
+        tip += &format!("\n{label}: {} {unit}", summary.measured().text());
         seeds = seeds.max(summary.seeds);
     }
     tip + &format!("\n{seeds} seed{}", if seeds == 1 { "" } else { "s" })

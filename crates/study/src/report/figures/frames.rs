@@ -2,9 +2,9 @@
 
 use super::errors::{Combination, combinations, group, tip};
 use super::{Figure, Kind, file};
-use crate::report::chart::{AxisKind, Line, MOST_COLOURS, MOST_DASHES, Point, Series, XyAxis, XyChart};
 use crate::report::digest::{Digest, Row, label_with_unit};
 use crate::{Interval, MeasureInfo};
+use report::{AxisKind, Line, MOST_COLORS, MOST_DASHES, Point, Series, XyAxis, XyChart};
 
 /// Returns charts of each measure of a scene over the frame number.
 pub(super) fn frames(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
@@ -32,13 +32,13 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns charts with as many combinations of values each as can be distinguished: by dashes, or, for a
-    /// single pipeline, by colours.
+    /// single pipeline, by colors.
     fn figures(&self) -> Vec<Figure> {
         let combinations = combinations(self.curves.iter().map(|(row, _)| *row), &self.varied);
         let mut pipelines = self.curves.iter().map(|(row, _)| row.pipeline);
         let first = pipelines.next();
         let only = first.filter(|first| combinations.len() > 1 && pipelines.all(|other| other == *first));
-        let most = if only.is_some() { MOST_COLOURS } else { MOST_DASHES };
+        let most = if only.is_some() { MOST_COLORS } else { MOST_DASHES };
         let parts = combinations.chunks(most).enumerate();
         parts
             .map(|(part, shown)| {
@@ -70,6 +70,7 @@ impl<'a> Walk<'a> {
             x: XyAxis { title: "frame".to_owned(), kind: AxisKind::Count },
             y: XyAxis { title: label_with_unit(measure), kind: AxisKind::Quantity },
             series: if only.is_some() { self.by_combination(shown) } else { self.by_pipeline(shown) },
+            bands: Vec::new(),
             front: Vec::new(),
             front_rises: false,
             dashes,
@@ -84,7 +85,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Returns series whose colours are pipelines and whose dashes are combinations.
+    /// Returns series whose colors are pipelines and whose dashes are combinations.
     fn by_pipeline(&self, shown: &[Combination<'_>]) -> Vec<Series> {
         let one = |(index, name): (usize, &&str)| {
             let own = self.curves.iter().filter(|(row, _)| row.pipeline == index);
@@ -98,7 +99,7 @@ impl<'a> Walk<'a> {
         self.digest.pipelines.iter().enumerate().filter_map(one).collect()
     }
 
-    /// Returns series whose colours are combinations.
+    /// Returns series whose colors are combinations.
     fn by_combination(&self, shown: &[Combination<'_>]) -> Vec<Series> {
         let one = |(index, values): (usize, &Combination<'_>)| {
             let lines = self.at(values).map(|curve| self.lines(curve, 0)).unwrap_or_default();

@@ -4,9 +4,9 @@
 use std::fmt::Write;
 
 use crate::report::digest::Digest;
-use crate::report::escape::html;
-use crate::report::number;
-use crate::{Cell, Outcome, Results};
+use crate::{Cell, Outcome, ReferenceRecord, Results};
+use report::escape::html;
+use report::{number, plain_table};
 
 /// The greatest number of characters of provenance for all cells together; the rest is only in the study's
 /// folder.
@@ -32,32 +32,23 @@ pub(super) fn references(results: &Results) -> String {
     if results.study.references.is_empty() {
         return "<p class=note>This study has no reference.</p>\n".to_owned();
     }
-    let mut out = String::from(
-        "<p>An error near the noise of its reference says nothing.</p>\n<div class=scroll><table>\n<thead><tr>\
-         <th scope=col>Scene</th><th scope=col>From</th><th scope=col class=number>Noise [relMSE]</th>\
-         <th scope=col class=number>Took [s]</th><th scope=col>Provenance</th></tr></thead>\n<tbody>\n",
-    );
-    for reference in &results.study.references {
+    let row = |reference: &ReferenceRecord| {
+        let from = match &*reference.error {
+            "" => html(&reference.from),
+            error => format!("{}<br><span class=failed>{}</span>", html(&reference.from), html(error)),
+        };
+        let took = match reference.seconds {
+            seconds if seconds > 0.0 => number::short(seconds, 3),
+            _ => "was there".to_owned(),
+        };
         let noise = reference.noise.map_or_else(|| "unknown".to_owned(), |noise| number::short(noise, 2));
-        let took = if reference.seconds > 0.0 {
-            number::short(reference.seconds, 3)
-        } else {
-            "was there".to_owned()
-        };
-        let from = if reference.error.is_empty() {
-            html(&reference.from)
-        } else {
-            format!("{}<br><span class=failed>{}</span>", html(&reference.from), html(&reference.error))
-        };
-        let _ = writeln!(
-            out,
-            "<tr><th scope=row>{}</th><td>{from}</td><td class=number>{noise}</td><td class=number>{took}</td>\
-             <td>{}</td></tr>",
-            html(&reference.scene),
-            provenance(&reference.provenance),
-        );
-    }
-    out + "</tbody></table></div>\n"
+        vec![html(&reference.scene), from, noise, took, provenance(&reference.provenance)]
+    };
+    let table = plain_table(
+        &["Scene", "From", "Noise [relMSE]", "Took [s]", "Provenance"],
+        results.study.references.iter().map(row),
+    );
+    format!("<p>An error near the noise of its reference says nothing.</p>\n{table}")
 }
 
 /// Returns the section on scenes, pipelines, axes, and the study file itself.
@@ -68,7 +59,7 @@ pub(super) fn setup(results: &Results) -> String {
         let triangles = scene.triangles.to_string();
         vec![html(&scene.name), html(&scene.about), triangles, format!("<code>{}</code>", html(&scene.hash))]
     });
-    out += &table(&["Scene", "Shows", "Triangles", "Hash"], scenes);
+    out += &plain_table(&["Scene", "Shows", "Triangles", "Hash"], scenes);
     out.push_str("<h3>Pipelines</h3>\n");
     let pipelines = study.pipelines.iter().map(|pipeline| {
         let set: Vec<String> =
@@ -76,7 +67,7 @@ pub(super) fn setup(results: &Results) -> String {
         let file = format!("<code>{}</code>", html(&pipeline.pipeline));
         vec![html(&pipeline.name), file, html(&pipeline.about), html(&pipeline.paper), html(&set.join(", "))]
     });
-    out += &table(&["Name", "Pipeline", "Renders", "Paper", "With"], pipelines);
+    out += &plain_table(&["Name", "Pipeline", "Renders", "Paper", "With"], pipelines);
     if !study.axes.is_empty() {
         out.push_str("<h3>Axes</h3>\n");
         let axes = study.axes.iter().map(|axis| {
@@ -88,7 +79,7 @@ pub(super) fn setup(results: &Results) -> String {
                 html(&axis.doc),
             ]
         });
-        out += &table(&["Axis", "Values", "Unit", "Is"], axes);
+        out += &plain_table(&["Axis", "Values", "Unit", "Is"], axes);
     }
     if !study.command.is_empty() {
         let _ = writeln!(out, "<h3>Command</h3>\n<pre>{}</pre>", html(&study.command));
@@ -106,7 +97,7 @@ pub(super) fn measures(digest: &Digest<'_>) -> String {
     let rows = digest.results.study.measures.iter().map(|measure| {
         vec![html(&measure.label), html(&measure.unit), measure.better.word().to_owned(), html(&measure.doc)]
     });
-    let table = table(&["Measure", "Unit", "Better", "Is"], rows);
+    let table = plain_table(&["Measure", "Unit", "Better", "Is"], rows);
     format!("<details><summary>What the measures are</summary>\n{table}</details>\n")
 }
 
@@ -117,7 +108,7 @@ pub(super) fn cells(digest: &Digest<'_>) -> String {
         return "<p class=note>No cell has run yet.</p>\n".to_owned();
     }
     let mut out = String::from(
-        "<details>\n<summary>All cells and what made them</summary>\n<div class=filter>\
+        "<details>\n<summary>All cells and their provenance</summary>\n<div class=filter>\
          <label>Filter <input type=search id=cell-filter placeholder=\"words, in any order\"></label>\
          <label><input type=checkbox id=cell-failed> only failed</label>\
          <output id=cell-count></output></div>\n<div class=scroll><table id=cell-table>\n<thead><tr>\
@@ -127,7 +118,7 @@ pub(super) fn cells(digest: &Digest<'_>) -> String {
     );
     let (mut left, mut left_out) = (MOST_PROVENANCE, 0);
     for (row, cell) in digest.rows.iter().flat_map(|row| row.cells.iter().map(move |cell| (row, cell))) {
-        let told = if cell.provenance.len() > left {
+        let shown = if cell.provenance.len() > left {
             left_out += 1;
             "<p class=note>In the cell’s file.</p>".to_owned()
         } else {
@@ -140,7 +131,7 @@ pub(super) fn cells(digest: &Digest<'_>) -> String {
             out,
             "<tbody{data}><tr><th scope=row>{}</th><td>{}</td><td>{}</td><td class=number>{}</td>{outcome}\
              <td class=number>{}</td><td class=number>{}</td><td><code>cells/{}.json</code></td></tr>\n\
-             <tr><td class=told colspan=8>{told}</td></tr></tbody>",
+             <tr><td class=record colspan=8>{shown}</td></tr></tbody>",
             html(&cell.scene),
             html(&cell.pipeline),
             html(&digest.values_text(row, &axes)),
@@ -194,19 +185,4 @@ fn provenance(text: &str) -> String {
         _ => format!("<pre>{}</pre>", html(text)),
     };
     format!("<details><summary>Provenance</summary>{body}</details>")
-}
-
-/// Returns a plain table; the cells are HTML already.
-fn table(heads: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let head: String = heads.iter().map(|head| format!("<th scope=col>{head}</th>")).collect();
-    let row = |cells: Vec<String>| {
-        let cell = |(index, text): (usize, String)| {
-            if index == 0 { format!("<th scope=row>{text}</th>") } else { format!("<td>{text}</td>") }
-        };
-        format!("<tr>{}</tr>\n", cells.into_iter().enumerate().map(cell).collect::<String>())
-    };
-    let body: String = rows.map(row).collect();
-    format!(
-        "<div class=scroll><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div>\n"
-    )
 }

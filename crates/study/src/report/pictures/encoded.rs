@@ -2,7 +2,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use metrics::{Display, Image, Pair, luminance, srgb_from_linear};
+use metrics::{Display, Image, Pair, luminance};
 use serde::Serialize;
 
 /// Longest side of a picture in the page [px]; larger ones are averaged down.
@@ -23,51 +23,20 @@ impl Encoded {
     /// Encodes a picture of display values.
     pub(super) fn new(image: &Image) -> Encoded {
         let image = reduced(image);
-        let data = STANDARD.encode(file(&image, Display::AS_IS));
+        let data = STANDARD.encode(image.png(Display::AS_IS).unwrap_or_default());
         Encoded { width: image.width(), height: image.height(), data }
     }
 }
 
-/// Returns a picture as PNG file, after applying `display`.
-pub(super) fn file(image: &Image, display: Display) -> Vec<u8> {
-    png(image.width(), image.height(), &bytes(image, display))
-}
-
-/// Returns the colours of differences of luminance from −1 to +1: 256 of RGB, 8 bits each, in base64.
+/// Returns the colors of differences of luminance from −1 to +1: 256 of RGB, 8 bits each, in base64.
 pub(super) fn diverging() -> String {
     let grey = |value: f32| [value, value, value, 1.0];
     let image = Image::from_fn(256, 1, |x, _| grey(x as f32 / 127.5 - 1.0));
     let zero = Image::from_fn(256, 1, |_, _| grey(0.0));
     let (image, zero) = image.ok().zip(zero.ok()).expect("both have pixels");
     let pair = Pair::new(&image, &zero).expect("both have one size");
-    STANDARD.encode(bytes(&pair.signed_difference(1.0), Display::AS_IS))
-}
-
-/// Returns the display values of a picture, RGB.
-fn bytes(image: &Image, display: Display) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(image.pixels().len() * 3);
-    for &[r, g, b, _] in image.pixels() {
-        let shown = display.map([r, g, b]);
-        // Pixels that are NaN or infinite are magenta, as in the PNG files of the program.
-        let shown = if shown[0].is_nan() { [1.0, 0.0, 1.0] } else { shown.map(srgb_from_linear) };
-        bytes.extend(shown.map(|channel| (channel * 255.0).round() as u8));
-    }
-    bytes
-}
-
-/// Encodes a PNG file of 8-bit RGB.
-fn png(width: usize, height: usize, rgb: &[u8]) -> Vec<u8> {
-    let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Balanced);
-    let written = encoder.write_header().and_then(|mut writer| {
-        writer.write_image_data(rgb)?;
-        writer.finish()
-    });
-    written.expect("memory takes a picture of the length its header tells");
-    file
+    let colors: Vec<u8> = pair.signed_difference(1.0).srgb8(Display::AS_IS).flatten().collect();
+    STANDARD.encode(colors)
 }
 
 /// Returns the luminance that [`BELOW_WHITE`] of the pixels do not exceed; the greatest luminance if that is

@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 
 use metrics::{Display, Image};
 
-use super::encoded::file;
 use super::{Truth, of_cell, with_pictures};
 use crate::report::digest::Digest;
-use crate::report::{escape, figures};
+use crate::report::figures;
+use report::escape;
 
 /// The least length of the longer side of a file [px]: pixels of smaller crops are repeated.
 const LEAST_SIDE: usize = 384;
 /// The greatest number of files.
 const MOST: usize = 512;
 
-/// Returns the crops of each reference, and of each combination's first picture: name and content of each file. What
-/// is left out is told in `notes`.
+/// Returns the crops of each reference, and of each combination's first picture: name and content of each file. Crops
+/// that are left out are reported in `notes`.
 pub(super) fn insets(
     digest: &Digest<'_>,
     folder: &Path,
@@ -36,7 +36,7 @@ pub(super) fn insets(
                 .map(|part| escape::file_name(part))
                 .collect();
             let name = figures::unique(&mut taken, &format!("{}.png", parts.join("-")));
-            files.push((PathBuf::from(name), file(&enlarged(image, *crop), display)));
+            files.extend(enlarged(image, *crop).png(display).map(|bytes| (PathBuf::from(name), bytes)));
         }
     };
     if crops.is_empty() {
@@ -55,7 +55,7 @@ pub(super) fn insets(
             break;
         }
         let path = cell.images.image.as_deref().unwrap_or_default();
-        // The viewer tells of pictures that cannot be read.
+        // The viewer reports pictures that cannot be read.
         if let Ok(image) = Image::read(folder.join(path)) {
             let display = truths[of_cell(digest, truths, row, cell)].display;
             let values = digest.values_text(row, &digest.varied());

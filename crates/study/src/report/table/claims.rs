@@ -1,62 +1,65 @@
 //! The table of claims: a row for each claim and scene.
 
-use super::{Column, Entry, Table};
 use crate::interval::Interval;
 use crate::report::digest::{Digest, values_text};
-use crate::report::number::{self, Measured};
 use crate::{ClaimRecord, Finding, MeasureInfo, PickRecord, RelationRecord, Verdict};
+use report::{Column, Entry, Measured, Table, number};
 
-impl Table {
-    /// Returns the table; `None` for a study without claims.
-    pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
-        let findings = digest.results.findings();
-        if findings.is_empty() {
-            return None;
-        }
-        let column = |title: &str, doc: &str| Column {
-            title: title.to_owned(),
-            doc: doc.to_owned(),
-            is_number: false,
-        };
-        let columns = vec![
-            column("Claim", ""),
-            column("From", "Where it is said"),
-            column("Scene", ""),
-            column("Measured", "Means in the order of the claim"),
-            column("Result", ""),
-        ];
-        let row = |finding: &Finding<'_>| {
-            let info = digest.results.study.measures.iter().find(|info| info.key == finding.claim.measure);
-            vec![
-                Entry::Text(claim_text(finding.claim, info)),
-                Entry::Text(finding.claim.says.clone()),
-                Entry::Text(scenes_text(&finding.scenes)),
-                Entry::Text(measured_text(finding, info)),
-                Entry::Verdict(finding.verdict),
-            ]
-        };
-        let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
-        let mut caption = format!("Claims: {} of {} hold", count(Some(Verdict::Holds)), findings.len());
-        for (verdict, what) in [(Some(Verdict::Undecided), "not decided"), (None, "not measured")] {
-            if count(verdict) > 0 {
-                caption += &format!(", {} are {what}", count(verdict));
-            }
-        }
-        caption += ". Each is about means over all finished cells of a scene; it is decided where the 95 % interval of \
-                    the difference, seed by seed, is on one side.";
-        let noise = |finding: &Finding<'_>| {
-            let study = &digest.results.study;
-            finding.scenes.iter().any(|scene| study.noise(scene, &finding.claim.measure).is_some())
-        };
-        if findings.iter().any(noise) {
-            caption += " Errors that are both below that of the reference itself decide nothing.";
-        }
-        if findings.iter().any(|finding| matches!(finding.claim.relation, RelationRecord::Growth { .. })) {
-            caption += " An exponent is that of the upper half of its axis, where fixed costs matter least; that over the \
-                        whole axis follows.";
-        }
-        Some(Table { name: "claims".to_owned(), caption, columns, rows: findings.iter().map(row).collect() })
+/// Returns the table; `None` for a study without claims.
+pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
+    let findings = digest.results.findings();
+    if findings.is_empty() {
+        return None;
     }
+    let columns = vec![
+        Column::text("Claim", ""),
+        Column::text("From", "Where it is said"),
+        Column::text("Scene", ""),
+        Column::text("Measured", "Means in the order of the claim"),
+        Column::text("Result", ""),
+    ];
+    let row = |finding: &Finding<'_>| {
+        let info = digest.results.study.measures.iter().find(|info| info.key == finding.claim.measure);
+        vec![
+            Entry::Text(claim_text(finding.claim, info)),
+            Entry::Text(finding.claim.says.clone()),
+            Entry::Text(scenes_text(&finding.scenes)),
+            Entry::Text(measured_text(finding, info)),
+            verdict_entry(finding.verdict),
+        ]
+    };
+    let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
+    let mut caption = format!("Claims: {} of {} hold", count(Some(Verdict::Holds)), findings.len());
+    for (verdict, what) in [(Some(Verdict::Undecided), "not decided"), (None, "not measured")] {
+        if count(verdict) > 0 {
+            caption += &format!(", {} are {what}", count(verdict));
+        }
+    }
+    caption += ". Each is about means over all finished cells of a scene; it is decided where the 95 % interval of \
+                the difference, seed by seed, is on one side.";
+    let noise = |finding: &Finding<'_>| {
+        let study = &digest.results.study;
+        finding.scenes.iter().any(|scene| study.noise(scene, &finding.claim.measure).is_some())
+    };
+    if findings.iter().any(noise) {
+        caption += " Errors that are both below that of the reference itself decide nothing.";
+    }
+    if findings.iter().any(|finding| matches!(finding.claim.relation, RelationRecord::Growth { .. })) {
+        caption += " An exponent is that of the upper half of its axis, where fixed costs matter least; that over the \
+                    whole axis follows.";
+    }
+    Some(Table { name: "claims".to_owned(), caption, columns, rows: findings.iter().map(row).collect() })
+}
+
+fn verdict_entry(verdict: Option<Verdict>) -> Entry {
+    let (text, class) = match verdict {
+        Some(Verdict::Holds) => ("holds", ""),
+        Some(Verdict::Fails) => ("does not hold", "failed"),
+        Some(Verdict::Undecided) => ("not decided", ""),
+        None => ("not measured", ""),
+    };
+    let is_bold = verdict == Some(Verdict::Fails);
+    Entry::Marked { text: text.to_owned(), class, tip: String::new(), is_bold }
 }
 
 /// Formats a claim: `TID: ism < tcas, lights = 256`.
@@ -105,16 +108,15 @@ fn measured_text(finding: &Finding<'_>, info: Option<&MeasureInfo>) -> String {
     if finding.means.iter().all(Option::is_none) {
         return "–".to_owned();
     }
-    let text = |mean: &Option<Interval>| {
-        mean.as_ref().map_or_else(|| "–".to_owned(), |mean| Measured::new(mean).text())
-    };
+    let text =
+        |mean: &Option<Interval>| mean.as_ref().map_or_else(|| "–".to_owned(), |mean| mean.measured().text());
     let means: Vec<String> = finding.means.iter().map(text).collect();
     let unit = info.map_or("", |info| &info.unit);
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     match &finding.claim.relation {
         RelationRecord::Order(_) => means.join(", ") + &unit,
         RelationRecord::Ratio { .. } => {
-            let ratio = finding.ratio().map(|ratio| format!(" = {}", Measured::single(ratio).text()));
+            let ratio = finding.ratio().map(|ratio| format!(" = {}", Measured::new(ratio, None).text()));
             format!("{}{unit}{}", means.join(" / "), ratio.unwrap_or_default())
         }
         RelationRecord::Growth { .. } => means.join("; whole "),

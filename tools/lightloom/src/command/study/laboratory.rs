@@ -15,20 +15,22 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use study::{AxisValue, CellRun, Identity, Laboratory, Memory, Observed, Occluded, RunRequest, Step};
+use study::{
+    AxisValue, CellRun, Failure, Identity, Laboratory, Memory, Observed, Occluded, RunRequest, Step,
+};
 use xxhash_rust::xxh3::xxh3_128;
 
-/// How near to its ends a ray between surfaces ends, as a part of its length.
+/// Gap between a ray and the surfaces at its ends, as a share of its length.
 const OFF_SURFACE: f32 = 1e-3;
 
-/// Renders on a device; a renderer a run, so that nothing of one cell reaches another.
+/// Renders on a device, each run with a renderer of its own, so that cells are independent.
 pub(crate) struct GpuLaboratory {
     catalog: Arc<Catalog>,
     gpu: Gpu,
     scenes: HashMap<String, Scene>,
 }
 
-/// What a run reads back beside the picture: names of resources.
+/// Names of the resources that a run reads back beside the picture.
 #[derive(Default)]
 struct Extras {
     depth: Option<String>,
@@ -41,9 +43,9 @@ impl GpuLaboratory {
         GpuLaboratory { catalog, gpu, scenes: HashMap::new() }
     }
 
-    fn scene(&mut self, name: &str) -> Result<&Scene, String> {
+    fn scene(&mut self, name: &str) -> Result<&Scene, Failure> {
         if !self.scenes.contains_key(name) {
-            let scene = load_scene(&self.catalog, name).map_err(|error| error.to_string())?;
+            let scene = load_scene(&self.catalog, name).map_err(Failure::render)?;
             self.scenes.insert(name.to_owned(), scene);
         }
         Ok(&self.scenes[name])
@@ -52,15 +54,15 @@ impl GpuLaboratory {
     fn render(
         &mut self,
         request: &RunRequest,
-        observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+        observe: &mut dyn FnMut(Observed) -> Result<(), Failure>,
         step: &mut dyn FnMut(Step),
-    ) -> Result<CellRun, String> {
+    ) -> Result<CellRun, Failure> {
         let scene = self.scene(&request.scene)?.clone();
-        let mut renderer =
-            Renderer::new(self.gpu.clone(), Arc::clone(&self.catalog), scene, request.size).map_err(text)?;
+        let mut renderer = Renderer::new(self.gpu.clone(), Arc::clone(&self.catalog), scene, request.size)
+            .map_err(Failure::render)?;
         renderer.set_seed(request.seed);
-        renderer.set_pipeline(&request.pipeline, &overrides(&request.set)).map_err(text)?;
-        // What is kept for measures is no memory of the pipeline.
+        renderer.set_pipeline(&request.pipeline, &overrides(&request.set)).map_err(Failure::render)?;
+        // Memory of resources that are kept for measures is not the pipeline's.
         let memory = memory(&renderer);
         let extras = keep_extras(&mut renderer, request)?;
         if !request.until_done && request.stop_after_ms.is_none() {
@@ -95,13 +97,13 @@ impl Laboratory for GpuLaboratory {
         self.gpu.describe()
     }
 
-    fn identity(&mut self, request: &RunRequest) -> Result<Identity, String> {
+    fn identity(&mut self, request: &RunRequest) -> Result<Identity, Failure> {
         let scene = self.scene(&request.scene)?;
         let (context, scene) = (LinkContext { frame: request.size, traits: scene.traits() }, scene.hash);
         let values = overrides(&request.set);
         let compiled =
             Compiled::new(&self.catalog, &request.pipeline, &values, &context, &options(Vec::new()))
-                .map_err(|errors| errors.to_string())?;
+                .map_err(Failure::render)?;
         let mut text = format!("{} {scene:032x}", compiled.plan.id);
         for step in compiled.steps.iter().flatten() {
             let _ = write!(text, " {:032x}", step.shader.hash);
@@ -112,9 +114,9 @@ impl Laboratory for GpuLaboratory {
     fn run(
         &mut self,
         request: &RunRequest,
-        observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+        observe: &mut dyn FnMut(Observed) -> Result<(), Failure>,
         step: &mut dyn FnMut(Step),
-    ) -> Result<CellRun, String> {
+    ) -> Result<CellRun, Failure> {
         let done = self.render(request, observe, step);
         // A device that was lost takes no other cell with it.
         if let (Err(_), Ok(gpu)) = (&done, Gpu::open()) {
@@ -123,7 +125,7 @@ impl Laboratory for GpuLaboratory {
         done
     }
 
-    fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, String> {
+    fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, Failure> {
         let scene = self.scene(scene)?;
         let mut positions: Vec<[f32; 3]> = scene.vertices.iter().map(|vertex| vertex.position).collect();
         for moved in scene.at(scene.frame_time(frame)).moved {
@@ -140,10 +142,6 @@ impl Laboratory for GpuLaboratory {
     }
 }
 
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
-}
-
 fn memory(renderer: &Renderer) -> Memory {
     renderer.plan().map_or_else(Memory::default, |plan| Memory {
         unshared: plan.memory.unshared,
@@ -153,8 +151,8 @@ fn memory(renderer: &Renderer) -> Memory {
     })
 }
 
-/// Keeps what the measures read beside the picture.
-fn keep_extras(renderer: &mut Renderer, request: &RunRequest) -> Result<Extras, String> {
+/// Keeps the resources that measures read beside the picture.
+fn keep_extras(renderer: &mut Renderer, request: &RunRequest) -> Result<Extras, Failure> {
     let Some(plan) = renderer.plan() else { return Ok(Extras::default()) };
     let of = |wanted: bool, interface: &str, member: &str| {
         wanted.then(|| resource(plan, interface, member)).flatten()
@@ -162,7 +160,7 @@ fn keep_extras(renderer: &mut Renderer, request: &RunRequest) -> Result<Extras, 
     let extras = Extras {
         depth: of(request.views, "GBuffer", "depth"),
         normal: of(request.views, "GBuffer", "normal"),
-        // A plan may have several sets of lights; what the pipeline says is the one to judge comes first.
+        // A plan may have several sets of lights; the output `lights` comes first.
         lights: request
             .lights
             .then(|| plan.output("lights"))
@@ -173,18 +171,18 @@ fn keep_extras(renderer: &mut Renderer, request: &RunRequest) -> Result<Extras, 
     };
     let keep: Vec<String> =
         [&extras.depth, &extras.normal, &extras.lights].into_iter().flatten().cloned().collect();
-    // The estimate of the error is that of what is read: nothing is, but the picture that is measured.
+    // The estimate of the error depends on the outputs that are read: only the measured picture is.
     let read = [request.output.as_str(), "progress"];
     let estimates = request.until_done && read.iter().all(|name| plan.output(name).is_some());
     let outputs = if estimates { read.map(str::to_owned).to_vec() } else { Vec::new() };
     if !keep.is_empty() || !outputs.is_empty() {
-        renderer.set_compile_options(CompileOptions { outputs, ..options(keep) }).map_err(text)?;
+        renderer.set_compile_options(CompileOptions { outputs, ..options(keep) }).map_err(Failure::render)?;
     }
-    renderer.keep(&request.output).map_err(text)?;
+    renderer.keep(&request.output).map_err(Failure::render)?;
     Ok(extras)
 }
 
-/// The name of the first resource of an interface in a plan.
+/// Returns the name of the first resource of an interface in a plan.
 fn resource(plan: &Plan, interface: &str, member: &str) -> Option<String> {
     let ports = plan.passes.iter().flat_map(|pass| &pass.outputs);
     let mut members =
@@ -193,25 +191,25 @@ fn resource(plan: &Plan, interface: &str, member: &str) -> Option<String> {
     Some(plan.resources[id.0 as usize].name.to_string())
 }
 
-/// Repeats the first frame, untimed, until a pipeline that says how far it is says that it is done, so that what counts
-/// begins with converged state. Other pipelines run nothing here.
-fn converge(renderer: &mut Renderer, request: &RunRequest) -> Result<(), String> {
+/// Repeats the first frame, untimed, until a pipeline with an output `progress` has converged. Other pipelines run
+/// nothing here.
+fn converge(renderer: &mut Renderer, request: &RunRequest) -> Result<(), Failure> {
     if renderer.plan().is_none_or(|plan| plan.output("progress").is_none()) {
         return Ok(());
     }
     renderer.set_frame_index(request.first_frame);
-    renderer.frame_until_done(|_, _| ControlFlow::Continue(())).map_err(text)?;
+    renderer.frame_until_done(|_, _| ControlFlow::Continue(())).map_err(Failure::render)?;
     Ok(())
 }
 
-/// Frames after frames, each handed on after the warm-up. A budget of time that is spent over frames begins with nothing: all
-/// that the first frame needs is in it, and what accumulates begins again.
+/// Renders a sequence, and passes each frame on after the warm-up. A budget of time that is spent over frames includes
+/// everything that the first frame needs; accumulation begins again.
 fn sequence(
     renderer: &mut Renderer,
     request: &RunRequest,
     extras: &Extras,
-    observe: &mut dyn FnMut(Observed) -> Result<(), String>,
-) -> Result<(), String> {
+    observe: &mut dyn FnMut(Observed) -> Result<(), Failure>,
+) -> Result<(), Failure> {
     let mut spent = 0.0;
     for offset in 0..request.warm_up.saturating_add(request.frames) {
         let first = offset == request.warm_up;
@@ -221,7 +219,7 @@ fn sequence(
         if request.stop_after_ms.is_some() && first {
             renderer.set_camera(None, true);
         }
-        let times = renderer.frame().map_err(text)?.times.clone();
+        let times = renderer.frame().map_err(Failure::render)?.times.clone();
         if offset < request.warm_up {
             continue;
         }
@@ -229,7 +227,7 @@ fn sequence(
         observe(observed(renderer, request, extras, request.first_frame + offset, &times)?)?;
         match request.stop_after_ms {
             Some(_) if times.is_empty() => {
-                return Err("this adapter cannot time passes, which a budget of time needs".to_owned());
+                return Err(Failure::Untimed);
             }
             Some(most) if spent >= most => break,
             _ => {}
@@ -238,17 +236,17 @@ fn sequence(
     Ok(())
 }
 
-/// One frame again and again until the pipeline says that it is done. Gives the noise that it says is left.
+/// Repeats one frame until the pipeline has converged. Returns its estimate of the remaining noise.
 fn accumulate(
     renderer: &mut Renderer,
     request: &RunRequest,
     extras: &Extras,
-    observe: &mut dyn FnMut(Observed) -> Result<(), String>,
+    observe: &mut dyn FnMut(Observed) -> Result<(), Failure>,
     step: &mut dyn FnMut(Step),
-) -> Result<Option<f64>, String> {
+) -> Result<Option<f64>, Failure> {
     let (mut noise, mut left) = (None, request.frames);
     renderer.set_frame_index(request.first_frame);
-    let told = |_: &FrameReport, progress: Option<Progress>| {
+    let progressed = |_: &FrameReport, progress: Option<Progress>| {
         noise = progress
             .map(|progress| f64::from(progress.error))
             .filter(|error| error.is_finite() && *error > 0.0);
@@ -258,7 +256,7 @@ fn accumulate(
         left = left.saturating_sub(1);
         if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    renderer.frame_until_done(told).map_err(text)?;
+    renderer.frame_until_done(progressed).map_err(Failure::render)?;
     observe(observed(renderer, request, extras, request.first_frame, &[])?)?;
     Ok(noise)
 }
@@ -269,25 +267,26 @@ fn observed(
     extras: &Extras,
     frame: u32,
     times: &[f64],
-) -> Result<Observed, String> {
-    let plan = renderer.plan().map(Arc::clone).ok_or_else(|| "no plan is loaded".to_owned())?;
-    let picture = |name: &Option<String>| -> Result<Option<Image>, String> {
-        name.as_ref().map(|name| renderer.picture(name, 0).map_err(text)).transpose()
+) -> Result<Observed, Failure> {
+    let plan = renderer.plan().map(Arc::clone).ok_or_else(|| Failure::render("no plan is loaded"))?;
+    let picture = |name: &Option<String>| -> Result<Option<Image>, Failure> {
+        name.as_ref().map(|name| renderer.picture(name, 0).map_err(Failure::render)).transpose()
     };
     let lights = extras
         .lights
         .as_ref()
         .and_then(|name| plan.resources.iter().position(|resource| resource.name.as_str() == name));
-    let lights = lights.map(|index| -> Result<_, String> {
-        let bytes = renderer.resource_bytes(frame_graph::plan::ResourceId(index as u32)).map_err(text)?;
+    let lights = lights.map(|index| -> Result<_, Failure> {
+        let bytes =
+            renderer.resource_bytes(frame_graph::plan::ResourceId(index as u32)).map_err(Failure::render)?;
         virtual_lights::from_bytes(&bytes)
-            .ok_or_else(|| "the buffer holds fewer lights than it says".to_owned())
+            .ok_or_else(|| Failure::render("the buffer holds fewer lights than it says"))
     });
     let scene = renderer.scene();
     Ok(Observed {
         frame,
         figures: figures(renderer, &request.figures)?,
-        image: renderer.picture(&request.output, 0).map_err(text)?,
+        image: renderer.picture(&request.output, 0).map_err(Failure::render)?,
         passes: plan.passes.iter().map(|pass| pass.name.to_string()).zip(times.iter().copied()).collect(),
         depth: picture(&extras.depth)?,
         normal: picture(&extras.normal)?,
@@ -297,19 +296,19 @@ fn observed(
     })
 }
 
-/// The figures of the last frame that are wanted.
-fn figures(renderer: &Renderer, wanted: &[String]) -> Result<Vec<(String, f64)>, String> {
+/// Returns the requested figures of the last frame.
+fn figures(renderer: &Renderer, wanted: &[String]) -> Result<Vec<(String, f64)>, Failure> {
     if wanted.is_empty() {
         return Ok(Vec::new());
     }
-    let ports = renderer.figures().map_err(text)?;
+    let ports = renderer.figures().map_err(Failure::render)?;
     let named = ports.iter().flat_map(|port| {
         port.values.iter().map(|(figure, value)| (format!("{}.{}", port.port, figure.name), *value))
     });
     Ok(named.filter(|(name, _)| wanted.contains(name)).collect())
 }
 
-/// What the measures look at in a virtual light.
+/// Returns the properties of a virtual light that measures use.
 fn measured(light: &virtual_lights::VirtualLight) -> metrics::virtual_lights::VirtualLight {
     let virtual_lights::VirtualLight { position, normal, flux, area, .. } = *light;
     metrics::virtual_lights::VirtualLight { position, normal, flux, area }

@@ -1,18 +1,16 @@
-//! What a study tells while it runs: a bar on a terminal, lines elsewhere; on standard error.
+//! The progress of a study, on standard error: a bar on a terminal, lines elsewhere.
 
-use crate::output::{Pace, tell};
+use crate::output::tell;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal as _, stderr};
 use study::{Event, Outcome, Step, name_of};
 
 pub(crate) struct Progress {
-    /// `None` where nobody watches.
+    /// `None` off a terminal.
     bar: Option<ProgressBar>,
     cells: usize,
-    /// How long the rest takes, in words; empty while nothing is known.
+    /// The estimate of the remaining time, in words; empty as long as there is none.
     left: String,
-    /// When the next line about a reference is due.
-    pace: Pace,
 }
 
 impl Progress {
@@ -22,10 +20,10 @@ impl Progress {
             ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Progress { bar, cells: 0, left: String::new(), pace: Pace::new() }
+        Progress { bar, cells: 0, left: String::new() }
     }
 
-    pub(crate) fn tell(&mut self, event: Event<'_>) {
+    pub(crate) fn report(&mut self, event: Event<'_>) {
         match event {
             Event::Begin { cells, finished, stale } => {
                 self.cells = cells;
@@ -37,22 +35,17 @@ impl Progress {
                     self.line(&format!("{finished} of {cells} cells are finished already"));
                 }
                 if stale > 0 {
-                    self.line(&format!("{stale} cells in the folder are not of this study as it is now; they are left there, and not reported"));
+                    self.line(&format!("{stale} cells in the folder belong to another version of this study; they stay there and are not reported"));
                 }
             }
-            Event::Reference { name } => {
-                self.pace.restart();
-                match &self.bar {
-                    Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
-                    None => tell!("reference of {name}"),
-                }
-            }
+            Event::Reference { name } => match &self.bar {
+                Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
+                None => tell!("reference of {name}"),
+            },
             Event::Step { name, frame, frames, step } => {
-                let text = step_text(name, (frame, frames), step);
-                match &self.bar {
-                    Some(bar) => bar.set_message(format!("{}{text}", self.left)),
-                    None if self.pace.is_due() => tell!("{text}"),
-                    None => {}
+                // Lines would depend on how fast the machine is.
+                if let Some(bar) = &self.bar {
+                    bar.set_message(format!("{}{}", self.left, step_text(name, (frame, frames), step)));
                 }
             }
             Event::Cell { name } => {
@@ -113,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_of_a_reference_are_told() {
+    fn steps_of_a_reference_are_reported() {
         let step = Step { step: 96, steps: 1024, noise: Some(0.0021) };
         assert_eq!(
             step_text("walk at 8x8", (2, 8), step),

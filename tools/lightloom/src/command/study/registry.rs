@@ -1,4 +1,4 @@
-//! What there is to study: the catalog's pipelines and scenes.
+//! The catalog's pipelines and scenes.
 
 use frame_graph::paths::beside;
 use frame_graph::resolve::{Files as _, diff};
@@ -7,7 +7,7 @@ use renderer::{Catalog, load_scene};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use study::{PipelineFacts, Registry, SceneFacts, SceneRecord, Values};
+use study::{Failure, PipelineFacts, Registry, SceneFacts, SceneRecord, Values};
 
 /// The part of a scene's extent by which a virtual light may be elsewhere without having moved.
 const SMALL: f32 = 1e-5;
@@ -36,8 +36,8 @@ impl Registry for CatalogRegistry {
             .collect()
     }
 
-    fn scene(&self, name: &str) -> Result<SceneFacts, String> {
-        let scene = load_scene(&self.catalog, name).map_err(|error| error.to_string())?;
+    fn scene(&self, name: &str) -> Result<SceneFacts, Failure> {
+        let scene = load_scene(&self.catalog, name).map_err(Failure::render)?;
         let traits: BTreeMap<String, Value> = scene.traits().0;
         let moves = ["moving_camera", "moving_lights", "moving_geometry"];
         Ok(SceneFacts {
@@ -76,11 +76,11 @@ impl Registry for CatalogRegistry {
         whole.map(|named| named.name).collect()
     }
 
-    fn pipeline(&self, name: &str) -> Result<PipelineFacts, String> {
-        let resolved: Resolved = resolve(name, self.catalog.pipelines(), &Overrides::default())
-            .map_err(|errors| errors.to_string())?;
+    fn pipeline(&self, name: &str) -> Result<PipelineFacts, Failure> {
+        let resolved: Resolved =
+            resolve(name, self.catalog.pipelines(), &Overrides::default()).map_err(Failure::render)?;
         if resolved.is_part() {
-            return Err("it is a sub-graph, to be used within pipelines".to_owned());
+            return Err(Failure::render("it is a sub-graph, to be used within pipelines"));
         }
         Ok(PipelineFacts {
             about: resolved.about().unwrap_or_default().to_owned(),
@@ -99,7 +99,7 @@ impl Registry for CatalogRegistry {
             (Ok(first), Ok(second)) => {
                 diff(&first, &second, &*self.catalog).iter().map(ToString::to_string).collect()
             }
-            // What is wrong with either is told where it is run.
+            // Errors of either are reported when it runs.
             _ => Vec::new(),
         }
     }

@@ -1,4 +1,4 @@
-//! How values become colours.
+//! How values become colors.
 
 use eframe::egui::{Color32, ColorImage};
 use metrics::{Image, srgb_from_linear};
@@ -42,7 +42,7 @@ impl Channel {
     }
 }
 
-/// The colours of one number.
+/// The colors of one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Palette {
     #[default]
@@ -65,14 +65,14 @@ impl Palette {
     }
 }
 
-/// How a texture is coloured.
+/// How a texture is colored.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Coloring {
     pub(super) channel: Channel,
     pub(super) palette: Palette,
     /// Values are multiplied by 2 to the power of this.
     pub(super) exposure: f32,
-    /// Whether the range of values is fitted to that of colours instead.
+    /// Whether the range of values is fitted to that of colors instead.
     pub(super) auto: bool,
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct Inspector {
     tile: u32,
     /// Which tile.
     index: u32,
-    /// What is shown: the frame, the colouring, and what they gave.
+    /// What is shown: the frame, the coloring, and what they gave.
     shown: Option<(u64, String, Coloring, u64, Arc<egui::ColorImage>)>,
     versions: u64,
     seen: Rect,
@@ -84,7 +84,7 @@ impl Inspector {
         Some(Look { side: self.side, name: self.name.clone(), layer: self.layer })
     }
 
-    /// The picture as it is coloured, with its version.
+    /// The picture as it is colored, with its version.
     fn picture(&mut self, looked: &Looked) -> Option<(u64, Arc<egui::ColorImage>)> {
         let image = looked.picture.as_ref()?;
         let same = |shown: &&(u64, String, Coloring, u64, Arc<egui::ColorImage>)| {
@@ -225,14 +225,11 @@ fn controls(inspector: &mut Inspector, ui: &mut Ui, size: (u32, u32)) {
                 }
             },
         );
-        ComboBox::from_label("Colours").selected_text(coloring.palette.name()).width(80.0).show_ui(
-            ui,
-            |ui| {
-                for palette in Palette::ALL {
-                    ui.selectable_value(&mut coloring.palette, palette, palette.name());
-                }
-            },
-        );
+        ComboBox::from_label("Colors").selected_text(coloring.palette.name()).width(80.0).show_ui(ui, |ui| {
+            for palette in Palette::ALL {
+                ui.selectable_value(&mut coloring.palette, palette, palette.name());
+            }
+        });
         ui.checkbox(&mut coloring.auto, "Fit range").on_hover_text("From the least to the greatest value");
     });
     // Sliders do not wrap with others in a row.

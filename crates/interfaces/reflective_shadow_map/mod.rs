@@ -1,0 +1,32 @@
+//! The surfaces that the lights see.
+
+use pass::{Content, Format, Interface, Member};
+
+/// The interface `ReflectiveShadowMap`.
+pub const INTERFACE: Interface = Interface::new(
+    "ReflectiveShadowMap",
+    "What the lights see: one layer per spot or directional light, six per point light.",
+    &[
+        Member::required(
+            "position",
+            Content::Texture(Format::Rgba32Float),
+            "array: world position [m], and distance along the layer's axis [m]; 0 where empty",
+        ),
+        Member::required(
+            "normal",
+            Content::Texture(Format::Rgba16Float),
+            "array: shading normal in world space, unit, on the side of the light",
+        ),
+        Member::required(
+            "flux",
+            Content::Texture(Format::Rgba32Float),
+            "array: flux reflected by the texel's part of the surface [W]; in alpha the area of that part [m²]",
+        ),
+        Member::optional("albedo", Content::Texture(Format::Rgba16Float), "array: diffuse reflectance"),
+        Member::optional(
+            "specular",
+            Content::Texture(Format::Rgba16Float),
+            "array: specular reflectance at normal incidence, and in alpha roughness; where a surface is glossy",
+        ),
+    ],
+);

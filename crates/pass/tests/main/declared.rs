@@ -1,0 +1,161 @@
+//! Passes that their WGSL declares: settings, ports, outputs and steps.
+
+use crate::pass_types::TestPassTypes;
+use frame_graph::port::{PassTypes, Use};
+use pass::{FromWgsl, Library, Pass, Settings, Step, Threads, Value};
+use shader_library::MemoryFiles;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+const MAKE: FromWgsl = FromWgsl { kind: "make", file: "passes/make/src/lib.rs" };
+const SUM: FromWgsl = FromWgsl { kind: "sum", file: "passes/sum/src/lib.rs" };
+
+const MAKE_WGSL: &str = "// Makes numbers.
+// [Somebody 1999]
+//
+// More is said here.
+
+#output numbers: Numbers(count: settings.count * 2, scale: settings.scale when settings.scale > 0.0) // All of them,
+    // one after the other.
+
+struct Settings {
+    /// How many pairs. [default: 4, min: 1]
+    count: u32,
+    /// By what they are multiplied. [default: 0.0]
+    scale: f32,
+}
+var<uniform> settings: Settings;
+var<storage, read_write> numbers: array<f32>;
+@compute @workgroup_size(64) fn make(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < arrayLength(&numbers) { numbers[id.x] = settings.scale; }
+}
+";
+
+const SUM_WGSL: &str = "// Adds numbers.
+
+#input numbers: Numbers
+#input weights: Numbers optional like numbers
+#output total: Numbers(count: 1, scale: numbers.scale?)
+
+#option WEIGHTS false // whether there are weights
+#option ROUNDS 3 // Rounds.
+#option TEXTURED false
+#option INNER false internal
+
+/// Sums of blocks. [scratch, count: numbers.count / GROUP + 1]
+var<storage, read_write> blocks: array<f32>;
+var<storage, read> numbers: array<f32>;
+#if WEIGHTS
+var<storage, read> weights: array<f32>;
+#endif
+var<storage, read_write> total: array<f32>;
+const GROUP: u32 = 4u;
+
+/// [threads: numbers.count / GROUP + 1, repeat: rounds]
+@compute @workgroup_size(1) fn add(@builtin(global_invocation_id) id: vec3<u32>) {
+    blocks[id.x] = numbers[id.x];
+#if WEIGHTS
+    blocks[id.x] *= weights[id.x];
+#endif
+}
+@compute @workgroup_size(1) fn finish() { total[0] = blocks[0]; }
+";
+
+/// The pass types, with these texts in place of their own.
+fn types(make: &str, sum: &str) -> TestPassTypes<'static> {
+    let files = MemoryFiles::new([("passes/make/make.wgsl", make), ("passes/sum/sum.wgsl", sum)]);
+    TestPassTypes { passes: &[&MAKE, &SUM], library: Library::new(Arc::new(files)) }
+}
+
+const PIPELINE: &str = "Pipeline(
+    passes: {
+        \"make\": Pass(kind: \"make\", set: { \"count\": 8 }),
+        \"sum\": Pass(kind: \"sum\", in: { \"numbers\": \"make\", \"weights\": \"make\" }),
+    },
+    outputs: { \"total\": \"sum\" },
+)";
+
+#[test]
+fn the_header_documents_the_pass() {
+    let types = types(MAKE_WGSL, SUM_WGSL);
+    let about = MAKE.about(&types.library);
+    assert_eq!((&*about.about, &*about.paper), ("Makes numbers.", "Somebody 1999"));
+    assert_eq!(about.shaders, ["passes/make/make.wgsl"]);
+}
+
+#[test]
+fn settings_are_members_and_those_options_that_nothing_else_decides() {
+    let types = types(MAKE_WGSL, SUM_WGSL);
+    let names = |pass: &dyn Pass| -> Vec<String> {
+        let use_ = Use { kind: pass.kind(), shader: None, inputs: &[], outputs: &BTreeMap::new() };
+        let settings = types.settings(use_).unwrap();
+        settings.iter().map(|setting| setting.name.clone()).collect()
+    };
+    assert_eq!(names(&MAKE), ["count", "scale"]);
+    assert_eq!(names(&SUM), ["rounds"]);
+}
+
+#[test]
+fn outputs_steps_and_options_follow_from_the_directives() {
+    let types = types(MAKE_WGSL, SUM_WGSL);
+    let (plan, steps) = types.linked(PIPELINE, "sum");
+    // 16 numbers; a total; five blocks.
+    let mut bytes: Vec<u64> = plan.resources.iter().map(|resource| resource.desc.bytes()).collect();
+    bytes.sort_unstable();
+    assert_eq!(bytes, [16, 32, 64]);
+    let steps = steps.unwrap_or_else(|error| panic!("{error}"));
+    let entries: Vec<(&str, Threads)> = steps
+        .iter()
+        .map(|step| match &step.step {
+            Step::Compute(compute) => (compute.entry.as_str(), compute.threads.clone()),
+            Step::Raster(_) => panic!("nothing is drawn"),
+        })
+        .collect();
+    let add = ("add", Threads::Row(5));
+    assert_eq!(entries, [add.clone(), add.clone(), add, ("finish", Threads::Row(1))]);
+    assert!(steps[0].shader.variant().contains("WEIGHTS = true"), "{}", steps[0].shader.variant());
+}
+
+#[test]
+fn errors_in_directives_name_file_and_line() {
+    let cases = [
+        ("settings.count * 2", "settings.cuont", "passes/make/make.wgsl:6:33: there is no setting `cuont`"),
+        ("settings.count * 2", "settings.count *", "passes/make/make.wgsl:6:33: expected a name"),
+        (
+            "scale: settings",
+            "scael: settings",
+            "passes/make/make.wgsl:6:53: `scael` is no fact of the interface `Numbers`",
+        ),
+        ("numbers: Numbers(", "numbers Numbers(", "expected `:` and an interface"),
+        ("numbers: Numbers(", "numbrs: Numbers(", "passes/make/make.wgsl:6:9: `numbrs` lacks a member"),
+        ("#output", "#outputs", "did you mean `#output`?"),
+    ];
+    for (from, to, expected) in cases {
+        let types = types(&MAKE_WGSL.replacen(from, to, 1), SUM_WGSL);
+        let error = types.plan(PIPELINE).expect_err(to);
+        assert!(error.contains(expected), "{to}: no `{expected}` in\n{error}");
+    }
+}
+
+#[test]
+fn inputs_that_are_declared_alike_have_as_many_elements() {
+    let types = types(MAKE_WGSL, SUM_WGSL);
+    let pipeline = PIPELINE
+        .replace(
+            "\"sum\": Pass",
+            "\"few\": Pass(kind: \"make\", set: { \"count\": 2 }),\n        \"sum\": Pass",
+        )
+        .replace("\"weights\": \"make\"", "\"weights\": \"few\"");
+    let error = types.plan(&pipeline).expect_err("too few");
+    assert!(error.contains("`weights` has 4 elements, but `numbers` has 16 elements"), "{error}");
+}
+
+#[test]
+fn settings_are_read_by_name() {
+    use pass::ReadSettings;
+    let settings = Settings([("count".to_owned(), Value::U32(3))].into());
+    assert_eq!(settings.u32("count"), Ok(3));
+    let error = settings.u32("cuont").unwrap_err();
+    assert_eq!(error.help.as_deref(), Some("did you mean `count`?"));
+    assert!(settings.text("count").is_err());
+}

@@ -1,0 +1,17 @@
+//! Charts as self-contained SVG. Colors and fonts are attributes, so that a file can be put into a paper as it is; every
+//! painted element also has a class, with which a page can change its color.
+
+mod axis;
+mod bars;
+mod drawing;
+mod labels;
+mod legend;
+mod palette;
+mod scale;
+mod xy;
+
+pub use bars::{BarChart, BarRow, Segment};
+pub use drawing::Drawing;
+pub(crate) use palette::style_sheet;
+pub use palette::{Ink, MOST_COLORS, MOST_DASHES, MOST_PARTS};
+pub use xy::{AxisKind, Band, Line, Point, Series, XyAxis, XyChart};

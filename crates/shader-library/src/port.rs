@@ -1,0 +1,309 @@
+//! The ports that a shader declares:
+//!
+//! ```wgsl
+//! #input view: GBuffer // The surfaces to light.
+//! #input past: RadianceMean optional // The mean so far.
+//! #output lights: VirtualLights(count: settings.count) // Dark where a texel is empty.
+//! #output soft: Visibility(taps: settings.taps) hands on maps module "lookup.wgsl" // The same maps.
+//! ```
+
+use crate::directive::{Fault, Placed};
+use data_file::Span;
+use data_file::codes::shader as codes;
+use data_file::nearest;
+use std::ops::Range;
+
+/// An input or an output that a shader declares.
+#[derive(Clone, Debug)]
+pub struct DeclaredPort {
+    /// The name.
+    pub name: String,
+    /// The name of its interface.
+    pub interface: String,
+    /// Whether an input may be left unlinked.
+    pub optional: bool,
+    /// The input whose size, or number of elements, an input must have, for `like INPUT`.
+    pub like: Option<String>,
+    /// Members that what is linked to an input must have, for `with MEMBER`.
+    pub with: Vec<String>,
+    /// Members that it must not have, for `without MEMBER`.
+    pub without: Vec<String>,
+    /// What stands in the parentheses of an output, in order: sizes and facts.
+    pub arguments: Vec<Argument>,
+    /// The input whose members an output has, for `hands on INPUT`.
+    pub hands_on: Option<String>,
+    /// The input with whose content the members of an output begin, for `continues INPUT`.
+    pub continues: Option<String>,
+    /// Whether the members of an output are cleared to zero before the pass runs.
+    pub cleared: bool,
+    /// The module of an output, as the directive names it.
+    pub module: Option<String>,
+    /// What the input is used for, or what the output holds.
+    pub doc: String,
+    /// Where the name stands.
+    pub place: Span,
+}
+
+/// A size or a fact of an output: `NAME: VALUE when CONDITION`.
+#[derive(Clone, Debug)]
+pub struct Argument {
+    /// What it gives: `count`, `size`, `layers` or a fact.
+    pub name: String,
+    /// Where the name stands.
+    pub place: Span,
+    /// The expression that has its value.
+    pub value: FormulaText,
+    /// The condition under which the output has it.
+    pub when: Option<FormulaText>,
+}
+
+/// An expression of a directive or an attribute, as written.
+#[derive(Clone, Debug)]
+pub struct FormulaText {
+    /// The text.
+    pub text: String,
+    /// Where it stands.
+    pub place: Span,
+}
+
+/// The name of a size or a fact, its expression and its condition, as ranges of the file.
+type PlacedArgument = (Placed<String>, Range<usize>, Option<Range<usize>>);
+
+/// A port as read from one line, with ranges of its file.
+#[derive(Debug)]
+pub(crate) struct PortLine {
+    pub(crate) input: bool,
+    pub(crate) name: Placed<String>,
+    interface: String,
+    optional: bool,
+    like: Option<String>,
+    with: Vec<String>,
+    without: Vec<String>,
+    arguments: Vec<PlacedArgument>,
+    hands_on: Option<String>,
+    continues: Option<String>,
+    cleared: bool,
+    module: Option<String>,
+    doc: String,
+}
+
+impl PortLine {
+    /// Returns the port, with the text at each range of its file and the place of it.
+    pub(crate) fn declared(self, of: impl Fn(Range<usize>) -> (String, Span)) -> DeclaredPort {
+        let formula = |range: Range<usize>| {
+            let (text, place) = of(range);
+            FormulaText { text, place }
+        };
+        let arguments = self.arguments.into_iter().map(|(name, value, when)| Argument {
+            place: of(name.range).1,
+            name: name.value,
+            value: formula(value),
+            when: when.map(formula),
+        });
+        DeclaredPort {
+            arguments: arguments.collect(),
+            place: of(self.name.range).1,
+            name: self.name.value,
+            interface: self.interface,
+            optional: self.optional,
+            like: self.like,
+            with: self.with,
+            without: self.without,
+            hands_on: self.hands_on,
+            continues: self.continues,
+            cleared: self.cleared,
+            module: self.module,
+            doc: self.doc,
+        }
+    }
+}
+
+/// Returns the bytes of a text that a directive takes whose first line has `line` bytes: further lines while a parenthesis
+/// is open, and comments that are indented below it.
+pub(crate) fn extent(text: &str, line: usize) -> usize {
+    let opened = |line: &str| {
+        let code = line.split("//").next().unwrap_or_default();
+        code.matches('(').count() as i64 - code.matches(')').count() as i64
+    };
+    let (first, rest) = text.split_at(line);
+    let mut open = opened(first);
+    let mut end = line;
+    for next in rest.split_inclusive('\n') {
+        let comment = next.starts_with([' ', '\t']) && next.trim_start().starts_with("//");
+        if !comment && (open <= 0 || next.trim_start().starts_with('#')) {
+            break;
+        }
+        open += opened(next);
+        end += next.len();
+    }
+    end
+}
+
+/// Reads `NAME: INTERFACE…` from byte `pos` of a text on, which starts at byte `at` of its file.
+pub(crate) fn parse(text: &str, at: usize, pos: usize, input: bool) -> Result<PortLine, Fault> {
+    let mut reader = Reader { text, at, pos };
+    let name = reader.name("the name of the port")?;
+    if !reader.eat(':') {
+        return Err(reader.expected("`:` and an interface, as in `#input view: GBuffer`"));
+    }
+    let interface = reader.name("the name of an interface, such as `GBuffer`")?.value;
+    let mut port = PortLine {
+        input,
+        name,
+        interface,
+        optional: false,
+        like: None,
+        with: Vec::new(),
+        without: Vec::new(),
+        arguments: Vec::new(),
+        hands_on: None,
+        continues: None,
+        cleared: false,
+        module: None,
+        doc: String::new(),
+    };
+    if !input && reader.eat('(') {
+        while !reader.eat(')') {
+            let name = reader.name("the name of a size or a fact, or `)`")?;
+            if !reader.eat(':') {
+                return Err(reader.expected("`:` and an expression"));
+            }
+            let (value, when) = reader.expression()?;
+            port.arguments.push((name, value, when));
+            if !reader.eat(',') && !reader.rest().starts_with(')') {
+                return Err(reader.expected("`,` or `)`"));
+            }
+        }
+    }
+    loop {
+        reader.skip();
+        if reader.rest().is_empty() || reader.rest().starts_with("//") {
+            break;
+        }
+        let known: &[&str] = if input {
+            &["optional", "like", "with", "without"]
+        } else {
+            &["hands on", "continues", "cleared", "module"]
+        };
+        let word = reader.name(&format!("{}, or the end of the line", known.join(", ")))?;
+        match (word.value.as_str(), input) {
+            ("optional", true) => port.optional = true,
+            ("like", true) => port.like = Some(reader.name("the name of an input")?.value),
+            ("with", true) => port.with.push(reader.name("the name of a member")?.value),
+            ("without", true) => port.without.push(reader.name("the name of a member")?.value),
+            ("cleared", false) => port.cleared = true,
+            ("continues", false) => port.continues = Some(reader.name("the name of an input")?.value),
+            ("hands", false) => {
+                if reader.name("`on`")?.value != "on" {
+                    return Err(reader.expected("`hands on INPUT`"));
+                }
+                port.hands_on = Some(reader.name("the name of an input")?.value);
+            }
+            ("module", false) => port.module = Some(reader.quoted()?),
+            (other, _) => {
+                let fault =
+                    Fault::new(&codes::DIRECTIVE, word.range, format!("`{other}` means nothing here"));
+                return Err(match nearest(other, known.iter().copied()) {
+                    Some(near) => fault.note(format!("did you mean `{near}`?")),
+                    None => fault.note(format!("there are {}", known.join(", "))),
+                });
+            }
+        }
+    }
+    let comments = reader.rest().lines().map(|line| line.trim().trim_start_matches('/').trim());
+    port.doc = comments.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    Ok(port)
+}
+
+struct Reader<'a> {
+    text: &'a str,
+    at: usize,
+    pos: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn rest(&self) -> &'a str {
+        &self.text[self.pos..]
+    }
+
+    fn skip(&mut self) {
+        self.pos = self.text.len() - self.rest().trim_start().len();
+    }
+
+    fn eat(&mut self, symbol: char) -> bool {
+        self.skip();
+        let found = self.rest().starts_with(symbol);
+        if found {
+            self.pos += symbol.len_utf8();
+        }
+        found
+    }
+
+    fn place(&self, range: Range<usize>) -> Range<usize> {
+        self.at + range.start..self.at + range.end
+    }
+
+    fn expected(&self, what: &str) -> Fault {
+        let rest = self.rest().trim_start();
+        let found = rest.split([' ', '\n', ',', '(']).next().unwrap_or_default();
+        let start = self.text.len() - rest.len();
+        let label = if found.is_empty() {
+            "found the end of the line".to_owned()
+        } else {
+            format!("found `{found}`")
+        };
+        let range = self.place(start..start + found.len());
+        Fault::new(&codes::DIRECTIVE, range, format!("expected {what}")).label(label)
+    }
+
+    fn name(&mut self, what: &str) -> Result<Placed<String>, Fault> {
+        self.skip();
+        let rest = self.rest();
+        let len = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+        if len == 0 {
+            return Err(self.expected(what));
+        }
+        let range = self.place(self.pos..self.pos + len);
+        self.pos += len;
+        Ok(Placed { value: rest[..len].to_owned(), range })
+    }
+
+    fn quoted(&mut self) -> Result<String, Fault> {
+        let found = self.eat('"').then(|| self.rest().find(['"', '\n'])).flatten();
+        match found.filter(|end| self.rest()[*end..].starts_with('"')) {
+            Some(end) => {
+                let text = self.rest()[..end].to_owned();
+                self.pos += end + 1;
+                Ok(text)
+            }
+            None => Err(self.expected("a path in quotes")),
+        }
+    }
+
+    /// `EXPRESSION` or `EXPRESSION when CONDITION`, up to a comma or the parenthesis that ends the arguments.
+    fn expression(&mut self) -> Result<(Range<usize>, Option<Range<usize>>), Fault> {
+        self.skip();
+        let start = self.pos;
+        let mut depth = 0;
+        let end = self.rest().char_indices().find(|(_, c)| {
+            let ends = depth == 0 && matches!(c, ',' | ')' | '\n');
+            depth += i32::from(*c == '(') - i32::from(*c == ')');
+            ends
+        });
+        let end = end.map_or(self.text.len(), |(i, _)| start + i);
+        let whole = &self.text[start..end];
+        if whole.trim().is_empty() {
+            return Err(self.expected("an expression"));
+        }
+        self.pos = end;
+        let trimmed = |range: Range<usize>| {
+            let text = &self.text[range.clone()];
+            let start = range.start + text.len() - text.trim_start().len();
+            self.place(start..start + text.trim().len())
+        };
+        Ok(match whole.find(" when ") {
+            Some(i) => (trimmed(start..start + i), Some(trimmed(start + i + " when ".len()..end))),
+            None => (trimmed(start..end), None),
+        })
+    }
+}

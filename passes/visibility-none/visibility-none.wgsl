@@ -1,0 +1,5 @@
+// Declares every virtual light visible from everywhere.
+
+#input lights: VirtualLights optional // Not read: here so that the pass type takes the place of one that renders maps of
+    // them.
+#output visibility: Visibility module "shaders/visibility-none.wgsl" // Only the module that returns 1.
