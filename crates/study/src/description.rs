@@ -6,7 +6,7 @@ mod read;
 
 use crate::measure::Measure;
 use crate::record::AxisValue;
-use frame_graph::{Diagnostics, Source, Span};
+use data_file::{Diagnostics, Source, Span};
 use std::sync::Arc;
 
 pub use claim::{Claim, Pick, Pins, Relation};
@@ -201,7 +201,7 @@ pub const TRIANGLES: &str = "triangles";
 /// # Errors
 /// If the text is not RON, or not a study.
 pub fn parse(source: Arc<Source>) -> Result<Study, Diagnostics> {
-    read::read(source)
+    read::parse(source)
 }
 
 impl Budget {

@@ -136,7 +136,7 @@ impl<'r, 's> De<'r, 's> {
 
     /// Reads what a value is by its shape; reports it where it is something else.
     fn leaf<T>(&self, what: &str, read: impl FnOnce(Shape<'r>) -> Option<T>) -> Option<T> {
-        let found = read(self.node(|| what.to_owned())?.shape());
+        let found = read(self.node(|| self.expected(|| what.to_owned()))?.shape());
         if found.is_none() {
             self.wrong(&self.plain(what));
         }

@@ -1,299 +1,349 @@
-//! Reads a study from the syntax tree of its file: the grammar, and what can be checked in the file alone.
+//! Reads a study: the types that serde reads, and the checks that need no pipeline and no scene.
 
 mod claims;
-mod crops;
-mod measures;
 
-use super::{At, Budget, Group, Pipelines, Reference, SEED, SIZE, Set, Study, Variant, Vary, size_value};
+use super::{
+    At, Budget, Group, Phase, Pipelines, Reference, SEED, SIZE, Set, Study, StudyFigure, Variant, Vary,
+    size_value,
+};
+use crate::measure::Measure;
 use crate::record::AxisValue;
-use frame_graph::codes::{Code, study as codes};
-use frame_graph::reader::{Fields, Form, Node, Number, Reader, parse};
-use frame_graph::{Diagnostic, Diagnostics, Source, Span};
-use std::collections::BTreeMap;
+use claims::ClaimFile;
+use data_file::codes::study as codes;
+use data_file::grammar::{Entries, Number, Reader, Spanned, read};
+use data_file::{Diagnostic, Diagnostics, Place, Source, Span};
+use serde::Deserialize;
 use std::sync::Arc;
 
-const STUDY: &[&str] = &[
-    "about",
-    "paper",
-    "scenes",
-    "pipelines",
-    "output",
-    "size",
-    "first_frame",
-    "jump",
-    "set",
-    "vary",
-    "budget",
-    "warm_up",
-    "seeds",
-    "measures",
-    "phases",
-    "figures",
-    "reference",
-    "claims",
-    "crops",
-];
-const VARY: &str = "`Grid({ \"name\": [values] })`, `Paired({ \"name\": [values] })`, or a list of them";
-const SETS: &str = "values: { \"parameter\": value, \"pass.setting\": value }";
+const VALUE: &str = "a truth value, a finite number or text";
+const PIXELS: &str = "a size in pixels: (width, height)";
 const LARGEST_SIDE: u32 = 16_384;
 const FRAMES: u32 = 5;
 /// The greatest number of frames of a reference, or of a budget of time, unless the file gives another.
 const MOST_FRAMES: u32 = 1 << 20;
 
-pub(super) fn read(source: Arc<Source>) -> Result<Study, Diagnostics> {
-    let study = parse(&source, |reader, tree| study(&mut Grammar { reader }, tree, &source))?;
+pub(super) fn parse(source: Arc<Source>) -> Result<Study, Diagnostics> {
+    let study = read(&source, 0, &[], |reader, file| Checks { reader }.study(file))?;
     study.consistent_as_written()?;
     Ok(study)
 }
 
-struct Grammar<'a, 'b> {
+type Text = Spanned<String>;
+type Whole = Spanned<i128>;
+type Names = Spanned<Vec<Text>>;
+type Sets = Entries<Given<Spanned<ValueFile>>>;
+
+#[derive(Deserialize)]
+#[serde(rename = "Study")]
+struct StudyFile {
+    about: Option<String>,
+    paper: Option<String>,
+    scenes: Names,
+    pipelines: Spanned<PipelinesFile>,
+    output: Option<Text>,
+    size: Option<SizeFile>,
+    first_frame: Option<Whole>,
+    jump: Option<Whole>,
+    set: Sets,
+    vary: Option<VaryFile>,
+    budget: Option<BudgetFile>,
+    warm_up: Option<Whole>,
+    seeds: Option<SeedsFile>,
+    measures: Names,
+    phases: Option<Spanned<Entries<Names>>>,
+    figures: Option<Spanned<Entries<FigureFile>>>,
+    reference: Option<Spanned<ReferenceFile>>,
+    claims: Option<Spanned<Vec<Spanned<ClaimFile>>>>,
+    crops: Option<Spanned<Vec<Spanned<Crop>>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "$shape")]
+enum PipelinesFile {
+    List(Vec<VariantFile>),
+    Other(All),
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "a list of pipelines, or `All(except: […])`")]
+struct All {
+    except: Option<Names>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "$shape")]
+enum VariantFile {
+    Text(Text),
+    Other(NamedVariant),
+}
+
+#[derive(Deserialize)]
+#[serde(
+    rename = "Variant",
+    expecting = "the name of a pipeline, or `Variant(name: \"…\", pipeline: \"…\", set: {…})`"
+)]
+struct NamedVariant {
+    name: Text,
+    pipeline: Text,
+    set: Sets,
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "a size in pixels: (width, height)")]
+struct SizeFile([Whole; 2]);
+
+#[derive(Deserialize)]
+#[serde(rename = "$shape", expecting = "a truth value, a finite number or text")]
+enum ValueFile {
+    Bool(bool),
+    Number(f64),
+    Text(String),
+    /// A size, where the axis is that.
+    Tuple(Vec<Whole>),
+}
+
+/// A value, which may stand in `Optional(…)`.
+#[derive(Deserialize)]
+#[serde(rename = "$shape")]
+enum Given<T> {
+    Form(Optional<T>),
+    Other(T),
+}
+
+#[derive(Deserialize)]
+enum Optional<T> {
+    Optional(T),
+}
+
+impl<T> Given<T> {
+    /// Returns the value, and whether it is optional.
+    fn value(self) -> (T, bool) {
+        match self {
+            Given::Form(Optional::Optional(value)) => (value, true),
+            Given::Other(value) => (value, false),
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "$shape")]
+enum VaryFile {
+    List(Vec<GroupFile>),
+    Other(GroupFile),
+}
+
+type Axes = Spanned<Entries<Given<Spanned<Vec<Spanned<ValueFile>>>>>>;
+
+#[derive(Deserialize)]
+#[serde(expecting = "`Grid({ \"name\": [values] })`, `Paired({ \"name\": [values] })`, or a list of them")]
+enum GroupFile {
+    Grid(Axes),
+    Paired(Axes),
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "`Frames(8)`, `Time(ms: 20.0, by: \"lights\")`, `Time(ms: 500.0)` or `Lights(1024)`")]
+enum BudgetFile {
+    Frames(Whole),
+    Time { ms: Spanned<Number>, by: Option<Text>, frames: Option<Whole> },
+    Lights(LightsFile),
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "$shape")]
+enum LightsFile {
+    Form(NamedLights),
+    Other(Whole),
+}
+
+#[derive(Deserialize)]
+struct NamedLights {
+    count: Whole,
+    by: Option<Text>,
+    frames: Option<Whole>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "$shape")]
+enum SeedsFile {
+    List(Spanned<Vec<Whole>>),
+    Other(Whole),
+}
+
+#[derive(Deserialize)]
+#[serde(
+    expecting = "`Pipeline(pipeline: \"reference\", set: {…})`, `Picture(\"file.exr\")`, `Pictures({ \"scene\": \"file.exr\" })` or `None`"
+)]
+enum ReferenceFile {
+    Pipeline { pipeline: Text, set: Sets, follow: Option<Names>, frames: Option<Whole> },
+    Picture(Text),
+    Pictures(Entries<Text>),
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "the name of a figure: \"pass.port.figure\"")]
+struct FigureFile(Text);
+
+#[derive(Deserialize)]
+#[serde(expecting = "a part of the picture, in shares of its sides: (left, top, width, height)")]
+struct Crop([Number; 4]);
+
+/// The checks of the values of a file.
+struct Checks<'a, 'b> {
     reader: &'a mut Reader<'b>,
 }
 
-fn study(g: &mut Grammar<'_, '_>, tree: &Node, source: &Arc<Source>) -> Option<Study> {
-    let fields = g.reader.fields(tree, "`Study(…)`", &[("Study", STUDY)])?;
-    let text = |g: &mut Grammar<'_, '_>, name: &str| {
-        fields.get(name).and_then(|node| g.reader.text(node, "text")).unwrap_or_default().to_owned()
-    };
-    let (about, paper) = (text(g, "about"), text(g, "paper"));
-    let scenes = g.reader.need(&fields, "scenes").map(|node| g.names(node, "a scene")).unwrap_or_default();
-    let pipelines = g.reader.need(&fields, "pipelines").and_then(|node| g.pipelines(node));
-    let output = match fields.get("output") {
-        Some(node) => g.text_at(node, "the name of an output")?,
-        None => At { value: "indirect".to_owned(), span: g.reader.head_of(tree) },
-    };
-    let size = fields.get("size").map_or(Some((512, 512)), |node| g.size(node));
-    let first_frame = fields.get("first_frame").map_or(Some(0), |node| g.whole(node, 0, 1 << 30));
-    let jump = fields
-        .get("jump")
-        .and_then(|node| g.whole(node, 1, 1 << 30).map(|value| At { value, span: g.reader.span_of(node) }));
-    let set = fields.get("set").map(|node| g.set(node)).unwrap_or_default();
-    let vary = fields.get("vary").map(|node| g.vary(node)).unwrap_or_default();
-    let budget = fields.get("budget").map_or(Some(Budget::Frames(FRAMES)), |node| g.budget(node));
-    let warm_up = fields.get("warm_up").map_or(Some(1), |node| g.whole(node, 0, 1 << 20));
-    let seeds = fields.get("seeds").map_or(Some(vec![0]), |node| g.seeds(node));
-    let measures = g.reader.need(&fields, "measures").map(|node| g.measures(node)).unwrap_or_default();
-    let phases = fields.get("phases").map(|node| g.phases(node)).unwrap_or_default();
-    let figures = fields.get("figures").map(|node| g.figures(node)).unwrap_or_default();
-    let reference = fields.get("reference").map_or(Some(Reference::None), |node| g.reference(node));
-    let claims = fields.get("claims").map(|node| g.claims(node)).unwrap_or_default();
-    let crops = fields.get("crops").map(|node| g.crops(node)).unwrap_or_default();
-    let stem = source.name.rsplit(['/', '\\']).next().unwrap_or_default();
-    Some(Study {
-        source: Arc::clone(source),
-        name: stem.strip_suffix(".ron").unwrap_or(stem).to_owned(),
-        about,
-        paper,
-        scenes,
-        pipelines: pipelines?,
-        output,
-        size: size?,
-        first_frame: first_frame?,
-        jump,
-        set,
-        vary,
-        budget: budget?,
-        warm_up: warm_up?,
-        seeds: seeds?,
-        measures,
-        phases,
-        figures,
-        reference: reference?,
-        claims,
-        crops,
-    })
-}
-
-impl Grammar<'_, '_> {
-    fn error(&mut self, code: &'static Code, span: Span, message: impl Into<String>) {
-        self.reader.tell(Diagnostic::new(code, message).label(span, ""));
-    }
-
-    fn text_at(&mut self, node: &Node, expected: &str) -> Option<At<String>> {
-        let value = self.reader.text(node, expected)?.to_owned();
-        Some(At { value, span: self.reader.span_of(node) })
-    }
-
-    /// Reads several texts; reports an error if there are none.
-    fn names(&mut self, node: &Node, what: &str) -> Vec<At<String>> {
-        let items = self.items(node, &format!("a list: [{what}, …]"));
-        items.iter().filter_map(|item| self.text_at(item, &format!("the name of {what}"))).collect()
-    }
-
-    fn items<'n>(&mut self, node: &'n Node, expected: &str) -> &'n [Node] {
-        let items = self.reader.list(node, expected);
-        if items.is_empty() && matches!(node.form, Form::List(_)) {
-            let span = self.reader.span_of(node);
-            self.error(&codes::EMPTY, span, format!("there is nothing in it: expected {expected}"));
+impl Checks<'_, '_> {
+    fn study(mut self, Spanned { value: file, place }: Spanned<StudyFile>) -> Study {
+        let source = Arc::clone(self.reader.source);
+        let stem = source.name.rsplit(['/', '\\']).next().unwrap_or_default();
+        Study {
+            name: stem.strip_suffix(".ron").unwrap_or(stem).to_owned(),
+            about: file.about.unwrap_or_default(),
+            paper: file.paper.unwrap_or_default(),
+            scenes: self.names(file.scenes, "a scene"),
+            output: match file.output {
+                Some(output) => self.at(output),
+                None => At { value: "indirect".to_owned(), span: self.span(place) },
+            },
+            pipelines: self.pipelines(file.pipelines),
+            size: file.size.map_or((512, 512), |size| self.size(size.0)),
+            first_frame: file.first_frame.map_or(0, |number| self.whole(number, 0, 1 << 30)),
+            jump: file.jump.map(|number| self.whole_at(number, 1, 1 << 30)),
+            set: self.set(file.set),
+            vary: match file.vary {
+                None => Vec::new(),
+                Some(VaryFile::List(groups)) => groups.into_iter().map(|group| self.group(group)).collect(),
+                Some(VaryFile::Other(group)) => vec![self.group(group)],
+            },
+            budget: file.budget.map_or(Budget::Frames(FRAMES), |budget| self.budget(budget)),
+            warm_up: file.warm_up.map_or(1, |number| self.whole(number, 0, 1 << 20)),
+            seeds: file.seeds.map_or(vec![0], |seeds| self.seeds(seeds)),
+            measures: self.measures(file.measures),
+            phases: file.phases.map(|phases| self.phases(phases)).unwrap_or_default(),
+            figures: file.figures.map(|figures| self.figures(figures)).unwrap_or_default(),
+            reference: file.reference.map_or(Reference::None, |reference| self.reference(reference)),
+            claims: file.claims.map(|claims| self.claims(claims)).unwrap_or_default(),
+            crops: file.crops.map(|crops| self.crops(&crops)).unwrap_or_default(),
+            source,
         }
-        items
     }
 
-    /// Reads the entries of a map whose keys are texts, and reports keys that are given twice.
-    fn entries<'n>(&mut self, node: &'n Node, expected: &str) -> Vec<(At<String>, &'n Node)> {
-        let Form::Map(entries) = &node.form else {
-            self.reader.wrong(node, expected);
-            return Vec::new();
-        };
-        let mut found: Vec<(At<String>, &Node)> = Vec::new();
-        let mut spans = BTreeMap::new();
-        for (key, value) in entries {
-            let Some(name) = self.text_at(key, "a name in quotes") else { continue };
-            match spans.get(&name.value) {
-                Some(first) => {
-                    let error = twice(&format!("`{}`", name.value), &name.span, first);
-                    self.reader.tell(error);
-                }
-                None => {
-                    spans.insert(name.value.clone(), name.span.clone());
-                    found.push((name, value));
-                }
-            }
+    fn span(&self, place: Place) -> Span {
+        self.reader.span(self.reader.head(place))
+    }
+
+    fn at<T>(&self, value: Spanned<T>) -> At<T> {
+        At { span: self.reader.span(value.place), value: value.value }
+    }
+
+    /// Returns several texts; reports an error if there are none.
+    fn names(&mut self, names: Names, what: &str) -> Vec<At<String>> {
+        self.filled(&names, &format!("a list: [{what}, …]"));
+        names.value.into_iter().map(|name| self.at(name)).collect()
+    }
+
+    fn filled<T>(&mut self, list: &Spanned<Vec<T>>, expected: &str) {
+        if list.is_empty() {
+            let message = format!("there is nothing in it: expected {expected}");
+            self.reader.error(&codes::EMPTY, list.place, message);
         }
-        found
     }
 
-    fn whole(&mut self, node: &Node, min: u32, max: u32) -> Option<u32> {
-        let Form::Number(Number::Integer(n)) = node.form else {
-            self.reader.wrong(node, "a whole number");
-            return None;
-        };
-        match u32::try_from(n) {
-            Ok(n) if (min..=max).contains(&n) => Some(n),
+    fn whole(&mut self, number: Whole, min: u32, max: u32) -> u32 {
+        match u32::try_from(number.value) {
+            Ok(n) if (min..=max).contains(&n) => n,
             _ => {
-                let span = self.reader.span_of(node);
-                let code = if n == 0 { &codes::EMPTY } else { &codes::RANGE };
-                self.error(code, span, format!("expected a whole number from {min} to {max}, found {n}"));
-                None
+                let code = if number.value == 0 { &codes::EMPTY } else { &codes::RANGE };
+                let message = format!("expected a whole number from {min} to {max}, found {}", *number);
+                self.reader.error(code, number.place, message);
+                min
             }
         }
     }
 
-    fn positive(&mut self, node: &Node) -> Option<f64> {
-        let value = match node.form {
-            Form::Number(Number::Integer(n)) => n as f64,
-            Form::Number(Number::Float(x)) => x,
-            _ => {
-                self.reader.wrong(node, "a number");
-                return None;
-            }
-        };
-        if value > 0.0 && value.is_finite() {
-            return Some(value);
-        }
-        let span = self.reader.span_of(node);
-        self.error(&codes::RANGE, span, format!("expected a number above 0, found {value}"));
-        None
+    fn whole_at(&mut self, number: Whole, min: u32, max: u32) -> At<u32> {
+        At { value: self.whole(number, min, max), span: self.reader.span(number.place) }
     }
 
-    fn size(&mut self, node: &Node) -> Option<(u32, u32)> {
-        match &node.form {
-            Form::Tuple(None, items) if items.len() == 2 => {
-                let width = self.whole(&items[0], 1, LARGEST_SIDE);
-                Some((width?, self.whole(&items[1], 1, LARGEST_SIDE)?))
+    fn positive(&mut self, number: Spanned<Number>) -> f64 {
+        let value = number.as_f64();
+        if !(value > 0.0 && value.is_finite()) {
+            let message = format!("expected a number above 0, found {value}");
+            self.reader.error(&codes::RANGE, number.place, message);
+        }
+        value
+    }
+
+    fn size(&mut self, [width, height]: [Whole; 2]) -> (u32, u32) {
+        (self.whole(width, 1, LARGEST_SIDE), self.whole(height, 1, LARGEST_SIDE))
+    }
+
+    fn value(&mut self, value: Spanned<ValueFile>, is_size: bool) -> At<AxisValue> {
+        let span = self.reader.span(value.place);
+        let found = match value.value {
+            ValueFile::Bool(b) if !is_size => AxisValue::Bool(b),
+            ValueFile::Number(number) if !is_size && number.is_finite() => AxisValue::Number(number),
+            ValueFile::Text(text) if !is_size => AxisValue::Text(text),
+            ValueFile::Tuple(sides) if is_size && sides.len() == 2 => {
+                size_value(self.size([sides[0], sides[1]]))
             }
             _ => {
-                self.reader.wrong(node, "a size in pixels: (width, height)");
-                None
-            }
-        }
-    }
-
-    fn value(&mut self, node: &Node) -> Option<At<AxisValue>> {
-        let value = match &node.form {
-            Form::Bool(b) => AxisValue::Bool(*b),
-            Form::Number(Number::Integer(n)) => AxisValue::Number(*n as f64),
-            Form::Number(Number::Float(x)) if x.is_finite() => AxisValue::Number(*x),
-            Form::Text(text, _) => AxisValue::Text(text.clone()),
-            _ => {
-                self.reader.wrong(node, "a truth value, a finite number or text");
-                return None;
+                self.reader.wrong(value.place, if is_size { PIXELS } else { VALUE });
+                AxisValue::Bool(false)
             }
         };
-        Some(At { value, span: self.reader.span_of(node) })
+        At { value: found, span }
     }
 
-    fn set(&mut self, node: &Node) -> Vec<Set> {
-        let entries = self.entries(node, SETS);
-        entries
-            .into_iter()
-            .filter_map(|(path, node)| {
-                let (node, optional) = optional(node);
-                Some(Set { path, value: self.value(node)?, optional })
-            })
-            .collect()
-    }
-
-    fn pipelines(&mut self, node: &Node) -> Option<Pipelines> {
-        match &node.form {
-            Form::Word(word) if word == "All" => {
-                return Some(Pipelines::All { except: Vec::new(), span: self.reader.span_of(node) });
-            }
-            Form::Struct(..) | Form::Tuple(..) => {
-                let fields = self.reader.fields(
-                    node,
-                    "a list of pipelines, or `All(except: […])`",
-                    &[("All", &["except"])],
-                )?;
-                let except =
-                    fields.get("except").map(|node| self.names(node, "a pipeline")).unwrap_or_default();
-                return Some(Pipelines::All { except, span: self.reader.head_of(node) });
-            }
-            _ => {}
-        }
-        let items =
-            self.items(node, "a list of pipelines: [\"name\", Variant(name: \"…\", pipeline: \"…\"), …]");
-        Some(Pipelines::These(items.iter().filter_map(|item| self.variant(item)).collect()))
-    }
-
-    fn variant(&mut self, node: &Node) -> Option<Variant> {
-        if let Form::Text(..) = node.form {
-            let pipeline = self.text_at(node, "a pipeline")?;
-            let stem = pipeline.value.rsplit('/').next().unwrap_or_default();
-            let name = stem.strip_suffix(".ron").unwrap_or(stem).to_owned();
-            let name = At { value: name, span: pipeline.span.clone() };
-            return Some(Variant { name, pipeline, set: Vec::new() });
-        }
-        let expected = "the name of a pipeline, or `Variant(name: \"…\", pipeline: \"…\", set: {…})`";
-        let fields = self.reader.fields(node, expected, &[("Variant", &["name", "pipeline", "set"])])?;
-        let name = self.need_text(&fields, "name");
-        let pipeline = self.need_text(&fields, "pipeline");
-        let set = fields.get("set").map(|node| self.set(node)).unwrap_or_default();
-        Some(Variant { name: name?, pipeline: pipeline?, set })
-    }
-
-    fn need_text(&mut self, fields: &Fields<'_>, name: &str) -> Option<At<String>> {
-        let node = self.reader.need(fields, name)?;
-        self.text_at(node, "text")
-    }
-
-    fn vary(&mut self, node: &Node) -> Vec<Group> {
-        match &node.form {
-            Form::List(items) => items.iter().filter_map(|item| self.group(item)).collect(),
-            _ => self.group(node).into_iter().collect(),
-        }
-    }
-
-    fn group(&mut self, node: &Node) -> Option<Group> {
-        let (name, map) = match &node.form {
-            Form::Tuple(Some(name), items) if items.len() == 1 => (name, &items[0]),
-            _ => {
-                self.reader.wrong(node, VARY);
-                return None;
-            }
+    fn set(&mut self, sets: Sets) -> Vec<Set> {
+        let set = |(path, value): (Text, Given<_>)| {
+            let (value, optional) = value.value();
+            Set { path: self.at(path), value: self.value(value, false), optional }
         };
-        if !["Grid", "Paired"].contains(&name.text.as_str()) {
-            self.reader.wrong(node, VARY);
-            return None;
+        sets.into_iter().map(set).collect()
+    }
+
+    fn pipelines(&mut self, file: Spanned<PipelinesFile>) -> Pipelines {
+        let place = file.place;
+        match file.value {
+            PipelinesFile::Other(All { except }) => {
+                let except = except.map(|names| self.names(names, "a pipeline")).unwrap_or_default();
+                Pipelines::All { except, span: self.span(place) }
+            }
+            PipelinesFile::List(variants) => {
+                let variants = Spanned { value: variants, place };
+                let expected = "a list of pipelines: [\"name\", Variant(name: \"…\", pipeline: \"…\"), …]";
+                self.filled(&variants, expected);
+                Pipelines::These(variants.value.into_iter().map(|file| self.variant(file)).collect())
+            }
         }
-        let entries = self.entries(map, "axes: { \"name\": [values] }");
-        if entries.is_empty() && map.form == Form::Map(Vec::new()) {
-            let span = self.reader.span_of(map);
-            self.error(&codes::EMPTY, span, format!("`{}` has no axes", name.text));
+    }
+
+    fn variant(&mut self, file: VariantFile) -> Variant {
+        match file {
+            VariantFile::Text(pipeline) => {
+                let stem = pipeline.rsplit('/').next().unwrap_or_default();
+                let name = pipeline.with(stem.strip_suffix(".ron").unwrap_or(stem).to_owned());
+                Variant { name: self.at(name), pipeline: self.at(pipeline), set: Vec::new() }
+            }
+            VariantFile::Other(NamedVariant { name, pipeline, set }) => {
+                Variant { name: self.at(name), pipeline: self.at(pipeline), set: self.set(set) }
+            }
         }
-        let axes: Vec<Vary> = entries.into_iter().filter_map(|(path, node)| self.axis(path, node)).collect();
-        if name.text == "Grid" {
-            return Some(Group::Grid(axes));
+    }
+
+    fn group(&mut self, file: GroupFile) -> Group {
+        let (name, axes) = match file {
+            GroupFile::Grid(axes) => ("Grid", axes),
+            GroupFile::Paired(axes) => ("Paired", axes),
+        };
+        if axes.0.is_empty() {
+            self.reader.error(&codes::EMPTY, axes.place, format!("`{name}` has no axes"));
+        }
+        let axes: Vec<Vary> = axes.value.into_iter().map(|(path, values)| self.axis(path, values)).collect();
+        if name == "Grid" {
+            return Group::Grid(axes);
         }
         if let Some((first, other)) = axes.first().and_then(|first| {
             Some((first, axes.iter().find(|axis| axis.values.len() != first.values.len())?))
@@ -308,146 +358,153 @@ impl Grammar<'_, '_> {
                     .label(first.path.span.clone(), values(first));
             self.reader.tell(error);
         }
-        Some(Group::Paired(axes))
+        Group::Paired(axes)
     }
 
-    fn axis(&mut self, path: At<String>, node: &Node) -> Option<Vary> {
-        let (node, is_optional) = optional(node);
+    fn axis(&mut self, path: Text, values: Given<Spanned<Vec<Spanned<ValueFile>>>>) -> Vary {
+        let (values, optional) = values.value();
         let is_size = path.value == SIZE;
-        let expected =
-            if is_size { "sizes: [(width, height), …]" } else { "a list of values: [value, …]" };
-        let mut values: Vec<At<AxisValue>> = Vec::new();
-        for item in self.items(node, expected) {
-            let value = if is_size {
-                self.size(item).map(|size| At { value: size_value(size), span: self.reader.span_of(item) })
-            } else {
-                self.value(item)
-            };
-            values.extend(value);
-        }
+        self.filled(
+            &values,
+            if is_size { "sizes: [(width, height), …]" } else { "a list of values: [value, …]" },
+        );
         if path.value == SEED {
             let error = Diagnostic::new(&codes::PATH, "the seed is no axis")
-                .label(path.span.clone(), "")
+                .label(self.reader.span(path.place), "")
                 .note("write `seeds: 5` or `seeds: [1, 2, 3]`");
             self.reader.tell(error);
-            return None;
         }
-        Some(Vary { path, values, optional: is_optional })
+        let values = values.value.into_iter().map(|value| self.value(value, is_size)).collect();
+        Vary { path: self.at(path), values, optional }
     }
 
-    fn budget(&mut self, node: &Node) -> Option<Budget> {
-        let expected = "`Frames(8)`, `Time(ms: 20.0, by: \"lights\")`, `Time(ms: 500.0)` or `Lights(1024)`";
-        if let Form::Tuple(Some(name), items) = &node.form
-            && let [item] = &items[..]
-        {
-            match name.text.as_str() {
-                "Frames" => return self.whole(item, 1, MOST_FRAMES).map(Budget::Frames),
-                "Lights" => {
-                    let span = self.reader.span_of(item);
-                    let count = At { value: self.whole(item, 1, u32::MAX)?, span: span.clone() };
-                    let by = At { value: "lights".to_owned(), span };
-                    return Some(Budget::Lights { count, by, frames: FRAMES });
-                }
-                _ => {}
+    fn budget(&mut self, file: BudgetFile) -> Budget {
+        let (count, by, frames) = match file {
+            BudgetFile::Frames(frames) => return Budget::Frames(self.whole(frames, 1, MOST_FRAMES)),
+            BudgetFile::Time { ms, by, frames } => {
+                let default = if by.is_some() { FRAMES } else { MOST_FRAMES };
+                return Budget::Time {
+                    ms: self.positive(ms),
+                    by: by.map(|by| self.at(by)),
+                    frames: frames.map_or(default, |frames| self.whole(frames, 1, MOST_FRAMES)),
+                };
             }
-        }
-        let forms: [(&'static str, &'static [&'static str]); 3] = [
-            ("Frames", &["count"]),
-            ("Time", &["ms", "by", "frames"]),
-            ("Lights", &["count", "by", "frames"]),
-        ];
-        let fields = self.reader.fields(node, expected, &forms)?;
-        let frames = |g: &mut Self, default| {
-            fields.get("frames").map_or(Some(default), |node| g.whole(node, 1, MOST_FRAMES))
+            BudgetFile::Lights(LightsFile::Form(NamedLights { count, by, frames })) => (count, by, frames),
+            BudgetFile::Lights(LightsFile::Other(count)) => (count, None, None),
         };
-        let by = fields.get("by").map(|node| self.text_at(node, "the name of a parameter"));
-        match fields.form() {
-            "Time" => {
-                let ms = self.reader.need(&fields, "ms").and_then(|node| self.positive(node));
-                let by = by.map_or(Some(None), |by| by.map(Some))?;
-                let frames = frames(self, if by.is_some() { FRAMES } else { MOST_FRAMES });
-                Some(Budget::Time { ms: ms?, by, frames: frames? })
-            }
-            form => {
-                let node = self.reader.need(&fields, "count")?;
-                let span = self.reader.span_of(node);
-                if form == "Frames" {
-                    return self.whole(node, 1, MOST_FRAMES).map(Budget::Frames);
-                }
-                let count = self.whole(node, 1, u32::MAX).map(|value| At { value, span: span.clone() });
-                let by = by.unwrap_or_else(|| Some(At { value: "lights".to_owned(), span }));
-                let frames = frames(self, FRAMES);
-                Some(Budget::Lights { count: count?, by: by?, frames: frames? })
-            }
+        Budget::Lights {
+            count: self.whole_at(count, 1, u32::MAX),
+            by: self.at(by.unwrap_or_else(|| count.with("lights".to_owned()))),
+            frames: frames.map_or(FRAMES, |frames| self.whole(frames, 1, MOST_FRAMES)),
         }
     }
 
-    /// Reads seeds: `5` stands for 1 to 5. Seed 0 is left out, since it gives the sequences without
+    /// Returns the seeds: `5` stands for 1 to 5. Seed 0 is left out, since it gives the sequences without
     /// randomisation.
-    fn seeds(&mut self, node: &Node) -> Option<Vec<u32>> {
-        if let Form::List(_) = node.form {
-            let items = self.items(node, "seeds: [1, 2, 3]");
-            let mut seeds: Vec<u32> = Vec::new();
-            for (index, item) in items.iter().enumerate() {
-                let Form::Number(Number::Integer(n)) = item.form else {
-                    self.reader.wrong(item, "a seed: a whole number");
-                    continue;
-                };
-                let Ok(seed) = u32::try_from(n) else {
-                    let span = self.reader.span_of(item);
-                    self.error(
-                        &codes::RANGE,
-                        span,
-                        format!("a seed is from 0 to {}, and {n} is not", u32::MAX),
-                    );
-                    continue;
-                };
-                match seeds.iter().position(|other| *other == seed) {
-                    Some(first) if first < index => {
-                        let (again, first) = (self.reader.span_of(item), self.reader.span_of(&items[first]));
-                        self.reader.tell(twice(&format!("seed {seed}"), &again, &first));
-                    }
-                    _ => seeds.push(seed),
-                }
+    fn seeds(&mut self, file: SeedsFile) -> Vec<u32> {
+        let list = match file {
+            SeedsFile::Other(count) => return (1..=self.whole(count, 1, 100_000)).collect(),
+            SeedsFile::List(list) => list,
+        };
+        self.filled(&list, "seeds: [1, 2, 3]");
+        let mut seeds: Vec<(u32, Place)> = Vec::new();
+        for number in list.value {
+            let Ok(seed) = u32::try_from(number.value) else {
+                let message = format!("a seed is from 0 to {}, and {} is not", u32::MAX, *number);
+                self.reader.error(&codes::RANGE, number.place, message);
+                continue;
+            };
+            match seeds.iter().find(|(other, _)| *other == seed) {
+                Some((_, first)) => self.twice(&format!("seed {seed}"), number.place, *first),
+                None => seeds.push((seed, number.place)),
             }
-            return Some(seeds);
         }
-        self.whole(node, 1, 100_000).map(|count| (1..=count).collect())
+        seeds.into_iter().map(|(seed, _)| seed).collect()
     }
 
-    fn reference(&mut self, node: &Node) -> Option<Reference> {
-        let expected = "`Pipeline(pipeline: \"reference\", set: {…})`, `Picture(\"file.exr\")`, `Pictures({ \"scene\": \"file.exr\" })` or `None`";
-        match &node.form {
-            Form::Word(word) if word == "None" => return Some(Reference::None),
-            Form::Tuple(Some(name), items) if name.text == "Picture" && items.len() == 1 => {
-                let file = self.text_at(&items[0], "the name of a picture file")?;
-                return Some(Reference::Pictures(vec![(None, file)]));
-            }
-            Form::Tuple(Some(name), items) if name.text == "Pictures" && items.len() == 1 => {
-                let entries = self.entries(&items[0], "pictures: { \"scene\": \"file.exr\" }");
-                let files = entries.into_iter().filter_map(|(scene, node)| {
-                    Some((Some(scene), self.text_at(node, "the name of a picture file")?))
-                });
-                return Some(Reference::Pictures(files.collect()));
-            }
-            _ => {}
-        }
-        let known = ["pipeline", "set", "follow", "frames"].as_slice();
-        let fields = self.reader.fields(node, expected, &[("Pipeline", known)])?;
-        let pipeline = self.need_text(&fields, "pipeline");
-        let set = fields.get("set").map(|node| self.set(node)).unwrap_or_default();
-        let follow = fields.get("follow").map(|node| self.names(node, "an axis")).unwrap_or_default();
-        let frames = fields.get("frames").map_or(Some(MOST_FRAMES), |node| self.whole(node, 1, MOST_FRAMES));
-        let span = self.reader.head_of(node);
-        Some(Reference::Pipeline { pipeline: pipeline?, set, follow, frames: frames?, span })
+    fn twice(&mut self, what: &str, again: Place, first: Place) {
+        let error = twice(what, &self.reader.span(again), &self.reader.span(first));
+        self.reader.tell(error);
     }
-}
 
-/// Returns the content of `Optional(x)`, and whether the node had that form.
-fn optional(node: &Node) -> (&Node, bool) {
-    match &node.form {
-        Form::Tuple(Some(name), items) if name.text == "Optional" && items.len() == 1 => (&items[0], true),
-        _ => (node, false),
+    fn measures(&mut self, names: Names) -> Vec<At<Measure>> {
+        self.filled(&names, "a list: [a measure, …]");
+        let mut found: Vec<Spanned<Measure>> = Vec::new();
+        for name in names.value {
+            let Some(measure) = Measure::find(&name) else {
+                let error = Diagnostic::new(&codes::MEASURE, format!("there is no measure `{}`", *name))
+                    .label(self.reader.span(name.place), "")
+                    .suggest("measures", &name, Measure::all().map(Measure::key))
+                    .note("`lightloom measures` says what each of them is");
+                self.reader.tell(error);
+                continue;
+            };
+            match found.iter().find(|at| at.value == measure) {
+                Some(first) => self.twice(&format!("`{}`", *name), name.place, first.place),
+                None => found.push(name.with(measure)),
+            }
+        }
+        found.into_iter().map(|measure| self.at(measure)).collect()
+    }
+
+    /// Reports a map without entries, and entries without names.
+    fn named<T>(&mut self, entries: &Spanned<Entries<T>>, what: &str) {
+        if entries.0.is_empty() {
+            self.reader.error(&codes::EMPTY, entries.place, format!("there is no {what} in it"));
+        }
+        for (name, _) in entries.0.iter().filter(|(name, _)| name.trim().is_empty()) {
+            self.reader.error(&codes::EMPTY, name.place, format!("a {what} needs a name"));
+        }
+    }
+
+    fn phases(&mut self, phases: Spanned<Entries<Names>>) -> Vec<Phase> {
+        self.named(&phases, "phase");
+        let phase =
+            |(name, passes)| Phase { name: self.at(name), passes: self.names(passes, "a pass or sub-graph") };
+        phases.value.into_iter().map(phase).collect()
+    }
+
+    fn figures(&mut self, figures: Spanned<Entries<FigureFile>>) -> Vec<StudyFigure> {
+        self.named(&figures, "figure");
+        let figure = |(name, FigureFile(of))| StudyFigure { name: self.at(name), of: self.at(of) };
+        figures.value.into_iter().map(figure).collect()
+    }
+
+    fn reference(&mut self, file: Spanned<ReferenceFile>) -> Reference {
+        let span = self.span(file.place);
+        match file.value {
+            ReferenceFile::Picture(file) => Reference::Pictures(vec![(None, self.at(file))]),
+            ReferenceFile::Pictures(files) => {
+                let files = files.into_iter();
+                Reference::Pictures(
+                    files.map(|(scene, file)| (Some(self.at(scene)), self.at(file))).collect(),
+                )
+            }
+            ReferenceFile::Pipeline { pipeline, set, follow, frames } => Reference::Pipeline {
+                pipeline: self.at(pipeline),
+                set: self.set(set),
+                follow: follow.map(|names| self.names(names, "an axis")).unwrap_or_default(),
+                frames: frames.map_or(MOST_FRAMES, |frames| self.whole(frames, 1, MOST_FRAMES)),
+                span,
+            },
+        }
+    }
+
+    /// Returns the crops; those that do not lie in the picture are reported.
+    fn crops(&mut self, crops: &Spanned<Vec<Spanned<Crop>>>) -> Vec<[f64; 4]> {
+        self.filled(crops, "a list: [(left, top, width, height), …]");
+        let crop = |crop: &Spanned<Crop>| {
+            let numbers @ [left, top, width, height] = crop.0.map(Number::as_f64);
+            // What was rounded may reach a little over the edge.
+            let lies_in =
+                |start: f64, length: f64| start >= 0.0 && length > 0.0 && start + length <= 1.0 + 1e-6;
+            if !(lies_in(left, width) && lies_in(top, height)) {
+                let message = "a crop lies in the picture, whose sides are 1, and has a width and a height";
+                self.reader.error(&codes::RANGE, crop.place, message);
+            }
+            numbers
+        };
+        crops.iter().map(crop).collect()
     }
 }
 
