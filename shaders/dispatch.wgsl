@@ -1,5 +1,9 @@
 // Threads in a row. A dispatch of more workgroups than one dimension allows is folded into two.
 
+/// The most loop iterations that a thread should execute in one dispatch. A driver treats a dispatch that runs for seconds as a
+/// hang, and lavapipe silently ends all loops of a thread after 65,535 iterations.
+const LOOP_ITERATIONS: u32 = 32768u;
+
 /// The place of a thread in a row: the parameter of an entry point.
 struct Row {
     @builtin(workgroup_id) group: vec3<u32>,
@@ -9,7 +13,12 @@ struct Row {
 
 /// Index of this thread among those of workgroups of this size.
 fn index_in(row: Row, group_size: u32) -> u32 {
-    return (row.group.y * row.groups.x + row.group.x) * group_size + row.local;
+    return group_in(row) * group_size + row.local;
+}
+
+/// Index of the workgroup of this thread.
+fn group_in(row: Row) -> u32 {
+    return row.group.y * row.groups.x + row.group.x;
 }
 
 /// Index of this thread, for dispatches made with `Threads::Row`.

@@ -2,9 +2,11 @@
 
 use pass::Compute;
 
-/// The most loop iterations that a thread should execute in one dispatch. A driver treats a dispatch that runs for
-/// seconds as a hang, and lavapipe silently ends all loops of a thread after 65,535 iterations.
-pub const LOOP_ITERATIONS: u32 = 32_768;
+wgsl_structs::wgsl! {
+    "../../shaders/dispatch.wgsl" {
+        pub const LOOP_ITERATIONS;
+    }
+}
 
 /// The range of elements of one of several dispatches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
