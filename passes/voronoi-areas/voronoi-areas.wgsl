@@ -1,7 +1,15 @@
-// The area of the Voronoi cell of each point, by samples of the surfaces: a sample brings the area that its own density leaves it
-// to the point that is nearest.
+// Estimates how densely points lie on surfaces, by the area of their Voronoi cells.
 //
-// Areas are summed as whole numbers of 64 bits, so that the order of threads changes nothing.
+// A sample of the surfaces adds the area that its own density leaves it to the nearest point. Areas are summed as integers of
+// 64 bits, so that the order of threads changes nothing.
+
+#input points: SurfacePoints // The points that have a density.
+#input samples: SurfacePoints // Samples of the surfaces on which the points lie.
+#input sample_density: Density // How densely these lie.
+#input owners: Owners // The point that is nearest to each of them.
+#input past: Areas optional // `areas` of the frame before: with it, areas are averaged over frames.
+#output density: Density(count: points.count) // Density of each point; 0 where that is empty.
+#output areas: Areas(count: points.count) // What each point stands for, for the next frame.
 
 #option PAST false // whether there are areas of the frame before
 
@@ -14,7 +22,8 @@
 struct Settings {
     points_count: u32,
     samples_count: u32,
-    /// The most frames that an area is the mean of.
+    /// The most frames that an area is the mean of. More: areas are smoother, but follow later where points come and go around,
+    /// and where others are seen. [default: 32, min: 1, max: 4096]
     frames: u32,
 }
 
@@ -34,8 +43,9 @@ var<storage, read> owners: array<u32>;
 #if PAST
 var<storage, read> past: PointAreas;
 #endif
+/// How many there are. [scratch]
 var<storage, read_write> present: Present;
-/// [points] Area in 2⁻¹⁶ of the scene's: whole, and the fraction in 2⁻³².
+/// Area of each point in 2⁻¹⁶ of the scene's: whole, and the fraction in 2⁻³². [scratch, count: points.count, cleared]
 var<storage, read_write> sums: array<array<atomic<u32>, 2>>;
 var<storage, read_write> areas: PointAreas;
 var<storage, read_write> density: array<f32>;
@@ -51,7 +61,7 @@ fn is_point(index: u32) -> bool {
     return index < points.header.count && points.points[index].triangle != NO_TRIANGLE;
 }
 
-/// Counts points and samples, in one workgroup.
+/// Counts points and samples, in one workgroup. [threads: 1]
 @compute @workgroup_size(GROUP_SIZE)
 fn count(@builtin(local_invocation_index) thread: u32) {
     var here = vec2(0u);
@@ -67,27 +77,10 @@ fn count(@builtin(local_invocation_index) thread: u32) {
     }
 }
 
+/// Adds the area of each sample to its point. [threads: samples.count]
 @compute @workgroup_size(64)
-fn clear(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
-    if index < settings.points_count {
-        atomicStore(&sums[index][0], 0u);
-        atomicStore(&sums[index][1], 0u);
-    }
-}
-
-/// Gives the area of each sample to its point.
-@compute @workgroup_size(64)
-fn share(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn share(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.samples_count || !is_sample(index) {
         return;
     }
@@ -111,14 +104,10 @@ fn area_of(index: u32) -> f32 {
     return weight_of((whole + fraction) / UNITS * scene_info.area);
 }
 
-/// Averages areas over the frames that their points have been there.
+/// Averages areas over the frames that their points have been there. [threads: points.count]
 @compute @workgroup_size(64)
-fn settle(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn average(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.points_count {
         return;
     }
