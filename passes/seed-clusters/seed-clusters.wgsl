@@ -1,27 +1,35 @@
-// Gives each cluster that waits to be seeded the next element of Halton's sequence that no cluster has had. [ACRSM §4.4]
+// Gives each cluster that waits to be seeded the next element of its own in Halton's sequence. [ACRSM §4.4]
 
-#option PAST false // whether there are clusters of the frame before
+#input clusters: Clusters optional // The clusters of the frame before. Without them, and where their number is another, all
+    // are new.
+#output seeded: Clusters(count: settings.count) // The same, none of which waits to be seeded.
+
+#option CLUSTERS false // whether there are clusters of the frame before
+#option RESTART false // Whether every frame begins from the same seeds, as if there were no frame before.
 
 #import "clusters.wgsl"
 #import "dispatch.wgsl"
 #import "random.wgsl"
 
 struct Settings {
+    /// Number k of clusters, each of which becomes a virtual area light; ACRSM has 16 to 512. More: light follows the surfaces
+    /// more closely, but the time for shadows and gathering rises with k. With another number than before, all clusters are
+    /// new. [default: 128, min: 1, max: 65536]
     count: u32,
     seed: u32,
 }
 
 var<uniform> settings: Settings;
-#if PAST
+#if CLUSTERS
 var<storage, read> clusters: Clusters;
 #endif
 var<storage, read_write> seeded: Clusters;
 
-/// The cluster with a seed in the unit square; all that it was is gone but how often it was seeded.
+/// Returns a cluster with a seed in the unit square, which keeps nothing but how often it was seeded.
 fn seeded_again(index: u32, generation: u32) -> Cluster {
     var cluster: Cluster;
-    // Generation g of all clusters is elements k g + 1 to k g + k: each by itself is as even as the first of them, and
-    // no two clusters ever share an element, whenever each is seeded again.
+    // Generation g of all clusters is elements k g + 1 to k g + k: each by itself is as uniform as the first of
+    // them, and no two clusters ever share an element, whenever each is seeded again.
     cluster.uv = halton3(settings.count * generation + index + 1u, settings.seed).xy;
     cluster.texel = NO_TEXEL;
     cluster.generation = generation + 1u;
@@ -30,19 +38,15 @@ fn seeded_again(index: u32, generation: u32) -> Cluster {
 }
 
 @compute @workgroup_size(64)
-fn seed(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn seed(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.count {
         return;
     }
     var header = ClustersHeader();
     header.count = settings.count;
     var cluster: Cluster;
-#if PAST
+#if CLUSTERS && !RESTART
     // Clusters of another number have other elements, and a buffer without history has the number 0.
     if clusters.header.count == settings.count {
         header = clusters.header;

@@ -1,14 +1,19 @@
-//! `seed-clusters.wgsl`, without the sequence itself.
+//! The CPU reference of seed-clusters.wgsl, without the sequence itself.
 
 use interfaces::clusters::{Cluster, ClustersHeader, NO_TEXEL, state};
 
 /// Returns the element of the sequence, modulo 2³², that a cluster takes when it has been seeded `generation` times.
-pub fn element(index: u32, generation: u32, count: u32) -> u32 {
+pub(crate) fn element(index: u32, generation: u32, count: u32) -> u32 {
     count.wrapping_mul(generation).wrapping_add(index).wrapping_add(1)
 }
 
 /// Returns the cluster with a seed in the unit square; `halton` returns an element of the sequence.
-pub fn seeded_again(index: u32, generation: u32, count: u32, halton: impl Fn(u32) -> [f64; 2]) -> Cluster {
+pub(crate) fn seeded_again(
+    index: u32,
+    generation: u32,
+    count: u32,
+    halton: impl Fn(u32) -> [f64; 2],
+) -> Cluster {
     Cluster {
         uv: halton(element(index, generation, count)).map(|x| x as f32),
         texel: NO_TEXEL,
@@ -19,7 +24,7 @@ pub fn seeded_again(index: u32, generation: u32, count: u32, halton: impl Fn(u32
 }
 
 /// Seeds those of `count` clusters that wait for it; all of them where there is no past of as many clusters.
-pub fn seed(
+pub(crate) fn seed(
     past: Option<(ClustersHeader, Vec<Cluster>)>,
     count: u32,
     halton: impl Fn(u32) -> [f64; 2],

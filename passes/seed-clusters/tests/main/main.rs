@@ -1,10 +1,12 @@
 //! Which element of the sequence each cluster gets, and when all begin anew.
 
+mod cpu_reference;
+
+use cpu_reference::{element, seed};
 use interfaces::clusters::{self, Cluster, ClustersHeader, NO_TEXEL, state};
 use pass_test::Harness;
 use pass_test::random::{halton3, hash2};
 use seed_clusters::PASS;
-use seed_clusters::cpu_reference::{element, seed};
 use std::collections::HashSet;
 
 type Clusters = (ClustersHeader, Vec<Cluster>);
