@@ -1,8 +1,8 @@
 //! The shaders against the CPU reference, on a GPU.
 
+use crate::cpu_reference::{Difference, Evaluation, compare, takes_part};
 use crate::some::{DEFAULT, alive, clusters, header, number, order, random};
 use evaluate_clusters::PASS;
-use evaluate_clusters::cpu_reference::{Difference, Evaluation, compare, takes_part};
 use interfaces::clusters::{self, Cluster, ClustersHeader, state};
 use pass_test::Harness;
 

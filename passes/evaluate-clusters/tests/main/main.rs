@@ -1,5 +1,6 @@
 //! The balance of clusters: the metric, the free list, the shaders against their CPU reference, extremes.
 
+mod cpu_reference;
 mod gpu;
 mod metric;
 mod ranks;

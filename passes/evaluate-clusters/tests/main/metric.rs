@@ -1,7 +1,7 @@
 //! δ, its mean, and what follows from them: Eq. 4.6 to 4.8.
 
+use crate::cpu_reference::{Delta, Difference, Evaluation, compare, measure};
 use crate::some::{DEFAULT, alive, clusters};
-use evaluate_clusters::cpu_reference::{Delta, Difference, Evaluation, compare, measure};
 use interfaces::clusters::{Cluster, state};
 
 #[test]

@@ -1,7 +1,7 @@
 //! The free list: which clusters take part in it, and that none is lost or there twice.
 
+use crate::cpu_reference::{Difference, Evaluation, compare, takes_part};
 use crate::some::{DEFAULT, clusters, header, number, order, random};
-use evaluate_clusters::cpu_reference::{Difference, Evaluation, compare, takes_part};
 use interfaces::clusters::{Cluster, NO_TEXEL, state};
 use std::collections::BTreeSet;
 

@@ -1,6 +1,6 @@
 //! Clusters to evaluate, and the order in which they are looked at.
 
-use evaluate_clusters::cpu_reference::{Difference, Evaluation};
+use crate::cpu_reference::{Difference, Evaluation};
 use interfaces::clusters::{Cluster, ClustersHeader, state};
 use pass_test::random::{hash2, shuffled, unit_float};
 

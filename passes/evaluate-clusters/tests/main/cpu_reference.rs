@@ -1,11 +1,10 @@
-//! `measure.wgsl`, `compare.wgsl`, `rank.wgsl` and `move.wgsl` in double precision, which needs no scaling by powers of
-//! two.
+//! The CPU reference of evaluate-clusters.wgsl in `f64`, which needs no scaling by powers of two.
 
 use interfaces::clusters::{Cluster, ClustersHeader, NO_TEXEL, state};
 
 /// By what a cluster is smaller or greater than its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Difference {
+pub(crate) enum Difference {
     /// δ - mean.
     Absolute,
     /// δ / mean - 1.
@@ -14,39 +13,39 @@ pub enum Difference {
 
 /// The settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Evaluation {
+pub(crate) struct Evaluation {
     /// Half the side of the square of neighbours \[px\]; 0 for the whole layer.
-    pub window: u32,
+    pub(crate) window: u32,
     /// One in so many is looked at.
-    pub subset: u32,
+    pub(crate) subset: u32,
     /// Least difference of what is merged.
-    pub merge: f64,
+    pub(crate) merge: f64,
     /// Least difference of what is split.
-    pub split: f64,
+    pub(crate) split: f64,
     /// What that difference is.
-    pub difference: Difference,
+    pub(crate) difference: Difference,
 }
 
 /// δ of a cluster, and its mean over the neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Delta {
+pub(crate) struct Delta {
     /// Eq. 4.6; 0 of a cluster that takes no part.
-    pub own: f64,
+    pub(crate) own: f64,
     /// Eq. 4.7.
-    pub mean: f64,
+    pub(crate) mean: f64,
 }
 
 /// What is merged and what is split, both in the order in which clusters are looked at.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ranks {
+pub(crate) struct Ranks {
     /// Indices of the free clusters.
-    pub merged: Vec<u32>,
+    pub(crate) merged: Vec<u32>,
     /// Indices of all that are great enough.
-    pub split: Vec<u32>,
+    pub(crate) split: Vec<u32>,
 }
 
 /// Returns whether a cluster is evaluated.
-pub fn takes_part(cluster: &Cluster) -> bool {
+pub(crate) fn takes_part(cluster: &Cluster) -> bool {
     cluster.state == state::ALIVE && cluster.texels > 0
 }
 
@@ -56,7 +55,7 @@ fn weight_of(x: f32) -> f64 {
 }
 
 /// Returns δ of all clusters.
-pub fn measure(clusters: &[Cluster]) -> Vec<f64> {
+pub(crate) fn measure(clusters: &[Cluster]) -> Vec<f64> {
     let part = clusters.iter().filter(|cluster| takes_part(cluster));
     let greatest = part.map(|cluster| weight_of(cluster.area)).fold(0.0, f64::max);
     let delta = |cluster: &Cluster| weight_of(cluster.area) / greatest * weight_of(cluster.importance);
@@ -64,7 +63,7 @@ pub fn measure(clusters: &[Cluster]) -> Vec<f64> {
 }
 
 /// Returns the mean of δ over the neighbours of a cluster, weighted by itself.
-pub fn mean_delta(index: usize, clusters: &[Cluster], deltas: &[f64], window: u32) -> f64 {
+pub(crate) fn mean_delta(index: usize, clusters: &[Cluster], deltas: &[f64], window: u32) -> f64 {
     let own = &clusters[index];
     let near = |other: &Cluster| {
         let apart = |axis: usize| (other.uv[axis] - own.uv[axis]).abs();
@@ -77,7 +76,7 @@ pub fn mean_delta(index: usize, clusters: &[Cluster], deltas: &[f64], window: u3
 }
 
 /// Returns δ and its mean for all clusters.
-pub fn compare(clusters: &[Cluster], window: u32) -> Vec<Delta> {
+pub(crate) fn compare(clusters: &[Cluster], window: u32) -> Vec<Delta> {
     let deltas = measure(clusters);
     let of = |index: usize| Delta { own: deltas[index], mean: mean_delta(index, clusters, &deltas, window) };
     (0..clusters.len()).map(of).collect()
@@ -85,7 +84,7 @@ pub fn compare(clusters: &[Cluster], window: u32) -> Vec<Delta> {
 
 impl Evaluation {
     /// Returns by how much a cluster is greater than its neighbours; 0 if it takes no part.
-    pub fn difference_of(&self, cluster: &Cluster, delta: Delta) -> f64 {
+    pub(crate) fn difference_of(&self, cluster: &Cluster, delta: Delta) -> f64 {
         let difference = delta.own - delta.mean;
         match self.difference {
             _ if !takes_part(cluster) => 0.0,
@@ -96,7 +95,12 @@ impl Evaluation {
     }
 
     /// Returns what is merged and split; `shuffled` returns the cluster that is looked at in a place.
-    pub fn rank(&self, clusters: &[Cluster], deltas: &[Delta], shuffled: impl Fn(u32) -> u32) -> Ranks {
+    pub(crate) fn rank(
+        &self,
+        clusters: &[Cluster],
+        deltas: &[Delta],
+        shuffled: impl Fn(u32) -> u32,
+    ) -> Ranks {
         let mut ranks = Ranks::default();
         for place in 0..(clusters.len() as u32).div_ceil(self.subset) {
             let index = shuffled(place);
@@ -111,7 +115,7 @@ impl Evaluation {
     }
 
     /// Returns the clusters after a frame's evaluation; `random` returns two numbers in \[0, 1) for a cluster.
-    pub fn evaluate(
+    pub(crate) fn evaluate(
         &self,
         header: &ClustersHeader,
         clusters: &[Cluster],
