@@ -1,9 +1,15 @@
-// Groups virtual lights into clusters by k-means over positions and normals. [Dong et al. 2009; ACRSM §3.2.5, Eq. 3.7]
+// Groups virtual lights into clusters, each of which becomes an area light. [Dong et al. 2009; ACRSM §3.2.5, Eq. 3.7]
 //
-// Per iteration `assign` gives each light to the nearest cluster, `settle` ends the iterations where none changed, and
+// This is k-means over positions and normals. Per iteration `assign` gives each light to the nearest cluster, `settle` ends the iterations where none changed, and
 // `update` moves the clusters. A sum has one order, so the bits do not depend on that of threads.
 
-#option METRIC squared one_of [squared, linear] // How far a light is from a cluster. squared: the weighted sum of the squared distance and the squared chord between normals, which no iteration increases. linear: the weighted sum of the distance and the angle (ACRSM Eq. 3.7).
+#input lights: VirtualLights // The lights to group.
+#output clusters: VirtualLights(count: min(settings.count, lights.count)) // An area light for each cluster.
+#output owners: Owners(count: lights.count) // The cluster of each light.
+
+#option METRIC squared one_of [squared, linear] // How far a light is from a cluster. squared: the weighted sum of the
+    // squared distance and the squared chord between normals, which no iteration increases. linear: the weighted sum of the
+    // distance and the angle (ACRSM Eq. 3.7).
 
 #import "dispatch.wgsl"
 #import "scene.wgsl"
@@ -12,6 +18,13 @@
 struct Settings {
     lights_count: u32,
     clusters_count: u32,
+    // A thread of `assign` loops over all clusters: see LOOP_ITERATIONS.
+    /// The most clusters; there are no more than lights. More: smaller area lights, but more maps and time. [default: 64, min: 1,
+    /// max: 32768]
+    count: u32,
+    /// The most iterations. Those after the one in which no light changed its cluster have no work. [default: 32, min: 1, max:
+    /// 256]
+    iterations: u32,
     /// Weight of the distance between positions, in units of the scene's extent. Larger: clusters are smaller, but
     /// normals differ more within them. [default: 1.0, min: 0.0]
     position_weight: f32,
@@ -24,9 +37,9 @@ var<storage, read> lights: VirtualLights;
 /// Centres between iterations, and area lights in the end.
 var<storage, read_write> clusters: VirtualLights;
 var<storage, read_write> owners: array<u32>;
-/// How many lights changed their cluster in an iteration.
+/// How many lights changed their cluster in an iteration. [scratch]
 var<storage, read_write> changes: atomic<u32>;
-/// Workgroups of `assign` and then of `update`, three numbers each.
+/// Workgroups of `assign` and then of `update`, three numbers each. [scratch]
 var<storage, read_write> dispatches: array<u32, 6>;
 
 /// Threads of a workgroup.
@@ -49,7 +62,7 @@ fn is_lit(light: VirtualLight) -> bool {
     return any(light.flux > vec3(0.0));
 }
 
-/// So many workgroups, folded into two dimensions for `row_index`.
+/// Returns this number of workgroups, folded into two dimensions for `index_in`.
 fn fold(groups: u32) -> vec2<u32> {
     let rows = (groups + WIDEST - 1u) / WIDEST;
     return vec2((groups + max(rows, 1u) - 1u) / max(rows, 1u), rows);
@@ -58,12 +71,8 @@ fn fold(groups: u32) -> vec2<u32> {
 /// One thread per light: it has no cluster yet. The first centres are lights at equal steps, the same in every frame.
 // DEVIATION(first-centres): the paper does not say which.
 @compute @workgroup_size(GROUP)
-fn seed(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let i = row_index(group, groups, thread, GROUP);
+fn seed(row: Row) {
+    let i = index_in(row, GROUP);
     let n = light_count();
     let k = cluster_count();
     if i < settings.lights_count {
@@ -115,12 +124,8 @@ var<workgroup> staged_normals: array<vec3<f32>, GROUP>;
 
 /// One thread per light: the nearest cluster, of several the one with the lowest index.
 @compute @workgroup_size(GROUP)
-fn assign(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let i = row_index(group, groups, thread, GROUP);
+fn assign(row: Row) {
+    let i = index_in(row, GROUP);
     let n = light_count();
     let k = cluster_count();
     let light = lights.lights[min(i, max(n, 1u) - 1u)];
@@ -128,9 +133,9 @@ fn assign(
     var owner = 0u;
     var least = 3.4e38;
     for (var first = 0u; first < k; first += GROUP) {
-        let own = min(first + thread, k - 1u);
-        staged_positions[thread] = clusters.lights[own].position;
-        staged_normals[thread] = clusters.lights[own].normal;
+        let own = min(first + row.local, k - 1u);
+        staged_positions[row.local] = clusters.lights[own].position;
+        staged_normals[row.local] = clusters.lights[own].normal;
         workgroupBarrier();
         for (var c = 0u; c < min(GROUP, k - first); c++) {
             let position = light.position - staged_positions[c];
@@ -180,12 +185,9 @@ var<workgroup> partial: array<Sums, GROUP>;
 /// One workgroup per cluster: the mean of its lights that are lit, with the sums of their flux and area. A cluster without
 /// any keeps its place and is dark.
 @compute @workgroup_size(GROUP)
-fn update(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let index = row_index(group, groups, 0u, 1u);
+fn update(row: Row) {
+    let index = group_in(row);
+    let thread = row.local;
     let n = light_count();
     let old = clusters.lights[min(index, max(cluster_count(), 1u) - 1u)];
     var own = Sums();

@@ -1,31 +1,31 @@
-//! The algorithm in plain f64: same names and order as cluster-lights.wgsl.
+//! The CPU reference of cluster-lights.wgsl in `f64`.
 
 use glam::{DVec3, dvec3};
 use interfaces::virtual_lights::VirtualLight;
 
 /// The weights of the differences, for positions in metres, and whether they are squared.
 #[derive(Clone, Copy, Debug)]
-pub struct Metric {
+pub(crate) struct Metric {
     /// Weight of the distance between positions \[1/m or 1/m²\].
-    pub position: f64,
+    pub(crate) position: f64,
     /// Weight of the difference of normals.
-    pub normal: f64,
+    pub(crate) normal: f64,
     /// Whether distance and chord are squared, or distance and angle are taken as they are.
-    pub squared: bool,
+    pub(crate) squared: bool,
 }
 
 /// The centre of a cluster.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Centre {
+pub(crate) struct Centre {
     /// World space \[m\].
-    pub position: DVec3,
+    pub(crate) position: DVec3,
     /// Unit.
-    pub normal: DVec3,
+    pub(crate) normal: DVec3,
 }
 
 impl Centre {
     /// Returns what a virtual light is to the clustering.
-    pub fn of(light: &VirtualLight) -> Centre {
+    pub(crate) fn of(light: &VirtualLight) -> Centre {
         let double = |v: [f32; 3]| dvec3(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]));
         Centre { position: double(light.position), normal: double(light.normal) }
     }
@@ -33,7 +33,7 @@ impl Centre {
 
 impl Metric {
     /// Returns the distance μ between two (ACRSM Eq. 3.7).
-    pub fn difference(&self, a: &Centre, b: &Centre) -> f64 {
+    pub(crate) fn difference(&self, a: &Centre, b: &Centre) -> f64 {
         let (distance, chord) = (a.position.distance(b.position), a.normal.distance(b.normal));
         if self.squared {
             self.position * distance.powi(2) + self.normal * chord.powi(2)
@@ -43,7 +43,7 @@ impl Metric {
     }
 
     /// Returns the sum of all lights' distances from their clusters: what k-means makes small.
-    pub fn objective(&self, lights: &[VirtualLight], centres: &[Centre], owners: &[u32]) -> f64 {
+    pub(crate) fn objective(&self, lights: &[VirtualLight], centres: &[Centre], owners: &[u32]) -> f64 {
         let of_light = |(light, owner): (&VirtualLight, &u32)| {
             self.difference(&Centre::of(light), &centres[*owner as usize])
         };
@@ -51,7 +51,7 @@ impl Metric {
     }
 
     /// Returns the nearest centre of each light, of several the first.
-    pub fn assign(&self, lights: &[VirtualLight], centres: &[Centre]) -> Vec<u32> {
+    pub(crate) fn assign(&self, lights: &[VirtualLight], centres: &[Centre]) -> Vec<u32> {
         let nearest = |light: &VirtualLight| {
             let light = Centre::of(light);
             let mut least = (f64::INFINITY, 0);
@@ -68,7 +68,7 @@ impl Metric {
 
     /// Returns centres and owners of all lights, every one of which is lit, after at most so many iterations; and how many
     /// there were until none changed.
-    pub fn clustered(
+    pub(crate) fn clustered(
         &self,
         lights: &[VirtualLight],
         count: usize,
@@ -95,7 +95,7 @@ impl Metric {
 }
 
 /// Moves a centre to the mean of its lights; without any it stays.
-pub fn update<'a>(centre: &mut Centre, lights: impl Iterator<Item = &'a VirtualLight>) {
+pub(crate) fn update<'a>(centre: &mut Centre, lights: impl Iterator<Item = &'a VirtualLight>) {
     let lights: Vec<Centre> = lights.map(Centre::of).collect();
     if lights.is_empty() {
         return;

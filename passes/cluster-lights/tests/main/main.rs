@@ -1,6 +1,8 @@
 //! k-means on the GPU against the CPU reference, and against what holds of every clustering.
 
-use cluster_lights::cpu_reference::{Centre, Metric};
+mod cpu_reference;
+
+use cpu_reference::{Centre, Metric};
 use interfaces::virtual_lights::{VirtualLight, VirtualLightsHeader};
 use pass_test::{Harness, Outputs};
 
