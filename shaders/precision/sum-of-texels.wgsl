@@ -1,4 +1,4 @@
-// The sum of what a thread takes of the texels of a cluster, in the order of passes/average-clusters/average.wgsl, by how many
+// The sum of what a thread takes of the texels of a cluster, in the order of passes/average-clusters/average-clusters.wgsl, by how many
 // texels there are. Half of the sums are of equal texels: all roundings of such a sum are to the same side.
 
 #import "algorithms/workgroup.wgsl"

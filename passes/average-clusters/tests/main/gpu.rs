@@ -1,7 +1,7 @@
 //! The shaders against the CPU reference, on a GPU.
 
+use crate::cpu_reference::{Area, Averaged, average, map_flux, summarise};
 use average_clusters::PASS;
-use average_clusters::cpu_reference::{Area, Averaged, average, map_flux, summarise};
 use glam::{DVec3, Vec2, Vec3, uvec2};
 use gpu_algorithms::reference::clustering::{Texel, Texels, window_of};
 use interfaces::cluster_map::NONE;

@@ -1,5 +1,6 @@
 //! Clusters are the means of their texels.
 
+mod cpu_reference;
 mod gpu;
 mod means;
 mod shapes;

@@ -1,7 +1,7 @@
 //! Averaging is the half of a step of k-means that shortens distances for given cells.
 
+use crate::cpu_reference::Averaged;
 use crate::gpu::{World, vector};
-use average_clusters::cpu_reference::Averaged;
 use glam::{DVec3, Vec3};
 use interfaces::cluster_map::NONE;
 use interfaces::clusters::{Cluster, state};

@@ -1,7 +1,7 @@
 //! Cells of known shape.
 
+use crate::cpu_reference::Area;
 use crate::gpu::{World, assert_averaged, vector};
-use average_clusters::cpu_reference::Area;
 use interfaces::cluster_map::NONE;
 use interfaces::clusters::Cluster;
 use pass_test::RsmTexel;

@@ -1,4 +1,4 @@
-//! The CPU reference of average.wgsl, map-flux.wgsl and summary.wgsl, in `f64`.
+//! The CPU reference of average-clusters.wgsl and map-flux.wgsl in `f64`.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use gpu_algorithms::reference::clustering::{Texel, Texels, direction_of, window_of};
@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// What the area of a cluster is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Area {
+pub(crate) enum Area {
     /// The sum of the areas of its texels.
     Texels,
     /// That of the circle through its farthest texel.
@@ -16,51 +16,51 @@ pub enum Area {
 
 /// A cluster with texels.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Averaged {
+pub(crate) struct Averaged {
     /// Mean position \[m\].
-    pub position: DVec3,
+    pub(crate) position: DVec3,
     /// Unit.
-    pub normal: DVec3,
+    pub(crate) normal: DVec3,
     /// Mean importance.
-    pub importance: f64,
+    pub(crate) importance: f64,
     /// Flux of all texels \[W\].
-    pub flux: DVec3,
+    pub(crate) flux: DVec3,
     /// \[m²\]
-    pub area: f64,
+    pub(crate) area: f64,
     /// Distance from the centre to the farthest texel \[m\].
-    pub radius: f64,
+    pub(crate) radius: f64,
     /// Mean place in the layer \[texels\].
-    pub uv: DVec2,
+    pub(crate) uv: DVec2,
     /// Its texels.
-    pub texels: Vec<usize>,
+    pub(crate) texels: Vec<usize>,
     /// The one of them that is nearest to `uv`.
-    pub texel: usize,
+    pub(crate) texel: usize,
     /// Flux of that texel.
-    pub centre_flux: DVec3,
+    pub(crate) centre_flux: DVec3,
 }
 
 /// What is true of all clusters.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// How many have texels.
-    pub alive: u32,
+    pub(crate) alive: u32,
     /// How many have lost theirs.
-    pub vanished: u32,
+    pub(crate) vanished: u32,
     /// \[m²\]
-    pub greatest_area: f64,
+    pub(crate) greatest_area: f64,
     /// Mean of area · importance.
-    pub mean_share: f64,
+    pub(crate) mean_share: f64,
     /// Variance of it.
-    pub share_variance: f64,
+    pub(crate) share_variance: f64,
     /// Flux of the texels of all clusters \[W\].
-    pub mapped_flux: DVec3,
+    pub(crate) mapped_flux: DVec3,
 }
 
 /// Length of the mean of unit normals below which it has no direction.
 const LEAST_NORMAL: f64 = 1e-3;
 
 /// Returns the cluster `index` with its texels in `map`; `None` where it has none.
-pub fn average(
+pub(crate) fn average(
     index: u32,
     old: &Cluster,
     map: &[u32],
@@ -102,12 +102,12 @@ pub fn average(
 }
 
 /// Returns the flux of all texels \[W\].
-pub fn map_flux(rsm: &Texels) -> DVec3 {
+pub(crate) fn map_flux(rsm: &Texels) -> DVec3 {
     rsm.lit().map(|(_, _, texel)| texel.flux).sum()
 }
 
 /// Returns what is true of these clusters together, of which there were `before`.
-pub fn summarise(before: &[Cluster], averaged: &[Option<Averaged>]) -> Summary {
+pub(crate) fn summarise(before: &[Cluster], averaged: &[Option<Averaged>]) -> Summary {
     let alive: Vec<&Averaged> = averaged.iter().flatten().collect();
     let share_of = |cluster: &Averaged| cluster.area * cluster.importance;
     let count = alive.len().max(1) as f64;

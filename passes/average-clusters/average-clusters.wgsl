@@ -1,9 +1,17 @@
-// Moves each cluster to the mean of its texels and measures it. One workgroup per cluster, over its window. [ACRSM §4.7]
+// Moves each cluster of texels of a reflective shadow map to the mean of its texels. [ACRSM §4.7]
 //
-// All sums have one order: a thread takes every 256th texel of the window, sums them by parts of 64, and workgroup_sum4 adds up
+// One workgroup per cluster, over its window. All sums have one order: a thread takes every 256th texel of the window, sums them by parts of 64, and workgroup_sum4 adds up
 // the threads.
 
-#option AREA texels one_of [texels, disk] // What the area of a cluster is. texels: the sum of the areas of its texels. disk: that of the circle around its centre through its farthest texel (ACRSM §4.7), which is 1.5 to 2 times as large for cells that fit together, and grows with a single texel.
+#input clusters: Clusters // The clusters as their texels were mapped.
+#input map: ClusterMap like rsm // The cluster of each texel.
+#input rsm: ReflectiveShadowMap // What the texels hold.
+#input importance: Importance optional // Averaged too; without it, each texel has 1.
+#output averaged: Clusters(count: clusters.count) // The clusters around the means of their texels.
+
+#option AREA texels one_of [texels, disk] // What the area of a cluster is. texels: the sum of the areas of its texels. disk: that
+    // of the circle around its centre through its farthest texel (ACRSM §4.7), which is 1.5 to 2 times as large for cells that
+    // fit together, and grows with a single texel.
 #option IMPORTANCE false // whether importance is averaged
 
 #import "algorithms/workgroup.wgsl"
@@ -112,12 +120,9 @@ fn workgroup_least(thread: u32, own: vec2<u32>) -> vec2<u32> {
 }
 
 @compute @workgroup_size(GROUP_SIZE)
-fn average(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let index = row_index(group, groups, 0u, 1u);
+fn average(row: Row) {
+    let index = group_in(row);
+    let thread = row.local;
     let size = textureDimensions(map);
     var old: Cluster;
     var window = Window(vec2(0u), vec2(0u));
@@ -197,4 +202,55 @@ fn vanished(old: Cluster) -> Cluster {
     gone.flux = vec3(0.0);
     gone.centre_flux = vec3(0.0);
     return gone;
+}
+
+/// Returns what balancing makes equal for all clusters: area times importance. [ACRSM §4.8]
+fn share_of(cluster: Cluster) -> f32 {
+    return cluster.area * cluster.importance;
+}
+
+/// Writes what is true of all clusters, but for the flux of the map, which map-flux.wgsl adds. One workgroup.
+@compute @workgroup_size(GROUP_SIZE)
+fn summarise(@builtin(local_invocation_index) thread: u32) {
+    let count = min(clusters.header.count, arrayLength(&clusters.clusters));
+    // Number of those with texels, of those that lost theirs, and the sum of shares.
+    var tally = vec4(0.0);
+    var flux = vec4(0.0);
+    var greatest_area = 0.0;
+    for (var i = thread; i < count; i += GROUP_SIZE) {
+        let now = averaged.clusters[i];
+        if now.texels > 0u {
+            tally += vec4(1.0, 0.0, share_of(now), 0.0);
+            flux += vec4(now.flux, 0.0);
+            greatest_area = max(greatest_area, now.area);
+        } else if clusters.clusters[i].state == CLUSTER_ALIVE {
+            tally.y += 1.0;
+        }
+    }
+    tally = workgroup_sum4(thread, tally);
+    flux = workgroup_sum4(thread, flux);
+    greatest_area = workgroup_max(thread, greatest_area);
+    let mean = tally.z / max(tally.x, 1.0);
+
+    // Squares of small differences between large numbers: only a second loop has their digits.
+    var squares = vec4(0.0);
+    for (var i = thread; i < count; i += GROUP_SIZE) {
+        let now = averaged.clusters[i];
+        if now.texels > 0u {
+            let difference = share_of(now) - mean;
+            squares.x += difference * difference;
+        }
+    }
+    squares = workgroup_sum4(thread, squares);
+    if thread == 0u {
+        var header = clusters.header;
+        header.alive = u32(tally.x);
+        header.vanished = u32(tally.y);
+        header.iteration++;
+        header.greatest_area = greatest_area;
+        header.mean_share = mean;
+        header.share_variance = squares.x / max(tally.x, 1.0);
+        header.mapped_flux = flux_of(flux.rgb);
+        averaged.header = header;
+    }
 }
