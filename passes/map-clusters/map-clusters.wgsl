@@ -1,13 +1,20 @@
-// Which cluster each texel of a reflective shadow map belongs to: of those in whose window it lies, the nearest one, where
-// normals and importance count as distances too. [ACRSM §4.6, Eq. 4.4-4.5]
+// Assigns each texel of a reflective shadow map to the nearest cluster. [ACRSM §4.6, Eq. 4.4-4.5]
 //
-// Texels gather: a workgroup lists the clusters whose windows meet its tile, in the order of their indices, so that of
+// Of the clusters in whose window it lies, a texel takes the nearest one, where normals and importance count as distances too. A
+// workgroup lists the clusters whose windows meet its tile, in the order of their indices, so that of
 // equally near ones each texel takes the first.
 
-#option NORMAL_DISTANCE cosine one_of [cosine, angle] // What counts as the distance of two normals. cosine: 1 - |cos| (ACRSM Eq. 4.4), by which the two sides of a thin wall are no distance apart. angle: the angle in units of half a turn (Eq. 3.7), by which they are as far apart as can be.
+#input clusters: Clusters // The clusters; only those that are alive take texels.
+#input rsm: ReflectiveShadowMap // The texels to assign.
+#input importance: Importance optional // In [0, 1]; without it, all texels have the same.
+#output map: ClusterMap(count: clusters.count, window: settings.window) // The cluster of each texel.
+
+#option NORMAL_DISTANCE cosine one_of [cosine, angle] // What counts as the distance of two normals. cosine: 1 - |cos| (ACRSM Eq.
+    // 4.4), by which the two sides of a thin wall are no distance apart. angle: the angle in units of half a turn (Eq. 3.7), by
+    // which they are as far apart as can be.
 #option IMPORTANCE false // whether importance counts
-#option FLUX false // whether flux counts
-#option PARTS false // whether the clusters take several dispatches
+#option FLUX false internal // whether flux counts
+#option PARTS false internal // whether the clusters take several dispatches
 
 #import "algorithms/workgroup.wgsl"
 #import "clustering.wgsl"
@@ -18,10 +25,24 @@
 #endif
 
 struct Settings {
-    /// Side of the window of a cluster [px].
+    /// Side of the square of texels around a cluster that it may take, in its own layer; 0 is the whole layer. Larger: more
+    /// time, here and for the averages, with the square. Smaller: texels that no window reaches belong to no cluster, and few
+    /// clusters cannot cover the map. ACRSM has 64 to 256. [default: 128, min: 0, max: 8192, unit: "px"]
     window: u32,
-    /// Weights of the distances of positions, normals, importance and flux; they sum to 1.
-    weights: vec4<f32>,
+    // Here, the weights sum to 1. DEVIATION(weights): the thesis has none.
+    /// Weight of the distance between a texel and the cluster's centre, as a fraction of the scene's extent. The weights are
+    /// divided by their sum. Larger: cells are rounder, and go around edges. [default: 0.4, min: 0.0, max: 1.0]
+    position_weight: f32,
+    /// Weight of the distance between normals, see `normal_distance`. Larger: fewer cells go around edges, but clusters pass an
+    /// edge less readily where the light moves over it. [default: 0.3, min: 0.0, max: 1.0]
+    normal_weight: f32,
+    /// Weight of the difference of importance, which should be in [0, 1]; without an input `importance` it is 0. Larger: a cell
+    /// has texels of more similar importance. [default: 0.3, min: 0.0, max: 1.0]
+    importance_weight: f32,
+    /// Weight of the distance between fluxes, that of the texel and that at the centre. Above 0: cells follow texture and
+    /// shadow edges, and waver from frame to frame where albedo has fine structure (ACRSM §4.6). [default: 0.0, min: 0.0, max:
+    /// 1.0]
+    flux_weight: f32,
     /// The clusters that this dispatch takes: `begin` to `end`.
     begin: u32,
     end: u32,
@@ -162,13 +183,13 @@ fn map_texels(
                 continue;
             }
             let centre = listed_places[i];
-            var distance = settings.weights.x * length(position.xyz - centre.xyz) / max(scene_info.extent, 1e-30);
-            distance += settings.weights.y * normal_distance(listed_normals[i], normal);
+            var distance = settings.position_weight * length(position.xyz - centre.xyz) / max(scene_info.extent, 1e-30);
+            distance += settings.normal_weight * normal_distance(listed_normals[i], normal);
 #if IMPORTANCE
-            distance += settings.weights.z * abs(centre.w - own_importance);
+            distance += settings.importance_weight * abs(centre.w - own_importance);
 #endif
 #if FLUX
-            distance += settings.weights.w * flux_distance(listed_fluxes[i], flux);
+            distance += settings.flux_weight * flux_distance(listed_fluxes[i], flux);
 #endif
             let bits = bitcast<u32>(distance) & 0x7fffffffu;
             if bits < best.x {

@@ -1,9 +1,9 @@
 //! The shader against the CPU reference, on a GPU.
 
+use crate::cpu_reference::{Metric, NormalDistance};
 use gpu_algorithms::reference::clustering::{Texel, Texels};
 use interfaces::cluster_map::NONE;
 use interfaces::clusters::{Cluster, ClustersHeader, state};
-use map_clusters::cpu_reference::{Metric, NormalDistance};
 use map_clusters::{MapClusters, PASS};
 use pass::{Pass, Value};
 use pass_test::random::{hash2, unit_float};

@@ -1,11 +1,12 @@
 //! Each texel belongs to the nearest cluster in whose window it lies.
 
+mod cpu_reference;
 mod gpu;
 mod means;
 
+use cpu_reference::{NormalDistance, flux_distance, normal_distance};
 use glam::{DVec3, dvec3};
 use map_clusters::PASS;
-use map_clusters::cpu_reference::{NormalDistance, flux_distance, normal_distance};
 
 #[test]
 fn every_variant_of_the_shader_is_valid() {

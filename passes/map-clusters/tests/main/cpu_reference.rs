@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// What counts as the distance of two normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NormalDistance {
+pub(crate) enum NormalDistance {
     /// 1 - |cos|.
     Cosine,
     /// The angle in units of half a turn.
@@ -16,20 +16,20 @@ pub enum NormalDistance {
 
 /// What the mapping depends on beside texels and clusters.
 #[derive(Clone, Copy, Debug)]
-pub struct Metric {
+pub(crate) struct Metric {
     /// Diagonal of the scene's bounding box \[m\].
-    pub extent: f64,
+    pub(crate) extent: f64,
     /// Side of the window; 0 for the layer.
-    pub window: u32,
+    pub(crate) window: u32,
     /// Of positions, normals, importance and flux; they sum to 1.
-    pub weights: [f64; 4],
+    pub(crate) weights: [f64; 4],
     /// What counts as the distance of two normals.
-    pub normals: NormalDistance,
+    pub(crate) normals: NormalDistance,
 }
 
 impl Metric {
     /// Returns the distance of a texel from a cluster, which ACRSM calls μ (Eq. 4.4).
-    pub fn distance(&self, cluster: &Cluster, texel: &Texel) -> f64 {
+    pub(crate) fn distance(&self, cluster: &Cluster, texel: &Texel) -> f64 {
         let position = Vec3::from(cluster.position).as_dvec3().distance(texel.position) / self.extent;
         let normal = normal_distance(direction_of(cluster.normal.into()), texel.normal, self.normals);
         let importance = (weight_of(cluster.importance) - texel.importance).abs();
@@ -39,7 +39,7 @@ impl Metric {
     }
 
     /// Returns the clusters that may take a texel of the map, with their distances, in the order of their indices.
-    pub fn candidates(&self, clusters: &[Cluster], map: &Texels, index: usize) -> Vec<(u32, f64)> {
+    pub(crate) fn candidates(&self, clusters: &[Cluster], map: &Texels, index: usize) -> Vec<(u32, f64)> {
         let Some(texel) = &map.texels[index] else { return Vec::new() };
         let place = map.place(index);
         let takes = |cluster: &Cluster| {
@@ -53,7 +53,7 @@ impl Metric {
     }
 
     /// Returns the cluster of each texel; `None` where it belongs to none.
-    pub fn map_texels(&self, clusters: &[Cluster], map: &Texels) -> Vec<Option<u32>> {
+    pub(crate) fn map_texels(&self, clusters: &[Cluster], map: &Texels) -> Vec<Option<u32>> {
         let nearest = |index| {
             let candidates = self.candidates(clusters, map, index).into_iter();
             // Of equal ones, `min_by` gives the first.
@@ -64,7 +64,7 @@ impl Metric {
 }
 
 /// Returns the distance of two normals in \[0, 1\]; 1 where one of them is none.
-pub fn normal_distance(a: DVec3, b: DVec3, normals: NormalDistance) -> f64 {
+pub(crate) fn normal_distance(a: DVec3, b: DVec3, normals: NormalDistance) -> f64 {
     if a == DVec3::ZERO || b == DVec3::ZERO {
         return 1.0;
     }
@@ -75,7 +75,7 @@ pub fn normal_distance(a: DVec3, b: DVec3, normals: NormalDistance) -> f64 {
 }
 
 /// Returns the distance of two fluxes in \[0, 1\]; 0 where both are dark.
-pub fn flux_distance(a: DVec3, b: DVec3) -> f64 {
+pub(crate) fn flux_distance(a: DVec3, b: DVec3) -> f64 {
     let squares = a.length_squared() + b.length_squared();
     if squares == 0.0 { 0.0 } else { (a - b).length_squared() / squares }
 }
