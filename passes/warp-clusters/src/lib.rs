@@ -1,34 +1,17 @@
-//! Importance warping of the seeds of clusters.
-
-pub mod cpu_reference;
+#![doc = include_str!("../README.md")]
 
 use interfaces::{clusters, importance};
 use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, Setting, Settings, Struct, Threads, UseContext, Value, input, output,
+    Compute, OutputContext, OutputDesc, Pass, PassTypeError, RecordContext, Recording, ResourceDesc, Struct,
+    Threads, UseContext, reflected,
 };
 
-/// The pass, for the catalog.
+/// The pass type `warp-clusters`.
 pub const PASS: &dyn Pass = &WarpClusters;
 
-/// See the crate.
-#[derive(Debug)]
-pub struct WarpClusters;
-
-const SUM: &str = "passes/warp-clusters/sum.wgsl";
-const WARP: &str = "passes/warp-clusters/warp.wgsl";
+struct WarpClusters;
 
 const SCALED: Struct = Struct::new("shaders/algorithms/scaled.wgsl", "Scaled");
-
-pass::settings! {
-    /// The settings of the pass type `warp-clusters`.
-    pub struct WarpClustersSettings {
-        /// Levels of the pyramid that a seed descends from the whole map; 0 is all, down to a texel. Within a square of the
-        /// last of them seeds stay as even as they are. Fewer: seeds follow the importance less closely, and may fall to
-        /// texels without any.
-        levels: u32 = 0, min: 0, max: 15;
-    }
-}
 
 /// Returns the level of the pyramid at which one square covers a layer of this size; 1 or more.
 fn top((width, height): (u32, u32)) -> u32 {
@@ -41,33 +24,8 @@ fn size_at((width, height): (u32, u32), level: u32) -> (u32, u32) {
 }
 
 impl Pass for WarpClusters {
-    fn info(&self) -> Info {
-        Info {
-            kind: "warp-clusters",
-            about: "Warps the seeds of clusters to where a reflective shadow map is important.",
-            paper: "ACRSM §4.5, Alg. 5.3",
-            shaders: &[SUM, WARP],
-        }
-    }
-
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(WarpClustersSettings::schema())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: vec![
-                input("clusters", "Clusters", "Clusters, of which some are seeds or were placed by a split."),
-                input("rsm", "ReflectiveShadowMap", "The texels that clusters consist of."),
-                input("importance", "Importance", "What the number of seeds at a texel is proportional to."),
-            ],
-            outputs: vec![output(
-                "warped",
-                "Clusters",
-                "The same, with seeds at texels and what lies there.",
-            )],
-            ..Ports::default()
-        })
+    fn kind(&self) -> &'static str {
+        "warp-clusters"
     }
 
     fn outputs(
@@ -81,28 +39,20 @@ impl Pass for WarpClusters {
             .map(|(columns, rows)| u64::from(columns) * u64::from(rows) * u64::from(layers))
             .sum();
         let pyramid = ResourceDesc::buffer(squares * use_cx.size_of(SCALED)?);
-        Ok(vec![
-            clusters::output(use_cx, "warped", cx.fact("clusters", clusters::COUNT)?)?,
-            OutputDesc::scratch("pyramid", pyramid),
-        ])
+        let mut outputs = reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)?;
+        outputs.push(OutputDesc::scratch("pyramid", pyramid));
+        Ok(outputs)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let (size, layers) = (cx.size("rsm"), cx.layers("rsm"));
-        let top = top(size);
-        let sums = (1..=top).map(|level| {
+        let shader = cx.file("warp-clusters.wgsl");
+        let step = |entry, threads, level| Compute::new(shader.clone(), entry, threads).value("level", level);
+        let sums = (1..=top(size)).map(|level| {
             let (columns, rows) = size_at(size, level);
-            Compute::new(cx.shader(SUM, &[]), "sum", Threads::Grid([columns, rows, layers]))
-                .value("level", Value::U32(level))
+            step("sum", Threads::Grid([columns, rows, layers]), level)
         });
-        let bottom = match WarpClustersSettings::read(cx.settings).levels {
-            0 => 0,
-            levels => top.saturating_sub(levels),
-        };
         let count = cx.fact("clusters", clusters::COUNT)?;
-        let warp = Compute::new(cx.shader(WARP, &[]), "warp", Threads::Row(count))
-            .value("top", Value::U32(top))
-            .value("bottom", Value::U32(bottom));
-        Ok(Recording::of(sums).then(warp))
+        Ok(Recording::of(sums).then(step("warp", Threads::Row(count), top(size))))
     }
 }

@@ -1,8 +1,8 @@
 //! Where seeds go, by the CPU reference.
 
+use crate::cpu_reference::{Place, Pyramid, choose};
 use crate::maps::{halton, importance, independent, map, texel};
 use pass_test::statistics::{assert_follows, chi_squared, chi_squared_limit};
-use warp_clusters::cpu_reference::{Place, Pyramid, choose};
 
 const COUNT: u32 = 50_000;
 

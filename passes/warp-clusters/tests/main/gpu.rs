@@ -1,10 +1,10 @@
 //! The shaders against the CPU reference, on a GPU.
 
+use crate::cpu_reference::Pyramid;
 use crate::maps::{Run, halton, importance, independent, map, outputs, run, seeds, warped};
 use interfaces::clusters::{NO_TEXEL, state};
 use pass_test::random::{hash, hash2, unit_float};
 use pass_test::statistics::assert_follows;
-use warp_clusters::cpu_reference::Pyramid;
 
 #[test]
 fn sums_are_those_of_the_cpu_reference() {
@@ -170,7 +170,7 @@ fn a_single_lit_texel_takes_all() {
 fn without_importance_seeds_are_even() {
     let size = [20, 12];
     let texels = map(&[0.0; 720], size).texels.into_iter().enumerate();
-    let half = texels.map(|(i, texel)| warp_clusters::cpu_reference::Texel {
+    let half = texels.map(|(i, texel)| crate::cpu_reference::Texel {
         position: texel.position.filter(|_| i % 2 == 0),
         ..texel
     });

@@ -1,5 +1,6 @@
 //! Importance warping: the distribution of seeds, how even they stay, the shader against its CPU reference, extremes.
 
+mod cpu_reference;
 mod distribution;
 mod gpu;
 mod maps;

@@ -1,11 +1,11 @@
 //! Maps, seeds, and runs of the pass.
 
+use crate::cpu_reference::{Pyramid, Texel};
 use interfaces::clusters::{self, Cluster, ClustersHeader, NO_TEXEL, state};
 use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::{Harness, Outputs};
 use warp_clusters::PASS;
-use warp_clusters::cpu_reference::{Pyramid, Texel};
 
 /// A lit texel of which each member tells which one it is.
 pub(crate) fn texel(index: u32, importance: f32) -> Texel {

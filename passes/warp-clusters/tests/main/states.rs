@@ -1,9 +1,9 @@
 //! What becomes of clusters that are no seeds, and of the header.
 
+use crate::cpu_reference::{Pyramid, Texel};
 use crate::maps::{Run, importance, map, run};
 use interfaces::clusters::{Cluster, ClustersHeader, state};
 use pass_test::random::{halton3, hash2, unit_float};
-use warp_clusters::cpu_reference::{Pyramid, Texel};
 
 const SIZE: [u32; 2] = [24, 18];
 

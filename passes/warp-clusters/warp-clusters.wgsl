@@ -1,25 +1,94 @@
-// Takes the seeds of clusters from the unit square to texels, as many to each part of the map as its share of the importance,
-// and reads what lies there: hierarchical warping, Clarberg et al. 2005. [ACRSM §4.5]
+// Warps the seeds of clusters to where a reflective shadow map is important. [ACRSM §4.5, Alg. 5.3]
+//
+// Each part of the map gets as many seeds as its share of the importance (hierarchical warping, Clarberg et al. 2005). They
+// descend a pyramid of sums of importance over squares of texels, each twice as wide as those of the finer level. A level has as
+// few squares as cover the map: what would lie beyond its edges is 0. Sums are `Scaled`, and not f32: the sum of 512² texels of
+// 1e34 leaves the range of f32.
 
+#input clusters: Clusters // Clusters, of which some are seeds or were placed by a split.
+#input rsm: ReflectiveShadowMap // The texels that clusters consist of.
+#input importance: Importance // What the number of seeds at a texel is proportional to.
+#output warped: Clusters(count: clusters.count) // The same, with seeds at texels and what lies there.
+
+#import "algorithms/scaled.wgsl"
 #import "clusters.wgsl"
 #import "dispatch.wgsl"
-#import "pyramid.wgsl"
 #import "random.wgsl"
+#import interface "importance"
 
 struct Settings {
     clusters_count: u32,
-    /// The level of one square, and the one at which seeds stay as even as they are.
-    top: u32,
-    bottom: u32,
+    /// The level that is summed, 1 or more; of `warp`, the level of one square.
+    level: u32,
+    /// Levels of the pyramid that a seed descends from the whole map; 0 is all, down to a texel. Within a square of the last of
+    /// them seeds stay as even as they are. Fewer: seeds follow the importance less closely, and may fall to texels without any.
+    /// [default: 0, min: 0, max: 15]
+    levels: u32,
     seed: u32,
 }
 
 var<uniform> settings: Settings;
 var<storage, read> clusters: Clusters;
-var<storage, read> pyramid: array<Scaled>;
+var rsm_position: texture_2d_array<f32>;
 var rsm_normal: texture_2d_array<f32>;
 var rsm_flux: texture_2d_array<f32>;
+/// The sums, level by level.
+var<storage, read_write> pyramid: array<Scaled>;
 var<storage, read_write> warped: Clusters;
+
+/// Returns columns and rows of a level; level 0 is the texels.
+fn size_at(level: u32) -> vec2<u32> {
+    return (textureDimensions(rsm_position) + (1u << level) - 1u) >> vec2(level);
+}
+
+/// Returns the place in `pyramid` of the first sum of a level ≥ 1. Sums of texels are not stored: they are their importance.
+fn begin_of(level: u32) -> u32 {
+    var begin = 0u;
+    for (var finer = 1u; finer < level; finer++) {
+        let size = size_at(finer);
+        begin += size.x * size.y * textureNumLayers(rsm_position);
+    }
+    return begin;
+}
+
+fn place_of(level: u32, layer: u32, square: vec2<u32>) -> u32 {
+    let size = size_at(level);
+    return begin_of(level) + (layer * size.y + square.y) * size.x + square.x;
+}
+
+/// Returns the importance of a texel; NaN and what is negative count as 0.
+fn importance_of_texel(layer: u32, texel: vec2<u32>) -> f32 {
+    // DEVIATION(unlit): at a texel that the light does not reach, there is nothing to sample.
+    if textureLoad(rsm_position, texel, layer, 0).w == 0.0 {
+        return 0.0;
+    }
+    return weight_of(importance(layer, texel));
+}
+
+/// Returns the sum over a square of any level; 0 beyond the edges.
+fn sum_at(level: u32, layer: u32, square: vec2<u32>) -> Scaled {
+    if any(square >= size_at(level)) {
+        return Scaled(0.0, 0);
+    }
+    if level == 0u {
+        return scaled_weight(importance_of_texel(layer, square));
+    }
+    return pyramid[place_of(level, layer, square)];
+}
+
+/// Sums the squares of a level from those of the finer one: a thread for each, where z is the layer.
+@compute @workgroup_size(8, 8)
+fn sum(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= size_at(settings.level)) {
+        return;
+    }
+    let finer = settings.level - 1u;
+    let first = 2u * id.xy;
+    pyramid[place_of(settings.level, id.z, id.xy)] = add_scaled(
+        add_scaled(sum_at(finer, id.z, first), sum_at(finer, id.z, first + vec2(1u, 0u))),
+        add_scaled(sum_at(finer, id.z, first + vec2(0u, 1u)), sum_at(finer, id.z, first + vec2(1u))),
+    );
+}
 
 /// Less than 1, as random numbers are.
 const GREATEST: f32 = 0.99999994;
@@ -48,7 +117,7 @@ fn choose_layer(number: f32) -> Choice {
     let layers = textureNumLayers(rsm_position);
     var unit = NO_MAGNITUDE;
     for (var layer = 0u; layer < layers; layer++) {
-        unit = max(unit, magnitude(sum_at(settings.top, layer, vec2(0u))));
+        unit = max(unit, magnitude(sum_at(settings.level, layer, vec2(0u))));
     }
     if unit == NO_MAGNITUDE {
         let at = number * f32(layers);
@@ -57,17 +126,17 @@ fn choose_layer(number: f32) -> Choice {
     }
     var total = 0.0;
     for (var layer = 0u; layer < layers; layer++) {
-        total += in_units(sum_at(settings.top, layer, vec2(0u)), unit);
+        total += in_units(sum_at(settings.level, layer, vec2(0u)), unit);
     }
     // The product can round up to the total; below it, a layer is found, and it has a width.
     let sought = min(number * total, bitcast<f32>(bitcast<u32>(total) - 1u));
     var layer = 0u;
-    var width = in_units(sum_at(settings.top, layer, vec2(0u)), unit);
+    var width = in_units(sum_at(settings.level, layer, vec2(0u)), unit);
     var before = 0.0;
     while before + width <= sought {
         before += width;
         layer++;
-        width = in_units(sum_at(settings.top, layer, vec2(0u)), unit);
+        width = in_units(sum_at(settings.level, layer, vec2(0u)), unit);
     }
     return Choice(layer, clamp((sought - before) / width, 0.0, GREATEST));
 }
@@ -89,10 +158,11 @@ fn warp_seed(seed: vec2<f32>) -> Place {
     let layer = chosen.index;
     var rest = vec2(chosen.rest, seed.y);
     var square = vec2(0u);
-    var level = settings.top;
+    var level = settings.level;
+    let bottom = select(level - min(settings.levels, level), 0u, settings.levels == 0u);
     // Without importance the square stays the whole layer, and the seed where it is.
     if magnitude(sum_at(level, layer, square)) != NO_MAGNITUDE {
-        while level > settings.bottom {
+        while level > bottom {
             level--;
             square *= 2u;
             // DEVIATION(descent): Algorithm 5.3 leaves ρ_q out of its percentages, and adds the place within a quadrant to
@@ -168,12 +238,8 @@ fn placed(index: u32, cluster: Cluster) -> Cluster {
 }
 
 @compute @workgroup_size(64)
-fn warp(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn warp(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.clusters_count {
         return;
     }

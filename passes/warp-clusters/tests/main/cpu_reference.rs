@@ -1,22 +1,22 @@
-//! `pyramid.wgsl`, `sum.wgsl` and `warp.wgsl` in double precision, which needs no scaling by powers of two.
+//! The CPU reference of warp-clusters.wgsl in `f64`, which needs no scaling by powers of two.
 
 use interfaces::clusters::{Cluster, NO_TEXEL, state};
 
 /// What a reflective shadow map has at a texel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Texel {
+pub(crate) struct Texel {
     /// Position in world space \[m\]; `None` where the texel is unlit.
-    pub position: Option<[f32; 3]>,
+    pub(crate) position: Option<[f32; 3]>,
     /// Unit normal.
-    pub normal: [f32; 3],
+    pub(crate) normal: [f32; 3],
     /// Flux \[W\].
-    pub flux: [f32; 3],
+    pub(crate) flux: [f32; 3],
     /// Importance, as it is given.
-    pub importance: f32,
+    pub(crate) importance: f32,
 }
 
 /// Importance that counts: NaN and what is negative are 0, infinity is the greatest number, unlit is 0.
-pub fn importance_of_texel(texel: &Texel) -> f64 {
+pub(crate) fn importance_of_texel(texel: &Texel) -> f64 {
     match texel.position {
         Some(_) if texel.importance > 0.0 => f64::from(texel.importance.min(f32::MAX)),
         _ => 0.0,
@@ -25,29 +25,29 @@ pub fn importance_of_texel(texel: &Texel) -> f64 {
 
 /// A reflective shadow map, and the sums of its importance.
 #[derive(Clone, Debug)]
-pub struct Pyramid {
+pub(crate) struct Pyramid {
     /// Texels, by layer and row.
-    pub texels: Vec<Texel>,
+    pub(crate) texels: Vec<Texel>,
     /// Columns and rows.
-    pub size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// Number of layers.
-    pub layers: u32,
+    pub(crate) layers: u32,
     /// Sums by level, layer and row; level 0 is the texels.
-    pub sums: Vec<Vec<f64>>,
+    pub(crate) sums: Vec<Vec<f64>>,
 }
 
 /// A place in the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub(crate) struct Place {
     /// The layer.
-    pub layer: u32,
+    pub(crate) layer: u32,
     /// \[texels\]
-    pub uv: [f64; 2],
+    pub(crate) uv: [f64; 2],
 }
 
 impl Pyramid {
     /// Sums all levels.
-    pub fn new(texels: Vec<Texel>, size: [u32; 2]) -> Pyramid {
+    pub(crate) fn new(texels: Vec<Texel>, size: [u32; 2]) -> Pyramid {
         let layers = texels.len() as u32 / (size[0] * size[1]);
         let finest = texels.iter().map(importance_of_texel).collect();
         let mut pyramid = Pyramid { texels, size, layers, sums: vec![finest] };
@@ -59,17 +59,17 @@ impl Pyramid {
     }
 
     /// Returns the level of one square.
-    pub fn top(&self) -> u32 {
+    pub(crate) fn top(&self) -> u32 {
         self.sums.len() as u32 - 1
     }
 
     /// Returns columns and rows of a level.
-    pub fn size_at(&self, level: u32) -> [u32; 2] {
+    pub(crate) fn size_at(&self, level: u32) -> [u32; 2] {
         self.size.map(|side| side.div_ceil(1 << level))
     }
 
     /// Returns the sum over a square of any level; 0 beyond the edges.
-    pub fn sum_at(&self, level: u32, layer: u32, [x, y]: [u32; 2]) -> f64 {
+    pub(crate) fn sum_at(&self, level: u32, layer: u32, [x, y]: [u32; 2]) -> f64 {
         let [columns, rows] = self.size_at(level);
         if x >= columns || y >= rows {
             return 0.0;
@@ -93,7 +93,7 @@ impl Pyramid {
 
     /// Chooses a layer by a number in \[0, 1), in proportion to its sum; each alike if all sums are 0. Returns it with
     /// the rest of the number.
-    pub fn choose_layer(&self, number: f64) -> (u32, f64) {
+    pub(crate) fn choose_layer(&self, number: f64) -> (u32, f64) {
         let sums = &self.sums[self.top() as usize];
         let total: f64 = sums.iter().sum();
         if total == 0.0 {
@@ -112,7 +112,7 @@ impl Pyramid {
     }
 
     /// Returns where a seed goes, if it descends to a level.
-    pub fn warp_seed(&self, seed: [f64; 2], bottom: u32) -> Place {
+    pub(crate) fn warp_seed(&self, seed: [f64; 2], bottom: u32) -> Place {
         let (layer, x) = self.choose_layer(seed[0]);
         let mut rest = [x, seed[1]];
         let mut square = [0, 0];
@@ -138,19 +138,19 @@ impl Pyramid {
     }
 
     /// Returns the number of the texel at a place, through rows and layers.
-    pub fn texel_at(&self, place: &Place) -> u32 {
+    pub(crate) fn texel_at(&self, place: &Place) -> u32 {
         let [x, y] = place.uv.map(|at| at as u32);
         (place.layer * self.size[1] + y) * self.size[0] + x
     }
 
     /// Returns whether there is a surface at a place.
-    pub fn is_lit(&self, place: &Place) -> bool {
+    pub(crate) fn is_lit(&self, place: &Place) -> bool {
         let texel = &self.texels[self.texel_at(place) as usize];
         texel.position.is_some() && texel.normal != [0.0; 3]
     }
 
     /// Returns the cluster at a place, with what the map has there; of an unlit texel, one that waits to be seeded.
-    pub fn cluster_at(&self, place: &Place, generation: u32) -> Cluster {
+    pub(crate) fn cluster_at(&self, place: &Place, generation: u32) -> Cluster {
         let waiting = Cluster { texel: NO_TEXEL, generation, state: state::TO_SEED, ..Cluster::default() };
         if !self.is_lit(place) {
             return waiting;
@@ -172,7 +172,7 @@ impl Pyramid {
     }
 
     /// Returns what becomes of a cluster; `halton` returns an element of the sequence of seeds.
-    pub fn warp(
+    pub(crate) fn warp(
         &self,
         index: u32,
         count: u32,
@@ -201,7 +201,7 @@ impl Pyramid {
 }
 
 /// Chooses one of two by a number in \[0, 1), in proportion to their sums. Returns it with the rest of the number.
-pub fn choose(number: f64, first: f64, second: f64) -> (u32, f64) {
+pub(crate) fn choose(number: f64, first: f64, second: f64) -> (u32, f64) {
     let sought = number * (first + second);
     if sought < first { (0, sought / first) } else { (1, (sought - first) / second) }
 }
