@@ -1,41 +1,16 @@
-//! Gives many virtual lights the shadow maps of a few clusters.
+#![doc = include_str!("../README.md")]
 
 use interfaces::visibility::SHARED;
-use pass::{
-    Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording, SceneBindings,
-    Setting, Settings, UseContext, Value,
-};
+use pass::{OutputContext, OutputDesc, Pass, PassTypeError, UseContext, Value};
 
 /// The pass type `share-visibility`.
 pub const PASS: &dyn Pass = &ShareVisibility;
 
-/// Clustered visibility: a light is as visible as the area light of its cluster.
-pub struct ShareVisibility;
+struct ShareVisibility;
 
 impl Pass for ShareVisibility {
-    fn info(&self) -> Info {
-        Info {
-            kind: "share-visibility",
-            about: "Makes each virtual light as visible as the cluster that it belongs to.",
-            paper: "Dong et al. 2009; ACRSM §3.2.5",
-            shaders: &[],
-        }
-    }
-
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(Vec::new())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: vec![
-                pass::input("maps", "Visibility", "Maps of a few lights."),
-                pass::input("lights", "VirtualLights", "The lights of the maps."),
-                pass::input("owners", "Owners", "Which of these each light of a reader belongs to."),
-            ],
-            outputs: vec![pass::output("visibility", "Visibility", "The same maps, for all lights.")],
-            scene_bindings: SceneBindings::NONE,
-        })
+    fn kind(&self) -> &'static str {
+        "share-visibility"
     }
 
     fn outputs(
@@ -62,9 +37,5 @@ impl Pass for ShareVisibility {
                 .help("link what looks up maps: its module imports visibility-shared.wgsl"));
         }
         Ok(vec![visibility.module(module.option(SHARED, Value::Bool(true)))])
-    }
-
-    fn record(&self, _: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        Ok(Recording::default())
     }
 }
