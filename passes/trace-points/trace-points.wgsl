@@ -1,6 +1,13 @@
-// What surface points see: where a ray from each meets the scene. [SMC-IR Alg. 1, line 5; §3.2.1]
+// Traces a ray from each of a number of surface points to the point that it meets. [SMC-IR §3.2.1, Alg. 1]
+//
+// Line 5 of the algorithm.
 
-#option DIRECTIONS cosine one_of [cosine, uniform] // How the directions of rays are distributed over the hemisphere about the normal. cosine: in proportion to the cosine with it, as light counts. uniform: every solid angle alike, which finds more of what is seen at grazing angles.
+#input points: SurfacePoints // Where rays begin.
+#output traced: SurfacePoints(count: points.count) // Where they end; empty where a ray meets nothing, and where none begins.
+
+#option DIRECTIONS cosine one_of [cosine, uniform] // How the directions of rays are distributed over the hemisphere about the
+    // normal. cosine: in proportion to the cosine with it, as light counts. uniform: every solid angle alike, which finds more of
+    // what is seen at grazing angles.
 
 #import "dispatch.wgsl"
 #import "hemisphere.wgsl"
@@ -9,7 +16,7 @@
 #import "surface-point.wgsl"
 #import "tangent-frame.wgsl"
 
-/// Tells these random numbers from those of the origins' places: where a run has the seed 0, so have all passes.
+/// Separates these random numbers from those of the origins' places: where a run has the seed 0, so have all passes.
 const DIRECTIONS: u32 = 0x7472u;
 
 struct Settings {
@@ -44,12 +51,8 @@ fn seen_from(point: SurfacePoint, square: vec2<f32>, seed: u32) -> SurfacePoint 
 }
 
 @compute @workgroup_size(64)
-fn see(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn see(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.points_count {
         return;
     }
