@@ -1,12 +1,17 @@
-// Radiosity of points on surfaces: the direct light of the scene's lights, and the mean over paths of what else arrives.
-// [SMC-IR §3.2.3]
+// Computes the radiosity of points on surfaces by paths from them, and keeps what it knows. [SMC-IR §3.2.3]
 //
-// Paths have next-event estimation at each of their surfaces, of the lights and of the surfaces that emit; a point has that of
-// the latter for each of its paths. All surfaces are diffuse (SMC-IR §3.1). The random numbers of a point come from its own seed
-// alone: neither its index nor the frame changes what it is.
+// It is the direct light of the scene's lights, and the mean over paths of what else arrives. Paths have next-event estimation
+// at each of their surfaces, of the lights and of the surfaces that emit; a point has that of the latter for each of its paths.
+// All surfaces are diffuse (SMC-IR §3.1). The random numbers of a point come from its own seed alone: neither its index nor the
+// frame changes what it is.
+
+#input points: SurfacePoints // Where radiosity is wanted.
+#input past: Radiosity optional // What is known: `prev` of the output, reset by `Scene`, `Reload`, `Setting` and `Moved`.
+#output radiosity: Radiosity(count: points.count) // What leaves the surface at each point.
 
 #option PAST false // whether there are radiosities of earlier frames
-#option ALBEDO mean one_of [mean, textured] // Reflectance of surfaces that paths meet. mean: textures are replaced by their means, as SMC-IR §5 does. textured: as they are.
+#option ALBEDO mean one_of [mean, textured] // Reflectance of surfaces that paths meet. mean: textures are replaced by their
+    // means, as SMC-IR §5 does. textured: as they are.
 #option EMISSIVE false // whether any surface emits
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option TEXTURED false // whether any material of the scene has a texture
@@ -22,16 +27,20 @@
 #if EMISSIVE
 #import "emitted-light.wgsl"
 
-/// Tells the random numbers by which emitters are sampled from those of directions, one sequence a segment each.
+/// Segments of a path beyond those of its bounces: the last may meet what emits.
+const EMITTED_SEGMENTS: u32 = 1u;
+/// Separates the random numbers by which emitters are sampled from those of directions, one sequence a segment each.
 const EMITTERS: u32 = 0x656du;
+#else
+const EMITTED_SEGMENTS: u32 = 0u;
 #endif
 
 struct Settings {
-    /// Paths N of a point. Noise falls as N^-½; time grows with N.
+    /// Number N of paths of a point. More: less noise, which falls as N^-½; time grows with N. [default: 16, min: 1, max: 1024]
     paths: u32,
+    /// Bounces of light, from the lights of the scene to where it leaves the points: 1 is direct light that they
+    /// reflect. More: brighter, and more time. [default: 3, min: 1, max: 63]
     bounces: u32,
-    /// Segments of a path: bounces but the first, and one more where surfaces emit, which it may meet.
-    segments: u32,
 }
 
 var<uniform> settings: Settings;
@@ -40,8 +49,14 @@ var<storage, read> points: SurfacePoints;
 var<storage, read> past: PointRadiosities;
 #endif
 /// Radiance that arrives along each path, times π [W/m²]: the paths of a point are neighbours.
+/// [scratch, count: points.count * settings.paths]
 var<storage, read_write> arriving: array<vec4<f32>>;
 var<storage, read_write> radiosity: PointRadiosities;
+
+/// Segments of a path: one for each bounce but the first, and one more where surfaces emit.
+fn segments() -> u32 {
+    return settings.bounces - 1u + EMITTED_SEGMENTS;
+}
 
 /// What the radiosity of a point follows from, while neither lights nor geometry move. No point has the key 0.
 fn key_of(point: SurfacePoint) -> u32 {
@@ -77,7 +92,7 @@ fn arriving_along(point: SurfacePoint, path: u32) -> vec3<f32> {
     var throughput = vec3(1.0);
     // Its reflectance is that of all paths together.
     var vertex = diffuse_point(point, vec3(1.0));
-    for (var segment = 1u; segment <= settings.segments; segment++) {
+    for (var segment = 1u; segment <= segments(); segment++) {
 #if EMISSIVE
         let place = sobol2_bits_of(path, hash2(point.seed, EMITTERS + segment));
         sum += throughput * PI * reflected_emission(vertex, vertex.normal, place);
@@ -109,13 +124,11 @@ fn arriving_along(point: SurfacePoint, path: u32) -> vec3<f32> {
     return sum;
 }
 
+/// Traces a path in each thread, where paths have segments.
+/// [threads: points.count * settings.paths, repeat: min(1, settings.bounces - 1 + EMITTED_SEGMENTS)]
 @compute @workgroup_size(64)
-fn trace_paths(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn trace_paths(row: Row) {
+    let index = index_in(row, 64u);
     let owner = index / settings.paths;
     if owner >= min(points.header.count, arrayLength(&points.points)) {
         return;
@@ -128,12 +141,8 @@ fn trace_paths(
 }
 
 @compute @workgroup_size(64)
-fn collect(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn collect(row: Row) {
+    let index = index_in(row, 64u);
     if index >= arrayLength(&radiosity.radiosities) {
         return;
     }
@@ -156,8 +165,8 @@ fn collect(
 /// Radiosity of a point [W/m²] by the lights of the scene and its paths.
 fn radiosity_of(index: u32, point: SurfacePoint) -> vec3<f32> {
     var sum = vec3(0.0);
-    if settings.segments > 0u {
-        // A bound that is no uniform: lavapipe compiles a dispatch anew to unroll loops that a uniform ends.
+    if segments() > 0u {
+        // A bound that is no uniform: lavapipe compiles a dispatch again to unroll loops that a uniform ends.
         let first = index * settings.paths;
         let end = min(first + settings.paths, arrayLength(&arriving));
         for (var path = first; path < end; path++) {
