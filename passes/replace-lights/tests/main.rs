@@ -1,13 +1,15 @@
 //! The pass against Alg. 1 by sorting, and what no frame may do.
 
+mod cpu_reference;
+
 use bytemuck::Pod;
+use cpu_reference::{Light, newcomers};
 use interfaces::radiosity::PointRadiosity;
 use interfaces::surface_points::SurfacePoint;
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass_test::random::hash;
 use pass_test::{Harness, Outputs};
 use replace_lights::PASS;
-use replace_lights::cpu_reference::{Light, newcomers};
 
 #[test]
 fn every_variant_is_valid() {

@@ -2,16 +2,16 @@
 
 /// A light of the frame before.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
+pub(crate) struct Light {
     /// Radiosity over density.
-    pub intensity: f32,
+    pub(crate) intensity: f32,
     /// Whether it reaches what is in view.
-    pub is_valid: bool,
+    pub(crate) is_valid: bool,
 }
 
 /// Returns which candidate comes to each slot; `None` where the slot stays as it is. `lights` and `candidates` have `None`
 /// where there is no light, and no candidate. `moved` is M_max.
-pub fn newcomers(
+pub(crate) fn newcomers(
     lights: &[Option<Light>],
     candidates: &[Option<f32>],
     moved: usize,
