@@ -16,7 +16,7 @@ var<storage, read> among: SurfacePoints;
 var<storage, read> summary: Summary;
 /// Indices of points, cell after cell.
 var<storage, read> order: array<u32>;
-/// [points] Position [units] as bits, and index.
+/// Position [units] as bits, and index.
 var<storage, read_write> arranged: array<vec4<u32>>;
 
 fn grid_length() -> u32 {
@@ -38,12 +38,8 @@ fn grid_cell(i: u32) -> u32 {
 }
 
 @compute @workgroup_size(GROUP_SIZE)
-fn arrange(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let place = row_index(id, ids, thread, GROUP_SIZE);
+fn arrange(row: Row) {
+    let place = index_in(row, GROUP_SIZE);
     // Empty points come last.
     if place >= summary.count {
         return;

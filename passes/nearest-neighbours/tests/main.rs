@@ -1,8 +1,10 @@
 //! Densities against all pairs in double precision, and against what a known density gives.
 
+mod cpu_reference;
+
+use cpu_reference::{consistent_k, density};
 use interfaces::surface_points::SurfacePoint;
 use nearest_neighbours::PASS;
-use nearest_neighbours::cpu_reference::{consistent_k, density};
 use pass_test::Harness;
 use pass_test::random::{hash2, unit_float};
 

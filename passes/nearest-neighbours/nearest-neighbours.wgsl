@@ -1,12 +1,22 @@
-// The density of points on surfaces, from the distance to the k-th nearest neighbour. [SMC-IR §3.2.4, Eq. 7-8]
+// Estimates how densely points lie on surfaces, by the distance to the k-th nearest neighbour. [SMC-IR §3.2.4, Eq. 7-8]
 //
-// All that leaves the search is the k least distances, so it does not matter in which order neighbours are found.
+// This file has the search; summary.wgsl and cells.wgsl prepare it. All that leaves the search is the k least distances, so it
+// does not matter in which order neighbours are found.
 
-#option GRID false // whether points are sorted into cells, of which the nearest are searched; else all are compared
-#option SELF false // whether neighbours are among the points themselves
-#option SIDES false // whether only neighbours that face the same side count
-#option OWNERS false // whether the nearest neighbour itself is told: its owner
-#option VECTORS 1 one_of [1, 2, 4, 8] // four distances each: k and more
+#input points: SurfacePoints // The points that have a density.
+#input among: SurfacePoints optional // The points whose density it is, and which are neighbours. Without it, the points
+    // themselves.
+#output density: Density(count: points.count) // Estimate at each point; 0 where that is empty.
+
+#option GRID false internal // whether points are sorted into cells, of which the nearest are searched; else all are compared
+#option SELF false internal // whether neighbours are among the points themselves
+#option VECTORS 1 one_of [1, 2, 4, 8] internal // four distances each: k and more
+#option SIDES false // Whether only neighbours whose normals are within 90° of the point's own count. Otherwise the two sides of a
+    // thin wall are neighbours, and lights on either side are as weak as if they were on one.
+#option OWNERS false // Whether the nearest neighbour of each point is an output too: its owner.
+#if OWNERS
+#output owners: Owners(count: points.count) // The neighbour that is nearest to each point.
+#endif
 
 #import "color.wgsl"
 #import "dispatch.wgsl"
@@ -21,15 +31,19 @@ struct Settings {
     parts: u32,
     /// The most cells in a direction.
     resolution: u32,
-    /// Which neighbour's distance is measured; 0 is Eq. 8.
+    /// Which neighbour's distance is measured, k. Higher: the estimate has less variance, but is blurred. 0: max(1, ⌊√I / 32⌋)
+    /// of I points, with which it is consistent (SMC-IR Eq. 8), up to 32. [default: 0, min: 0, max: 32]
     k: u32,
+    /// How neighbours are found; the result is the same. pairs: all pairs are compared. grid: points are sorted into cells.
+    /// auto: the faster of both for the numbers of points. [default: "auto", one_of: ["auto", "pairs", "grid"]]
+    structure: u32,
 }
 
 var<uniform> settings: Settings;
 var<storage, read> points: SurfacePoints;
 var<storage, read> among: SurfacePoints;
 var<storage, read> summary: Summary;
-/// [points][VECTORS] The least squared distances of dispatches before.
+/// The least squared distances of dispatches before: VECTORS for each point.
 var<storage, read_write> distances: array<vec4<f32>>;
 var<storage, read_write> density: array<f32>;
 #if OWNERS
@@ -245,12 +259,8 @@ fn search_cells(query: Query) {
 }
 
 @compute @workgroup_size(GROUP)
-fn search(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let index = row_index(group, groups, thread, GROUP);
+fn search(row: Row) {
+    let index = index_in(row, GROUP);
     if index >= settings.points_count {
         return;
     }
@@ -274,17 +284,13 @@ fn staged_point(index: u32, end: u32) -> vec4<f32> {
 }
 
 @compute @workgroup_size(GROUP)
-fn search(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let index = row_index(group, groups, thread, GROUP);
+fn search(row: Row) {
+    let index = index_in(row, GROUP);
     let query = query_of(index);
     begin_search(query, min(index, settings.points_count - 1u));
     let end = min(settings.among_count, among.header.count);
     for (var first = settings.part * GROUP; first < end; first += settings.parts * GROUP) {
-        staged[thread] = staged_point(first + thread, end);
+        staged[row.local] = staged_point(first + row.local, end);
         workgroupBarrier();
         for (var c = 0u; c < min(GROUP, end - first); c++) {
             let other = staged[c];
