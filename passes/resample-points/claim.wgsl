@@ -28,12 +28,8 @@ var<storage, read_write> taken: array<u32>;
 const UNCLAIMED: u32 = 0xffffffffu;
 
 @compute @workgroup_size(64)
-fn clear_claims(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = row_index(group, groups, local, 64u);
+fn clear_claims(row: Row) {
+    let i = index_in(row, 64u);
     if i < settings.points_count {
         atomicStore(&claims[i], UNCLAIMED);
     }
@@ -58,12 +54,8 @@ fn point_at(number: f32) -> u32 {
 }
 
 @compute @workgroup_size(64)
-fn claim(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn claim(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.count || cumulated[settings.points_count - 1u] == 0.0 {
         return;
     }
@@ -79,12 +71,8 @@ fn claim(
 
 /// Takes the points that are claimed.
 @compute @workgroup_size(64)
-fn take(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = row_index(group, groups, local, 64u);
+fn take(row: Row) {
+    let i = index_in(row, 64u);
     if i < settings.points_count {
         taken[i] = select(0u, 1u, atomicLoad(&claims[i]) != UNCLAIMED);
     }

@@ -37,12 +37,8 @@ fn arrival_key(i: u32) -> u32 {
 
 /// Gives each point its key.
 @compute @workgroup_size(GROUP_SIZE)
-fn arrive(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let i = row_index(id, ids, thread, GROUP_SIZE);
+fn arrive(row: Row) {
+    let i = index_in(row, GROUP_SIZE);
     if i < settings.points_count {
         keys[i] = arrival_key(i);
     }
@@ -66,12 +62,8 @@ fn select_store(key: u32) {
 
 /// Takes a point or not; 2 where it arrives together with the last, of whom the first in their order are taken.
 @compute @workgroup_size(GROUP_SIZE)
-fn take(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let i = row_index(id, ids, thread, GROUP_SIZE);
+fn take(row: Row) {
+    let i = index_in(row, GROUP_SIZE);
     if i >= settings.points_count {
         return;
     }

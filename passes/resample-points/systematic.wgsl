@@ -66,12 +66,8 @@ fn shift() -> u32 {
 
 /// Takes a point or not.
 @compute @workgroup_size(GROUP_SIZE)
-fn take(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let i = row_index(id, ids, thread, GROUP_SIZE);
+fn take(row: Row) {
+    let i = index_in(row, GROUP_SIZE);
     if i >= settings.points_count {
         return;
     }

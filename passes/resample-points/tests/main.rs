@@ -1,10 +1,12 @@
 //! Which points are chosen, and how often.
 
+mod cpu_reference;
+
 use interfaces::surface_points::SurfacePoint;
 use pass_test::random::{hash2, unit_float};
 use pass_test::statistics::{assert_follows, chi_squared, chi_squared_limit};
 use pass_test::{Harness, buffer};
-use resample_points::{PASS, cpu_reference};
+use resample_points::PASS;
 use std::collections::HashSet;
 
 const METHODS: [&str; 3] = ["systematic", "race", "retries"];
@@ -345,7 +347,7 @@ fn inputs_have_one_length() {
         Ok(skipped) => assert!(skipped, "there is no adapter"),
         Err(words) => {
             let words = words.downcast::<String>().expect("a message");
-            assert!(words.contains("expected as many as `points`, which are 5; found 6"), "{words}");
+            assert!(words.contains("`origins` has 6 elements, but `points` has 5 elements"), "{words}");
         }
     }
 }

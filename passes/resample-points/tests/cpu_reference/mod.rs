@@ -2,7 +2,7 @@
 
 /// Returns the probability of each point in systematic sampling: its weight over a threshold, at most 1, where the threshold
 /// makes them add up to `count`. All are 1 where no more than that have a weight.
-pub fn systematic(weights: &[f64], count: usize) -> Vec<f64> {
+pub(crate) fn systematic(weights: &[f64], count: usize) -> Vec<f64> {
     let mut sorted: Vec<f64> = weights.iter().copied().filter(|weight| *weight > 0.0).collect();
     sorted.sort_by(|a, b| b.total_cmp(a));
     if sorted.len() <= count {
@@ -28,7 +28,7 @@ pub fn systematic(weights: &[f64], count: usize) -> Vec<f64> {
 
 /// Returns the probability of each of many points if they are drawn one after the other, each in proportion to the weights that
 /// are left, until there are `count`: 1 - exp(-w t) with one time t for all.
-pub fn successive(weights: &[f64], count: f64) -> Vec<f64> {
+pub(crate) fn successive(weights: &[f64], count: f64) -> Vec<f64> {
     let at = |time: f64| weights.iter().map(move |weight| -(-weight * time).exp_m1());
     let (mut low, mut high) = (-80.0f64, 80.0f64);
     for _ in 0..100 {
