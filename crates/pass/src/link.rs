@@ -161,7 +161,7 @@ pub fn link_steps(
     })?;
     let schema = kind.settings(&context.use_context()).unwrap_or_default();
     let (names, inputs, outputs, schema) = (&names, &inputs[..], &outputs[..], &schema[..]);
-    let linker = StepLinker { entry: "", planned, plan, names, inputs, outputs, schema };
+    let linker = StepLinker { entry: "", planned, plan, names, inputs, outputs, schema, interfaces };
     let steps = recording
         .steps
         .into_iter()
@@ -184,6 +184,7 @@ struct StepLinker<'a> {
     inputs: &'a [PortDesc],
     outputs: &'a [PortDesc],
     schema: &'a [Setting],
+    interfaces: &'a [Interface],
 }
 
 impl StepLinker<'_> {

@@ -24,7 +24,7 @@ pub struct DeclaredPort {
     pub optional: bool,
     /// The input whose size, or number of elements, an input must have, for `like INPUT`.
     pub like: Option<String>,
-    /// Members that what is linked to an input must have, for `with MEMBER`.
+    /// Members and facts that what is linked to an input must have, for `with NAME`.
     pub with: Vec<String>,
     /// Members that it must not have, for `without MEMBER`.
     pub without: Vec<String>,
@@ -189,7 +189,7 @@ pub(crate) fn parse(text: &str, at: usize, pos: usize, input: bool) -> Result<Po
         match (word.value.as_str(), input) {
             ("optional", true) => port.optional = true,
             ("like", true) => port.like = Some(reader.name("the name of an input")?.value),
-            ("with", true) => port.with.push(reader.name("the name of a member")?.value),
+            ("with", true) => port.with.push(reader.name("the name of a member or a fact")?.value),
             ("without", true) => port.without.push(reader.name("the name of a member")?.value),
             ("cleared", false) => port.cleared = true,
             ("continues", false) => port.continues = Some(reader.name("the name of an input")?.value),

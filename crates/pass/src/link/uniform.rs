@@ -4,7 +4,7 @@ use super::StepLinker;
 use crate::record::PortDesc;
 use frame_graph::codes::link as codes;
 use frame_graph::plan::HistoryId;
-use frame_graph::{Diagnostic, Diagnostics, Setting, Value, ValueType, nearest};
+use frame_graph::{Diagnostic, Diagnostics, FactDecl, Setting, Value, ValueType, nearest};
 use shader_library::{GlobalKind, MemberLayout, Request, Shader, StructLayout};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -119,6 +119,15 @@ impl Known<'_> {
         }
     }
 
+    /// Adds 0 for the numbers among the facts that a producer may leave out, and did.
+    fn add_absent(&mut self, prefix: &str, declared: &[FactDecl]) {
+        for fact in declared.iter().filter(|fact| fact.optional) {
+            if let Some(zero) = Value::U32(0).convert(fact.ty) {
+                self.values.entry(format!("{prefix}{}", fact.name)).or_insert(zero);
+            }
+        }
+    }
+
     /// Adds the members about the history buffer of an input.
     fn add_past(&mut self, prefix: &str, histories: Option<&Vec<HistoryId>>) {
         if let Some(history) = histories.and_then(|histories| histories.first()) {
@@ -147,7 +156,10 @@ impl StepLinker<'_> {
     ) -> Result<UniformFill, Diagnostics> {
         let mut known = Known::default();
         for port in self.inputs.iter().chain(self.outputs) {
-            known.add_port(&format!("{}_", port.name), port);
+            let prefix = format!("{}_", port.name);
+            known.add_port(&prefix, port);
+            let interface = self.interfaces.iter().find(|known| known.name == port.interface);
+            known.add_absent(&prefix, interface.map_or(&[], |interface| interface.facts));
         }
         let settings = self.planned.settings.0.iter();
         known.values.extend(settings.map(|(name, value)| (name.clone(), self.in_shader(name, value))));

@@ -202,7 +202,7 @@ impl Reflected {
         outputs: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         for input in &self.outline.inputs {
-            check_members_of_input(input, outputs)?;
+            check_members_of_input(input, cx.interfaces, outputs)?;
             check_like(input, outputs)?;
         }
         let declared = self.outline.inputs.iter().filter_map(|input| outputs.input(&input.name));
@@ -574,13 +574,23 @@ fn unknown_fact(declared: &DeclaredPort, name: &str, interface: Option<&Interfac
     })
 }
 
-/// Checks that what is linked to an input has the members that it is declared `with`, and not those that it is declared
-/// `without`.
-fn check_members_of_input(declared: &DeclaredPort, outputs: &OutputContext<'_>) -> Result<(), PassTypeError> {
+/// Checks that what is linked to an input has the members and facts that it is declared `with`, and not the members that
+/// it is declared `without`.
+fn check_members_of_input(
+    declared: &DeclaredPort,
+    interfaces: &[Interface],
+    outputs: &OutputContext<'_>,
+) -> Result<(), PassTypeError> {
     let name = &declared.name;
     let Some(input) = outputs.input(name) else { return Ok(()) };
+    let interface = interfaces.iter().find(|known| known.name == declared.interface);
+    let is_fact = |name: &str| interface.is_some_and(|interface| interface.fact(name).is_some());
+    let (facts, members): (Vec<&String>, Vec<&String>) = declared.with.iter().partition(|name| is_fact(name));
+    if let Some(fact) = facts.into_iter().find(|fact| input.facts.get(fact).is_none()) {
+        return Err(PassTypeError::no_fact(name, fact).help(&*declared.doc));
+    }
     let refused = |message, help| Err(PassTypeError::input(name, message).help(help));
-    if let Some(member) = declared.with.iter().find(|member| input.member(member).is_none()) {
+    if let Some(member) = members.into_iter().find(|member| input.member(member).is_none()) {
         let message = format!("what is linked to `{name}` lacks the member `{member}`");
         return refused(message, format!("link a pass that gives `{member}`, or take this pass out"));
     }

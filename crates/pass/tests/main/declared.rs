@@ -151,6 +151,25 @@ fn inputs_that_are_declared_alike_have_as_many_elements() {
 }
 
 #[test]
+fn a_fact_that_is_left_out_is_zero_unless_it_is_demanded() {
+    let sum = SUM_WGSL
+        .replace("const", "struct Settings { numbers_scale: f32 }\nvar<uniform> settings: Settings;\nconst")
+        .replace("total[0] = blocks[0]", "total[0] = settings.numbers_scale * blocks[0]");
+    let scaled = PIPELINE.replace("\"count\": 8", "\"count\": 8, \"scale\": 2.0");
+    for (pipeline, expected) in [(PIPELINE, 0.0), (&*scaled, 2.0)] {
+        let steps =
+            types(MAKE_WGSL, &sum).linked(pipeline, "sum").1.unwrap_or_else(|error| panic!("{error}"));
+        let finish = steps.last().unwrap();
+        assert_eq!(finish.uniforms[0].values["numbers_scale"], Value::F32(expected));
+    }
+    let demanded = sum.replacen("numbers: Numbers\n", "numbers: Numbers with scale // Scaled numbers.\n", 1);
+    let error = types(MAKE_WGSL, &demanded).plan(PIPELINE).expect_err("no scale");
+    assert!(error.contains("what is linked to `numbers` has no fact `scale`"), "{error}");
+    assert!(error.contains("Scaled numbers."), "{error}");
+    types(MAKE_WGSL, &demanded).plan(&scaled).unwrap();
+}
+
+#[test]
 fn settings_are_read_by_name() {
     use pass::ReadSettings;
     let settings = Settings([("count".to_owned(), Value::U32(3))].into());
