@@ -1,13 +1,21 @@
-// One iteration of a wavelet filter with holes that stops at edges of the geometry. [Dammertz et al. 2010]
+// Averages irradiance by a wavelet filter that stops at edges of the geometry. [Dammertz et al. 2010]
 //
-// 5×5 pixels `stride` apart, with the weights of a cubic B-spline, times the likeness of the surfaces that they see.
+// An iteration takes 5×5 pixels `stride` apart, with the weights of a cubic B-spline, times the likeness of the surfaces that
+// they see.
 //
 // filtered: rgba32float [W/m²]; all four channels are averaged alike.
+
+#input view: GBuffer // Determines which pixels see the same surface.
+#input irradiance: Irradiance like view // The irradiance to average; of the size of `view`.
+#output filtered: Irradiance // The averages.
 
 #import "surface-around.wgsl"
 
 struct Settings {
     view_size: vec2<u32>,
+    /// Iterations, each of which doubles the window; 0 takes as many as leave no pattern of the interleaving (the facts
+    /// `interleave_x`, `interleave_y` of the input): 2 for 4, 3 for 8. More: less noise, but less detail. [default: 0, max: 8]
+    iterations: u32,
     /// Distance between taps [px]: 2^i in iteration i.
     stride: u32,
     /// Distance of a pixel from the plane of the centre at which its weight falls to 1/e, as a fraction of the depth.
