@@ -1,6 +1,8 @@
 //! The filter removes the pattern of interleaving, and only that.
 
-use geometry_aware_blur::cpu_reference::window;
+mod cpu_reference;
+
+use cpu_reference::window;
 use pass_test::Harness;
 
 /// The irradiance that both ways of filtering make of what a function describes: depth [m] and normal. `None`
