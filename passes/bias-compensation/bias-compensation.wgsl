@@ -1,4 +1,4 @@
-// Returns to an irradiance what the bound of its lights' geometry terms took away. [Kollig & Keller 2004]
+// Returns by short rays the light that the bound of virtual lights took away. [Kollig & Keller 2004]
 //
 // Of the light that a surface at distance d < b sends, lights bounded at b give the share d² / b², if they are many.
 // The rest comes along rays of length b over the cosine: π times the mean of (1 - d² / b²) times the radiance that
@@ -8,8 +8,13 @@
 //
 // compensated: rgba32float [W/m²]; alpha is 0, since nothing is left out.
 
-#option MASKED false // whether triangles do not count where alpha is below their material's cutoff
-#option TEXTURED false // whether any material of the scene has a texture
+#input view: GBuffer // The pixels at which light was gathered.
+#input irradiance: Irradiance like view with clamp // The irradiance of lights that are bounded at one distance, the fact `clamp`:
+    // the output of `gather` itself, with `area_bound` 0 and `geometry` "bounded".
+#output compensated: Irradiance(
+    interleave_x: irradiance.interleave_x?,
+    interleave_y: irradiance.interleave_y?,
+) // The irradiance with what the bound took away.
 
 #import "camera.wgsl"
 #import "diffuse-reflectance.wgsl"
@@ -20,11 +25,10 @@
 
 struct Settings {
     view_size: vec2<u32>,
-    /// The window of the interleaving [px].
-    interleave_x: u32,
-    interleave_y: u32,
+    irradiance_interleave_x: u32,
+    irradiance_interleave_y: u32,
     /// The distance b, as a fraction of the scene's dense extent.
-    bound: f32,
+    irradiance_clamp: f32,
     /// Rays of a pixel. More: less noise near edges and contacts, and more time. [default: 1, min: 1, max: 64]
     rays_per_pixel: u32,
     seed: u32,
@@ -43,7 +47,7 @@ fn compensate(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var whole = vec4(textureLoad(irradiance, id.xy, 0).rgb, 0.0);
     let depth = textureLoad(view_depth, id.xy, 0).x;
-    let bound = settings.bound * scene_info.dense_extent;
+    let bound = settings.irradiance_clamp * scene_info.dense_extent;
     if depth > 0.0 && bound > 0.0 {
         let at = camera.position + pixel_ray(vec2<f32>(id.xy), settings.view_size) * depth;
         let normal = normalize(textureLoad(view_normal, id.xy, 0).xyz);
@@ -54,7 +58,7 @@ fn compensate(@builtin(global_invocation_id) id: vec3<u32>) {
 
 /// The irradiance that bounded lights lack [W/m²], at a point [m] with a unit normal.
 fn near_field(pixel: vec2<u32>, at: vec3<f32>, normal: vec3<f32>, bound: f32) -> vec3<f32> {
-    let interleave = vec2(settings.interleave_x, settings.interleave_y);
+    let interleave = max(vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y), vec2(1u));
     let window = pixel / interleave;
     let within = pixel % interleave;
     let place = within.y * interleave.x + within.x;
