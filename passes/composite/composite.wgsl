@@ -1,10 +1,18 @@
-// All light that a pixel receives: direct light, indirect light times the surface's reflectance, glossy light, and
-// emission.
+// Composes the picture: direct, indirect and glossy light and emission, linear and for a screen. [tone mapping: Reinhard et
+// al. 2002, Eq. 3-4; Hable 2010; Narkowicz 2015]
 
-#option DIRECT false // whether `direct` is connected
-#option INDIRECT false // whether `indirect` is connected
-#option GLOSSY false // whether `glossy` is connected
-#option EMISSION false // whether the G-buffer has the member `emission`
+#input view: GBuffer // The surfaces: albedo, and emission where it has it.
+#input direct: Radiance optional like view // Direct light.
+#input indirect: Irradiance optional like view // Indirect irradiance, reflected here by the albedo.
+#input glossy: Radiance optional like view // Indirect light that surfaces reflect specularly.
+#output image: Radiance // All light.
+#output indirect_radiance: Radiance // Neither direct nor emitted: albedo/π × irradiance + glossy.
+#output display: Display // All light, for a screen.
+
+#option DIRECT false // whether `direct` is linked
+#option INDIRECT false // whether `indirect` is linked
+#option GLOSSY false // whether `glossy` is linked
+#option VIEW_EMISSION false // whether the G-buffer has the member `emission`
 #option INDIRECT_RADIANCE true // whether `indirect_radiance` is read
 
 #import "color.wgsl"
@@ -16,7 +24,7 @@ struct Settings {
 var<uniform> settings: Settings;
 var view_depth: texture_2d<f32>;
 var view_albedo: texture_2d<f32>;
-#if EMISSION
+#if VIEW_EMISSION
 var view_emission: texture_2d<f32>;
 #endif
 #if DIRECT
@@ -53,7 +61,7 @@ fn composite(@builtin(global_invocation_id) id: vec3<u32>) {
 #if DIRECT
     total += textureLoad(direct, id.xy, 0).rgb;
 #endif
-#if EMISSION
+#if VIEW_EMISSION
     total += textureLoad(view_emission, id.xy, 0).rgb;
 #endif
     textureStore(image, id.xy, vec4(total, seen));

@@ -1,8 +1,9 @@
 //! The shaders are valid; the CPU reference against closed forms.
 
+mod cpu_reference;
 mod gpu;
 
-use composite::cpu_reference::{composite, displayed, srgb, tonemap};
+use cpu_reference::{composite, displayed, srgb, tonemap};
 use std::f64::consts::PI;
 
 const CURVES: [&str; 5] = ["reinhard", "reinhard-simple", "aces", "filmic", "none"];

@@ -1,6 +1,6 @@
 //! The pass on a GPU, against the CPU reference.
 
-use composite::cpu_reference::{Rgb, composite, displayed};
+use crate::cpu_reference::{Rgb, composite, displayed};
 use half::f16;
 use pass::{Format, ResourceDesc};
 use pass_test::Harness;
@@ -111,5 +111,5 @@ fn an_input_of_another_size_is_refused() {
     let refusal =
         std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| harness.run().is_some())).unwrap_err();
     let refusal = refusal.downcast_ref::<String>().cloned().unwrap_or_default();
-    assert!(refusal.contains("`direct` is 4×4, but the G-buffer is 13×9"), "{refusal}");
+    assert!(refusal.contains("`direct` is 4×4, but `view` is 13×9"), "{refusal}");
 }
