@@ -1,5 +1,13 @@
-// The cells of clusters of a reflective shadow map, on the surfaces that the camera sees: a color for each cluster, darker
-// where the light that the cell belongs to does not shine, and a dot at the texel at its centre.
+// Shows the cells of clusters of a reflective shadow map on the surfaces in view.
+//
+// Each cluster has a color, darker where the light that the cell belongs to does not shine, and a dot at the texel at its
+// centre.
+
+#input map: ClusterMap // The cluster of each texel.
+#input clusters: Clusters // The clusters, averaged: where their centres are.
+#input rsm: ReflectiveShadowMap // What was clustered; its positions are the shadow maps.
+#input view: GBuffer // The surfaces to show them on.
+#output display: Display(size: like(view)) // The cells in colors.
 
 #import "camera.wgsl"
 #import "clustering.wgsl"
@@ -87,7 +95,7 @@ fn place_of(at: vec3<f32>, normal: vec3<f32>) -> Place {
 }
 
 /// The color of a cluster. Hues step by the golden ratio, so that those of near indices are far apart; brightness and
-/// saturation tell others apart.
+/// saturation distinguish others.
 fn color_of(index: u32) -> vec3<f32> {
     let hue = unit_float(index * 2654435769u) * 6.0;
     let bits = hash(index);

@@ -1,5 +1,6 @@
 //! The shader against the CPU reference, on a floor under a spot.
 
+use crate::cpu_reference::{IN_SHADOW, Projection, color_of};
 use glam::{DVec2, DVec3, UVec2, Vec3, dvec3, uvec2};
 use half::f16;
 use interfaces::cluster_map::NONE;
@@ -10,7 +11,6 @@ use pass_test::view::floor_seen;
 use pass_test::{Harness, RsmTexel};
 use scene::{LightKind, Scene};
 use show_clusters::PASS;
-use show_clusters::cpu_reference::{IN_SHADOW, Projection, color_of};
 
 const WIDTH: u32 = 80;
 const HEIGHT: u32 = 60;

@@ -1,10 +1,11 @@
 //! The picture of clusters.
 
+mod cpu_reference;
 mod gpu;
 
+use cpu_reference::color_of;
 use pass_test::random::hash;
 use show_clusters::PASS;
-use show_clusters::cpu_reference::color_of;
 
 #[test]
 fn the_shader_is_valid() {

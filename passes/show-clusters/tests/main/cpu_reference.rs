@@ -4,28 +4,28 @@
 use glam::{DVec2, DVec3, UVec2};
 
 /// Share of its brightness that a color has in shadow.
-pub const IN_SHADOW: f64 = 0.35;
+pub(crate) const IN_SHADOW: f64 = 0.35;
 
 /// How far behind the surface in the map what is lit may lie, in sides of a texel, times 1 + its slope.
-pub const BIAS: f64 = 1.0;
+pub(crate) const BIAS: f64 = 1.0;
 
 /// Bound on the slope.
-pub const STEEPEST: f64 = 8.0;
+pub(crate) const STEEPEST: f64 = 8.0;
 
 /// What of a map decides where it sees a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Projection {
+pub(crate) struct Projection {
     /// Texels of the layer.
-    pub size: UVec2,
+    pub(crate) size: UVec2,
     /// Half the width and height at distance 1; in metres if the projection is parallel.
-    pub half_extent: DVec2,
+    pub(crate) half_extent: DVec2,
     /// Whether the map belongs to a spot or point light.
-    pub perspective: bool,
+    pub(crate) perspective: bool,
 }
 
 impl Projection {
     /// Returns the texel that a point lies in; `None` where the map does not reach it.
-    pub fn texel_of(&self, receiver: DVec3) -> Option<UVec2> {
+    pub(crate) fn texel_of(&self, receiver: DVec3) -> Option<UVec2> {
         if self.perspective && receiver.z >= 0.0 {
             return None;
         }
@@ -37,7 +37,7 @@ impl Projection {
 
     /// Returns whether light reaches a point with the normal `n`, where the map has seen something at the distance
     /// `seen` along its axis \[m\]; 0 for nothing.
-    pub fn is_lit(&self, receiver: DVec3, n: DVec3, seen: f64) -> bool {
+    pub(crate) fn is_lit(&self, receiver: DVec3, n: DVec3, seen: f64) -> bool {
         let side = 2.0 * (self.half_extent_at(-receiver.z) / self.size.as_dvec2()).max_element();
         let cosine = if self.perspective { -n.dot(receiver.normalize()) } else { n.z };
         let slope = (1.0 - cosine * cosine).max(0.0).sqrt() / cosine.max(1.0 / STEEPEST);
@@ -50,7 +50,7 @@ impl Projection {
 }
 
 /// Returns the color of a cluster, whose hash is `bits`.
-pub fn color_of(index: u32, bits: u32) -> DVec3 {
+pub(crate) fn color_of(index: u32, bits: u32) -> DVec3 {
     let hue = f64::from(index.wrapping_mul(2_654_435_769) >> 8) / 16_777_216.0 * 6.0;
     let value = 0.6 + 0.2 * f64::from(bits % 3);
     let saturation = 0.5 + 0.4 * f64::from((bits >> 8) % 2);
