@@ -24,6 +24,11 @@ const MAX_SETTINGS: usize = 256;
 /// The struct whose members can be settings.
 pub(crate) const STRUCT: &str = "Settings";
 
+/// Returns the name of the setting that a member is: a name that WGSL reserves has an underscore behind it.
+pub fn setting_name(member: &str) -> &str {
+    member.trim_end_matches('_')
+}
+
 /// Reads the declarations of `struct Settings`. Where its layout is not known, types are as they are written.
 pub(crate) fn read(composed: &Composed, layout: Option<&StructLayout>) -> Result<Vec<Setting>, Diagnostics> {
     let Some(found) = find_struct(&composed.text, STRUCT) else { return Ok(Vec::new()) };
@@ -92,7 +97,7 @@ fn declaration(member: &FoundMember, ty: &str) -> Result<Option<Setting>, Proble
     // The full stop of a sentence may stand before the bracket, behind it, or both.
     let after = if before.ends_with('.') { after.strip_prefix('.').unwrap_or(after) } else { after };
     let doc = format!("{before}{after}").trim().to_owned();
-    setting(&member.name, ty, doc, fields, start..end).map(Some)
+    setting(setting_name(&member.name), ty, doc, fields, start..end).map(Some)
 }
 
 /// What stands in a bracket, with the places of the values.

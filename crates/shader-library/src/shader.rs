@@ -96,7 +96,8 @@ impl Shader {
     /// Returns the place where a member of a struct is declared.
     pub fn member_place(&self, structure: &str, member: &str) -> Option<Span> {
         let found = scan::find_struct(&self.composed.text, structure)?;
-        let range = found.members.into_iter().find(|found| found.name == member)?.range;
+        let is_same = |found: &str| crate::setting_name(found) == crate::setting_name(member);
+        let range = found.members.into_iter().find(|found| is_same(&found.name))?.range;
         self.place(range.start as u32..range.end as u32)
     }
 

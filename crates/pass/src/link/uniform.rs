@@ -317,12 +317,15 @@ fn is_padding(member: &str) -> bool {
     member.rsplit('.').next().is_some_and(|name| name.starts_with("pad"))
 }
 
-/// A layout without structs inside: their members stand in their place, named `MEMBER.NAME`.
+/// A layout without structs inside: their members stand in their place, named `MEMBER.NAME`. Names are those of settings.
 fn flattened(layout: &StructLayout, structs: &[StructLayout]) -> StructLayout {
     let mut members = Vec::with_capacity(layout.members.len());
     for member in &layout.members {
         match structs.iter().find(|inner| inner.name == member.ty) {
-            None => members.push(member.clone()),
+            None => {
+                let name = shader_library::setting_name(&member.name).to_owned();
+                members.push(MemberLayout { name, ..member.clone() });
+            }
             Some(inner) => {
                 members.extend(flattened(inner, structs).members.into_iter().map(|inner| MemberLayout {
                     name: format!("{}.{}", member.name, inner.name),

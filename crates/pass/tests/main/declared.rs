@@ -93,6 +93,11 @@ fn settings_are_members_and_those_options_that_nothing_else_decides() {
     };
     assert_eq!(names(&MAKE), ["count", "scale"]);
     assert_eq!(names(&SUM), ["rounds"]);
+    let reserved =
+        MAKE_WGSL.replace("count: u32", "count: u32,\n    /// Kept. [default: 1]\n    filter_: u32");
+    let reserved = self::types(&reserved, SUM_WGSL);
+    let use_ = Use { kind: "make", shader: None, inputs: &[], outputs: &BTreeMap::new() };
+    assert_eq!(reserved.settings(use_).unwrap()[1].name, "filter");
 }
 
 #[test]

@@ -87,6 +87,10 @@ fn link(members: &str, own: Option<(&'static str, Value)>) -> Result<(), String>
 #[test]
 fn members_of_their_settings_types_are_filled() {
     link("count: u32, gain: f32, on: u32, mode: u32, offset: vec2<f32>", None).unwrap();
+    // As one would have to name it, were `count` reserved in WGSL.
+    link("count_: u32", None).unwrap();
+    let error = link("count_: f32", None).unwrap_err();
+    assert!(error.contains("expected u32, found f32") && error.contains("fill.wgsl:2:5"), "{error}");
 }
 
 #[test]
