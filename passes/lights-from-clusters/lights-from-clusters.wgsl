@@ -1,17 +1,22 @@
-// A virtual light of each cluster of texels of a reflective shadow map; all of them together have the flux of the map.
-// [ACRSM §4.3, §5.3.3]
+// Makes a virtual light of each cluster of texels of a reflective shadow map. [ACRSM §4.3, §5.3.3]
+//
+// All of them together have the flux of the map.
 
+#input clusters: Clusters // The clusters, averaged.
+#input rsm: ReflectiveShadowMap optional // Its texels, for lights at the place of one.
+#output lights: VirtualLights(count: clusters.count) // A light per cluster, dark without texels.
+
+#option AREA true // Whether lights have the area of their clusters, by which `gather` bounds what is near; otherwise they are points.
 #option ENERGY texels one_of [texels, centre] // What the flux of a light comes from, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the color of one place.
 #option PLACE mean one_of [mean, texel] // Where a light is. mean: at the mean of its texels (ACRSM §4.7), which lies within or before the surfaces where a cluster goes around an edge. texel: on a surface, at the texel that is nearest to the mean place in the map.
-#option AREA true // whether lights have the area of their clusters; otherwise they are points
 
 #import "algorithms/sum-vec4.wgsl"
 #import "clustering.wgsl"
 #import "rsm-light.wgsl"
 
 var<storage, read> clusters: Clusters;
-/// The flux of all lights before they are scaled [W].
-var<storage, read_write> unscaled: array<vec4<f32>>;
+/// The flux of all lights before they are scaled [W]. [scratch]
+var<storage, read_write> unscaled: vec4<f32>;
 var<storage, read_write> lights: VirtualLights;
 
 fn cluster_count() -> u32 {
@@ -39,7 +44,7 @@ fn reduce_element(i: u32) -> vec4<f32> {
 }
 
 fn reduce_store(result: vec4<f32>) {
-    unscaled[0] = result;
+    unscaled = result;
 }
 
 /// What a channel of all lights is scaled by; 0 where none of them has any of it.
@@ -51,12 +56,8 @@ fn scale_of(whole: f32, of_lights: f32) -> f32 {
 }
 
 @compute @workgroup_size(64)
-fn make_lights(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = row_index(group, groups, local, 64u);
+fn make_lights(row: Row) {
+    let i = index_in(row, 64u);
     let count = arrayLength(&lights.lights);
     if i == 0u {
         lights.count = count;
@@ -76,7 +77,7 @@ fn make_lights(
         return;
     }
     let whole = flux_of(clusters.header.map_flux);
-    let sum = unscaled[0];
+    let sum = unscaled;
     // DEVIATION(scale): the texels that no cluster took shine too.
     let scale = vec3(scale_of(whole.r, sum.r), scale_of(whole.g, sum.g), scale_of(whole.b, sum.b));
     // Sums near the end of the range of f32 give infinite scales.

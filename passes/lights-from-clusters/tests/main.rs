@@ -1,10 +1,12 @@
 //! Lights of clusters carry the flux of the map.
 
+mod cpu_reference;
+
+use cpu_reference::{Energy, light_fluxes};
 use glam::{DVec3, Vec3};
 use interfaces::clusters::{Cluster, ClustersHeader, NO_TEXEL, state};
 use interfaces::virtual_lights::VirtualLight;
 use lights_from_clusters::PASS;
-use lights_from_clusters::cpu_reference::{Energy, light_fluxes};
 use pass::Value;
 use pass_test::Harness;
 use pass_test::random::{hash2, unit_float};
