@@ -1,6 +1,9 @@
-// Samples the surfaces of the scene uniformly by area (ISM §3.1), with one thread per point.
+// Samples the scene's surfaces uniformly by area, in an order of which every run is stratified. [ISM §3.1]
 //
 // DEVIATION(sequence): the paper picks triangles and positions at random.
+
+#output points: Points(count: settings.count) module "points-stored.wgsl" // Every run of 2^m that starts at a multiple of 2^m is
+    // stratified by itself.
 
 #import "dispatch.wgsl"
 #import "points.wgsl"
@@ -11,6 +14,8 @@
 #import "triangle.wgsl"
 
 struct Settings {
+    /// Number of points, which all maps share; 32 bytes each. More: fewer holes in the shadow maps, but more time and memory.
+    /// More than 4,194,304 require an adapter that binds buffers of more than 128 MiB. [default: 262144, min: 1, max: 8388608]
     count: u32,
     seed: u32,
 }
@@ -23,12 +28,8 @@ fn interval_start(triangle: u32) -> u32 {
 }
 
 @compute @workgroup_size(64)
-fn place(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn place(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.count {
         return;
     }

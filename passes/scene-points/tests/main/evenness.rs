@@ -1,7 +1,7 @@
-use glam::{DVec3, dvec3};
-use scene_points::cpu_reference::{
+use crate::cpu_reference::{
     Point, normal_and_area, numbers, place, sobol2, triangle_at, triangle_from_square,
 };
+use glam::{DVec3, dvec3};
 
 const SEEDS: [u32; 2] = [0x1234_5678, 0x9abc_def0];
 

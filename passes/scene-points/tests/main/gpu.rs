@@ -1,10 +1,11 @@
 //! The shader against the CPU reference, on a GPU.
 
+use crate::cpu_reference;
 use glam::{DVec3, Vec3};
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use scene::Scene;
-use scene_points::{PASS, cpu_reference};
+use scene_points::PASS;
 
 wgsl_structs::wgsl! {
     "../../shaders/points.wgsl" {

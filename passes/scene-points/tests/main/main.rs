@@ -1,5 +1,6 @@
 //! Points: evenness of all and of every part, area by area.
 
+mod cpu_reference;
 mod evenness;
 mod gpu;
 

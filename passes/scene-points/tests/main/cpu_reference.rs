@@ -2,32 +2,32 @@
 
 use glam::DVec3;
 use gpu_algorithms::reference::triangle_samples::edges;
-pub use gpu_algorithms::reference::triangle_samples::{
+pub(crate) use gpu_algorithms::reference::triangle_samples::{
     normal_and_area, scramble, sobol2, triangle_at, triangle_from_square,
 };
 
 /// A sample of a surface: struct Point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// World space \[m\].
-    pub position: DVec3,
+    pub(crate) position: DVec3,
     /// Index of the triangle.
-    pub triangle: u32,
+    pub(crate) triangle: u32,
     /// Unit; zero where the triangle has no area.
-    pub normal: DVec3,
+    pub(crate) normal: DVec3,
     /// Of the second and third vertex, times 65535.
-    pub barycentric: [u32; 2],
+    pub(crate) barycentric: [u32; 2],
 }
 
 /// Returns the scrambled pair of numbers of point `index`; `seeds` are those of the two dimensions.
-pub fn numbers(index: u32, seeds: [u32; 2]) -> [u32; 2] {
+pub(crate) fn numbers(index: u32, seeds: [u32; 2]) -> [u32; 2] {
     let sobol = sobol2(index);
     [scramble(sobol[0], seeds[0]).min(0xffff_fffe), scramble(sobol[1], seeds[1])]
 }
 
 /// Returns the point that a pair of numbers selects: `corner` gives vertex 0, 1 or 2 of a triangle, of which
 /// there is at least one.
-pub fn place(numbers: [u32; 2], table: &[u32], corner: impl Fn(u32, u32) -> DVec3) -> Point {
+pub(crate) fn place(numbers: [u32; 2], table: &[u32], corner: impl Fn(u32, u32) -> DVec3) -> Point {
     let [first, second] = numbers;
     let triangle = triangle_at(table, first);
     let start = table[triangle as usize];
