@@ -190,7 +190,8 @@ impl Reflected {
         let mut written: Vec<Written> = Vec::new();
         for (index, file) in files.iter().enumerate() {
             let entries = if index == 0 { &entries[..] } else { &[] };
-            for one in outputs::written(&file.shader, &file.attributes, entries, &inputs)? {
+            let is_users = main.folder.is_none();
+            for one in outputs::written(&file.shader, &file.attributes, entries, &inputs, is_users)? {
                 match written.iter_mut().find(|known| known.name == one.name) {
                     Some(known) => known.merge(one),
                     None => written.push(one),

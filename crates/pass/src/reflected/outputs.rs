@@ -84,11 +84,12 @@ pub(super) fn written(
     attributes: &Attributes,
     entries: &[Entry],
     inputs: &[&String],
+    is_users: bool,
 ) -> Result<Vec<Written>, PassTypeError> {
     let mut all = Vec::new();
     for (index, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.workgroup_size[0] == 0) {
         let scratch = attributes.entries.iter().any(|said| said.name == entry.name && said.scratch);
-        for location in results(entry)? {
+        for location in results(entry, is_users)? {
             // One shader's only result has a name that says so; of several, each has that of its entry point.
             let unnamed = if entries.len() == 1 { RESULT } else { &entry.name };
             let name = if location.name.is_empty() { unnamed.to_owned() } else { location.name };
@@ -144,10 +145,11 @@ pub(super) fn written(
     Ok(all)
 }
 
-/// The results of a fragment entry point, in the order of their locations.
-fn results(entry: &Entry) -> Result<Vec<shader_library::Location>, PassTypeError> {
+/// The results of a fragment entry point, in the order of their locations. Those of users' files are drawn over the frame; a
+/// pass of the tree may record draws with vertices of its own.
+fn results(entry: &Entry, is_users: bool) -> Result<Vec<shader_library::Location>, PassTypeError> {
     let name = &entry.name;
-    if let Some(input) = entry.inputs.first() {
+    if let Some(input) = entry.inputs.first().filter(|_| is_users) {
         let message = format!("`{name}` takes `{}` from the vertex stage, which outputs nothing", input.name);
         return Err(PassTypeError::new(message).help("the pixel is @builtin(position)"));
     }

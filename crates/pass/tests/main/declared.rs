@@ -174,6 +174,24 @@ fn a_fact_that_is_left_out_is_zero_unless_it_is_demanded() {
     types(MAKE_WGSL, &demanded).plan(&scaled).unwrap();
 }
 
+/// A pass of the tree may record draws of its own vertices; a user's fragments are drawn over the frame.
+#[test]
+fn results_of_fragments_are_members_whatever_their_vertices_give() {
+    const DRAW: FromWgsl = FromWgsl { kind: "draw", file: "passes/draw/src/lib.rs" };
+    let text = "#output maps: Maps(side: 8, size: 8)
+struct Corner { @builtin(position) clip: vec4<f32>, @location(0) level: f32 }
+struct Texel { @location(0) maps: f32 }
+@vertex fn project() -> Corner { return Corner(); }
+@fragment fn draw(corner: Corner) -> Texel { return Texel(corner.level); }
+";
+    let library = Library::new(Arc::new(MemoryFiles::new([("passes/draw/draw.wgsl", text)])));
+    let types = TestPassTypes { passes: &[&DRAW], library };
+    let pipeline = "Pipeline(passes: { \"draw\": Pass(kind: \"draw\") }, outputs: { \"maps\": \"draw\" })";
+    let plan = types.plan(pipeline).unwrap();
+    let bytes: Vec<u64> = plan.resources.iter().map(|resource| resource.desc.bytes()).collect();
+    assert_eq!(bytes, [8 * 8 * 4]);
+}
+
 #[test]
 fn settings_are_read_by_name() {
     use pass::ReadSettings;
