@@ -1,9 +1,21 @@
-// What the camera sees at each pixel: depth, normal and material.
+// Renders what the camera sees: depth, normal and material at each pixel.
 
-#option SPECULAR false // whether the G-buffer has the member `specular`
+#output view: GBuffer // What the camera sees.
+
+#option MOTION false // Whether the G-buffer has the member `motion`, which takes one more draw over the frame. The scene is
+    // assumed to stand still: only the camera moves.
+#option NORMALS half one_of [half, full] // What a normal is stored in. half: 8 bytes, to a thousandth. full: 16 bytes, to ten
+    // millionths; a glossy scene is drawn once more.
+#option GLOSSY false // whether the G-buffer has the member `specular`
+#option EMISSIVE false // whether the G-buffer has the member `emission`
 
 #import "camera.wgsl"
 #import "surface.wgsl"
+#if MOTION
+#import "fullscreen.wgsl"
+
+var view_depth: texture_2d<f32>;
+#endif
 
 struct Seen {
     @builtin(position) @invariant clip: vec4<f32>,
@@ -15,11 +27,11 @@ struct Seen {
 }
 
 struct Texel {
-    @location(0) depth: f32,
-    @location(1) normal: vec4<f32>,
-    @location(2) albedo: vec4<f32>,
-#if SPECULAR
-    @location(3) specular: vec4<f32>,
+    @location(0) view_depth: f32,
+    @location(1) view_normal: vec4<f32>,
+    @location(2) view_albedo: vec4<f32>,
+#if GLOSSY && NORMALS == half
+    @location(3) view_specular: vec4<f32>,
 #endif
 }
 
@@ -40,18 +52,20 @@ fn geometry(seen: Seen) -> Texel {
     // next pixel is beyond the plane's horizon, as in frames of few pixels.
     let towards = facing(cross(change.position_y, change.position_x), -seen.offset);
     var texel: Texel;
-    texel.depth = depth_at_centre(seen, change, towards);
-    texel.normal = vec4(shading_normal(seen.material, seen.normal, towards, seen.uv, change), 0.0);
-    texel.albedo = vec4(at.albedo, 1.0);
-#if SPECULAR
-    texel.specular = vec4(at.specular, at.roughness);
+    texel.view_depth = depth_at_centre(seen, change, towards);
+    texel.view_normal = vec4(shading_normal(seen.material, seen.normal, towards, seen.uv, change), 0.0);
+    texel.view_albedo = vec4(at.albedo, 1.0);
+#if GLOSSY && NORMALS == half
+    texel.view_specular = vec4(at.specular, at.roughness);
 #endif
     return texel;
 }
 
-/// What `geometry` writes as `specular`, for a draw of its own.
+#if GLOSSY && NORMALS == full
+/// Rendered in a draw of its own: WebGPU guarantees 32 bytes per pixel for the targets of one draw, and those of
+/// `geometry` take 28 with normals of 16.
 @fragment
-fn specular(seen: Seen) -> @location(0) vec4<f32> {
+fn view_specular(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
     let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
     if !surface_exists(seen.material, at.coverage) {
@@ -59,11 +73,12 @@ fn specular(seen: Seen) -> @location(0) vec4<f32> {
     }
     return vec4(at.specular, at.roughness);
 }
+#endif
 
-/// Rendered in a draw of its own: WebGPU guarantees 32 bytes per pixel for the targets of one draw, and those of
-/// `geometry` take 28.
+#if EMISSIVE
+/// Rendered in a draw of its own, for the same reason: the targets of `geometry` take up to 28 bytes per pixel.
 @fragment
-fn emission(seen: Seen) -> @location(0) vec4<f32> {
+fn view_emission(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
     let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
     if !surface_exists(seen.material, at.coverage) {
@@ -71,6 +86,26 @@ fn emission(seen: Seen) -> @location(0) vec4<f32> {
     }
     return vec4(at.emission, 1.0);
 }
+#endif
+
+#if MOTION
+/// Where each pixel's surface was in the frame before, minus where it is [px]. The scene is assumed to stand still.
+@fragment
+fn view_motion(@builtin(position) at: vec4<f32>) -> @location(0) vec2<f32> {
+    let pixel = vec2<u32>(at.xy);
+    let depth = textureLoad(view_depth, pixel, 0).x;
+    if depth == 0.0 {
+        return vec2(0.0);
+    }
+    let clip = camera.previous_clip_from_world * vec4(position_from_depth(pixel, depth), 1.0);
+    // A point behind the previous camera was nowhere in its frame: the motion is larger than the frame.
+    if clip.w <= 0.0 {
+        return 2.0 * camera.size;
+    }
+    let before = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.size;
+    return before - at.xy;
+}
+#endif
 
 /// The depth at which the ray through the pixel's centre meets the triangle's plane [m].
 ///

@@ -1,8 +1,9 @@
 //! The shaders are valid; the CPU reference against closed forms.
 
+mod cpu_reference;
 mod gpu;
 
-use gbuffer::cpu_reference::{Camera, Change, bent_normal, shading_normal};
+use cpu_reference::{Camera, Change, bent_normal, shading_normal};
 use glam::{DMat2, DMat3, DVec2, DVec3, dvec2, dvec3, uvec2};
 
 #[test]

@@ -1,6 +1,6 @@
 //! The pass on a GPU, against rays through the same pixels.
 
-use gbuffer::cpu_reference::Camera;
+use crate::cpu_reference::Camera;
 use glam::{DMat3, DVec3, UVec2, dvec2, dvec3, uvec2};
 use half::f16;
 use pass_test::Harness;
