@@ -121,11 +121,17 @@ pub(super) fn declared(cx: &UseContext<'_>, main: &MainShader) -> Result<Arc<Out
     outline.map_err(|errors| not_there(cx.shaders, &main.path).unwrap_or_else(|| main.refused(errors)))
 }
 
-/// Returns the shaders of a pass beside the main one: the files of its folder that have entry points.
+/// Returns the shaders of a pass beside the main one: the files of its folder that have entry points, of their own or of an
+/// algorithm that they import.
 pub(super) fn others(library: &Library, main: &MainShader) -> Vec<FileInfo> {
     let Some(folder) = &main.folder else { return Vec::new() };
+    let imports_entries = |file: &FileInfo| {
+        let shader = library.load(&Request::new(file.path.as_str()));
+        shader.is_ok_and(|shader| !shader.interface.entries.is_empty())
+    };
     let all = library.folder(folder);
-    all.iter().filter(|file| file.has_entries && file.path != main.path).cloned().collect()
+    let others = all.iter().filter(|file| file.path != main.path);
+    others.filter(|file| file.has_entries || imports_entries(file)).cloned().collect()
 }
 
 /// An `#import interface`, which is an input.

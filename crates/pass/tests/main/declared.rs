@@ -192,6 +192,25 @@ struct Texel { @location(0) maps: f32 }
     assert_eq!(bytes, [8 * 8 * 4]);
 }
 
+/// Rust records the steps of other files, such as those of an algorithm, but what they write is declared with the rest.
+#[test]
+fn members_may_be_written_by_entry_points_that_another_file_imports() {
+    const COPY: FromWgsl = FromWgsl { kind: "copy", file: "passes/copy/src/lib.rs" };
+    let files = MemoryFiles::new([
+        ("passes/copy/copy.wgsl", "#output numbers: Numbers(count: 4)\n"),
+        (
+            "passes/copy/ones.wgsl",
+            "#import \"shaders/fill.wgsl\"\nvar<storage, read_write> numbers: array<f32>;\n\
+             fn store(i: u32) { numbers[i] = 1.0; }\n",
+        ),
+        ("shaders/fill.wgsl", "@compute @workgroup_size(1) fn fill() { store(0u); }\n"),
+    ]);
+    let types = TestPassTypes { passes: &[&COPY], library: Library::new(Arc::new(files)) };
+    let pipeline = "Pipeline(passes: { \"copy\": Pass(kind: \"copy\") }, outputs: { \"numbers\": \"copy\" })";
+    let plan = types.plan(pipeline).unwrap();
+    assert_eq!(plan.resources[0].desc.bytes(), 16);
+}
+
 #[test]
 fn settings_are_read_by_name() {
     use pass::ReadSettings;
