@@ -8,7 +8,7 @@
 // error of such a pixel would never seem to be above 1, however bright it is.
 
 #option PAST false // whether there are samples of earlier frames
-#option SUM luminance one_of [luminance, error] // what is summed over the pixels: the second needs the first
+#option SUM error one_of [luminance, error] internal // what is summed over the pixels: the second needs the first
 
 #import "algorithms/sum-f32.wgsl"
 #import "color.wgsl"

@@ -1,6 +1,6 @@
-// Paths from the camera with next-event estimation: the reference that other pipelines are compared with.
+// Path tracing with next-event estimation, accumulated until there are enough samples. [SMC-IR §5.4]
 //
-// A path starts at a point of a pixel, and at each surface adds what the lights of the scene contribute there. Light
+// This is the reference that other pipelines are compared with. A path starts at a point of a pixel, and at each surface adds what the lights of the scene contribute there. Light
 // that was reflected once is direct; after k more reflections it belongs to the k-th bounce. Surfaces that emit are lights
 // too: each surface samples a point of one, and paths may meet them.
 //
@@ -9,6 +9,13 @@
 //   samples_direct: radiance reflected once; alpha: share of the samples that hit a surface
 //   samples_indirect: radiance of bounces 1 to `bounces`
 //   samples_irradiance: indirect irradiance at the surface seen [W/m²]; alpha: luminance of what the clamp removed
+
+#input past: PathSamples optional // The samples so far: `prev` of the output `samples`. Without it each frame begins again.
+#output image: Radiance(size: frame) // All light.
+#output direct: Radiance(size: frame) // Light that was reflected once.
+#output indirect: Radiance(size: frame) // Light of bounces 1 to `bounces`.
+#output irradiance: Irradiance(size: frame) // Indirect irradiance where the camera sees a surface.
+#output samples: PathSamples(size: frame) // Means over all samples so far.
 
 #option EMISSIVE false // whether any surface emits
 #option GLOSSY false // whether anything reflects other than diffusely
@@ -28,12 +35,25 @@
 struct Settings {
     samples_size: vec2<u32>,
     seed: u32,
+    /// Most reflections between the surface that a light illuminates and the one that the camera sees; 0 is direct light
+    /// alone. Time grows with it. [default: 3, min: 0, max: 63]
     bounces: u32,
+    /// Number N of samples per pixel after which rendering stops. Error falls as N^-½ or better. [default: 1024, min: 1, max:
+    /// 16777216]
     samples: u32,
+    /// Samples per pixel in one frame, or fewer if they would take more than 128 rays. More: the picture is complete after
+    /// fewer frames, each of which takes longer. [default: 4, min: 1, max: 64]
     samples_per_frame: u32,
+    /// Estimated relMSE of the whole picture at which rendering stops before all samples are taken; 0 takes all samples.
+    /// [default: 0.0, min: 0.0, max: 1000000.0]
+    error: f32,
+    /// Length of a path's first indirect segment below which its geometry term is bounded, as a fraction of the scene's
+    /// dense extent; 0 is no bound. With the same value as the `clamp` of `gather`, the picture is what virtual lights with that
+    /// clamp converge to. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
-    /// 1 if a pixel is the mean over its square, 0 if it is the value at its centre.
-    over_square: u32,
+    /// What the value of a pixel is. box: the mean over its square. centre: what its centre sees, as in a G-buffer. [default:
+    /// "box", one_of: ["box", "centre"]]
+    filter_: u32,
     /// 1 if direct and emitted light are needed.
     direct: u32,
 }
@@ -68,6 +88,9 @@ const PIXEL: u32 = 0u;
 const DIRECTION: u32 = 1u;
 const LOBE: u32 = 2u;
 const EMITTER: u32 = 0x656du;
+
+/// The value of `filter` for the mean over a pixel's square.
+const BOX: u32 = 0u;
 
 /// Far below the square root of the greatest float: the sum of squares stays finite at any intensity.
 const MOST_LUMINANCE: f32 = 1e16;
@@ -127,7 +150,7 @@ fn moved(past: vec4<f32>, frame: vec4<f32>, share: f32) -> vec4<f32> {
 fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
     var sample: Sample;
     var within = vec2(0.5);
-    if settings.over_square != 0u {
+    if settings.filter_ == BOX {
         within = sobol2_of(index, hash2(pixel_seed, PIXEL));
     }
     var origin = camera.position;
