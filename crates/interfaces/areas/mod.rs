@@ -1,6 +1,6 @@
 //! The parts of surfaces that points stand for.
 
-use pass::{Content, Fact, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
+use pass::{Content, Fact, Interface, Member, Struct};
 
 /// The number of points that have an area.
 pub const COUNT: Fact<u32> = Fact::required("count", "the number of points that have an area");
@@ -24,13 +24,4 @@ wgsl_structs::wgsl! {
     "areas/areas.wgsl" {
         pub struct PointArea;
     }
-}
-
-/// Describes an output of the areas of `count` points.
-///
-/// # Errors
-/// Where areas.wgsl is refused.
-pub fn output(cx: &UseContext<'_>, port: &str, count: u32) -> Result<OutputDesc, PassTypeError> {
-    // A buffer has at least one element.
-    Ok(OutputDesc::one(port, cx.buffer(AREAS, u64::from(count.max(1)))?).fact(COUNT, count))
 }
