@@ -5,9 +5,8 @@
 #import "domain.wgsl"
 #import "nearest-site.wgsl"
 #import "sobol.wgsl"
-#import "surface.wgsl"
 
-/// Tells the probes from the first places of lights.
+/// Separates the probes from the first places of lights.
 const PROBES: u32 = 0x7072u;
 
 struct Settings {
@@ -18,9 +17,11 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read> shares: array<Share>;
+/// [scratch, count: settings.count * settings.probes]
 var<storage, read_write> probes: array<Probe>;
-/// [probes] The slot of the nearest site.
+/// The slot of the site that is nearest to each probe. [scratch, count: settings.count * settings.probes]
 var<storage, read_write> owners: array<u32>;
+/// [scratch, count: settings.count]
 var<storage, read_write> neighbours: array<Nearest>;
 
 /// Probes of a thread, which loads each site once for all of them.
@@ -28,12 +29,8 @@ const TOGETHER: u32 = 4u;
 
 /// Finds the nearest site of each probe; of equals, the first.
 @compute @workgroup_size(64)
-fn assign(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let begin = TOGETHER * row_index(group, groups, local, 64u);
+fn assign(row: Row) {
+    let begin = TOGETHER * index_in(row, 64u);
     let all = settings.count * settings.probes;
     if begin >= all {
         return;
@@ -74,12 +71,8 @@ fn assign(
 
 /// Finds the nearest neighbour of each light.
 @compute @workgroup_size(64)
-fn separate(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let slot = row_index(group, groups, local, 64u);
+fn separate(row: Row) {
+    let slot = index_in(row, 64u);
     if slot >= settings.count {
         return;
     }

@@ -18,7 +18,9 @@ var<storage, read> shares: array<Share>;
 var<storage, read> probes: array<Probe>;
 var<storage, read> hole: Hole;
 var<storage, read_write> neighbours: array<Nearest>;
+/// By the first slot of a source: its first slot that waits. [scratch, count: settings.count]
 var<storage, read_write> waiting: array<atomic<u32>>;
+/// [scratch]
 var<storage, read_write> choice: Choice;
 
 /// Above the distance of every neighbour.
@@ -38,7 +40,7 @@ fn next(thread: u32, placed: u32, new_lights: u32, may_place: bool) {
         atomicStore(&waiting[i], NO_SLOT);
     }
     storageBarrier();
-    // Of the thread's slots: the light that is nearest to another, by the negative of the distance, as a hole is told.
+    // Of the thread's slots: the light that is nearest to another, by the negative of the distance, as a hole has it.
     var crowded = Hole(-NONE_CROWDED, 0u);
     var waits = 0.0;
     for (var i = thread; i < slots(); i += GROUP_SIZE) {

@@ -3,7 +3,6 @@
 #import "dispatch.wgsl"
 #import "domain.wgsl"
 #import "hear.wgsl"
-#import "surface.wgsl"
 
 struct Settings {
     count: u32,
@@ -17,15 +16,12 @@ struct CellSum {
 }
 
 var<uniform> settings: Settings;
+/// [scratch, count: settings.count, cleared]
 var<storage, read_write> cells: array<CellSum>;
 
 @compute @workgroup_size(64)
-fn count(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn count(row: Row) {
+    let index = index_in(row, 64u);
     if index >= settings.count * settings.probes {
         return;
     }

@@ -4,6 +4,7 @@
 
 #import "hemisphere.wgsl"
 #import "light-power.wgsl"
+#import "surface.wgsl"
 #import "tangent-frame.wgsl"
 
 /// A ray along which a source sends light.

@@ -1,14 +1,14 @@
-// Tells probes of the site that was placed last.
+// Takes the site that was placed last into account for each probe.
 
 #import "nearest-site.wgsl"
 
 var<storage, read> shares: array<Share>;
 var<storage, read> choice: Choice;
 var<storage, read_write> probes: array<Probe>;
-/// [probes] The slot of the nearest site.
+/// The slot of the site that is nearest to each probe.
 var<storage, read_write> owners: array<u32>;
 
-/// Tells a probe of the site that was placed last.
+/// Takes the site that was placed last into account for a probe.
 fn hear(index: u32, share: Share) {
     let placed = choice.placed;
     if placed < share.first || placed >= share.end {

@@ -1,4 +1,4 @@
-// Finds the emptiest place, after the probes were told what was placed before.
+// Finds the emptiest place, after what was placed last is taken into account.
 
 #import "algorithms/reduce.wgsl"
 #import "hear.wgsl"
@@ -10,7 +10,7 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-/// [slots] By the first slot of a source: its first slot that waits.
+/// By the first slot of a source: its first slot that waits.
 var<storage, read> waiting: array<u32>;
 var<storage, read_write> hole: Hole;
 

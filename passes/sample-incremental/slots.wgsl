@@ -75,7 +75,7 @@ struct Choice {
     slot: u32,
     /// Distance to its nearest neighbour, squared and times the density: what a new place has to exceed.
     crowd: f32,
-    /// The slot that was placed last, of which the probes do not know yet; NO_SLOT for none.
+    /// The slot that was placed last, which the probes do not take into account yet; NO_SLOT for none.
     placed: u32,
     /// Lights that are new in this frame.
     new_lights: u32,
