@@ -147,6 +147,10 @@ impl<'a> RecordContext<'a> {
             linked: &|port| input(port).is_some_and(|input| input.connected),
             read: &|port| self.connected(port),
             member: &|port, member| Some(input(port)?.members.iter().any(|(name, _)| name == member)),
+            of_module: &|option| {
+                let value = |input: &PortDesc| input.facts.module()?.options.get(option).cloned();
+                Define::try_from(&self.inputs.iter().rev().find_map(value)?).ok()
+            },
         })
     }
 

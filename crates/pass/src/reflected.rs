@@ -108,6 +108,7 @@ pub fn ports(cx: &UseContext<'_>, main: &MainShader, settings: &Settings) -> Res
         linked: &|port| cx.use_.inputs.iter().any(|input| input == port),
         read: &|_| true,
         member: &|_, _| None,
+        of_module: &|_| None,
     };
     Reflected::new(cx, main, &known)?.ports(cx, settings)
 }
@@ -132,6 +133,7 @@ fn with_known<T>(cx: &OutputContext<'_>, f: impl FnOnce(&Known<'_>) -> T) -> T {
         linked: &|port| cx.input(port).is_some(),
         read: &|_| true,
         member: &|port, member| Some(cx.input(port)?.member(member).is_some()),
+        of_module: &|_| None,
     })
 }
 

@@ -23,6 +23,8 @@ pub(crate) struct Known<'a> {
     pub(crate) read: &'a dyn Fn(&str) -> bool,
     /// Whether an input has a member.
     pub(crate) member: &'a dyn Fn(&str, &str) -> Option<bool>,
+    /// The value that the producer of a module gave one of its options: it goes before all others.
+    pub(crate) of_module: &'a dyn Fn(&str) -> Option<Define>,
 }
 
 /// What an option of a pass means, by its name.
@@ -69,13 +71,14 @@ impl<'a> Known<'a> {
     /// Returns the variant that is selected of a shader of a pass that declares these ports. Options that the request gives
     /// stay.
     pub(crate) fn select(&self, library: &Library, mut request: Request, declared: &Outline) -> Request {
-        // Options may stand within `#if`: each that is given can bring more.
+        // Options and imports may stand within `#if`: each option that is given can bring more.
         loop {
             let Ok(outline) = library.outline(&request) else { return request };
             let before = request.defines.len();
             for option in &outline.options {
                 if !request.defines.contains_key(&option.name)
-                    && let Some(value) = self.value(option, declared)
+                    && let Some(value) =
+                        (self.of_module)(&option.name).or_else(|| self.value(option, declared))
                 {
                     request.defines.insert(option.name.clone(), value);
                 }

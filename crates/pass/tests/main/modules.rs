@@ -3,9 +3,9 @@
 use crate::pass_types::{TILE, TILES, TestPassTypes};
 use frame_graph::plan::Plan;
 use pass::{
-    Compute, Extent, Fact, Format, Info, Library, LinkedSteps, Module, OutputContext, OutputDesc, Pass,
-    PassTypeError, Ports, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Source,
-    Threads, UseContext, Value,
+    Compute, Extent, Fact, Format, FromWgsl, Info, Library, LinkedSteps, Module, OutputContext, OutputDesc,
+    Pass, PassTypeError, Ports, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
+    Source, Threads, UseContext, Value,
 };
 use shader_library::{GlobalKind, MemoryFiles};
 use std::sync::Arc;
@@ -201,4 +201,41 @@ fn a_missing_fact_names_the_module_the_producer_and_the_nearest() {
     ] {
         assert!(error.contains(part), "no `{part}` in\n{error}");
     }
+}
+
+/// Imports the module only where it is linked.
+const ASK: FromWgsl = FromWgsl { kind: "reader", file: "passes/ask/src/lib.rs" };
+
+const ASK_WGSL: &str = r#"// Asks for answers.
+
+#input answer: Answer optional
+#output image: Texture
+
+#option ANSWER false // whether something answers
+
+#if ANSWER
+#import interface "answer"
+#endif
+
+var image: texture_storage_2d<r32float, write>;
+
+@compute @workgroup_size(8, 8)
+fn answer_all(@builtin(global_invocation_id) id: vec3<u32>) {
+    var found = 0u;
+#if ANSWER
+    found = answer_at(id.x);
+#endif
+    textureStore(image, id.xy, vec4(f32(found)));
+}
+"#;
+
+#[test]
+fn a_module_that_is_imported_on_a_condition_has_the_options_of_its_producer() {
+    let files = [("answer.wgsl", ANSWER), ("passes/ask/reader.wgsl", ASK_WGSL), ("bindings.wgsl", BINDINGS)];
+    let library = Library::new(Arc::new(MemoryFiles::new(files)));
+    let maps = Maps { facts: &[(TILE, 5)] };
+    let (_, steps) = TestPassTypes { passes: &[&maps, &ASK], library }.linked(PIPELINE, "reader");
+    let steps = steps.unwrap_or_else(|error| panic!("{error}"));
+    let variant = steps[0].shader.variant();
+    assert!(variant.contains("ANSWER = true") && variant.contains("DOUBLED = true"), "{variant}");
 }

@@ -60,7 +60,8 @@ const BOUND: Fact<f32> = Fact::optional("bound", "");
 
 static INTERFACES: &[Interface] = &[
     Interface::new("Answer", "", &[Member::required("", Content::Buffer, "")])
-        .with_facts(&[TILE.decl(), TILES.decl()]),
+        .with_facts(&[TILE.decl(), TILES.decl()])
+        .with_stand_in("answer.wgsl"),
     Interface::new("Maps", "", &[Member::required("", Content::Texture(Format::R32Float), "")])
         .with_facts(&[SIDE.decl(), TILES.decl(), BOUND.decl()]),
     Interface::new("Numbers", "", &[Member::required("", Content::Buffer, "f32")])
