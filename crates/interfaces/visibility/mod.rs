@@ -25,9 +25,6 @@ pub const SLOPE_BIAS: Fact<f32> = Fact::optional(
     "slope_bias",
     "bias of a lookup, in widths of a texel times the slope of the receiver's plane",
 );
-/// The taps of a filtered lookup.
-pub const TAPS: Fact<u32> =
-    Fact::optional("taps", "taps of a lookup: along each side of a square window, or in a disc");
 /// How blockers are searched for.
 pub const SEARCH: Fact<u32> =
     Fact::optional("search", "taps of a lookup that look for blockers, or its searches in basis images");
@@ -118,7 +115,6 @@ pub const INTERFACE: Interface = Interface::new(
     ROWS.decl(),
     DEPTH_BIAS.decl(),
     SLOPE_BIAS.decl(),
-    TAPS.decl(),
     SEARCH.decl(),
     NEAREST.decl(),
     ORDER.decl(),

@@ -1,16 +1,20 @@
 //! Soft lookups: the CPU reference against closed forms and rays, and the GPU against the CPU reference.
 
+mod cpu_reference;
+
+use cpu_reference::{Map, poisson_disc};
 use frame_graph::port::InputDesc;
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use interfaces::virtual_lights::VirtualLight;
-use pass::{OutputContext, OutputDesc, PassTypeError, ResourceDesc, Settings, Use, UseContext, Value};
+use pass::{
+    Module, OutputContext, OutputDesc, PassTypeError, ResourceDesc, Settings, Use, UseContext, Value,
+};
 use pass_test::visibility::{Edge, Receiver, atlas, lookups, map_of, receivers_around, segment};
-use percentage_closer_soft_shadows::cpu_reference::{Map, poisson_disc};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-const MODULE: &str = "passes/percentage-closer-soft-shadows/percentage-closer-soft-shadows.wgsl";
+const MODULE: &str = "passes/percentage-closer-soft-shadows/lookup.wgsl";
 const NOTHING: f64 = 3.0e38;
 /// The depth bias of all lookups.
 const DEPTH_BIAS: f64 = 0.02;
@@ -259,29 +263,36 @@ fn behind_the_light_nothing_is_seen_and_a_blocker_at_the_light_is_no_nan() {
 fn it_softens_maps_and_nothing_else() {
     let (library, overrides, inputs) = (pass_test::shaders(), BTreeMap::new(), ["maps".to_owned()]);
     let kind = percentage_closer_soft_shadows::PASS;
-    let use_ = Use { kind: kind.info().kind, shader: None, inputs: &inputs, outputs: &overrides };
-    let outputs = |members: &[&str]| -> Result<Vec<OutputDesc>, PassTypeError> {
+    let use_ = Use { kind: kind.kind(), shader: None, inputs: &inputs, outputs: &overrides };
+    let outputs = |members: &[&str], module: Option<Module>| -> Result<Vec<OutputDesc>, PassTypeError> {
         let desc = ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8));
         let facts = [("tile", 8), ("columns", 1), ("rows", 1)].map(|(name, value)| (name, Value::U32(value)));
         let biases = ["depth_bias", "slope_bias"].map(|name| (name, Value::F32(0.5)));
+        let mut facts: pass::Facts = facts.into_iter().chain(biases).collect();
+        if let Some(module) = module {
+            facts.set_module(module);
+        }
         let maps = InputDesc {
             name: "maps".into(),
             interface: "Visibility".into(),
             members: members.iter().map(|name| ((*name).to_owned(), desc.clone())).collect(),
-            facts: Arc::new(facts.into_iter().chain(biases).collect()),
+            facts: Arc::new(facts),
         };
-        let settings = Settings(BTreeMap::from([("taps".to_owned(), Value::U32(9))]));
+        let settings = [("search", Value::U32(16)), ("taps", Value::U32(9)), ("nearest", Value::F32(0.25))];
+        let settings = Settings(settings.map(|(name, value)| (name.to_owned(), value)).into());
         let traits = pass::Traits::default();
         let context =
             OutputContext { use_, settings: &settings, inputs: &[maps], frame: (8, 8), traits: &traits };
         kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
     };
-    let made = outputs(&["atlas"]).expect("an atlas with its facts");
+    let made = outputs(&["atlas"], None).expect("an atlas with its facts");
     assert!(made[0].members.is_empty() && made[0].handed.len() == 1, "the atlas is handed on");
     assert_eq!(made[0].facts.get("loop_iterations"), Some(&Value::U32(16 + 9)));
-    let options = |made: &[OutputDesc]| made[0].facts.module().expect("it has a module").options.clone();
-    assert!(options(&made).is_empty());
-    let shared = outputs(&["atlas", "owners", "sources"]).expect("maps that lights share");
-    assert_eq!(options(&shared).get("SHARED"), Some(&Value::Bool(true)));
-    assert_eq!(outputs(&[]).expect_err("rays have no maps").input.as_deref(), Some("maps"));
+    let module = |made: &[OutputDesc]| made[0].facts.module().expect("it has a module").clone();
+    assert_eq!(module(&made).facts.get("taps"), Some(&Value::U32(9)));
+    assert_eq!(module(&made).options.get("SHARED"), None);
+    let shared = Module::new("shaders/visibility-atlas.wgsl").option("SHARED", Value::Bool(true));
+    let shared = outputs(&["atlas", "owners", "sources"], Some(shared)).expect("maps that lights share");
+    assert_eq!(module(&shared).options.get("SHARED"), Some(&Value::Bool(true)));
+    assert_eq!(outputs(&[], None).expect_err("rays have no maps").input.as_deref(), Some("maps"));
 }

@@ -1,6 +1,4 @@
-//! The algorithm in plain f64: same names and order as percentage-closer-soft-shadows.wgsl.
-
-pub use gpu_algorithms::reference::paraboloid;
+//! The CPU reference in `f64`, with the names of lookup.wgsl.
 
 use glam::{DVec2, DVec3};
 use gpu_algorithms::reference::disc_shadow::{disc_radius, penumbra_radius, search_radius, texel_of};
@@ -8,24 +6,24 @@ use gpu_algorithms::reference::paraboloid_lookup::{is_seen, paraboloid_lookup};
 
 /// One map of a light, and how it is looked up.
 #[derive(Clone, Copy, Debug)]
-pub struct Map<'a> {
+pub(crate) struct Map<'a> {
     /// Distances \[m\], row by row.
-    pub distances: &'a [f64],
+    pub(crate) distances: &'a [f64],
     /// Side \[px\].
-    pub tile: u32,
+    pub(crate) tile: u32,
     /// Depth bias, in widths of a texel at the receiver.
-    pub depth_bias: f64,
+    pub(crate) depth_bias: f64,
     /// Taps that look for blockers.
-    pub search: usize,
+    pub(crate) search: usize,
     /// Taps that are filtered.
-    pub taps: usize,
+    pub(crate) taps: usize,
     /// Least height of a blocker above the light's plane, as a share of the receiver's.
-    pub nearest: f64,
+    pub(crate) nearest: f64,
 }
 
 /// Returns the points of the kernel, as the WGSL has them.
-pub fn poisson_disc() -> Vec<DVec2> {
-    let points = include_str!("../poisson-disc.wgsl").lines().filter_map(|line| {
+pub(crate) fn poisson_disc() -> Vec<DVec2> {
+    let points = include_str!("../../poisson-disc.wgsl").lines().filter_map(|line| {
         let (x, y) = line.trim().strip_prefix("vec2(")?.strip_suffix("),")?.split_once(", ")?;
         Some(DVec2::new(x.parse().ok()?, y.parse().ok()?))
     });
@@ -51,7 +49,7 @@ impl Map<'_> {
 
     /// Returns the part of a disc of that area \[m²\] that is seen from a receiver \[m\] with a unit normal, both in the
     /// disc's frame.
-    pub fn visibility(&self, area: f64, receiver: DVec3, plane_normal: DVec3) -> f64 {
+    pub(crate) fn visibility(&self, area: f64, receiver: DVec3, plane_normal: DVec3) -> f64 {
         if receiver.z <= 0.0 {
             return 0.0;
         }
