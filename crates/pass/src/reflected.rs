@@ -122,7 +122,21 @@ pub fn outputs(
     main: &MainShader,
     outputs: &OutputContext<'_>,
 ) -> Result<Vec<OutputDesc>, PassTypeError> {
-    with_known(outputs, |known| Reflected::new(cx, main, &known.of(main)))?.outputs(cx, outputs)
+    outputs_with(cx, main, outputs, &[])
+}
+
+/// Returns the same, where directives and attributes also name `values` that Rust computes. A setting of the same name
+/// goes before such a value.
+///
+/// # Errors
+/// As [`outputs`].
+pub fn outputs_with(
+    cx: &UseContext<'_>,
+    main: &MainShader,
+    outputs: &OutputContext<'_>,
+    values: &[(&str, Value)],
+) -> Result<Vec<OutputDesc>, PassTypeError> {
+    with_known(outputs, |known| Reflected::new(cx, main, &known.of(main)))?.outputs(cx, outputs, values)
 }
 
 /// Calls `f` with what is known when outputs are described. All outputs count as read.

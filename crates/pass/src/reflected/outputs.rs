@@ -194,7 +194,7 @@ impl Reflected {
         Ok(ports)
     }
 
-    /// Returns the resources of the outputs, and of scratch.
+    /// Returns the resources of the outputs, and of scratch; `values` are names that formulas have beside their own.
     ///
     /// # Errors
     /// Formats that do not fit, and buffers whose number of elements nothing says.
@@ -202,6 +202,7 @@ impl Reflected {
         &self,
         cx: &UseContext<'_>,
         outputs: &OutputContext<'_>,
+        values: &[(&str, crate::Value)],
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         for input in &self.outline.inputs {
             check_members_of_input(input, cx.interfaces, outputs)?;
@@ -214,8 +215,10 @@ impl Reflected {
         let layers = members.filter_map(|(_, desc)| desc.texture()).find(|texture| texture.array);
         let layers = layers.map_or(1, |texture| texture.layers);
         let constants = self.files.iter().flat_map(|file| &file.shader.interface.constants);
+        let constants = constants.map(|(name, value)| (name.as_str(), value));
+        let values = values.iter().map(|(name, value)| (*name, value));
         let names = self.outline.inputs.iter().map(|input| &*input.name);
-        let scope = Scope::of_outputs(outputs).with(constants.map(|(name, value)| (name, value)), names);
+        let scope = Scope::of_outputs(outputs).with(values.chain(constants), names);
         let mut descs = Vec::new();
         for group in self.groups(cx)? {
             let said = cx.use_.outputs.get(group.port);

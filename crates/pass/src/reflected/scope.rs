@@ -15,7 +15,7 @@ pub(super) struct Scope<'a> {
     traits: Option<&'a Traits>,
     /// Connected ports.
     ports: Vec<Port<'a>>,
-    /// The `const`s of the shader.
+    /// The `const`s of the shader, and what Rust computes.
     constants: Vec<(&'a str, &'a Value)>,
     /// The names of all ports, connected or not.
     declared: Vec<&'a str>,
@@ -68,13 +68,13 @@ impl<'a> Scope<'a> {
         Scope { frame: Some(cx.frame), traits: Some(cx.traits), ports, ..Scope::of_settings(cx.settings) }
     }
 
-    /// The same with the constants of a shader and the names of all ports.
+    /// The same with constants and the names of all ports.
     pub(super) fn with(
         mut self,
-        constants: impl IntoIterator<Item = (&'a String, &'a Value)>,
+        constants: impl IntoIterator<Item = (&'a str, &'a Value)>,
         declared: impl IntoIterator<Item = &'a str>,
     ) -> Scope<'a> {
-        self.constants = constants.into_iter().map(|(name, value)| (name.as_str(), value)).collect();
+        self.constants = constants.into_iter().collect();
         self.declared = declared.into_iter().collect();
         self
     }

@@ -41,7 +41,7 @@ impl Reflected {
         Amount(text): &Amount,
     ) -> Result<u32, PassTypeError> {
         let interface = &self.shader().interface;
-        let constants = interface.constants.iter().map(|(name, value)| (name, value));
+        let constants = interface.constants.iter().map(|(name, value)| (name.as_str(), value));
         let names = self.outline.inputs.iter().map(|input| &*input.name);
         let scope = Scope::of_steps(cx).with(constants, names);
         scope.whole(text).map_err(|wrong| wrong.at(&self.beginning(said)))
@@ -81,7 +81,7 @@ impl Reflected {
                 _ => &[],
             };
             let interface = &self.shader().interface;
-            let constants = interface.constants.iter().map(|(name, value)| (name, value));
+            let constants = interface.constants.iter().map(|(name, value)| (name.as_str(), value));
             let scope = Scope::of_settings(settings).with(constants, []);
             for Amount(text) in threads.iter().chain(&said.repeat) {
                 scope.check(text).map_err(|wrong| wrong.at(&self.beginning(said)))?;

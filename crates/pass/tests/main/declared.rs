@@ -2,7 +2,10 @@
 
 use crate::pass_types::TestPassTypes;
 use frame_graph::port::{PassTypes, Use};
-use pass::{FromWgsl, Library, Pass, Settings, Step, Threads, Value};
+use pass::{
+    FromWgsl, Library, OutputContext, OutputDesc, Pass, PassTypeError, Settings, Step, Threads, UseContext,
+    Value, reflected,
+};
 use shader_library::MemoryFiles;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -219,4 +222,44 @@ fn settings_are_read_by_name() {
     let error = settings.u32("cuont").unwrap_err();
     assert_eq!(error.help.as_deref(), Some("did you mean `count`?"));
     assert!(settings.text("count").is_err());
+}
+
+/// A pass that computes a value for its directives.
+struct Computed;
+
+impl Pass for Computed {
+    fn kind(&self) -> &'static str {
+        "make"
+    }
+
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
+        let values = [("rows", Value::U32(3)), ("scale", Value::F32(9.0))];
+        reflected::outputs_with(use_cx, &self.main_shader(&cx.use_)?, cx, &values)
+    }
+}
+
+#[test]
+fn directives_and_attributes_name_what_rust_computes() {
+    let directive = "numbers: Numbers(count: rows, scale: scale)";
+    let make = MAKE_WGSL
+        .replace(
+            "numbers: Numbers(count: settings.count * 2, scale: settings.scale when settings.scale > 0.0)",
+            directive,
+        )
+        .replace(
+            "var<storage, read_write> numbers",
+            "/// [count: rows * 7]\nvar<storage, read_write> numbers",
+        );
+    let files = MemoryFiles::new([("passes/make/make.wgsl", &*make), ("passes/sum/sum.wgsl", SUM_WGSL)]);
+    let types = TestPassTypes { passes: &[&Computed, &SUM], library: Library::new(Arc::new(files)) };
+    let plan = types.plan(PIPELINE).unwrap_or_else(|error| panic!("{error}"));
+    let make = plan.passes.iter().find(|pass| pass.kind == "make").expect("it is there");
+    let facts: Vec<_> = make.outputs[0].facts.iter().collect();
+    // A setting goes before what Rust computes, and the attribute of a member before the directive: 84 bytes, padded.
+    assert_eq!(facts, [("count", &Value::U32(3)), ("scale", &Value::F32(0.0))]);
+    assert!(plan.resources.iter().any(|resource| resource.desc.bytes() == 96));
 }
