@@ -1,11 +1,29 @@
-// Splats points of the scene into hemispherical depth maps, one per virtual light: imperfect shadow maps before their
-// holes are filled. [ISM §3.2]
+// Splats points of the scene into hemispherical depth maps, one per virtual light. [ISM §3.2]
+//
+// These are imperfect shadow maps before their holes are filled.
 //
 // depth: [count × tile × tile] u32, map after map, each row by row: the bits of the distance [m]. Distances are not
 // negative, so their bits are in the order of their values and an integer minimum keeps the nearest. What is bound may be
 // a run of the maps.
+//
+// Surfels store the distances of the centres of texels, which need no bias for the slope; a box stores that of the middle of
+// a splat, of the usual two to four texels.
 
-#option KERNEL box one_of [box, surfel] // the paper's one distance a splat, or that of the point's tangent plane
+#input points: Points // The points to splat.
+#input lights: VirtualLights // The lights: one map each, over the hemisphere around its normal.
+#output depth: DepthAtlas(
+    count: lights.count,
+    tile: settings.map,
+    depth_bias: 0.3 * settings.depth_bias when settings.kernel == 'surfel',
+    depth_bias: 0.2 * settings.depth_bias when settings.kernel == 'box',
+    slope_bias: 0.0 when settings.kernel == 'surfel',
+    slope_bias: 2.0 * settings.depth_bias when settings.kernel == 'box',
+) // The maps, with holes.
+#output counters: Counters // The numbers of splats that were requested and that were produced.
+
+// DEVIATION(surfel): the paper stores one distance.
+#option KERNEL surfel one_of [box, surfel] // What a splat stores. box: one distance (ISM §3.2). surfel: in each texel the
+    // distance of the point's tangent plane, so that a surface shadows itself less; takes longer.
 
 #import "dispatch.wgsl"
 #import "paraboloid.wgsl"
@@ -16,13 +34,25 @@
 #import interface "points"
 
 struct Settings {
-    depth_count: u32,
-    depth_tile: u32,
+    /// Side of a map (ISM uses 128 and 256). Larger: sharper shadows, but more time. [default: 64, min: 1, max: 512, unit:
+    /// "px"]
+    map: u32,
+    /// Points that are splatted into each map; 0 takes as many as `points_per_texel` says. [default: 0]
+    points_per_map: u32,
+    /// Points for each texel of the hemisphere, where `points_per_map` is 0. ISM §5.2 has a quarter. More: fewer holes and so
+    /// less light that leaks, but more time. [default: 0.25, min: 0.0, max: 64.0]
+    points_per_texel: f32,
+    /// The most points of all maps together, which bounds the time. If more are requested, all maps lose the same share; the
+    /// port `counters` gives the numbers of points requested and produced. [default: 33554432, min: 1, max: 1073741824]
+    budget: u32,
     /// Factor on the side of a splat. Larger: fewer holes, but thicker shadows. [default: 1.0, min: 0.0, max: 16.0]
     splat_scale: f32,
     /// Greatest side of a splat, which bounds the time of points near a light. Larger: fewer holes near the light.
     /// [default: 8.0, min: 1.0, max: 512.0, unit: "px"]
     max_splat: f32,
+    /// Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light leaks more with
+    /// it. [default: 1.0, min: 0.0]
+    depth_bias: f32,
     /// Splats of all maps that were requested.
     wanted: u32,
     /// The first of the maps that are bound.
@@ -35,6 +65,7 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read> lights: VirtualLights;
+/// [count: lights.count * settings.map * settings.map]
 var<storage, read_write> depth: array<atomic<u32>>;
 /// The same buffer, as vectors of four texels.
 var<storage, read_write> cleared: array<vec4<u32>>;
@@ -42,12 +73,8 @@ var<storage, read_write> counters: Counters;
 
 /// Four texels per thread are set to +∞, that is, empty. One thread writes the counters.
 @compute @workgroup_size(64)
-fn clear(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn clear(row: Row) {
+    let index = index_in(row, 64u);
     if index < arrayLength(&cleared) {
         cleared[index] = vec4(0x7f800000u);
     }
@@ -60,12 +87,8 @@ fn clear(
 
 /// One thread per splat.
 @compute @workgroup_size(64)
-fn splat(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local_index: u32,
-) {
-    let index = settings.first + row_index(group, groups, local_index, 64u);
+fn splat(row: Row) {
+    let index = settings.first + index_in(row, 64u);
     if index >= settings.end {
         return;
     }
@@ -84,7 +107,7 @@ fn splat(
     let distance = length(local);
     let facing = abs(dot(point.normal, offset)) / distance;
     let centre = paraboloid_from_direction(local / distance);
-    let tile = settings.depth_tile;
+    let tile = settings.map;
     let texel = paraboloid_density(centre) * texel_area(tile);
     let side = clamp(settings.splat_scale * sqrt(point.area * facing / texel) / distance, 1.0, settings.max_splat);
 

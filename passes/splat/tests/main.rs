@@ -1,14 +1,16 @@
 //! Splats against closed forms.
 
+mod cpu_reference;
+
+use cpu_reference::{Shape, map, splat};
 use glam::{DVec3, dvec3, uvec2};
-use interfaces::virtual_lights::VirtualLight;
-use pass::LARGEST_WINDOW;
-use pass_test::Harness;
-use splat::cpu_reference::paraboloid::{
+use gpu_algorithms::reference::paraboloid::{
     direction_from_paraboloid, frame_from_normal, paraboloid_density, paraboloid_from_direction, texel_area,
     texel_centre, texel_in_hemisphere,
 };
-use splat::cpu_reference::{Shape, map, splat};
+use interfaces::virtual_lights::VirtualLight;
+use pass::LARGEST_WINDOW;
+use pass_test::Harness;
 use splat::points_of_map;
 use std::f64::consts::PI;
 

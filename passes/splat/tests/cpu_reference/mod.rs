@@ -1,6 +1,6 @@
-//! The algorithm in plain f64: same names and order as splat.wgsl.
+//! The CPU reference in `f64`, with the names of splat.wgsl.
 
-pub use gpu_algorithms::reference::paraboloid;
+use gpu_algorithms::reference::paraboloid;
 
 use glam::{DVec2, DVec3, UVec2};
 use paraboloid::{
@@ -10,32 +10,32 @@ use paraboloid::{
 
 /// The trace of a point in a map: a square of one distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Splat {
+pub(crate) struct Splat {
     /// Centre in the tile \[px\].
-    pub position: DVec2,
+    pub(crate) position: DVec2,
     /// Side \[px\].
-    pub side: f64,
+    pub(crate) side: f64,
     /// Distance from the light \[m\].
-    pub distance: f64,
+    pub(crate) distance: f64,
 }
 
 /// The settings that shape a splat, and the values from the scene.
 #[derive(Clone, Copy, Debug)]
-pub struct Shape {
+pub(crate) struct Shape {
     /// Side of a map \[px\].
-    pub tile: u32,
+    pub(crate) tile: u32,
     /// Area that a point stands for \[m²\].
-    pub area: f64,
+    pub(crate) area: f64,
     /// Diagonal of the scene \[m\].
-    pub extent: f64,
+    pub(crate) extent: f64,
     /// Factor on the side.
-    pub splat_scale: f64,
+    pub(crate) splat_scale: f64,
     /// Greatest side \[px\].
-    pub max_splat: f64,
+    pub(crate) max_splat: f64,
 }
 
 /// Returns the splat of a point, seen from a light with that position and unit normal; `None` behind its plane.
-pub fn splat(
+pub(crate) fn splat(
     point: DVec3,
     point_normal: DVec3,
     light: DVec3,
@@ -62,7 +62,7 @@ pub fn splat(
 
 impl Splat {
     /// Returns the texels it covers: from the first to before the second, in x and y.
-    pub fn texels(&self, tile: u32) -> (UVec2, UVec2) {
+    pub(crate) fn texels(&self, tile: u32) -> (UVec2, UVec2) {
         let low = (self.position - 0.5 * self.side - 0.5).ceil();
         let high = (self.position + 0.5 * self.side - 0.5).ceil();
         (low.as_uvec2(), high.min(DVec2::splat(f64::from(tile))).as_uvec2())
@@ -70,7 +70,7 @@ impl Splat {
 }
 
 /// Returns a map of these points: row by row the distance \[m\], infinite where nothing fell.
-pub fn map(points: &[(DVec3, DVec3)], light: DVec3, light_normal: DVec3, shape: &Shape) -> Vec<f64> {
+pub(crate) fn map(points: &[(DVec3, DVec3)], light: DVec3, light_normal: DVec3, shape: &Shape) -> Vec<f64> {
     let mut depth = vec![f64::INFINITY; (shape.tile * shape.tile) as usize];
     for (point, normal) in points {
         let Some(splat) = splat(*point, *normal, light, light_normal, shape) else { continue };
