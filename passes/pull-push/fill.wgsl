@@ -1,7 +1,7 @@
 // Push to the finest level: the filled maps, laid out as an atlas. It is a dispatch and not a draw: processors for computing alone
 // have few units that rasterise, and others store as fast as they draw. [ISM §3.2]
 
-#option PYRAMID true // whether there is a level above the maps
+#option PYRAMID true internal // whether there is a level above the maps
 
 #import "combine.wgsl"
 

@@ -1,7 +1,9 @@
 // Pull: one level of the pyramid from the finer one. [ISM §3.2]
 
-#option FINEST true // whether the finer level is the maps themselves
-#option PULL mean one_of [mean, median] // How the four finer texels of a coarse one are combined, holes left out. mean: their mean if all are close to each other, otherwise a hole (ISM). median: their median, of two or four the mean of the middle two if these are close (ACRSM): single outliers leave no hole.
+#option FINEST true internal // whether the finer level is the maps themselves
+#option PULL mean one_of [mean, median] // How the four finer texels of a coarse one are combined, holes left out. mean: their
+    // mean if all are close to each other, otherwise a hole (ISM). median: their median, of two or four the mean of the middle
+    // two if these are close (ACRSM): single outliers leave no hole.
 
 #import "combine.wgsl"
 
@@ -22,8 +24,9 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-/// The maps and the pyramids of a window: both begin with the first map of the dispatch.
+/// The maps of a window, which begin with the first map of the dispatch.
 var<storage, read> depth: array<u32>;
+/// The pyramids of a window, level 1 first. [scratch, count: pyramid_texels]
 var<storage, read_write> pyramid: array<f32>;
 
 fn fine(map: u32, texel: vec2<u32>) -> f32 {

@@ -17,7 +17,7 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-/// The pyramids of a window, level 1 first.
+/// The pyramids of a window, level 1 first. [scratch, count: pyramid_texels]
 var<storage, read_write> pyramid: array<f32>;
 
 fn coarse(map: u32, x: u32, y: u32) -> f32 {

@@ -1,7 +1,7 @@
 //! Maps of one size in the layers of a texture array.
 
 use super::{COLUMNS, DEPTH_BIAS, ROWS, SLOPE_BIAS, TILE};
-use pass::{Extent, Facts, Format, Module, OutputDesc, ResourceDesc, Usage};
+use pass::{Extent, Facts, Format, Module, OutputDesc, ResourceDesc, Usage, Value};
 use std::ops::Range;
 
 /// How square maps of one size are arranged in an atlas: row by row, layer after layer. `tile_origin` of
@@ -85,6 +85,18 @@ impl AtlasLayout {
             .fact(TILE, self.tile)
             .fact(COLUMNS, self.columns)
             .fact(ROWS, self.rows)
+    }
+
+    /// Returns what the directives of a pass name that renders maps into an atlas: `atlas_width` and `atlas_height` \[px\],
+    /// `atlas_layers`, `atlas_columns` and `atlas_rows`.
+    pub fn values(&self) -> [(&'static str, Value); 5] {
+        [
+            ("atlas_width", (self.columns * self.tile).into()),
+            ("atlas_height", (self.rows * self.tile).into()),
+            ("atlas_layers", self.layers().into()),
+            ("atlas_columns", self.columns.into()),
+            ("atlas_rows", self.rows.into()),
+        ]
     }
 
     /// Returns the texture array.

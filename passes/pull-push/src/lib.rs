@@ -1,13 +1,10 @@
-//! Fills the holes of splatted depth maps through an image pyramid.
-
-pub mod cpu_reference;
+#![doc = include_str!("../README.md")]
 
 use interfaces::depth_atlas;
-use interfaces::visibility::{AtlasLayout, DepthBias};
+use interfaces::visibility::AtlasLayout;
 use pass::{
-    Compute, Define, Info, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext, Value,
-    setting,
+    Compute, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext,
+    Recording, Request, Threads, UseContext, reflected,
 };
 use std::ops::Range;
 
@@ -22,24 +19,8 @@ pub struct PullPush {
     pub window: u64,
 }
 
-const PULL: &str = "passes/pull-push/pull.wgsl";
-const PUSH: &str = "passes/pull-push/push.wgsl";
-const FILL: &str = "passes/pull-push/fill.wgsl";
-
-/// The option of the shader that says how texels are combined; in lower case, the name of the setting.
-const PULL_BY: &str = "PULL";
-
 /// The most workgroups along a dimension: WebGPU's default.
 const MAX_GROUPS: u32 = 65_535;
-
-pass::settings! {
-    /// The settings of the pass type `pull-push` that are not the shaders' alone.
-    pub struct PullPushSettings {
-        /// Levels of the pyramid above the maps; 0 leaves holes as they are. More: larger holes close, but
-        /// small openings close as well.
-        levels: u32 = 2, min: 0, max: 4;
-    }
-}
 
 /// The pyramids of the maps of a window without their finest levels, level 1 first. Those of one window after those of
 /// another make one buffer.
@@ -63,65 +44,40 @@ impl Pyramid {
         (1..level).map(|finer| self.count * self.side(finer).pow(2)).sum()
     }
 
-    /// Bytes of this many maps.
-    fn bytes(self, maps: u32) -> u64 {
-        let texels: u64 = (1..=self.levels).map(|level| u64::from(self.side(level)).pow(2)).sum();
-        u64::from(maps) * texels * 4
+    /// Texels of a map.
+    fn texels(self) -> u32 {
+        (1..=self.levels).map(|level| self.side(level).pow(2)).sum()
     }
 
     /// The bytes of a window in the buffer; they begin where a window can.
     fn window(self, maps: &Range<u32>) -> Range<u64> {
-        self.bytes(maps.start)..self.bytes(maps.end).next_multiple_of(16)
+        let bytes = |maps: u32| 4 * u64::from(maps) * u64::from(self.texels());
+        bytes(maps.start)..bytes(maps.end).next_multiple_of(16)
     }
 
     /// A step between a level and the coarser one, with one thread per texel of level `threads` of these maps.
-    fn step(
-        self,
-        finer: u32,
-        threads: u32,
-        maps: &Range<u32>,
-        shader: pass::Request,
-        entry: &str,
-    ) -> Compute {
+    fn step(self, finer: u32, threads: u32, maps: &Range<u32>, shader: Request, entry: &str) -> Compute {
         let side = self.side(threads);
-        let begin = |level| Value::U32(self.begin(level));
         Compute::new(shader, entry, Threads::Grid([side, side, self.count]))
             .window("pyramid", self.window(maps))
-            .value("fine_side", Value::U32(self.side(finer)))
-            .value("coarse_side", Value::U32(self.side(finer + 1)))
-            .value("fine_begin", begin(finer))
-            .value("coarse_begin", begin(finer + 1))
-            .value("scale", Value::F32((1 << finer) as f32))
+            .value("fine_side", self.side(finer))
+            .value("coarse_side", self.side(finer + 1))
+            .value("fine_begin", self.begin(finer))
+            .value("coarse_begin", self.begin(finer + 1))
+            .value("scale", (1 << finer) as f32)
     }
 }
 
 impl Pass for PullPush {
-    fn info(&self) -> Info {
-        Info {
-            kind: "pull-push",
-            about: "Fills the holes of splatted depth maps through an image pyramid.",
-            paper: "ISM §3.2",
-            shaders: &[PULL, PUSH, FILL],
-        }
+    fn kind(&self) -> &'static str {
+        "pull-push"
     }
 
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        let mut all = PullPushSettings::schema();
-        all.extend(setting::of_options(cx.shaders, PULL, &[PULL_BY])?);
-        all.extend(setting::of_shader(cx.shaders, PULL)?);
-        all.extend(setting::of_shader(cx.shaders, PUSH)?);
-        Ok(all)
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: vec![pass::input("depth", "DepthAtlas", "The maps, with holes.")],
-            outputs: vec![pass::output("visibility", "Visibility", "The maps, filled.")],
-            scene_bindings: SceneBindings::SCENE,
-        })
-    }
-
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let (tile, count) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
         let most = AtlasLayout::most(tile, self.side).min(u64::from(MAX_GROUPS));
         let layout = AtlasLayout::new(count, tile, self.side).filter(|_| count <= MAX_GROUPS);
@@ -130,23 +86,19 @@ impl Pass for PullPush {
                 .help("take smaller maps")
                 .limit("depth", depth_atlas::COUNT, most, "virtual lights")
         })?;
-        let bias = DepthBias {
-            depth: cx.fact("depth", depth_atlas::DEPTH_BIAS)?,
-            slope: cx.fact("depth", depth_atlas::SLOPE_BIAS)?,
-        };
-        let levels = PullPushSettings::read(cx.settings).levels;
-        let bytes = Pyramid { tile, count, levels }.bytes(count);
-        let pyramid = OutputDesc::scratch("pyramid", ResourceDesc::buffer(bytes));
-        Ok(vec![layout.visibility(bias), pyramid])
+        let pyramid = Pyramid { tile, count, levels: cx.settings.u32("levels")? };
+        let mut values = layout.values().to_vec();
+        values.push(("pyramid_texels", count.saturating_mul(pyramid.texels()).into()));
+        reflected::outputs_with(use_cx, &self.main_shader(&cx.use_)?, cx, &values)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let levels = PullPushSettings::read(cx.settings).levels;
+        let levels = cx.settings.u32("levels")?;
         let (tile, count) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
         let pyramid = |maps: &Range<u32>| Pyramid { tile, count: maps.end - maps.start, levels };
         let mut recording = Recording::default();
         let windows = depth_atlas::windows(count, tile, 1, self.window);
-        let shader = |finest| cx.shader(PULL, &[("FINEST", Define::Bool(finest)), cx.option(PULL_BY)]);
+        let shader = |finest| cx.file("pull.wgsl").define("FINEST", finest);
         for depth_atlas::Window { maps, bytes } in &windows {
             let pyramid = pyramid(maps);
             for finer in 0..levels {
@@ -155,7 +107,7 @@ impl Pass for PullPush {
                     recording.then(if finer == 0 { step.window("depth", bytes.clone()) } else { step });
             }
             for finer in (1..levels).rev() {
-                recording = recording.then(pyramid.step(finer, finer, maps, cx.shader(PUSH, &[]), "push"));
+                recording = recording.then(pyramid.step(finer, finer, maps, cx.file("push.wgsl"), "push"));
             }
         }
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, count));
@@ -165,12 +117,12 @@ impl Pass for PullPush {
         let of_windows = windows.iter().map(|window| (window.maps.clone(), window));
         let of_rest = windows.last().map(|window| (rest, window));
         for (maps, window) in of_windows.chain(of_rest).filter(|(maps, _)| !maps.is_empty()) {
-            let shader = cx.shader(FILL, &[("PYRAMID", Define::Bool(levels > 0))]);
+            let shader = cx.file("fill.wgsl").define("PYRAMID", levels > 0);
             let pyramid = pyramid(&window.maps);
             let fill = Compute::new(shader, "fill", Threads::Grid([tile, tile, maps.len() as u32]))
-                .value("first_map", Value::U32(maps.start))
-                .value("maps", Value::U32(count))
-                .value("coarse_side", Value::U32(pyramid.side(1)))
+                .value("first_map", maps.start)
+                .value("maps", count)
+                .value("coarse_side", pyramid.side(1))
                 .bind("level_1", "pyramid")
                 .window("level_1", pyramid.window(&window.maps))
                 .window("depth", window.bytes.clone());

@@ -1,8 +1,10 @@
 //! Hole filling on maps whose answer is known.
 
+mod cpu_reference;
+
+use cpu_reference::{Level, pull_push, pull_push_by, pulled, pulled_median};
 use pass::LARGEST_WINDOW;
 use pass_test::Harness;
-use pull_push::cpu_reference::{Level, pull_push, pull_push_by, pulled, pulled_median};
 
 const HOLE: f64 = f64::INFINITY;
 

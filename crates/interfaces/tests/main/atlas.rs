@@ -1,9 +1,7 @@
 //! Where maps lie in an atlas.
 
-use interfaces::visibility::{AtlasLayout, DepthBias};
-
-const BIAS: DepthBias = DepthBias { depth: 1.0, slope: 0.5 };
-use pass::Extent;
+use interfaces::visibility::{AtlasLayout, COLUMNS, ROWS, TILE};
+use pass::{Extent, Facts, Value};
 use std::collections::BTreeSet;
 
 #[test]
@@ -35,7 +33,14 @@ fn every_map_has_a_place_of_its_own_in_the_layer_that_draws_it() {
             }
         }
         assert_eq!(places.len(), count as usize);
-        assert_eq!(AtlasLayout::of_facts(&layout.visibility(BIAS).facts, count), Some(layout));
+        let values: Facts = layout.values().into_iter().collect();
+        let side = |name| values.get(name).and_then(Value::as_u32).expect("a number");
+        assert_eq!((side("atlas_width"), side("atlas_height")), (width, height), "{layout:?}");
+        assert_eq!(side("atlas_layers"), layout.layers(), "{layout:?}");
+        let (columns, rows) = (side("atlas_columns"), side("atlas_rows"));
+        let facts = [(TILE.name, tile), (COLUMNS.name, columns), (ROWS.name, rows)];
+        let facts: Facts = facts.into_iter().map(|(name, value)| (name, Value::U32(value))).collect();
+        assert_eq!(AtlasLayout::of_facts(&facts, count), Some(layout));
     }
 }
 

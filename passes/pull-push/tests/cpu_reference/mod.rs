@@ -2,16 +2,16 @@
 
 /// An image of distances \[m\], infinite in holes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub(crate) struct Level {
     /// Texels a side.
-    pub side: usize,
+    pub(crate) side: usize,
     /// Row by row.
-    pub depth: Vec<f64>,
+    pub(crate) depth: Vec<f64>,
 }
 
 impl Level {
     /// Returns the value at a texel; a hole outside the image.
-    pub fn at(&self, x: isize, y: isize) -> f64 {
+    pub(crate) fn at(&self, x: isize, y: isize) -> f64 {
         let inside = |v: isize| usize::try_from(v).ok().filter(|v| *v < self.side);
         match (inside(x), inside(y)) {
             (Some(x), Some(y)) => self.depth[y * self.side + x],
@@ -36,7 +36,7 @@ fn span(values: &[f64]) -> Option<(f64, f64)> {
 
 /// Returns the mean of those of four that are not holes, if they are within `threshold` of each other;
 /// otherwise a hole.
-pub fn pulled(values: [f64; 4], threshold: f64) -> f64 {
+pub(crate) fn pulled(values: [f64; 4], threshold: f64) -> f64 {
     match span(&values) {
         Some((nearest, farthest)) if farthest - nearest <= threshold => {
             let valid: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
@@ -48,7 +48,7 @@ pub fn pulled(values: [f64; 4], threshold: f64) -> f64 {
 
 /// Returns the median of those of four that are not holes: of an even number the mean of the middle two, if they are
 /// within `threshold` of each other; otherwise a hole.
-pub fn pulled_median(values: [f64; 4], threshold: f64) -> f64 {
+pub(crate) fn pulled_median(values: [f64; 4], threshold: f64) -> f64 {
     let mut valid: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     valid.sort_by(f64::total_cmp);
     if valid.is_empty() {
@@ -59,7 +59,7 @@ pub fn pulled_median(values: [f64; 4], threshold: f64) -> f64 {
 }
 
 /// Returns the value of a texel, given the pushed level above it.
-pub fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f64 {
+pub(crate) fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f64 {
     let side = (x % 2 * 2 - 1, y % 2 * 2 - 1);
     let values =
         [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| coarse.at(x / 2 + i * side.0, y / 2 + j * side.1));
@@ -79,12 +79,12 @@ pub fn pushed(own: f64, x: isize, y: isize, coarse: &Level, threshold: f64) -> f
 }
 
 /// Fills a map by means: thresholds in metres at level 0.
-pub fn pull_push(map: &Level, levels: u32, pull_threshold: f64, push_threshold: f64) -> Level {
+pub(crate) fn pull_push(map: &Level, levels: u32, pull_threshold: f64, push_threshold: f64) -> Level {
     pull_push_by(pulled, map, levels, pull_threshold, push_threshold)
 }
 
 /// Fills a map, where `pulled` combines four texels within a threshold of each other.
-pub fn pull_push_by(
+pub(crate) fn pull_push_by(
     pulled: fn([f64; 4], f64) -> f64,
     map: &Level,
     levels: u32,
