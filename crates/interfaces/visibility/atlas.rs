@@ -1,7 +1,7 @@
 //! Maps of one size in the layers of a texture array.
 
-use super::{COLUMNS, DEPTH_BIAS, ROWS, SLOPE_BIAS, TILE};
-use pass::{Extent, Facts, Format, Module, OutputDesc, ResourceDesc, Usage, Value};
+use super::{COLUMNS, ROWS, TILE};
+use pass::{Extent, Facts, Format, ResourceDesc, Value};
 use std::ops::Range;
 
 /// How square maps of one size are arranged in an atlas: row by row, layer after layer. `tile_origin` of
@@ -12,33 +12,6 @@ pub struct AtlasLayout {
     count: u32,
     columns: u32,
     rows: u32,
-}
-
-/// The bias of the depth test that maps need, in widths of a texel at the receiver.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DepthBias {
-    /// The part that is always there, for what is no plane within a texel.
-    pub depth: f32,
-    /// The part that is multiplied by the slope of the receiver's plane, for distances that are not those of the centres of
-    /// their texels.
-    pub slope: f32,
-}
-
-impl DepthBias {
-    /// Returns both parts times a factor.
-    pub fn times(self, factor: f32) -> DepthBias {
-        DepthBias { depth: self.depth * factor, slope: self.slope * factor }
-    }
-}
-
-pass::settings! {
-    /// The setting of every pass that renders maps: the depth bias that they need, times this factor, gives their facts
-    /// `depth_bias` and `slope_bias`.
-    pub struct DepthBiasSettings {
-        /// Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light leaks
-        /// more with it.
-        depth_bias: f32 = 1.0, min: 0.0;
-    }
 }
 
 impl AtlasLayout {
@@ -72,19 +45,6 @@ impl AtlasLayout {
     pub fn of_facts(facts: &Facts, count: u32) -> Option<AtlasLayout> {
         let fact = |fact: pass::Fact<u32>| fact.of(facts).filter(|value| *value > 0);
         Some(AtlasLayout { tile: fact(TILE)?, count, columns: fact(COLUMNS)?, rows: fact(ROWS)? })
-    }
-
-    /// Returns the output `visibility` of a pass that renders maps of distances: its member `atlas`, the module for
-    /// shadow-map lookups in it, and the facts that the module reads.
-    pub fn visibility(&self, bias: DepthBias) -> OutputDesc {
-        let atlas = ("atlas".to_owned(), self.texture(Format::R32Float), Usage::Overwrites);
-        OutputDesc::of("visibility", vec![atlas])
-            .module(Module::new("shaders/visibility-atlas.wgsl"))
-            .fact(DEPTH_BIAS, bias.depth)
-            .fact(SLOPE_BIAS, bias.slope)
-            .fact(TILE, self.tile)
-            .fact(COLUMNS, self.columns)
-            .fact(ROWS, self.rows)
     }
 
     /// Returns what the directives of a pass name that renders maps into an atlas: `atlas_width` and `atlas_height` \[px\],

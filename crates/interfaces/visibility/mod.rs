@@ -3,7 +3,7 @@
 mod atlas;
 
 use crate::virtual_lights;
-pub use atlas::{AtlasLayout, DepthBias, DepthBiasSettings};
+pub use atlas::AtlasLayout;
 use pass::{
     Content, Fact, Format, Interface, Member, Module, OutputContext, OutputDesc, PassTypeError, Value,
 };

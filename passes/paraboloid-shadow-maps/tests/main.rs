@@ -1,15 +1,15 @@
 //! Exact maps against rays.
 
+mod cpu_reference;
+
+use cpu_reference::{hit, image_bounds, map};
 use frame_graph::Source;
 use glam::{DVec2, DVec3, dvec3, uvec2};
+use gpu_algorithms::reference::paraboloid::{direction_from_paraboloid, frame_from_normal, texel_centre};
 use interfaces::stands::Stand;
 use interfaces::virtual_lights::VirtualLight;
 use interfaces::visibility::AtlasLayout;
 use paraboloid_shadow_maps::ParaboloidShadowMaps;
-use paraboloid_shadow_maps::cpu_reference::paraboloid::{
-    direction_from_paraboloid, frame_from_normal, texel_centre,
-};
-use paraboloid_shadow_maps::cpu_reference::{hit, image_bounds, map};
 use pass::{Format, ResourceDesc};
 use pass_test::Harness;
 use scene::{Scene, Vertex};

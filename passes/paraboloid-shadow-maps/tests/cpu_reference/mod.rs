@@ -1,6 +1,6 @@
-//! The CPU reference in `f64`, with the names of paraboloid-shadow-maps.wgsl.
+//! The CPU reference in `f64`, with the names of render.wgsl.
 
-pub use gpu_algorithms::reference::paraboloid;
+use gpu_algorithms::reference::paraboloid;
 
 use glam::{DVec2, DVec3, UVec2};
 use paraboloid::{
@@ -8,11 +8,11 @@ use paraboloid::{
 };
 
 /// A box in the square [-1, 1]²: least and greatest coordinates.
-pub type Box = (DVec2, DVec2);
+pub(crate) type Box = (DVec2, DVec2);
 
 /// Returns a box that contains another and the image of the segment between two points above or on the
 /// light's plane.
-pub fn grown(bounds: Box, p: DVec3, q: DVec3, extent: f64) -> Box {
+pub(crate) fn grown(bounds: Box, p: DVec3, q: DVec3, extent: f64) -> Box {
     if p.length().min(q.length()) <= 1e-6 * extent {
         return (DVec2::NEG_ONE, DVec2::ONE);
     }
@@ -27,12 +27,12 @@ pub fn grown(bounds: Box, p: DVec3, q: DVec3, extent: f64) -> Box {
 }
 
 /// Returns where the segment between points on different sides of the light's plane meets it.
-pub fn at_horizon(p: DVec3, q: DVec3) -> DVec3 {
+pub(crate) fn at_horizon(p: DVec3, q: DVec3) -> DVec3 {
     (p + (q - p) * (p.z / (p.z - q.z))).with_z(0.0)
 }
 
 /// Returns the bounds of the image of the part of a triangle above the light's plane.
-pub fn image_bounds(corners: [DVec3; 3], extent: f64) -> Box {
+pub(crate) fn image_bounds(corners: [DVec3; 3], extent: f64) -> Box {
     let mut bounds = (DVec2::ONE, DVec2::NEG_ONE);
     let mut crossings = Vec::new();
     for i in 0..3 {
@@ -57,7 +57,7 @@ pub fn image_bounds(corners: [DVec3; 3], extent: f64) -> Box {
 }
 
 /// Returns the distance at which a ray from the light meets a triangle, all in the light's frame.
-pub fn hit(direction: DVec3, [a, b, c]: [DVec3; 3], extent: f64) -> Option<f64> {
+pub(crate) fn hit(direction: DVec3, [a, b, c]: [DVec3; 3], extent: f64) -> Option<f64> {
     let sides = [b.cross(c), c.cross(a), a.cross(b)].map(|edge| direction.dot(edge));
     let normal = (b - a).cross(c - a);
     let along = normal.dot(direction);
@@ -69,7 +69,13 @@ pub fn hit(direction: DVec3, [a, b, c]: [DVec3; 3], extent: f64) -> Option<f64> 
 }
 
 /// Returns the map of a light: row by row the distance \[m\], infinite where nothing is.
-pub fn map(triangles: &[[DVec3; 3]], light: DVec3, light_normal: DVec3, tile: u32, extent: f64) -> Vec<f64> {
+pub(crate) fn map(
+    triangles: &[[DVec3; 3]],
+    light: DVec3,
+    light_normal: DVec3,
+    tile: u32,
+    extent: f64,
+) -> Vec<f64> {
     let frame = frame_from_normal(light_normal);
     let local: Vec<[DVec3; 3]> = triangles
         .iter()
