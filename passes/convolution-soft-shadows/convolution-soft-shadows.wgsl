@@ -1,253 +1,187 @@
-// Visibility of discs by basis images of shadow maps: sums of prefiltered images are the share of a region of a map that is
-// in front of a receiver, and the mean depth of that share. [Annen et al. 2007 and 2008; ACRSM §3.1.2, §3.2.5, Eq. 3.2-3.5]
+// Softens shadow-map lookups by prefiltered images of a series of the depth test. [Annen et al. 2007, 2008; ACRSM §3.1.2,
+// §3.2.5]
 //
-// Depths z are heights above the light's plane, as a share of the map's greatest. What is not in front of the depth d has
-// the share f(d, z) = 1/2 + 2 Σ a_k / c_k sin(c_k (z - d)), c_k = π (2k - 1), where a_k attenuate high orders.
+// The basis images of an atlas of distance maps are made level by level: each texel is the mean over those that it covers of
+// its own map. [ACRSM Eq. 3.3-3.5]
+//
+// Of loop iterations, a search loads two pairs of terms an order, and the kernel a pair of each of two levels.
+
+#input maps: Visibility with atlas without basis // An atlas of depth maps.
+#output visibility: Visibility(
+    count: maps.columns * maps.rows * maps.layers * map_words,
+    tile: maps.tile,
+    columns: maps.columns,
+    rows: maps.rows,
+    depth_bias: maps.depth_bias,
+    slope_bias: maps.slope_bias,
+    order: settings.order,
+    levels: map_levels,
+    attenuation: settings.attenuation,
+    offset: settings.offset,
+    search: settings.search,
+    nearest: settings.nearest,
+    stride: map_words,
+    loop_iterations: 2 * settings.order * (settings.search + 1),
+) hands on maps module "lookup.wgsl" // The same atlas, with its basis images and soft lookups.
 
 #import "basis.wgsl"
-#import "disc-shadow.wgsl"
 #import "paraboloid.wgsl"
-#import "paraboloid-lookup.wgsl"
-#import "virtual-lights.wgsl"
-#import "visibility-shared.wgsl"
 
-struct VisibilityFacts {
-    /// Side of a map [px].
-    tile: u32,
-    /// Maps in a row of a layer.
-    columns: u32,
-    /// Rows of maps in a layer.
-    rows: u32,
-    /// Depth bias, in widths of a texel at the receiver.
-    depth_bias: f32,
-    /// The same, times the slope of the receiver's plane.
-    slope_bias: f32,
-    /// Searches for blockers, each in a region that follows from the one before.
-    search: u32,
-    /// Least height of a blocker above the light's plane, as a share of the receiver's.
-    nearest: f32,
-    /// Orders of the expansion.
+struct Settings {
+    /// Orders M of the expansion. More: nearer blockers and receivers are told apart, but memory and time grow in
+    /// proportion. Annen et al. 2007 have 4 to 16. [default: 4, min: 1, max: 16]
     order: u32,
-    /// Levels above the maps.
+    /// The most levels above the maps, up to the one that has a single texel. Fewer: less wide penumbrae, but hardly
+    /// less memory; 0 looks up four texels of the maps alone. [default: 13, min: 0, max: 13]
     levels: u32,
-    /// How much high orders are attenuated.
+    /// How much high orders are attenuated: a_k = exp(-attenuation ((2k - 1) / (2M))²). Smaller: the expansion rings, by
+    /// 9 % at 0 and by 1 % at 1.5. Larger: its step is wider, so that light leaks in near blockers. [default: 1.5, min: 0.0,
+    /// max: 4.0]
     attenuation: f32,
-    /// How much nearer than the receiver it is compared, in depths of 1 / order.
+    /// How much nearer than the receiver it is compared, in depths of 1 / M. Smaller: surfaces shadow themselves. Larger:
+    /// blockers near the receiver are found less. [default: 0.6, min: 0.0, max: 0.9]
     offset: f32,
-    /// Words of a map in the buffer of basis images.
-    stride: u32,
+    /// Searches for blockers, of which each narrows the region to the penumbra that the one before found. More: walls
+    /// beside the receiver darken it less. [default: 2, min: 1, max: 8]
+    search: u32,
+    /// Least height of a blocker above the light's plane that is looked for, as a share of the receiver's. It bounds the
+    /// region of the search and the penumbra, to (1 - n) / n of the light's radius. Smaller: wider penumbrae of
+    /// blockers near the light; but more blockers are found that hide nothing. [default: 0.5, min: 0.01, max: 1.0]
+    nearest: f32,
+    maps_tile: u32,
+    maps_columns: u32,
+    maps_rows: u32,
+    /// Words of a map.
+    visibility_stride: u32,
+    /// The level that is made.
+    level: u32,
 }
 
-var<uniform> visibility_facts: VisibilityFacts;
-var visibility_atlas: texture_2d_array<f32>;
-var<storage, read> visibility_basis: array<u32>;
+var<uniform> settings: Settings;
+var maps_atlas: texture_2d_array<f32>;
+var<storage, read_write> visibility_basis: array<u32>;
 
-/// The share of a region that blocks below which it counts as none: more than the expansion rings.
-const LEAST_BLOCKED: f32 = 0.03;
-
-/// The part of a map that stands for a disc beside a receiver.
-struct DiscImage {
-    /// Centre in the map [px].
-    centre: vec2<f32>,
-    radius: f32,
+/// Height above the light's plane [m] of what a map stores.
+fn stored_height(map: u32, texel: vec2<u32>) -> f32 {
+    let tile = settings.maps_tile;
+    let origin = tile_origin(map, settings.maps_columns, settings.maps_rows, tile);
+    let distance = textureLoad(maps_atlas, origin.xy + texel, origin.z, 0).x;
+    let centre = texel_centre(texel, tile);
+    let r2 = dot(centre, centre);
+    return select(NOTHING, distance * max(1.0 - r2, 0.0) / (1.0 + r2), distance < NOTHING);
 }
 
-/// The image of the disc about the receiver, parallel to the light, in front of the receiver's plane.
-fn disc_image(receiver: vec3<f32>, plane_normal: vec3<f32>, radius: f32) -> DiscImage {
-    let facts = visibility_facts;
-    var middle = receiver;
-    var kept = radius;
-    // DEVIATION(front): behind the receiver's plane the map holds that plane, lower than the receiver. So the disc is cut
-    // where the plane is lower by half of what the comparison leaves free, and what is left is replaced by the disc within.
-    let slope = length(plane_normal.xy);
-    let height = max(-dot(plane_normal, receiver), 0.0);
-    let free = 0.5 * facts.offset / f32(facts.order) * height;
-    if slope * radius > free {
-        let behind = free / slope;
-        middle += vec3(plane_normal.xy / slope * (0.5 * (radius - behind)), 0.0);
-        kept = 0.5 * (radius + behind);
+/// The texel that stands for one below the horizon, where a map holds nothing: its mirror image above, and a texel further
+/// in, so that its centre is above too.
+// DEVIATION(mirror): the paper's maps are full.
+fn above_rim(texel: vec2<u32>) -> vec2<u32> {
+    let tile = settings.maps_tile;
+    let centre = texel_centre(texel, tile);
+    let r2 = dot(centre, centre);
+    let mirrored = vec2<u32>(tile_position(centre * ((1.0 - 2.0 / f32(tile)) / max(r2, 1.0)), tile));
+    return select(texel, mirrored, r2 > 1.0);
+}
+
+var<workgroup> farthest: array<f32, 64>;
+
+/// The greatest height in each map. One workgroup a map.
+@compute @workgroup_size(64)
+fn measure(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let tile = settings.maps_tile;
+    var far = 0.0;
+    for (var i = thread; i < tile * tile; i += 64u) {
+        let height = stored_height(group.z, vec2(i % tile, i / tile));
+        far = select(far, max(far, height), height < NOTHING);
     }
-    // Along the way from the middle of the map, and across it.
-    let along = length(middle.xy);
-    let direction = select(vec2(1.0, 0.0), middle.xy / along, along > 0.0);
-    let ends = along + vec2(-kept, kept);
-    let images = ends / (sqrt(ends * ends + middle.z * middle.z) + middle.z);
-    let across = kept / (sqrt(dot(middle, middle) + kept * kept) + middle.z);
-    let extent = sqrt(0.5 * (images.y - images.x) * across);
-    let centre = tile_position(direction * (0.5 * (images.x + images.y)), facts.tile);
-    return DiscImage(centre, 0.5 * f32(facts.tile) * extent);
-}
-
-/// The level whose texels, interpolated, spread as a disc of that radius [px] does.
-fn level_of(radius: f32) -> f32 {
-    return clamp(log2(max(radius, 1.0)), 0.0, f32(visibility_facts.levels));
-}
-
-/// Comparison with a depth d: a_k / c_k (cos(c_k d), -sin(c_k d)) for each order.
-struct Comparison {
-    terms: array<vec2<f32>, ORDERS>,
-}
-
-fn comparison(depth: f32) -> Comparison {
-    let facts = visibility_facts;
-    var all: Comparison;
-    let step = turned(first_order(depth), first_order(depth));
-    var turn = first_order(depth);
-    for (var k = 0u; k < facts.order; k++) {
-        let odd = f32(2u * k + 1u);
-        let share = odd / f32(2u * facts.order);
-        // [Annen et al. 2007 §4.2]
-        all.terms[k] = exp(-facts.attenuation * share * share) / (PI * odd) * vec2(turn.x, -turn.y);
-        turn = turned(turn, step);
-    }
-    return all;
-}
-
-/// f(d, z) for one depth z.
-fn seen_at_depth(compared: Comparison, depth: f32) -> f32 {
-    var sum = 0.5;
-    let step = turned(first_order(depth), first_order(depth));
-    var turn = first_order(depth);
-    for (var k = 0u; k < visibility_facts.order; k++) {
-        sum += 2.0 * dot(compared.terms[k], turn.yx);
-        turn = turned(turn, step);
-    }
-    return sum;
-}
-
-/// Four texels of a level and their weights.
-struct Corners {
-    first: vec4<u32>,
-    weights: vec4<f32>,
-}
-
-/// The texels around a position in a map [px]. None is of another map: those beyond the edge are the nearest at the edge.
-fn corners(map: u32, level: u32, position: vec2<f32>) -> Corners {
-    let facts = visibility_facts;
-    let side = level_side(facts.tile, level);
-    let at = position / f32(1u << level) - 0.5;
-    let low = floor(at);
-    let weight = at - low;
-    let last = vec2(f32(side - 1u));
-    let x = vec2(u32(clamp(low.x, 0.0, last.x)), u32(clamp(low.x + 1.0, 0.0, last.x)));
-    let y = vec2(u32(clamp(low.y, 0.0, last.y)), u32(clamp(low.y + 1.0, 0.0, last.y)));
-    let begin = map * facts.stride + level_begin(facts.tile, level, facts.order);
-    let texels = vec4(y.x * side + x, y.y * side + x);
-    let rows = vec2(1.0 - weight.x, weight.x);
-    return Corners(begin + texels * texel_words(facts.order), vec4((1.0 - weight.y) * rows, weight.y * rows));
-}
-
-/// A pair of terms, interpolated between the texels.
-fn interpolated(corners: Corners, word: u32) -> vec2<f32> {
-    return corners.weights[0] * unpack2x16snorm(visibility_basis[corners.first[0] + word])
-        + corners.weights[1] * unpack2x16snorm(visibility_basis[corners.first[1] + word])
-        + corners.weights[2] * unpack2x16snorm(visibility_basis[corners.first[2] + word])
-        + corners.weights[3] * unpack2x16snorm(visibility_basis[corners.first[3] + word]);
-}
-
-/// The mean of f(d, z) over a region of a map. [ACRSM Eq. 3.4]
-fn seen_share(compared: Comparison, corners: Corners) -> f32 {
-    var sum = 0.5;
-    for (var k = 0u; k < visibility_facts.order; k++) {
-        sum += 2.0 * dot(compared.terms[k], interpolated(corners, k));
-    }
-    return sum;
-}
-
-/// What blocks in a region of a map.
-struct Blockers {
-    /// The share of the region.
-    share: f32,
-    /// Mean depth of that share.
-    depth: f32,
-}
-
-/// The means of 1 - f(d, z), and of z over that share. [ACRSM §3.2.5, after Annen et al. 2008]
-fn find_blockers(compared: Comparison, corners: Corners) -> Blockers {
-    let order = visibility_facts.order;
-    var sum = 0.0;
-    for (var i = 0u; i < 4u; i++) {
-        sum += 0.5 * corners.weights[i] * bitcast<f32>(visibility_basis[corners.first[i] + 2u * order]);
-    }
-    for (var k = 0u; k < order; k++) {
-        sum -= 2.0 * dot(compared.terms[k], interpolated(corners, order + k));
-    }
-    let share = 1.0 - seen_share(compared, corners);
-    return Blockers(share, sum / max(share, LEAST_BLOCKED));
-}
-
-/// The four nearest texels of the map itself, weighted after the depth test.
-fn seen_nearby(lookup: ParaboloidLookup, origin: vec3<u32>) -> f32 {
-    let tile = visibility_facts.tile;
-    let corner = floor(lookup.position - 0.5);
-    let weight = lookup.position - 0.5 - corner;
-    var sum = 0.0;
-    for (var i = 0u; i < 4u; i++) {
-        let beside = vec2(f32(i % 2u), f32(i / 2u));
-        let texel = texel_in_map(corner + beside, tile);
-        let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
-        let shares = mix(1.0 - weight, weight, beside);
-        sum += select(0.0, shares.x * shares.y, is_seen(lookup, texel, tile, stored));
-    }
-    return sum;
-}
-
-fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
-    let facts = visibility_facts;
-    let frame = frame_from_normal(light.normal);
-    let receiver = (at - light.position) * frame;
-    if receiver.z <= 0.0 {
-        return 0.0;
-    }
-    let plane_normal = normal * frame;
-    let origin = tile_origin(index, facts.columns, facts.rows, facts.tile);
-    let lookup = paraboloid_lookup_in_frame(receiver, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
-    let radius = disc_radius(light.area);
-    if radius == 0.0 {
-        let texel = texel_in_map(lookup.position, facts.tile);
-        let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
-        return select(0.0, 1.0, is_seen(lookup, texel, facts.tile, stored));
-    }
-    // DEVIATION(finest): the finest level is the map itself, compared without an expansion.
-    let exact = seen_nearby(lookup, origin);
-    let far = bitcast<f32>(visibility_basis[index * facts.stride]);
-    let greatest = greatest_depth(facts.order, facts.offset);
-    // What is higher than all that the map holds has no depth.
-    if facts.levels == 0u || receiver.z * greatest > far {
-        return exact;
-    }
-
-    let depth = depth_of_height(receiver.z, far, greatest);
-    let compared = comparison(max(depth - facts.offset / f32(facts.order), 0.0));
-    // DEVIATION(searches): each region is as wide as the penumbra of what the one before held, so that walls beside the
-    // receiver, which hide nothing of the light, leave it.
-    var reach = search_radius(radius, facts.nearest);
-    var blockers = Blockers(0.0, 0.0);
-    for (var i = 0u; i < facts.search; i++) {
-        let region = disc_image(receiver, plane_normal, reach);
-        let level = u32(clamp(round(level_of(region.radius)), 1.0, f32(facts.levels)));
-        blockers = find_blockers(compared, corners(index, level, region.centre));
-        if blockers.share < LEAST_BLOCKED {
-            return exact;
+    farthest[thread] = far;
+    for (var half = 32u; half > 0u; half /= 2u) {
+        workgroupBarrier();
+        if thread < half {
+            farthest[thread] = max(farthest[thread], farthest[thread + half]);
         }
-        let height = blockers.depth * far / greatest;
-        reach = penumbra_radius(radius, receiver.z, clamp(height, facts.nearest * receiver.z, receiver.z));
     }
+    if thread == 0u {
+        visibility_basis[group.z * settings.visibility_stride] = bitcast<u32>(farthest[0]);
+    }
+}
 
-    let kernel = disc_image(receiver, plane_normal, reach);
-    let level = level_of(kernel.radius);
-    if level == 0.0 {
-        return exact;
+/// Where a texel of a level is.
+fn index_of(map: u32, level: u32, texel: vec2<u32>) -> u32 {
+    let side = level_side(settings.maps_tile, level);
+    let begin = level_begin(settings.maps_tile, level, settings.order);
+    return map * settings.visibility_stride + begin + (texel.y * side + texel.x) * texel_words(settings.order);
+}
+
+/// Level 1 from the maps. z is the map.
+@compute @workgroup_size(8, 8)
+fn transform(@builtin(global_invocation_id) id: vec3<u32>) {
+    let tile = settings.maps_tile;
+    if any(id.xy >= vec2(level_side(tile, 1u))) {
+        return;
     }
-    let coarse = u32(ceil(level));
-    // DEVIATION(contrast): blockers near the receiver are not wholly in front of what it is compared with.
-    let lit = seen_at_depth(compared, depth);
-    let dark = seen_at_depth(compared, min(blockers.depth, depth));
-    let contrast = 1.0 / max(lit - dark, LEAST_BLOCKED);
-    let seen = clamp((seen_share(compared, corners(index, coarse, kernel.centre)) - dark) * contrast, 0.0, 1.0);
-    var finer = exact;
-    if coarse > 1u {
-        finer = clamp((seen_share(compared, corners(index, coarse - 1u, kernel.centre)) - dark) * contrast, 0.0, 1.0);
+    let far = bitcast<f32>(visibility_basis[id.z * settings.visibility_stride]);
+    let corner = 2u * id.xy;
+    let covered = min(vec2(2u), tile - corner);
+    let texels = covered.x * covered.y;
+    let share = 1.0 / f32(texels);
+    var depths: array<f32, 4>;
+    var turns: array<vec2<f32>, 4>;
+    var steps: array<vec2<f32>, 4>;
+    for (var i = 0u; i < texels; i++) {
+        let texel = corner + vec2(i % covered.x, i / covered.x);
+        let height = stored_height(id.z, above_rim(texel));
+        depths[i] = depth_of_height(height, far, greatest_depth(settings.order, settings.offset));
+        turns[i] = first_order(depths[i]);
+        steps[i] = turned(turns[i], turns[i]);
     }
-    return mix(finer, seen, level - f32(coarse - 1u));
+    let first = index_of(id.z, 1u, id.xy);
+    let order = settings.order;
+    for (var k = 0u; k < order; k++) {
+        var plain = vec2(0.0);
+        var weighted = vec2(0.0);
+        for (var i = 0u; i < texels; i++) {
+            plain += share * turns[i].yx;
+            weighted += share * depths[i] * turns[i].yx;
+            turns[i] = turned(turns[i], steps[i]);
+        }
+        visibility_basis[first + k] = pack2x16snorm(plain);
+        visibility_basis[first + order + k] = pack2x16snorm(weighted);
+    }
+    visibility_basis[first + 2u * order] = bitcast<u32>(share * (depths[0] + depths[1] + depths[2] + depths[3]));
+}
+
+/// A level from the finer one. z is the map.
+@compute @workgroup_size(8, 8)
+fn halve(@builtin(global_invocation_id) id: vec3<u32>) {
+    let level = settings.level;
+    let tile = settings.maps_tile;
+    if any(id.xy >= vec2(level_side(tile, level))) {
+        return;
+    }
+    let corner = 2u * id.xy;
+    let fine = level_side(tile, level - 1u);
+    let covered = min(vec2(2u), fine - corner);
+    // At the far edges, texels cover less of the map.
+    let begin = corner << vec2(level - 1u);
+    let middle = min(begin + (1u << (level - 1u)), vec2(tile));
+    let near = vec2<f32>(middle - begin);
+    let both = vec2<f32>(min(begin + (1u << level), vec2(tile)) - begin);
+    let far_share = vec2(1.0) - near / both;
+    let into = index_of(id.z, level, id.xy);
+    let means = 2u * settings.order;
+    var mean = 0.0;
+    for (var word = 0u; word <= means; word++) {
+        var sum = vec2(0.0);
+        for (var i = 0u; i < covered.x * covered.y; i++) {
+            let at = vec2(i % covered.x, i / covered.x);
+            let shares = select(far_share, near / both, at == vec2(0u));
+            let bits = visibility_basis[index_of(id.z, level - 1u, corner + at) + word];
+            if word == means {
+                mean += shares.x * shares.y * bitcast<f32>(bits);
+            } else {
+                sum += shares.x * shares.y * unpack2x16snorm(bits);
+            }
+        }
+        visibility_basis[into + word] = select(pack2x16snorm(sum), bitcast<u32>(mean), word == means);
+    }
 }

@@ -1,12 +1,14 @@
 #![doc = include_str!("../README.md")]
 
-use interfaces::visibility::SHARED;
 use pass::{OutputContext, OutputDesc, Pass, PassTypeError, UseContext, Value};
 
 /// The pass type `share-visibility`.
 pub const PASS: &dyn Pass = &ShareVisibility;
 
 struct ShareVisibility;
+
+/// The option of modules whose lookups can be those of another light's map: shaders/visibility-shared.wgsl declares it.
+const SHARED: &str = "SHARED";
 
 impl Pass for ShareVisibility {
     fn kind(&self) -> &'static str {

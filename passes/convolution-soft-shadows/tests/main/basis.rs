@@ -1,7 +1,7 @@
 //! The basis images themselves.
 
+use crate::cpu_reference::{Expansion, Map};
 use crate::{Atlas, NOTHING, Random, expansion, stride};
-use convolution_soft_shadows::cpu_reference::{Expansion, Map};
 use glam::{DVec2, UVec2};
 
 /// The pairs of a packed word.
@@ -54,7 +54,7 @@ fn level_of(depths: &[f64], by: Expansion) -> Map {
         let place = UVec2::new(i % tile, i / tile);
         let begin = (tile - side) / 2;
         let inside = place.cmpge(UVec2::splat(begin)).all() && place.cmplt(UVec2::splat(begin + side)).all();
-        let at = convolution_soft_shadows::cpu_reference::paraboloid::texel_centre(place, tile);
+        let at = gpu_algorithms::reference::paraboloid::texel_centre(place, tile);
         let r2 = at.length_squared();
         let up = (1.0 + r2) / (1.0 - r2);
         let depth = match inside {

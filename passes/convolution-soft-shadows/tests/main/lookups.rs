@@ -1,7 +1,7 @@
 //! Soft lookups.
 
+use crate::cpu_reference::{Expansion, Map};
 use crate::{Atlas, DEPTH_BIAS, MODULE, NOTHING, Random, expansion, light};
-use convolution_soft_shadows::cpu_reference::{Expansion, Map};
 use glam::{DVec3, dvec2, dvec3};
 use pass_test::visibility::{Edge, Receiver, direction, map_of, receivers_around, segment};
 use std::f64::consts::{PI, TAU};

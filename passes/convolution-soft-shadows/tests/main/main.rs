@@ -1,18 +1,19 @@
 //! Basis images and soft lookups: the CPU reference against closed forms and brute force, the GPU against the CPU reference.
 
 mod basis;
+mod cpu_reference;
 mod lookups;
 mod refusals;
 
 use convolution_soft_shadows::PASS;
-use convolution_soft_shadows::cpu_reference::{Expansion, Map};
+use cpu_reference::{Expansion, Map};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{Format, ResourceDesc};
 use pass_test::Harness;
 use pass_test::random::{hash, unit_float};
 use pass_test::visibility::{Receiver, lookups};
 
-const MODULE: &str = "passes/convolution-soft-shadows/convolution-soft-shadows.wgsl";
+const MODULE: &str = "passes/convolution-soft-shadows/lookup.wgsl";
 const NOTHING: f64 = 3.0e38;
 /// The depth bias of all lookups.
 const DEPTH_BIAS: f64 = 0.02;

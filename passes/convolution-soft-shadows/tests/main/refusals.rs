@@ -3,27 +3,48 @@
 use convolution_soft_shadows::ConvolutionSoftShadows;
 use frame_graph::port::InputDesc;
 use pass::{
-    Format, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, ResourceDesc, Settings, Use,
-    UseContext, Value,
+    Facts, Format, LARGEST_WINDOW, Module, OutputContext, OutputDesc, Pass, PassTypeError, ResourceDesc,
+    Settings, Use, UseContext, Value,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What the pass makes of so many maps with sides of `tile`, with these members.
-fn outputs((maps, tile, order): (u32, u32, u32), members: &[&str]) -> Result<Vec<OutputDesc>, PassTypeError> {
+fn outputs(size: (u32, u32, u32), members: &[&str]) -> Result<Vec<OutputDesc>, PassTypeError> {
+    outputs_of(size, members, None)
+}
+
+/// The same of maps that have a module.
+fn outputs_of(
+    (maps, tile, order): (u32, u32, u32),
+    members: &[&str],
+    module: Option<Module>,
+) -> Result<Vec<OutputDesc>, PassTypeError> {
     let (library, overrides, inputs) = (pass_test::shaders(), BTreeMap::new(), ["maps".to_owned()]);
     let kind = ConvolutionSoftShadows { window: LARGEST_WINDOW };
-    let use_ = Use { kind: kind.info().kind, shader: None, inputs: &inputs, outputs: &overrides };
+    let use_ = Use { kind: kind.kind(), shader: None, inputs: &inputs, outputs: &overrides };
     let atlas = ResourceDesc::texture_2d_array(Format::R32Float, (tile, tile), maps);
     let facts = [("tile", tile), ("columns", 1), ("rows", 1)].map(|(name, value)| (name, Value::U32(value)));
     let biases = ["depth_bias", "slope_bias"].map(|name| (name, Value::F32(0.5)));
+    let mut facts: Facts = facts.into_iter().chain(biases).collect();
+    if let Some(module) = module {
+        facts.set_module(module);
+    }
     let maps = InputDesc {
         name: "maps".into(),
         interface: "Visibility".into(),
         members: members.iter().map(|name| ((*name).to_owned(), atlas.clone())).collect(),
-        facts: Arc::new(facts.into_iter().chain(biases).collect()),
+        facts: Arc::new(facts),
     };
-    let settings = Settings(BTreeMap::from([("order".to_owned(), Value::U32(order))]));
+    let settings = [
+        ("order", Value::U32(order)),
+        ("levels", Value::U32(13)),
+        ("attenuation", Value::F32(1.5)),
+        ("offset", Value::F32(0.6)),
+        ("search", Value::U32(2)),
+        ("nearest", Value::F32(0.5)),
+    ];
+    let settings = Settings(settings.map(|(name, value)| (name.to_owned(), value)).into());
     let traits = pass::Traits::default();
     let context =
         OutputContext { use_, settings: &settings, inputs: &[maps], frame: (8, 8), traits: &traits };
@@ -37,12 +58,14 @@ fn the_atlas_is_handed_on_with_its_images() {
     // A header of a word; nine of them for each texel of levels 1 to 8.
     let texels = (0..8).map(|level| 4_u64.pow(level)).sum::<u64>();
     assert_eq!(made.members[0].1, ResourceDesc::buffer(64 * 4 * (1 + 9 * texels)));
-    assert_eq!(made.facts.get("levels"), Some(&Value::U32(8)));
     assert_eq!(made.facts.get("loop_iterations"), Some(&Value::U32(2 * 4 * 3)));
-    let options = |made: &OutputDesc| made.facts.module().expect("it has a module").options.clone();
-    assert!(options(made).is_empty());
-    let shared = &outputs((64, 256, 4), &["atlas", "owners", "sources"]).expect("maps that lights share")[0];
-    assert_eq!(options(shared).get("SHARED"), Some(&Value::Bool(true)));
+    let module = |made: &OutputDesc| made.facts.module().expect("it has a module").clone();
+    assert_eq!(module(made).facts.get("levels"), Some(&Value::U32(8)));
+    assert_eq!(module(made).options.get("SHARED"), None);
+    let shared = Module::new("shaders/visibility-atlas.wgsl").option("SHARED", Value::Bool(true));
+    let shared = &outputs_of((64, 256, 4), &["atlas", "owners", "sources"], Some(shared))
+        .expect("maps that lights share")[0];
+    assert_eq!(module(shared).options.get("SHARED"), Some(&Value::Bool(true)));
 }
 
 #[test]
@@ -68,7 +91,7 @@ fn images_that_no_buffer_holds_are_refused() {
 #[test]
 fn what_has_no_maps_or_has_images_is_refused() {
     for (members, why) in
-        [(&[][..], "`atlas` is missing"), (&["atlas", "basis"], "have basis images already")]
+        [(&[][..], "lacks the member `atlas`"), (&["atlas", "basis"], "has the member `basis` already")]
     {
         let refused = outputs((4, 64, 4), members).expect_err(why);
         assert_eq!(refused.input.as_deref(), Some("maps"));

@@ -1,11 +1,9 @@
-//! The algorithm in plain f64: same names and order as the WGSL. Images are whole and not rounded.
-
-pub use gpu_algorithms::reference::paraboloid;
+//! The CPU reference in `f64`, with the names of the WGSL. Images are whole and not rounded.
 
 use glam::{DVec2, DVec3, UVec2, dvec2};
 use gpu_algorithms::reference::disc_shadow::{disc_radius, penumbra_radius, search_radius, texel_of};
+use gpu_algorithms::reference::paraboloid::{texel_centre, tile_position};
 use gpu_algorithms::reference::paraboloid_lookup::{ParaboloidLookup, is_seen, paraboloid_lookup};
-use paraboloid::{texel_centre, tile_position};
 use std::f64::consts::PI;
 
 /// What an atlas holds where nothing is, at least \[m\].
@@ -15,45 +13,45 @@ const LEAST_BLOCKED: f64 = 0.03;
 
 /// How maps are expanded and looked up.
 #[derive(Clone, Copy, Debug)]
-pub struct Expansion {
+pub(crate) struct Expansion {
     /// Orders.
-    pub order: u32,
+    pub(crate) order: u32,
     /// Levels above the maps.
-    pub levels: u32,
+    pub(crate) levels: u32,
     /// How much high orders are attenuated.
-    pub attenuation: f64,
+    pub(crate) attenuation: f64,
     /// How much nearer than the receiver it is compared, in depths of 1 / order.
-    pub offset: f64,
+    pub(crate) offset: f64,
     /// Searches for blockers.
-    pub search: u32,
+    pub(crate) search: u32,
     /// Least height of a blocker above the light's plane, as a share of the receiver's.
-    pub nearest: f64,
+    pub(crate) nearest: f64,
     /// Depth bias, in widths of a texel at the receiver.
-    pub depth_bias: f64,
+    pub(crate) depth_bias: f64,
 }
 
 /// The means over a texel of sin(c_k z), cos(c_k z), z sin(c_k z) and z cos(c_k z), for each order k, and last of z alone.
-pub type Texel = Vec<[f64; 4]>;
+pub(crate) type Texel = Vec<[f64; 4]>;
 
 /// A map with its basis images.
 #[derive(Clone, Debug)]
-pub struct Map {
+pub(crate) struct Map {
     distances: Vec<f64>,
     tile: u32,
     expansion: Expansion,
     /// The greatest height \[m\].
-    pub far: f64,
+    pub(crate) far: f64,
     /// From level 1, row by row.
-    pub levels: Vec<Vec<Texel>>,
+    pub(crate) levels: Vec<Vec<Texel>>,
 }
 
 /// What blocks in a region of a map.
 #[derive(Clone, Copy, Debug)]
-pub struct Blockers {
+pub(crate) struct Blockers {
     /// The share of the region.
-    pub share: f64,
+    pub(crate) share: f64,
     /// Mean depth of that share.
-    pub depth: f64,
+    pub(crate) depth: f64,
 }
 
 /// c_k, counted from 0.
@@ -63,7 +61,7 @@ fn frequency(k: u32) -> f64 {
 
 impl Expansion {
     /// Returns f(d, z): the share of what has the depth z that is not in front of the depth d.
-    pub fn seen_at_depth(&self, compared: f64, depth: f64) -> f64 {
+    pub(crate) fn seen_at_depth(&self, compared: f64, depth: f64) -> f64 {
         let term = |k| self.weight(k) * (frequency(k) * (depth - compared)).sin();
         0.5 + 2.0 * (0..self.order).map(term).sum::<f64>()
     }
@@ -75,12 +73,12 @@ impl Expansion {
     }
 
     /// Returns how much nearer than the receiver it is compared.
-    pub fn nearer(&self) -> f64 {
+    pub(crate) fn nearer(&self) -> f64 {
         self.offset / f64::from(self.order)
     }
 
     /// Returns the greatest depth.
-    pub fn greatest(&self) -> f64 {
+    pub(crate) fn greatest(&self) -> f64 {
         1.0 - self.nearer()
     }
 }
@@ -101,7 +99,7 @@ fn sum_of_finer(finer: &[Texel], side: u32, texel: UVec2) -> Texel {
 
 impl Map {
     /// Makes the basis images of a map of distances \[m\], row by row.
-    pub fn new(distances: Vec<f64>, tile: u32, expansion: Expansion) -> Map {
+    pub(crate) fn new(distances: Vec<f64>, tile: u32, expansion: Expansion) -> Map {
         let mut map = Map { distances, tile, expansion, far: 0.0, levels: Vec::new() };
         let texels = (0..tile * tile).map(|i| UVec2::new(i % tile, i / tile));
         let heights = texels.map(|texel| map.stored_height(texel)).filter(|height| *height < NOTHING);
@@ -150,13 +148,13 @@ impl Map {
     }
 
     /// Returns the depth of a height \[m\].
-    pub fn depth_of_height(&self, height: f64) -> f64 {
+    pub(crate) fn depth_of_height(&self, height: f64) -> f64 {
         let greatest = self.expansion.greatest();
         if height < self.far { height / self.far * greatest } else { greatest }
     }
 
     /// Returns the depths of the texels of the map that a texel of a level covers.
-    pub fn depths(&self, level: u32, texel: UVec2) -> Vec<f64> {
+    pub(crate) fn depths(&self, level: u32, texel: UVec2) -> Vec<f64> {
         let begin = texel * (1 << level);
         let end = (begin + (1 << level)).min(UVec2::splat(self.tile));
         let all = (begin.y..end.y).flat_map(|y| (begin.x..end.x).map(move |x| UVec2::new(x, y)));
@@ -202,7 +200,7 @@ impl Map {
     }
 
     /// Returns the terms at a position of the map \[px\], interpolated.
-    pub fn interpolated(&self, level: u32, position: DVec2) -> Texel {
+    pub(crate) fn interpolated(&self, level: u32, position: DVec2) -> Texel {
         let side = self.side(level);
         let at = position / f64::from(1 << level) - 0.5;
         let (low, weight) = (at.floor(), at - at.floor());
@@ -219,7 +217,7 @@ impl Map {
     }
 
     /// Returns the mean of f(d, z) for the depth d that is compared.
-    pub fn seen_share(&self, compared: f64, terms: &Texel) -> f64 {
+    pub(crate) fn seen_share(&self, compared: f64, terms: &Texel) -> f64 {
         let term = |k: u32| {
             let (sin, cos) = (frequency(k) * compared).sin_cos();
             let [s, c, ..] = terms[k as usize];
@@ -229,7 +227,7 @@ impl Map {
     }
 
     /// Returns the means of 1 - f(d, z), and of z over that share.
-    pub fn find_blockers(&self, compared: f64, terms: &Texel) -> Blockers {
+    pub(crate) fn find_blockers(&self, compared: f64, terms: &Texel) -> Blockers {
         let term = |k: u32| {
             let (sin, cos) = (frequency(k) * compared).sin_cos();
             let [.., s, c] = terms[k as usize];
@@ -255,7 +253,7 @@ impl Map {
 
     /// Returns the part of a disc of that area \[m²\] that is seen from a receiver \[m\] with a unit normal, both in the
     /// disc's frame.
-    pub fn visibility(&self, area: f64, receiver: DVec3, plane_normal: DVec3) -> f64 {
+    pub(crate) fn visibility(&self, area: f64, receiver: DVec3, plane_normal: DVec3) -> f64 {
         if receiver.z <= 0.0 {
             return 0.0;
         }
