@@ -62,8 +62,8 @@ impl Pass for ParaboloidShadowMaps {
                 return Err(PassTypeError::new(said));
             }
         };
-        // The directives know nothing of what is drawn: the atlas, and the depth of one layer after the other.
-        outputs[0].members.push(("atlas".into(), layout.texture(Format::R32Float), usage));
+        // Of what is drawn, the directives know neither layers nor depth.
+        outputs[0].members = vec![("atlas".into(), layout.texture(Format::R32Float), usage)];
         let nearness = ResourceDesc::texture_2d(Format::Depth32Float, layout.layer_size());
         outputs.push(OutputDesc::scratch("nearness", nearness));
         Ok(outputs)
@@ -83,7 +83,7 @@ impl Pass for ParaboloidShadowMaps {
             let draw = Draw::Vertices { vertices, instances: layout.maps(layer).len() as u32 };
             let load = Load::Clear([AtlasLayout::NOTHING; 4]);
             let first_map = ("first_map", layout.maps(layer).start);
-            Step::Raster(scene_into(cx.file("render.wgsl"), layer, load, draw, first_map))
+            Step::Raster(scene_into(cx.file("paraboloid-shadow-maps.wgsl"), layer, load, draw, first_map))
         });
         Ok(Recording { steps: steps.collect() })
     }
@@ -115,7 +115,8 @@ fn kept(cx: &RecordContext<'_>, layout: AtlasLayout, vertices: u32) -> Recording
             buffer: "draws".into(),
             offset: DRAW_BYTES * (2 * u64::from(layer) + which),
         };
-        let scene = scene_into(cx.file("render.wgsl"), layer, Load::Keep, draw(1), ("layer", layer));
+        let scene =
+            scene_into(cx.file("paraboloid-shadow-maps.wgsl"), layer, Load::Keep, draw(1), ("layer", layer));
         let clear = Raster {
             shader: cx.file("clear.wgsl"),
             vertex: "square".into(),

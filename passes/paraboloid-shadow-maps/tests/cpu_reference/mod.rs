@@ -1,4 +1,4 @@
-//! The CPU reference in `f64`, with the names of render.wgsl.
+//! The CPU reference in `f64`, with the names of paraboloid-shadow-maps.wgsl.
 
 use gpu_algorithms::reference::paraboloid;
 
