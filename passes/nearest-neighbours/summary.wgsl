@@ -11,6 +11,7 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read> among: SurfacePoints;
+/// [scratch]
 var<storage, read_write> summary: Summary;
 
 var<workgroup> shared_summaries: array<Summary, GROUP_SIZE>;

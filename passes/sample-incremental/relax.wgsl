@@ -12,6 +12,7 @@ struct Settings {
 var<uniform> settings: Settings;
 /// By the first slot of a source: its first slot that waits.
 var<storage, read> waiting: array<u32>;
+/// [scratch]
 var<storage, read_write> hole: Hole;
 
 alias Reduced = Hole;

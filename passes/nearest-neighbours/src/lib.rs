@@ -83,7 +83,6 @@ impl Pass for NearestNeighbours {
         let points_between = if search.parts() > 1 { u64::from(points) } else { 1 };
         let mut outputs = reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)?;
         outputs.extend([
-            OutputDesc::scratch("summary", use_cx.buffer(SUMMARY, 1)?),
             reduce::scratch(use_cx, SUMMARIES, among, use_cx.size_of(SUMMARY)?)?,
             scratch("distances", 16 * points_between * u64::from(search.vectors)),
         ]);

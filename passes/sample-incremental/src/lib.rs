@@ -29,7 +29,6 @@ impl Pass for SampleIncremental {
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let mut outputs = reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)?;
         let (_, probes) = slots_and_probes(cx.settings)?;
-        outputs.push(OutputDesc::scratch("hole", use_cx.buffer(HOLE, 1)?));
         outputs.push(reduce::scratch(use_cx, HOLES, probes, use_cx.size_of(HOLE)?)?);
         Ok(outputs)
     }
