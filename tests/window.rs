@@ -236,7 +236,7 @@ const EDITED: [(&str, &str, &str); 9] = [
     ("passes/gbuffer/gbuffer.wgsl", "\n@vertex", "\nconst OWN: u32 = 1u;\n@vertex"),
     ("pipelines/parts/imperfect-shadow-maps-on-the-fly.ron", "about: \"", "about: \"Own. "),
     ("pipelines/small.ron", "default: 16", "default: 12"),
-    ("pipelines/ism.ron", "\"geometry-aware-blur\"", "\"cross-bilateral\""),
+    ("pipelines/parts/deferred.ron", "\"geometry-aware-blur\"", "\"cross-bilateral\""),
     ("scenes/cornell-box.ron", "intensity: (0.8, 0.8, 0.8)", "intensity: (1.2, 0.8, 0.4)"),
 ];
 

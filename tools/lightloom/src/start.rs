@@ -34,8 +34,8 @@ pub(crate) struct Phases {
     /// Time from the start of the process to `main`.
     before: Duration,
     recorded: Arc<Mutex<BTreeMap<&'static str, Phase>>>,
-    /// Set when there is a picture.
-    first: Arc<OnceLock<()>>,
+    /// Time from the start of the process to the first picture.
+    first: Arc<OnceLock<Duration>>,
 }
 
 thread_local! {
@@ -59,7 +59,8 @@ impl Phases {
 
     /// Returns the time from the start of the process to the first picture, which is now; `None` where there was one.
     pub(crate) fn first_picture(&self) -> Option<Duration> {
-        self.first.set(()).ok().map(|()| self.before + self.main.elapsed())
+        let whole = self.before + self.main.elapsed();
+        self.first.set(whole).ok().map(|()| whole)
     }
 
     /// Prints the phases in the order in which they began; `whole` is the time to the first picture.
@@ -91,8 +92,13 @@ impl Phases {
         phases
     }
 
-    /// Adds one stay in a phase.
+    /// Adds one stay in a phase, as far as it lies before the first picture.
     fn add(&self, name: &'static str, stay: Phase) {
+        let end = self.first.get().map_or(stay.to, |&first| stay.to.min(first));
+        if end < stay.from {
+            return;
+        }
+        let stay = Phase { to: end, busy: stay.busy.min(end - stay.from), ..stay };
         let mut recorded = self.lock();
         let phase = recorded.entry(name).or_insert(Phase { busy: Duration::ZERO, ..stay });
         phase.from = phase.from.min(stay.from);
@@ -163,5 +169,18 @@ mod tests {
         // All that it does itself is to begin and to end.
         assert!(outer.busy < wait, "{outer:?}");
         assert!(program.to <= outer.from && outer.from <= inner.from && inner.to <= outer.to, "{found:?}");
+    }
+
+    #[test]
+    fn phases_end_at_the_first_picture() {
+        let phases = Phases::begin();
+        let first = phases.first_picture().unwrap();
+        let stay = |from, to| Phase { from, to, busy: to - from };
+        let ms = Duration::from_millis;
+        phases.add("around", stay(Duration::ZERO, first + ms(5)));
+        phases.add("after", stay(first + ms(1), first + ms(2)));
+        assert_eq!(phases.lock().get("around"), Some(&stay(Duration::ZERO, first)));
+        assert_eq!(phases.lock().get("after"), None);
+        assert_eq!(phases.first_picture(), None);
     }
 }

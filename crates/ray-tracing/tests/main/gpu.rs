@@ -36,8 +36,7 @@ fn follow(scene: &Scene, time: f32, way: &str, rays: &[Ray]) -> Option<Vec<Found
     let out = OutputOverride { count: Some(rays.len() as u32), ..OutputOverride::default() };
     let outputs = Harness::new(compute::PASS)
         .shader("crates/ray-tracing/tests/rays.wgsl")
-        // The pass type gives options the values of traits of their names.
-        .scene_trait("rays", way)
+        .set("rays", way)
         .out("hits", out)
         .input("rays", "Buffer", &[], vec![("", pass_test::buffer(bytes.len() as u64), bytes)])
         .with_scene(scene.clone())
