@@ -117,7 +117,8 @@ fn the_window_shows_the_picture_and_obeys() {
     assert!(flip(&dim, &first) > 0.1, "the pipelines look different");
     viewer.key("ctrl+p");
     viewer.wait_for_picture("the palette", |seen| *seen != first);
-    viewer.window.type_text("dim\n");
+    viewer.window.type_text("dim");
+    viewer.key("Return");
     viewer.wait_for_picture("the other pipeline", |seen| flip(seen, &dim) <= 0.02);
     viewer.quit();
 }

@@ -173,7 +173,7 @@ impl Window {
         self.send(&["keydown", key, "sleep", &seconds, "keyup", key, "sleep", PACE]);
     }
 
-    /// Types a text, character by character; a line feed is Enter.
+    /// Types a text, character by character. Enter is the key `Return`: of a line feed xdotool makes Linefeed.
     pub fn type_text(&self, text: &str) {
         self.send(&["type", "--delay", "30", text]);
     }
