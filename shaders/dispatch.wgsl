@@ -4,7 +4,7 @@
 /// hang, and lavapipe silently ends all loops of a thread after 65,535 iterations.
 const LOOP_ITERATIONS: u32 = 32768u;
 
-/// The place of a thread in a row: the parameter of an entry point.
+/// Place of a thread in a row, for dispatches made with `Threads::Row`: the parameter of an entry point.
 struct Row {
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
@@ -19,9 +19,4 @@ fn index_in(row: Row, group_size: u32) -> u32 {
 /// Index of the workgroup of this thread.
 fn group_in(row: Row) -> u32 {
     return row.group.y * row.groups.x + row.group.x;
-}
-
-/// Index of this thread, for dispatches made with `Threads::Row`.
-fn row_index(group: vec3<u32>, groups: vec3<u32>, local: u32, group_size: u32) -> u32 {
-    return (group.y * groups.x + group.x) * group_size + local;
 }

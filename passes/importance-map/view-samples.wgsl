@@ -55,12 +55,8 @@ fn sample_of(index: u32) -> ViewSample {
 #endif
 
 @compute @workgroup_size(64)
-fn pick(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn pick(row: Row) {
+    let index = index_in(row, 64u);
     if index < settings.view_samples {
         samples[index] = sample_of(index);
     }

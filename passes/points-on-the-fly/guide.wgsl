@@ -18,12 +18,8 @@ fn interval_start(triangle: u32) -> u32 {
 }
 
 @compute @workgroup_size(256)
-fn guide(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 256u);
+fn guide(row: Row) {
+    let index = index_in(row, 256u);
     let entries = 1u << settings.guide_bits;
     if index > entries || scene_info.triangles == 0u {
         return;

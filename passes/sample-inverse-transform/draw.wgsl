@@ -75,12 +75,8 @@ fn choose(stage: u32, layer: u32, row: u32, count: u32, number: f32) -> Choice {
 }
 
 @compute @workgroup_size(64)
-fn draw(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let light = row_index(group, groups, local, 64u);
+fn draw(thread: Row) {
+    let light = index_in(thread, 64u);
     if light >= settings.count {
         return;
     }

@@ -41,12 +41,8 @@ fn element(chain: u32, step: u32) -> u32 {
 }
 
 @compute @workgroup_size(64)
-fn propose(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let index = row_index(group, groups, local, 64u);
+fn propose(row: Row) {
+    let index = index_in(row, 64u);
     if index < settings.chains * settings.steps {
         let element = element(settings.first + index / settings.steps, index % settings.steps);
         proposed[index] = proposed_importance(element, settings.seed);
@@ -54,12 +50,9 @@ fn propose(
 }
 
 @compute @workgroup_size(64)
-fn sample(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let place = row_index(group, groups, local, 64u);
+fn sample(row: Row) {
+    let local = row.local;
+    let place = index_in(row, 64u);
     if place >= settings.chains {
         return;
     }

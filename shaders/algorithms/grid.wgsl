@@ -20,12 +20,8 @@ var<storage, read_write> grid_starts: array<u32>;
 
 /// Gives each element its key. Beyond the last element keys are those of elements left out.
 @compute @workgroup_size(GROUP_SIZE)
-fn grid_make_keys(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let i = row_index(id, ids, thread, GROUP_SIZE);
+fn grid_make_keys(row: Row) {
+    let i = index_in(row, GROUP_SIZE);
     if i >= arrayLength(&grid_keys) {
         return;
     }
@@ -38,12 +34,8 @@ fn grid_make_keys(
 
 /// Finds where each cell begins, one thread per cell.
 @compute @workgroup_size(GROUP_SIZE)
-fn grid_find_starts(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let cell = row_index(id, ids, thread, GROUP_SIZE);
+fn grid_find_starts(row: Row) {
+    let cell = index_in(row, GROUP_SIZE);
     if cell > grid_cells() {
         return;
     }

@@ -51,12 +51,9 @@ fn digit_of(key: u32) -> u32 {
 
 /// Counts the digits of each block.
 @compute @workgroup_size(GROUP_SIZE)
-fn count_digits(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let block = row_index(id, ids, 0u, 1u);
+fn count_digits(row: Row) {
+    let thread = row.local;
+    let block = group_in(row);
     let length = length_of_keys();
     for (var k = 0u; k < RUN; k++) {
         let i = block * BLOCK_SIZE + k * GROUP_SIZE + thread;
@@ -72,12 +69,9 @@ fn count_digits(
 
 /// Moves each element behind those with a smaller digit, and those of its own digit that come before it.
 @compute @workgroup_size(GROUP_SIZE)
-fn move_elements(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let block = row_index(id, ids, 0u, 1u);
+fn move_elements(row: Row) {
+    let thread = row.local;
+    let block = group_in(row);
     let first = block * BLOCK_SIZE + thread * RUN;
     let end = min(first + RUN, max(length_of_keys(), first));
     // Two counts of 16 bits in a word: a block has fewer elements than would carry from one into the other.

@@ -19,12 +19,9 @@ var<storage, read_write> reduced_blocks: array<Reduced>;
 
 /// Combines a block of elements in each workgroup, RUN neighbours in each thread.
 @compute @workgroup_size(GROUP_SIZE)
-fn reduce_blocks(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let block = row_index(id, ids, 0u, 1u);
+fn reduce_blocks(row: Row) {
+    let thread = row.local;
+    let block = group_in(row);
     let length = reduce_length();
     let first = block * BLOCK_SIZE + thread * RUN;
     var own = reduce_identity();

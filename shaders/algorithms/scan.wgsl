@@ -45,12 +45,9 @@ fn sums_of_run(thread: u32, first: u32, length: u32) -> Run {
 
 /// Sums each block by itself.
 @compute @workgroup_size(GROUP_SIZE)
-fn scan_blocks(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let block = row_index(id, ids, 0u, 1u);
+fn scan_blocks(row: Row) {
+    let thread = row.local;
+    let block = group_in(row);
     let length = scan_length();
     let first = block * BLOCK_SIZE + thread * RUN;
     let run = sums_of_run(thread, first, length);
@@ -88,12 +85,8 @@ fn scan_offsets(@builtin(local_invocation_index) thread: u32) {
 
 /// Combines both, one thread per element.
 @compute @workgroup_size(GROUP_SIZE)
-fn scan_place(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let i = row_index(id, ids, thread, GROUP_SIZE);
+fn scan_place(row: Row) {
+    let i = index_in(row, GROUP_SIZE);
     if i >= scan_length() {
         return;
     }

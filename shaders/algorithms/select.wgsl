@@ -27,12 +27,9 @@ fn select_begin(@builtin(local_invocation_index) thread: u32) {
 
 /// Counts the digits of the elements that may be the one.
 @compute @workgroup_size(GROUP_SIZE)
-fn select_count(
-    @builtin(workgroup_id) id: vec3<u32>,
-    @builtin(num_workgroups) ids: vec3<u32>,
-    @builtin(local_invocation_index) thread: u32,
-) {
-    let block = row_index(id, ids, 0u, 1u);
+fn select_count(row: Row) {
+    let thread = row.local;
+    let block = group_in(row);
     let length = select_length();
     for (var k = 0u; k < RUN; k++) {
         let i = block * BLOCK_SIZE + k * GROUP_SIZE + thread;

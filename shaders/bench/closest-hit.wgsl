@@ -8,12 +8,8 @@ var<storage, read> rays: array<Ray>;
 var<storage, read_write> hits: array<Hit>;
 
 @compute @workgroup_size(64)
-fn closest_hit(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = row_index(group, groups, local, 64u);
+fn closest_hit(row: Row) {
+    let i = index_in(row, 64u);
     if i >= arrayLength(&rays) || rays[i].exists == 0u {
         return;
     }

@@ -19,12 +19,8 @@ var<uniform> settings: Settings;
 var<storage, read_write> rays: array<Ray>;
 
 @compute @workgroup_size(64)
-fn make(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = row_index(group, groups, local, 64u);
+fn make(row: Row) {
+    let i = index_in(row, 64u);
     if i >= arrayLength(&rays) {
         return;
     }

@@ -250,7 +250,7 @@ pub enum Threads {
     /// At least this many in each dimension.
     Grid([u32; 3]),
     /// At least this many in a row, folded into two dimensions where one cannot hold the workgroups: the
-    /// shader finds its index with `row_index` of shaders/dispatch.wgsl.
+    /// shader finds its index with `index_in` of shaders/dispatch.wgsl.
     Row(u32),
     /// Reads the number of workgroups from a buffer on the GPU: three u32, one for each dimension. The buffer is one
     /// that an earlier step of the pass has written, or an input, which may be a history buffer. A number of 0

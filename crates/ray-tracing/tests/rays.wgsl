@@ -24,12 +24,8 @@ var<storage, read> rays: array<GivenRay>;
 var<storage, read_write> hits: array<FoundHit>;
 
 @compute @workgroup_size(64)
-fn follow(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = row_index(group, groups, local, 64u);
+fn follow(row: Row) {
+    let i = index_in(row, 64u);
     if i >= arrayLength(&rays) {
         return;
     }

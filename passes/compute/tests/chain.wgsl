@@ -25,12 +25,9 @@ var<workgroup> part: array<f32, 64>;
 
 /// One thread per number. [threads: elements(numbers)]
 @compute @workgroup_size(64)
-fn add(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = row_index(group, groups, local, 64u);
+fn add(row: Row) {
+    let local = row.local;
+    let i = index_in(row, 64u);
     var number = 0.0;
     if i < settings.numbers_count {
         number = numbers[i];

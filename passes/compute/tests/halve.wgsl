@@ -12,12 +12,8 @@ var<storage, read> numbers: array<f32>;
 var<storage, read_write> halves: array<f32, 100>;
 
 @compute @workgroup_size(64)
-fn halve(
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) groups: vec3<u32>,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let i = row_index(group, groups, local, 64u);
+fn halve(row: Row) {
+    let i = index_in(row, 64u);
     // The last number is left out, to see that it is zero.
     if i < 99u {
         // A word is its position among its pass type.
