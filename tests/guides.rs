@@ -125,6 +125,13 @@ fn files_commands_and_listings_of_the_first_guides_are_right() {
     assert_pages_are_right(&["docs/first-pipeline.md", "docs/first-pass.md"], 15);
 }
 
+/// The commands in the README are those of `--help`, with that of the window.
+#[cfg(feature = "window")]
+#[test]
+fn commands_of_the_readme_are_those_of_the_help() {
+    assert_pages_are_right(&["README.md"], 1);
+}
+
 #[test]
 #[ignore = "slow"]
 fn files_commands_and_listings_of_the_guides_to_studies_are_right() {

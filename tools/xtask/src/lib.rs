@@ -3,6 +3,7 @@
 pub mod bless;
 pub mod cargo;
 pub mod demo;
+pub mod docs;
 pub mod gpu;
 pub mod new_pass;
 pub mod optional;

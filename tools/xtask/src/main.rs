@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use xtask::packages::Consent;
-use xtask::{bless, demo, new_pass, test, tidy, tree};
+use xtask::{bless, demo, docs, new_pass, test, tidy, tree};
 
 /// Chores of the tree.
 #[derive(Parser)]
@@ -32,13 +32,15 @@ enum Command {
         #[arg(short, long)]
         yes: bool,
     },
-    /// Make a pass that compiles and is tested: a folder under passes/ and its line in the catalog
+    /// Make a pass that compiles and is tested: a folder under passes/, and its line in the catalog
     NewPass {
         /// Its name in RON and of its folder, in kebab-case
         name: String,
     },
     /// Check the rules of the tree that no compiler knows
     Tidy,
+    /// Write the tables of documents from what passes, interfaces and pipelines declare
+    Docs,
     /// Take what the tests of a package make now as its snapshots and images
     Bless {
         /// Name of the package
@@ -65,6 +67,7 @@ fn run(command: Command) -> Result<()> {
         Command::Test { all, yes } => test::run(&root, Consent::new(yes), all),
         Command::NewPass { name } => new_pass::run(&root, &name),
         Command::Tidy => tidy::run(&root),
+        Command::Docs => docs::run(&root),
         Command::Bless { package, filter } => bless::run(&root, &package, filter.as_deref()),
     }
 }

@@ -93,7 +93,9 @@ Next:
   \"{name}\": Pass(kind: \"{name}\", in: {{ \"radiance\": \"direct\" }}, set: {{ \"gain\": 2.0 }}),
       a use of it in a pipeline; `lightloom passes {name}` prints its ports and settings
   passes/{name}/{name}.wgsl, tests/main.rs, README.md
-      make it compute what you want; docs/first-pass.md leads through it
+      make it compute what you want; docs/first-pass.md explains how
+  cargo xtask docs
+      writes its ports and settings into its README, and its name into the table of interfaces
   cargo xtask tidy
       checks the rules for passes"
     );
@@ -151,7 +153,8 @@ fn with_line(catalog: &str, name: &str) -> Result<String> {
 /// A text of the template for a pass of that name; without what is said of the template as such.
 fn renamed(text: &str, name: &str) -> String {
     let camel: String = name.split('-').map(|word| word[..1].to_uppercase() + &word[1..]).collect();
-    let about_the_template = |line: &&str| !(line.starts_with("<!--") && line.contains("cargo xtask"));
+    let about_the_template =
+        |line: &&str| !(line.starts_with("<!--") && line.contains("cargo xtask new-pass"));
     let text: String = text.split_inclusive('\n').filter(about_the_template).collect();
     let names = [
         (TEMPLATE, &*format!("passes/{name}")),

@@ -39,7 +39,6 @@ pub static CHECKS: &[Check] = &[
         passes::deviations,
     ),
     check("header", "shaders and pipelines begin with a comment", text::header),
-    check("pipelines", "each pipeline has a row in pipelines/README.md", text::pipelines),
     check("unfinished", "nothing is left to be done later", text::unfinished),
     check("machine", "no path of one machine", text::machine),
     check("links", "links between documents lead somewhere", text::links),

@@ -24,20 +24,6 @@ pub(super) fn header(tree: &Tree) -> Vec<Finding> {
         .collect()
 }
 
-pub(super) fn pipelines(tree: &Tree) -> Vec<Finding> {
-    const TABLE: &str = "pipelines/README.md";
-    let table = tree.file(TABLE).map_or("", |file| file.text.as_str());
-    let names = tree.files().iter().filter_map(|file| {
-        let name = file.path.strip_prefix("pipelines/")?.strip_suffix(".ron")?;
-        // Parts, in folders of their own, are described with what uses them.
-        (!name.contains('/')).then_some(name)
-    });
-    let missing = names.filter(|name| !table.contains(&format!("\n| [{name}]({name}.ron) |")));
-    missing
-        .map(|name| Finding::new(TABLE, 1, format!("there is no row `| [{name}]({name}.ron) | …`")))
-        .collect()
-}
-
 pub(super) fn unfinished(tree: &Tree) -> Vec<Finding> {
     const MACROS: &[&str] = &["todo!", "unimplemented!", "dbg!"];
     const WORDS: &[&str] = &["TODO", "FIXME"];

@@ -40,7 +40,6 @@ const TIDY: &[(&str, &str)] = &[
     ("passes/gather/gather.wgsl", "// Gathers.\n// DEVIATION(runs): strides leave stripes.\n"),
     ("pipelines/ism.ron", "// ISM.\nPipeline()\n"),
     ("pipelines/parts/maps.ron", "// Maps.\nPipeline()\n"),
-    ("pipelines/README.md", "# Pipelines\n\n| pipeline |\n|---|\n| [ism](ism.ron) |\n"),
     ("docs/first.md", "Look at net/work/x, https://host/home/ and `[this](no-link)`.\n"),
 ];
 
@@ -165,11 +164,6 @@ fn every_rule_fires() {
                 "header pipelines/ism.ron:1: begin with a comment that says what it computes, and its paper",
                 "header shaders/camera.wgsl:1: begin with a comment that says what it computes, and its paper",
             ],
-        ),
-        (
-            "pipelines",
-            &[("pipelines/tcas.ron", "// TCAS, named in the text of the table alone.\nPipeline()\n")],
-            &["pipelines pipelines/README.md:1: there is no row `| [tcas](tcas.ron) | …`"],
         ),
         (
             "unfinished",
