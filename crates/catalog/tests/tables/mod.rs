@@ -59,7 +59,12 @@ fn with_table(document: &str, name: &str, table: &str) -> Option<String> {
 }
 
 fn row(cells: &[&str]) -> String {
-    let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|").replace('\n', " ")).collect();
+    // A unit in brackets would be taken for a link to an item by rustdoc, which has these pages too.
+    let brackets = |cell: String| {
+        if cell.contains("](") { cell } else { cell.replace('[', "\\[").replace(']', "\\]") }
+    };
+    let cells: Vec<String> =
+        cells.iter().map(|cell| brackets(cell.replace('|', "\\|").replace('\n', " "))).collect();
     format!("| {} |\n", cells.join(" | ")).replace("|  |", "| |")
 }
 
