@@ -15,9 +15,15 @@ pub struct Catalog {
     passes: Vec<&'static dyn Pass>,
     interfaces: Vec<Interface>,
     shaders: Arc<Library>,
-    /// Settings of pass types that take no shader, which are queried at every link, and the generation of the shaders that
-    /// declare them.
-    settings: Mutex<(u64, HashMap<String, Arc<[Setting]>>)>,
+    settings: Mutex<KnownSettings>,
+}
+
+/// Settings of pass types that take no shader, which are queried at every link.
+#[derive(Default)]
+struct KnownSettings {
+    /// The generation of the shaders that declare them.
+    generation: u64,
+    by_kind: HashMap<String, Arc<[Setting]>>,
 }
 
 impl Catalog {
@@ -130,17 +136,15 @@ impl PassTypes for Catalog {
         if pass.takes_shader() {
             return Ok(pass.settings(&context)?.into());
         }
-        let mut guard = self.settings.lock().unwrap_or_else(PoisonError::into_inner);
-        let (generation, known) = &mut *guard;
-        if *generation != self.shaders.generation() {
-            *generation = self.shaders.generation();
-            known.clear();
+        let mut known = self.settings.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.generation != self.shaders.generation() {
+            *known = KnownSettings { generation: self.shaders.generation(), ..KnownSettings::default() };
         }
-        if let Some(settings) = known.get(use_.kind) {
+        if let Some(settings) = known.by_kind.get(use_.kind) {
             return Ok(Arc::clone(settings));
         }
         let settings: Arc<[Setting]> = pass.settings(&context)?.into();
-        known.insert(use_.kind.to_owned(), Arc::clone(&settings));
+        known.by_kind.insert(use_.kind.to_owned(), Arc::clone(&settings));
         Ok(settings)
     }
 
