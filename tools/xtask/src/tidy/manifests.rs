@@ -7,8 +7,18 @@ use std::collections::BTreeSet;
 const CATALOG: &str = "crates/catalog/Cargo.toml";
 
 /// Packages that are used where there is no GPU; passes are too.
-const WITHOUT_GPU: &[&str] =
-    &["data-file", "frame-graph", "scene", "shader-library", "pass", "gpu-algorithms"];
+const WITHOUT_GPU: &[&str] = &[
+    "data-file",
+    "frame-graph",
+    "scene",
+    "shader-library",
+    "pass",
+    "interfaces",
+    "gpu-algorithms",
+    "study",
+    "stress",
+    "precision",
+];
 
 pub(super) fn catalog(tree: &Tree) -> Vec<Finding> {
     let Some(catalog) = tree.manifests().iter().find(|manifest| manifest.path == CATALOG) else {
