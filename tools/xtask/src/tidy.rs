@@ -46,7 +46,7 @@ pub static CHECKS: &[Check] = &[
         note: true,
         ..check(
             "long",
-            "more than 500 lines of code, or 40 of a pass's README, may be two things",
+            "more than 500 lines of code, or 40 by hand in a pass's README, may be two things",
             text::long,
         )
     },
