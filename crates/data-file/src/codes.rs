@@ -143,7 +143,7 @@ pub mod study {
         REFERENCE = "T013": "What a reference names is not there.";
         PHASE = "T014": "A phase names a pass that no pipeline of the study has.";
         CLAIM = "T015": "A claim names what is not measured, run or varied, or says nothing that could fail.";
-        FIGURE = "T016": "A figure is none that a pass of a pipeline of the study tells.";
+        FIGURE = "T016": "There is no such figure among those of the passes of the study.";
     }
 }
 
@@ -181,7 +181,7 @@ const SECTIONS: &[Section] = &[
     ),
     (
         "Warnings and notes",
-        "With these, everything runs. `lightloom check` tells all of them; `render`, `graph` and `study` tell warnings, \
+        "With these, everything runs. `lightloom check` prints all of them; `render`, `graph` and `study` print warnings, \
          and W002, on standard error.",
         warning::CODES,
     ),

@@ -8,6 +8,7 @@ mod json;
 mod localise;
 mod locate;
 mod lost;
+mod old;
 mod print;
 mod settable;
 mod variant;
@@ -85,7 +86,8 @@ pub fn resolve(path: &str, files: &dyn Files, overrides: &Overrides) -> Result<R
     let Some(source) = files.read(path) else {
         return Err(no_pipeline(path, files).into());
     };
-    resolve_description(path, &parse_file(source, 0)?, files, overrides)
+    let description = parse_file(source, 0).map_err(old::explain)?;
+    resolve_description(path, &description, files, overrides)
 }
 
 /// Tells that a name is that of no pipeline. The name comes from outside of any file: there is no place to show.
@@ -123,7 +125,7 @@ pub fn resolve_description(
     // By the name of its source, as those that it names.
     let path = if description.source.name.ends_with(".ron") { &*description.source.name } else { path };
     let document = resolver.document(path, description);
-    resolver.pipeline(path, document, given)
+    resolver.pipeline(path, document, given).map_err(old::explain)
 }
 
 impl Resolved {
