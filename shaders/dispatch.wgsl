@@ -1,9 +1,5 @@
 // Threads in a row. A dispatch of more workgroups than one dimension allows is folded into two.
 
-/// The most loop iterations that a thread should execute in one dispatch. A driver treats a dispatch that runs for seconds as a
-/// hang, and lavapipe silently ends all loops of a thread after 65,535 iterations.
-const LOOP_ITERATIONS: u32 = 32768u;
-
 /// Place of a thread in a row, for dispatches made with `Threads::Row`: the parameter of an entry point.
 struct Row {
     @builtin(workgroup_id) group: vec3<u32>,

@@ -18,7 +18,7 @@
 struct Settings {
     lights_count: u32,
     clusters_count: u32,
-    // A thread of `assign` loops over all clusters: see LOOP_ITERATIONS.
+    // The most is what a thread of `assign` can loop over in one dispatch.
     /// The most clusters; there are no more than lights. More: smaller area lights, but more maps and time. [default: 64, min: 1,
     /// max: 32768]
     count: u32,

@@ -4,7 +4,7 @@
 // The basis images of an atlas of distance maps are made level by level: each texel is the mean over those that it covers of
 // its own map. [ACRSM Eq. 3.3-3.5]
 //
-// Of loop iterations, a search loads two pairs of terms an order, and the kernel a pair of each of two levels.
+// A lookup takes an iteration for each pair of terms: the search loads two pairs of each order, and so does the kernel.
 
 #input maps: Visibility with atlas without basis // An atlas of depth maps.
 #output visibility: Visibility(
@@ -21,7 +21,7 @@
     search: settings.search,
     nearest: settings.nearest,
     stride: map_words,
-    loop_iterations: 2 * settings.order * (settings.search + 1),
+    iterations: 2 * settings.order * (settings.search + 1),
 ) hands on maps module "lookup.wgsl" // The same atlas, with its basis images and soft lookups.
 
 #import "basis.wgsl"

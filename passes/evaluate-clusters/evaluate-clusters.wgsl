@@ -31,8 +31,9 @@ struct Settings {
     /// it does not depend on the greatest cluster of all. [default: "absolute", one_of: ["absolute", "relative"]]
     difference: u32,
     seed: u32,
-    /// The number of the dispatch of `compare`.
-    round: u32,
+    /// The neighbours that a dispatch of `compare` takes: `begin` to `end`.
+    begin: u32,
+    end: u32,
 }
 
 const RELATIVE: u32 = 1u;
@@ -112,17 +113,15 @@ fn measure(@builtin(local_invocation_index) thread: u32) {
     }
 }
 
-/// Sums over the neighbours of each cluster, of which it is one itself: LOOP_ITERATIONS of them in a dispatch. [threads:
-/// clusters.count, repeat: (clusters.count + LOOP_ITERATIONS - 1) / LOOP_ITERATIONS]
+/// Sums over the neighbours of each cluster, of which it is one itself. [threads: clusters.count, items: clusters.count]
 @compute @workgroup_size(64)
 fn compare(row: Row) {
     let index = index_in(row, 64u);
     if index >= settings.clusters_count {
         return;
     }
-    let begin = settings.round * LOOP_ITERATIONS;
     var sum = vec2(0.0);
-    if begin > 0u {
+    if settings.begin > 0u {
         sum = sums[index];
     }
     let own = centres[index];
@@ -131,7 +130,7 @@ fn compare(row: Row) {
         return;
     }
     let reach = f32(settings.window);
-    for (var i = begin; i < min(begin + LOOP_ITERATIONS, settings.clusters_count); i++) {
+    for (var i = settings.begin; i < min(settings.end, settings.clusters_count); i++) {
         let other = centres[i];
         let near = settings.window == 0u || all(abs(other.uv - own.uv) <= vec2(reach));
         if other.layer == own.layer && near {

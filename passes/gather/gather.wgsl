@@ -19,7 +19,6 @@
     // what is nearer is lost. disc: what a disc of the light's area gives straight ahead, Φ cosθ cosθ' / (π d² + A), for lights
     // that stand for an area of known shape (ACRSM).
 #option VISIBILITY false // whether something says which lights are seen
-#option PARTS false internal // whether the lights take several dispatches
 
 #import "camera.wgsl"
 #import "color.wgsl"
@@ -49,6 +48,8 @@ struct Settings {
     /// they are bounded at less distance. 0 is no such bound. With more lights, less is lost. [default: 1.0, min: 0.0, max:
     /// 100.0]
     area_bound: f32,
+    irradiance_interleave_x: u32,
+    irradiance_interleave_y: u32,
     /// The lights of each subset that this dispatch takes: `begin` to `end`.
     begin: u32,
     end: u32,
@@ -61,10 +62,8 @@ var<storage, read> lights: VirtualLights;
 var view_depth: texture_2d<f32>;
 var view_normal: texture_2d<f32>;
 var irradiance: texture_storage_2d<rgba32float, write>;
-#if PARTS
-/// Sums of the dispatches before, pixel by pixel.
+/// Sums of the dispatches before, pixel by pixel. [scratch, count: view.width * view.height * min(parts - 1, 1)]
 var<storage, read_write> sums: array<vec4<f32>>;
-#endif
 
 const STAGED: u32 = 64u;
 var<workgroup> staged: array<VirtualLight, STAGED>;
@@ -123,21 +122,30 @@ const SPAN: u32 = 2u;
 /// Side of a workgroup.
 const GROUP_SIDE: u32 = 8u;
 
+/// Side of the square of pixels of a sub-image that a workgroup takes.
+const SQUARE: u32 = GROUP_SIDE * SPAN;
+
+/// Gathers at the pixels of a square of GROUP_SIDE * SPAN in one sub-image. A light takes an iteration, and one more and a lookup
+/// for each pixel of a thread. [threads: (
+///     ((view.width + irradiance.interleave_x - 1) / irradiance.interleave_x + SQUARE - 1) / SQUARE * GROUP_SIDE,
+///     ((view.height + irradiance.interleave_y - 1) / irradiance.interleave_y + SQUARE - 1) / SQUARE * GROUP_SIDE
+///         * irradiance.interleave_x * irradiance.interleave_y, 1),
+/// items: 1 + lights.count / (min(settings.interleave_x, view.width) * min(settings.interleave_y, view.height)),
+/// iterations: 1 + SPAN * SPAN * (1 + visibility.iterations)]
 @compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn gather(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) local_index: u32,
 ) {
-    let interleave = vec2(settings.interleave_x, settings.interleave_y);
+    let interleave = vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y);
     let subsets = interleave.x * interleave.y;
     // Workgroups along a sub-image; the number of the widest for all of them. Sub-images follow one after the other, so
     // that the maps of one subset of the lights are in the caches.
-    let side = GROUP_SIDE * SPAN;
-    let groups = ((settings.view_size + interleave - 1u) / interleave + side - 1u) / side;
+    let groups = ((settings.view_size + interleave - 1u) / interleave + SQUARE - 1u) / SQUARE;
     let image = group.y / groups.y;
     let first = vec2(image % interleave.x, image / interleave.x);
-    let corner = vec2(group.x, group.y % groups.y) * side + local.xy;
+    let corner = vec2(group.x, group.y % groups.y) * SQUARE + local.xy;
     var receivers: array<Receiver, SPAN * SPAN>;
     for (var r = 0u; r < SPAN * SPAN; r++) {
         let pixel = (corner + GROUP_SIDE * vec2(r % SPAN, r / SPAN)) * interleave + first;
@@ -177,7 +185,6 @@ fn gather(
         if all(receivers[r].pixel < settings.view_size) {
             // A subset represents all lights: the mean over the sub-images is the sum over all lights.
             var sum = select(vec4(0.0), receivers[r].sum * f32(subsets), receivers[r].seen);
-#if PARTS
             let index = receivers[r].pixel.y * settings.view_size.x + receivers[r].pixel.x;
             if settings.begin > 0u {
                 sum += sums[index];
@@ -186,7 +193,6 @@ fn gather(
                 sums[index] = sum;
                 continue;
             }
-#endif
             textureStore(irradiance, receivers[r].pixel, sum);
         }
     }

@@ -14,7 +14,6 @@
     // which they are as far apart as can be.
 #option IMPORTANCE false // whether importance counts
 #option FLUX false internal // whether flux counts
-#option PARTS false internal // whether the clusters take several dispatches
 
 #import "algorithms/workgroup.wgsl"
 #import "clustering.wgsl"
@@ -58,10 +57,9 @@ var rsm_normal: texture_2d_array<f32>;
 var rsm_flux: texture_2d_array<f32>;
 #endif
 var map: texture_storage_2d_array<r32uint, write>;
-#if PARTS
-/// The nearest cluster of each texel in the dispatches before: the bits of its distance, and its index.
+/// The nearest cluster of each texel in the dispatches before: the bits of its distance, and its index. [scratch, count:
+/// rsm.width * rsm.height * rsm.layers * min(parts - 1, 1)]
 var<storage, read_write> nearest: array<vec2<u32>>;
-#endif
 
 /// Side of the tile of a workgroup; it has GROUP_SIZE threads.
 const SIDE: u32 = 16u;
@@ -144,6 +142,8 @@ fn flux_distance(a: vec3<f32>, b: vec3<f32>) -> f32 {
 }
 #endif
 
+/// Finds the nearest cluster of each texel. A cluster takes an iteration, and a chunk of them a few more. [threads: texels(map),
+/// items: clusters.count, iterations: 2]
 @compute @workgroup_size(SIDE, SIDE)
 fn map_texels(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -169,12 +169,10 @@ fn map_texels(
 #endif
     // Distances are compared by their bits, of which a NaN has more than any number.
     var best = vec2(0xffffffffu, NO_CLUSTER);
-#if PARTS
     let slot = (layer * size.y + place.y) * size.x + place.x;
     if settings.begin > 0u {
         best = nearest[slot];
     }
-#endif
     let end = min(min(clusters.header.count, arrayLength(&clusters.clusters)), settings.end);
     for (var first = settings.begin; first < end; first += GROUP_SIZE) {
         let listed = list_chunk(thread, first, end, tile, layer);
@@ -197,11 +195,9 @@ fn map_texels(
             }
         }
     }
-#if PARTS
     if is_inside && settings.last == 0u {
         nearest[slot] = best;
     }
-#endif
     if is_inside && settings.last != 0u {
         textureStore(map, texel, layer, vec4(best.y));
     }

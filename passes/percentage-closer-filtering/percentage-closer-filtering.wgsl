@@ -11,7 +11,7 @@
     depth_bias: maps.depth_bias * ((settings.taps + 1) / 2.0),
     slope_bias: maps.slope_bias * ((settings.taps + 1) / 2.0),
     taps: settings.taps,
-    loop_iterations: (settings.taps + 1) * (settings.taps + 1),
+    iterations: (settings.taps + 1) * (settings.taps + 1),
 ) hands on maps module "lookup.wgsl" // The same atlas, with filtered lookups.
 
 struct Settings {

@@ -10,7 +10,7 @@
     search: settings.search,
     taps: settings.taps,
     nearest: settings.nearest,
-    loop_iterations: settings.search + settings.taps,
+    iterations: settings.search + settings.taps,
 ) hands on maps module "lookup.wgsl" // The same atlas, with soft lookups.
 
 struct Settings {

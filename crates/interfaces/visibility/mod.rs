@@ -6,9 +6,6 @@ use crate::virtual_lights;
 pub use atlas::AtlasLayout;
 use pass::{Content, Fact, Format, Interface, Member};
 
-/// The loop iterations of a lookup.
-pub const LOOP_ITERATIONS: Fact<u32> =
-    Fact::optional("loop_iterations", "iterations of the loops of a lookup, where they are many");
 /// The side of a map of an atlas.
 pub const TILE: Fact<u32> = Fact::optional("tile", "side of a map of the atlas [px]");
 /// The maps along a row of a layer of an atlas.
@@ -49,12 +46,5 @@ pub const INTERFACE: Interface = Interface::new(
         ),
     ],
 )
-.with_facts(&[
-    LOOP_ITERATIONS.decl(),
-    TILE.decl(),
-    COLUMNS.decl(),
-    ROWS.decl(),
-    DEPTH_BIAS.decl(),
-    SLOPE_BIAS.decl(),
-])
+.with_facts(&[TILE.decl(), COLUMNS.decl(), ROWS.decl(), DEPTH_BIAS.decl(), SLOPE_BIAS.decl()])
 .with_stand_in("shaders/visibility-none.wgsl");

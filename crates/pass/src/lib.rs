@@ -17,6 +17,7 @@ mod record;
 pub mod reflected;
 pub mod scene_bindings;
 pub mod setting;
+mod split;
 
 pub use frame_graph::{
     Clear, Content, Extent, Fact, FactDecl, FactValue, Facts, Figure, Format, InputPort, Interface, Member,
@@ -35,6 +36,7 @@ pub use reflected::MainShader;
 pub use setting::ReadSettings;
 use shader_library::TypeLayout;
 pub use shader_library::{Define, Library, Request};
+pub use split::{most_items, split_count};
 
 /// The name and documentation of a pass type that declares them in Rust.
 #[derive(Clone, Copy, Debug, Default)]

@@ -424,6 +424,16 @@ impl Recording {
         Recording { steps: steps.into_iter().map(Step::Compute).collect() }
     }
 
+    /// Returns the same with each dispatch replaced.
+    pub fn map(mut self, f: impl Fn(Compute) -> Compute) -> Recording {
+        for step in &mut self.steps {
+            if let Step::Compute(compute) = step {
+                *compute = f(compute.clone());
+            }
+        }
+        self
+    }
+
     /// Adds dispatches.
     pub fn then_all(mut self, steps: impl IntoIterator<Item = Compute>) -> Recording {
         self.steps.extend(steps.into_iter().map(Step::Compute));

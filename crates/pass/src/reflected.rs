@@ -9,7 +9,7 @@
 //! | an `#option PAST`, named as a port | nothing: whether the input is linked, the output is read |
 //! | an `#option VIEW_SPECULAR`, named as a port and a member | nothing: whether the input has the member |
 //! | an `#option TEXTURED`, named as a trait of the scene | nothing: the scene decides |
-//! | an `#option PARTS false internal` | nothing: the pass decides |
+//! | an `#option GRID false internal` | nothing: the pass decides |
 //! | a global with `[scratch]` | nothing: the entry points share it |
 //! | a global with `[reads: K]` | nothing: what an earlier entry point has written to `K` |
 //! | the entry points | the steps, in the order of the text |

@@ -34,6 +34,10 @@ pub struct EntryAttributes {
     pub threads: Option<ThreadCount>,
     /// `[repeat: …]`: how often it is run.
     pub repeat: Option<Amount>,
+    /// `[items: …]`: the number of items over which each of its threads loops.
+    pub items: Option<Amount>,
+    /// `[iterations: …]`: the loop iterations of an item.
+    pub iterations: Option<Amount>,
     /// `[scratch]`: its results are seen by no other pass.
     pub scratch: bool,
     /// Where the bracket stands in the composed text; see [`Shader::place`](crate::Shader::place).
@@ -76,13 +80,16 @@ pub enum ThreadCount {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Amount(pub String);
 
-const KEYS: [&str; 7] = ["threads", "repeat", "scratch", "reads", "count", "size", "cleared"];
+const KEYS: [&str; 9] =
+    ["threads", "repeat", "items", "iterations", "scratch", "reads", "count", "size", "cleared"];
 
 /// What stands in the brackets of one declaration.
 #[derive(Default)]
 struct Said {
     threads: Option<ThreadCount>,
     repeat: Option<Amount>,
+    items: Option<Amount>,
+    iterations: Option<Amount>,
     scratch: bool,
     reads: Option<String>,
     count: Option<Amount>,
@@ -101,8 +108,13 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
             continue;
         }
         let said = declaration(&found).and_then(|said| match said {
-            Some(Said { threads, repeat, .. }) if !entry && (threads.is_some() || repeat.is_some()) => {
-                Err(Problem::new(0..0, "`threads` and `repeat` are of entry points"))
+            Some(Said { threads, repeat, items, iterations, .. })
+                if !entry
+                    && (threads.is_some()
+                        || [&repeat, &items, &iterations].iter().any(|said| said.is_some())) =>
+            {
+                let message = "`threads`, `repeat`, `items` and `iterations` are of entry points";
+                Err(Problem::new(0..0, message))
             }
             Some(Said { reads, count, size, cleared, .. })
                 if entry && (reads.is_some() || count.is_some() || size.is_some() || cleared) =>
@@ -113,12 +125,14 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
         });
         match said {
             Ok(None) => {}
-            Ok(Some(Said { threads, repeat, scratch, range, .. })) if entry => {
+            Ok(Some(Said { threads, repeat, items, iterations, scratch, range, .. })) if entry => {
                 let place = found.doc.place(range);
                 attributes.entries.push(EntryAttributes {
                     name: found.name,
                     threads,
                     repeat,
+                    items,
+                    iterations,
                     scratch,
                     place,
                 });
@@ -151,7 +165,8 @@ fn attributes_begin(inside: &str) -> bool {
     let len = inside.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(inside.len());
     let (word, rest) = inside.split_at(len);
     let rest = rest.trim_start();
-    let ends: &[char] = if matches!(word, "count" | "size") { &[':'] } else { &[':', ',', ']'] };
+    let ends: &[char] =
+        if matches!(word, "count" | "size" | "items" | "iterations") { &[':'] } else { &[':', ',', ']'] };
     let known = KEYS.contains(&word) && rest.starts_with(ends);
     known || (rest.starts_with(':') && nearest(word, KEYS).is_some())
 }
@@ -184,21 +199,20 @@ fn fields(reader: &mut Reader<'_>) -> Result<Said, Problem> {
         let twice = match key.as_str() {
             "scratch" => std::mem::replace(&mut said.scratch, true),
             "cleared" => std::mem::replace(&mut said.cleared, true),
-            "count" => {
+            "count" | "size" | "repeat" | "items" | "iterations" => {
                 colon(reader)?;
-                said.count.replace(amount(reader)?).is_some()
-            }
-            "size" => {
-                colon(reader)?;
-                said.size.replace(amount(reader)?).is_some()
+                let slot = match key.as_str() {
+                    "count" => &mut said.count,
+                    "size" => &mut said.size,
+                    "repeat" => &mut said.repeat,
+                    "items" => &mut said.items,
+                    _ => &mut said.iterations,
+                };
+                slot.replace(amount(reader)?).is_some()
             }
             "threads" => {
                 colon(reader)?;
                 said.threads.replace(threads(reader)?).is_some()
-            }
-            "repeat" => {
-                colon(reader)?;
-                said.repeat.replace(amount(reader)?).is_some()
             }
             "reads" => {
                 colon(reader)?;

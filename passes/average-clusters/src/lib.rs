@@ -1,10 +1,10 @@
 #![doc = include_str!("../README.md")]
 
-use gpu_algorithms::{LOOP_ITERATIONS, reduce};
+use gpu_algorithms::reduce;
 use interfaces::{cluster_map, clusters, importance};
 use pass::{
     Compute, OutputContext, OutputDesc, Pass, PassTypeError, RecordContext, Recording, Threads, UseContext,
-    reflected,
+    most_items, reflected,
 };
 
 /// The pass type `average-clusters`.
@@ -18,7 +18,7 @@ const MAIN: &str = "average-clusters.wgsl";
 const GROUP_SIZE: u32 = 256;
 
 /// The most texels of a window. Its threads loop over them twice.
-const MOST_TEXELS: u32 = LOOP_ITERATIONS / 2 * GROUP_SIZE;
+const MOST_TEXELS: u32 = most_items(2) * GROUP_SIZE;
 
 /// Bytes of the `vec4<f32>` that the flux of the map is summed in.
 const SUM_BYTES: u64 = 16;

@@ -1,27 +1,15 @@
 #![doc = include_str!("../README.md")]
 
-use gpu_algorithms::{LOOP_ITERATIONS, Part};
-use interfaces::{clusters, importance};
+use interfaces::importance;
 use pass::{
-    Compute, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording,
-    ResourceDesc, Settings, Threads, UseContext, reflected,
+    OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording, Settings,
+    UseContext, reflected,
 };
 
 /// The pass type `map-clusters`.
-pub const PASS: &dyn Pass = &MapClusters { part: CLUSTERS_OF_PART };
+pub const PASS: &dyn Pass = &MapClusters;
 
-/// The mapping of a step of k-means.
-pub struct MapClusters {
-    /// The most clusters that a dispatch takes.
-    pub part: u32,
-}
-
-/// Clusters that a workgroup lists at a time: one for each thread.
-const CHUNK: u32 = 256;
-
-/// The clusters for which a thread has loop iterations: one for each cluster, and for each chunk one and eight more of a
-/// prefix sum.
-const CLUSTERS_OF_PART: u32 = LOOP_ITERATIONS / (CHUNK + 9) * CHUNK;
+struct MapClusters;
 
 /// The settings that are weights: of positions, normals, importance and flux.
 const WEIGHTS: [&str; 4] = ["position_weight", "normal_weight", "importance_weight", "flux_weight"];
@@ -55,38 +43,14 @@ impl Pass for MapClusters {
             importance::shape(cx)?;
         }
         weights(cx.settings, has_importance)?;
-        let mut outputs = reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)?;
-        if self.parts(cx.fact("clusters", clusters::COUNT)?).len() > 1 {
-            let position = cx.input("rsm").and_then(|rsm| rsm.member("position")?.texture());
-            let position =
-                position.ok_or_else(|| PassTypeError::input("rsm", "expected a member `position`"))?;
-            let texels = u64::from(position.size.0) * u64::from(position.size.1) * u64::from(position.layers);
-            outputs.push(OutputDesc::scratch("nearest", ResourceDesc::buffer(8 * texels)));
-        }
-        Ok(outputs)
+        reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let weights = weights(cx.settings, cx.connected("importance"))?;
-        let parts = self.parts(cx.fact("clusters", clusters::COUNT)?);
-        let shader = cx
-            .file("map-clusters.wgsl")
-            .define("IMPORTANCE", weights[2] > 0.0)
-            .define("FLUX", weights[3] > 0.0)
-            .define("PARTS", parts.len() > 1);
-        let ((width, height), layers) = (cx.size("map"), cx.layers("map"));
-        let map = Compute::new(shader, "map_texels", Threads::Grid([width, height, layers]));
-        let map = WEIGHTS.into_iter().zip(weights).fold(map, |map, (name, weight)| map.value(name, weight));
-        let of_part = |part: Part| {
-            map.clone().value("begin", part.begin).value("end", part.end).value("last", u32::from(part.last))
-        };
-        Ok(Recording::of(parts.map(of_part)))
-    }
-}
-
-impl MapClusters {
-    /// Returns the dispatches that this many clusters take.
-    fn parts(&self, count: u32) -> impl ExactSizeIterator<Item = Part> + use<> {
-        gpu_algorithms::parts(count, self.part)
+        Ok(reflected::record(cx)?.map(|mut step| {
+            step.shader = step.shader.define("IMPORTANCE", weights[2] > 0.0).define("FLUX", weights[3] > 0.0);
+            WEIGHTS.into_iter().zip(weights).fold(step, |step, (name, weight)| step.value(name, weight))
+        }))
     }
 }

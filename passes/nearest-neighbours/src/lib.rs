@@ -1,10 +1,10 @@
 #![doc = include_str!("../README.md")]
 
-use gpu_algorithms::{Grid, LOOP_ITERATIONS, reduce};
+use gpu_algorithms::{Grid, reduce};
 use interfaces::surface_points;
 use pass::{
     Compute, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording,
-    ResourceDesc, Settings, Struct, Threads, UseContext, reflected,
+    ResourceDesc, Settings, Struct, Threads, UseContext, reflected, split_count,
 };
 
 /// The pass type `nearest-neighbours`.
@@ -21,8 +21,7 @@ const SUMMARIES: &str = "summaries";
 /// Pairs of points above which they are sorted into cells. With fewer, a GPU takes longer for the steps of the sort.
 const MOST_PAIRS: u64 = 2048 * 2048;
 
-/// The most cells in a direction: a search of all of their rows, in steps that at least double, stays far below the loop
-/// iterations that lavapipe allows.
+/// The most cells in a direction: a search of all of their rows, in steps that at least double, takes few loop iterations.
 const MOST_CELLS: u32 = 64;
 
 /// How neighbours are searched: it follows from the numbers of points and the settings.
@@ -50,8 +49,7 @@ impl Search {
     /// Returns how many dispatches search. Comparing all may insert all, with an iteration for each vector; cells hold few
     /// points, unless all are in one place.
     fn parts(&self) -> u32 {
-        let most = if self.is_grid { LOOP_ITERATIONS } else { LOOP_ITERATIONS / (1 + self.vectors) };
-        self.among.div_ceil(most).max(1)
+        split_count(self.among, if self.is_grid { 1 } else { 1 + self.vectors })
     }
 
     /// Returns the most cells in a direction. Points lie on surfaces, so there are few of them in a cell.

@@ -11,9 +11,8 @@ pub const PASS: &dyn Pass = &PathTracer;
 
 struct PathTracer;
 
-/// Most rays of a pixel in one dispatch. A driver may treat a dispatch that takes seconds as a hang, and
-/// lavapipe ends all loops of a thread after 65,535 iterations, of which a ray takes up to some hundreds.
-const RAYS: u32 = 128;
+/// The most rays of a pixel in one dispatch, if a ray takes some hundreds of loop iterations.
+const RAYS: u32 = pass::most_items(256);
 
 impl Pass for PathTracer {
     fn kind(&self) -> &'static str {

@@ -287,8 +287,8 @@ fn it_softens_maps_and_nothing_else() {
     };
     let made = outputs(&["atlas"], None).expect("an atlas with its facts");
     assert!(made[0].members.is_empty() && made[0].handed.len() == 1, "the atlas is handed on");
-    assert_eq!(made[0].facts.get("loop_iterations"), Some(&Value::U32(16 + 9)));
     let module = |made: &[OutputDesc]| made[0].facts.module().expect("it has a module").clone();
+    assert_eq!(module(&made).facts.get("iterations"), Some(&Value::U32(16 + 9)));
     assert_eq!(module(&made).facts.get("taps"), Some(&Value::U32(9)));
     assert_eq!(module(&made).options.get("SHARED"), None);
     let shared = Module::new("shaders/visibility-atlas.wgsl").option("SHARED", Value::Bool(true));

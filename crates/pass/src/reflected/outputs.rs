@@ -74,6 +74,12 @@ struct Group<'a> {
 /// How many elements a buffer has: what a pass in WGSL alone tells of one by itself, and reads of others.
 pub(super) const COUNT: Fact<u32> = Fact::required("count", "the number of elements");
 
+/// The name of formulas for the most dispatches into which an entry point is split.
+const PARTS: &str = "parts";
+
+/// The loop iterations of a function of a module, which its producer says for those who call it in a loop.
+pub(super) const ITERATIONS: &str = "iterations";
+
 /// What a fragment shader with one result writes, as a port.
 const RESULT: &str = "result";
 
@@ -219,6 +225,8 @@ impl Reflected {
         let values = values.iter().map(|(name, value)| (*name, value));
         let names = self.outline.inputs.iter().map(|input| &*input.name);
         let scope = Scope::of_outputs(outputs).with(values.chain(constants), names);
+        let parts = crate::Value::U32(self.parts(&scope)?);
+        let scope = scope.and(PARTS, &parts);
         let mut descs = Vec::new();
         for group in self.groups(cx)? {
             let said = cx.use_.outputs.get(group.port);
@@ -525,7 +533,7 @@ impl Reflected {
         let read: Vec<&str> =
             uniforms.flat_map(|layout| layout.members.iter().map(|member| &*member.name)).collect();
         for (fact, value, place) in facts {
-            if !read.contains(&&*fact) {
+            if fact != ITERATIONS && !read.contains(&&*fact) {
                 let message = format!(
                     "{place}`{fact}` is neither a fact of the interface `{}` nor a member that {} reads",
                     declared.interface, module.path

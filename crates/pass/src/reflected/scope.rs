@@ -1,6 +1,7 @@
 //! The values of the names in formulas: settings, constants, facts and sizes of ports, traits of the scene.
 
 use super::list;
+use super::outputs::ITERATIONS;
 use crate::{Facts, OutputContext, PassTypeError, PortDesc, RecordContext, Settings, Traits, Value};
 use frame_graph::{Formula, NameError, TextureDesc, nearest};
 use std::cell::RefCell;
@@ -79,6 +80,12 @@ impl<'a> Scope<'a> {
         self
     }
 
+    /// The same with another constant.
+    pub(super) fn and(mut self, name: &'a str, value: &'a Value) -> Scope<'a> {
+        self.constants.push((name, value));
+        self
+    }
+
     /// Returns the value of a formula.
     pub(super) fn value(&self, text: &str) -> Result<Value, Wrong> {
         let absent = RefCell::new(None);
@@ -152,6 +159,11 @@ impl<'a> Scope<'a> {
                     let names = traits.into_iter().flat_map(|all| all.keys().map(String::as_str)).collect();
                     among(format!("scenes have no trait `{member}`"), member, names)
                 })
+            }
+            (port, ITERATIONS) if self.declared.contains(&port) => {
+                let linked = self.ports.iter().find(|(known, ..)| *known == port);
+                let said = linked.and_then(|(_, facts, _)| facts.module()?.facts.get(ITERATIONS));
+                Ok(said.cloned().unwrap_or(Value::U32(0)))
             }
             (port, _) => {
                 let Some((_, facts, texture)) = self.ports.iter().find(|(known, ..)| *known == port) else {

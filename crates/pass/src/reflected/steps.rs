@@ -5,7 +5,7 @@ use super::scope::Scope;
 use super::{Reflected, begins, list};
 use crate::{
     Compute, Draw, PassTypeError, PortDesc, Ports, Raster, RecordContext, Recording, ResourceDesc, Settings,
-    Step, Target, Threads, Value,
+    Step, Target, Threads, Value, split_count,
 };
 use frame_graph::nearest;
 use shader_library::{Amount, Entry, EntryAttributes, GlobalKind, Stage, ThreadCount};
@@ -38,13 +38,41 @@ impl Reflected {
         &self,
         cx: &RecordContext<'_>,
         said: &EntryAttributes,
+        amount: &Amount,
+    ) -> Result<u32, PassTypeError> {
+        self.whole(&self.scope_of_steps(cx), said, amount)
+    }
+
+    fn whole(
+        &self,
+        scope: &Scope<'_>,
+        said: &EntryAttributes,
         Amount(text): &Amount,
     ) -> Result<u32, PassTypeError> {
+        scope.whole(text).map_err(|wrong| wrong.at(&self.beginning(said)))
+    }
+
+    fn scope_of_steps<'a>(&'a self, cx: &RecordContext<'a>) -> Scope<'a> {
         let interface = &self.shader().interface;
         let constants = interface.constants.iter().map(|(name, value)| (name.as_str(), value));
         let names = self.outline.inputs.iter().map(|input| &*input.name);
-        let scope = Scope::of_steps(cx).with(constants, names);
-        scope.whole(text).map_err(|wrong| wrong.at(&self.beginning(said)))
+        Scope::of_steps(cx).with(constants, names)
+    }
+
+    /// Returns the items over which the threads of an entry point loop, and the loop iterations of each; `None` where it
+    /// says nothing of them.
+    fn items(&self, scope: &Scope<'_>, said: &EntryAttributes) -> Result<Option<(u32, u32)>, PassTypeError> {
+        let Some(items) = &said.items else { return Ok(None) };
+        let iterations = said.iterations.as_ref().map_or(Ok(1), |each| self.whole(scope, said, each))?;
+        Ok(Some((self.whole(scope, said, items)?, iterations)))
+    }
+
+    /// Returns the most dispatches into which an entry point is split.
+    pub(super) fn parts(&self, scope: &Scope<'_>) -> Result<u32, PassTypeError> {
+        self.attributes().entries.iter().try_fold(1, |most, said| {
+            let items = self.items(scope, said)?;
+            Ok(items.map_or(1, |(items, iterations)| split_count(items, iterations)).max(most))
+        })
     }
 
     /// Checks that what attributes name is there.
@@ -83,7 +111,8 @@ impl Reflected {
             let interface = &self.shader().interface;
             let constants = interface.constants.iter().map(|(name, value)| (name.as_str(), value));
             let scope = Scope::of_settings(settings).with(constants, []);
-            for Amount(text) in threads.iter().chain(&said.repeat) {
+            let amounts = threads.iter().chain(&said.repeat).chain(&said.items).chain(&said.iterations);
+            for Amount(text) in amounts {
                 scope.check(text).map_err(|wrong| wrong.at(&self.beginning(said)))?;
             }
         }
@@ -117,6 +146,7 @@ impl Reflected {
     pub(super) fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let use_cx = cx.use_context();
         let shader = cx.variant(self.main.request.clone());
+        let is_split = self.attributes().entries.iter().any(|said| said.items.is_some());
         let mut recording = Recording::default();
         for (index, entry) in self.entries.iter().enumerate() {
             let said = self.said(entry);
@@ -140,13 +170,21 @@ impl Reflected {
                 let is_setting = repeat.is_none() && cx.settings.get(ROUND).is_some();
                 let values =
                     if is_setting { Vec::new() } else { vec![(ROUND.to_owned(), Value::U32(round))] };
-                recording.steps.push(match entry.stage {
-                    Stage::Compute => Step::Compute(Compute {
+                if entry.stage == Stage::Compute {
+                    let step = Compute {
                         bind: bind.clone(),
                         values,
                         ..Compute::new(shader.clone(), &entry.name, self.threads(cx, entry)?)
-                    }),
-                    _ => Step::Raster(Raster {
+                    };
+                    let items = said.map_or(Ok(None), |said| self.items(&self.scope_of_steps(cx), said))?;
+                    recording = match items {
+                        Some((items, iterations)) => recording.then_all(step.split(items, iterations)),
+                        // The members of `settings` that say which items a dispatch takes are there for all of them.
+                        None if is_split => recording.then_all(step.split(0, 1)),
+                        None => recording.then(step),
+                    };
+                } else {
+                    recording.steps.push(Step::Raster(Raster {
                         shader: shader.clone(),
                         vertex: "fullscreen".into(),
                         fragment: Some(entry.name.clone()),
@@ -160,8 +198,8 @@ impl Reflected {
                         values,
                         bind: bind.clone(),
                         windows: Vec::new(),
-                    }),
-                });
+                    }));
+                }
             }
         }
         Ok(recording)

@@ -58,8 +58,8 @@ fn the_atlas_is_handed_on_with_its_images() {
     // A header of a word; nine of them for each texel of levels 1 to 8.
     let texels = (0..8).map(|level| 4_u64.pow(level)).sum::<u64>();
     assert_eq!(made.members[0].1, ResourceDesc::buffer(64 * 4 * (1 + 9 * texels)));
-    assert_eq!(made.facts.get("loop_iterations"), Some(&Value::U32(2 * 4 * 3)));
     let module = |made: &OutputDesc| made.facts.module().expect("it has a module").clone();
+    assert_eq!(module(made).facts.get("iterations"), Some(&Value::U32(2 * 4 * 3)));
     assert_eq!(module(made).facts.get("levels"), Some(&Value::U32(8)));
     assert_eq!(module(made).options.get("SHARED"), None);
     let shared = Module::new("shaders/visibility-atlas.wgsl").option("SHARED", Value::Bool(true));

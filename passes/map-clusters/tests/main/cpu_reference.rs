@@ -51,16 +51,6 @@ impl Metric {
         let numbered = (0..).zip(clusters).filter(|(_, cluster)| takes(cluster));
         numbered.map(|(i, cluster)| (i, self.distance(cluster, texel))).collect()
     }
-
-    /// Returns the cluster of each texel; `None` where it belongs to none.
-    pub(crate) fn map_texels(&self, clusters: &[Cluster], map: &Texels) -> Vec<Option<u32>> {
-        let nearest = |index| {
-            let candidates = self.candidates(clusters, map, index).into_iter();
-            // Of equal ones, `min_by` gives the first.
-            candidates.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(cluster, _)| cluster)
-        };
-        (0..map.texels.len()).map(nearest).collect()
-    }
 }
 
 /// Returns the distance of two normals in \[0, 1\]; 1 where one of them is none.

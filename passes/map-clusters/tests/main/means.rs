@@ -4,7 +4,6 @@ use crate::gpu::{World, number, vector};
 use glam::{DVec3, Vec3};
 use interfaces::cluster_map::NONE;
 use interfaces::clusters::{Cluster, state};
-use map_clusters::PASS;
 use pass::Value;
 use pass_test::RsmTexel;
 
@@ -55,7 +54,7 @@ fn mapping_never_moves_texels_away_from_centres() {
     let mut spreads = Vec::new();
     let mut last = Vec::new();
     for _ in 0..8 {
-        let Some(map) = world.run(PASS, &settings) else { return };
+        let Some(map) = world.run(&settings) else { return };
         let mapped = spread(&world, &map);
         if !last.is_empty() {
             let unmapped = spread(&world, &last);
