@@ -1,23 +1,24 @@
 //! A headless Chromium, driven over its DevTools protocol.
 
-use std::net::TcpStream;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use tungstenite::{Message, WebSocket, client};
 
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// One browser with one page. Ends with this value.
 pub(super) struct Browser {
     process: Child,
-    socket: WebSocket<TcpStream>,
+    calls_to: ChildStdin,
+    answers: Receiver<Value>,
     session: Option<String>,
     calls: u64,
-    /// What the page told unasked, in order.
+    /// Events of the page, in order.
     pub(super) events: Vec<Value>,
     /// Last: the browser writes here until it ends.
     _profile: TempDir,
@@ -33,21 +34,30 @@ impl Browser {
             return None;
         };
         let profile = TempDir::new().expect("a folder for the profile");
-        let mut process = Command::new(program)
+        // Chromium reads calls from descriptor 3 and writes answers to descriptor 4.
+        let mut process = Command::new("sh")
+            .args(["-c", "exec \"$@\" 3<&0 4>&1 </dev/null >/dev/null", "sh"])
+            .arg(program)
             .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
             .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
-            .args(["--hide-scrollbars", "--force-color-profile=srgb", "--remote-debugging-port=0"])
+            .args(["--hide-scrollbars", "--force-color-profile=srgb", "--remote-debugging-pipe"])
             .arg(format!("--user-data-dir={}", profile.path().display()))
-            .stdout(Stdio::null())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
             .expect("Chromium starts");
-        let (port, path) = address(&mut process, &profile.path().join("DevToolsActivePort"));
-        let stream = TcpStream::connect(("127.0.0.1", port)).expect("the browser listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a time limit");
-        let (socket, _) = client(format!("ws://127.0.0.1:{port}{path}"), stream).expect("a handshake");
-        let mut browser =
-            Browser { process, socket, session: None, calls: 0, events: Vec::new(), _profile: profile };
+        let calls_to = process.stdin.take().expect("a pipe");
+        let answers = answers(process.stdout.take().expect("a pipe"));
+        let mut browser = Browser {
+            process,
+            calls_to,
+            answers,
+            session: None,
+            calls: 0,
+            events: Vec::new(),
+            _profile: profile,
+        };
         let target = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
         let session = browser.call("Target.attachToTarget", attach);
@@ -58,7 +68,7 @@ impl Browser {
         Some(browser)
     }
 
-    /// Loads a page and waits until it is there. What an earlier page told is forgotten.
+    /// Loads a page and waits until it is there. Events of an earlier page are forgotten.
     pub(super) fn open(&mut self, url: &str) {
         // The same address with another fragment would not load again.
         self.call("Page.navigate", json!({ "url": "about:blank" }));
@@ -163,7 +173,7 @@ impl Browser {
         std::fs::write(path, bytes).expect("the picture is written");
     }
 
-    /// Errors and warnings that the page has told since it was opened.
+    /// Errors and warnings of the page since it was opened.
     pub(super) fn complaints(&mut self) -> Vec<String> {
         // An answer comes after the events before it.
         let _ = self.eval("0");
@@ -194,11 +204,10 @@ impl Browser {
         if let Some(session) = &self.session {
             call["sessionId"] = json!(session);
         }
-        self.socket.send(Message::text(call.to_string())).expect("the browser takes a call");
+        write!(self.calls_to, "{call}\0").expect("the browser takes a call");
         loop {
-            let message = self.socket.read().unwrap_or_else(|error| panic!("no answer to {method}: {error}"));
-            let Ok(text) = message.to_text() else { continue };
-            let Ok(mut answer) = serde_json::from_str::<Value>(text) else { continue };
+            let answer = self.answers.recv_timeout(PATIENCE);
+            let mut answer = answer.unwrap_or_else(|error| panic!("no answer to {method}: {error}"));
             if answer["id"] == self.calls {
                 assert!(answer.get("error").is_none(), "{method}: {answer}");
                 return answer["result"].take();
@@ -230,16 +239,16 @@ fn program() -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-/// Port and path of the browser's own socket, from the file that tells them once it listens.
-fn address(process: &mut Child, file: &Path) -> (u16, String) {
-    let start = Instant::now();
-    loop {
-        let text = std::fs::read_to_string(file).unwrap_or_default();
-        if let Some((port, path)) = text.split_once('\n') {
-            return (port.parse().expect("a port"), path.trim().to_owned());
+/// Reads answers and events, each of which ends in a zero, on a thread of its own, so that waiting for one has a limit.
+fn answers(from: ChildStdout) -> Receiver<Value> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        for message in BufReader::new(from).split(0).map_while(Result::ok) {
+            let Ok(message) = serde_json::from_slice(&message) else { continue };
+            if sender.send(message).is_err() {
+                return;
+            }
         }
-        let ended = process.try_wait().expect("the browser's state");
-        assert!(ended.is_none() && start.elapsed() < PATIENCE, "Chromium does not start: {ended:?}");
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    });
+    receiver
 }
