@@ -1,6 +1,5 @@
 //! How long it takes from a parsed file to a plan, and to decide what a frame runs.
 
-use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use frame_graph::port::{OutputContext, OutputDesc, PassTypes, Use};
 use frame_graph::resolve::Files;
 use frame_graph::{
@@ -11,6 +10,7 @@ use frame_graph::{
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 const INTERFACES: &[Interface] =
     &[Interface::new("Irradiance", "", &[Member::required("", Content::Texture(Format::Rgba16Float), "")])];
@@ -131,45 +131,60 @@ fn plan(description: &Description, kinds: &Two, context: &LinkContext) -> (Plan,
     (plan, graph, resolved)
 }
 
-fn benches(c: &mut Criterion) {
+/// How long a measurement takes, after a quarter of it in which nothing is measured.
+const TIME: Duration = Duration::from_secs(2);
+
+/// Prints the median time of `run` on what `prepare` returns. Neither that nor the drop of the result is measured.
+fn measure<I, R>(name: &str, mut prepare: impl FnMut() -> I, mut run: impl FnMut(&mut I) -> R) {
+    let start = Instant::now();
+    let mut times = Vec::new();
+    while start.elapsed() < TIME {
+        let mut input = prepare();
+        let begin = Instant::now();
+        let result = black_box(run(&mut input));
+        let time = begin.elapsed();
+        drop(result);
+        if start.elapsed() > TIME / 4 {
+            times.push(time);
+        }
+    }
+    times.sort_unstable();
+    let [least, median, most] = [0, times.len() / 2, times.len() - 1].map(|at| times[at].as_secs_f64() * 1e6);
+    println!("{name:<28} {median:>10.2} us, {least:.2} to {most:.2}, {} runs", times.len());
+}
+
+fn main() {
     let kinds = Two::new();
     let context = LinkContext { frame: (1920, 1080), ..LinkContext::default() };
     for count in [100, 1000] {
         let source = Source::new("bench.ron", text(count));
         let description = parse(Arc::clone(&source)).expect("parses");
-        c.bench_function(&format!("parse {count}"), |b| {
-            b.iter_with_large_drop(|| parse(black_box(Arc::clone(&source))));
-        });
-        c.bench_function(&format!("description to plan {count}"), |b| {
-            b.iter_with_large_drop(|| plan(black_box(&description), &kinds, &context));
-        });
+        measure(&format!("parse {count}"), || Arc::clone(&source), |source| parse(Arc::clone(source)));
+        measure(
+            &format!("description to plan {count}"),
+            || (),
+            |()| plan(black_box(&description), &kinds, &context),
+        );
         let resolve = || {
             resolve_description("bench.ron", &description, &NoFiles, &Overrides::default()).expect("resolves")
         };
-        c.bench_function(&format!("resolve {count}"), |b| b.iter_with_large_drop(resolve));
+        measure(&format!("resolve {count}"), || (), |()| resolve());
         let resolved = resolve();
-        c.bench_function(&format!("link {count}"), |b| {
-            b.iter_with_large_drop(|| link(black_box(&resolved), &kinds, &context));
-        });
+        measure(&format!("link {count}"), || (), |()| link(black_box(&resolved), &kinds, &context));
         let graph = link(&resolved, &kinds, &context).expect("links");
-        c.bench_function(&format!("compile {count}"), |b| {
-            b.iter_with_large_drop(|| compile(black_box(&graph), &CompileOptions::default()));
-        });
+        measure(
+            &format!("compile {count}"),
+            || (),
+            |()| compile(black_box(&graph), &CompileOptions::default()),
+        );
         let (plan, ..) = plan(&description, &kinds, &context);
-        c.bench_function(&format!("begin a frame {count}"), |b| {
-            let change = Change { scene_bindings: SceneBindings::CAMERA, ..Change::default() };
-            b.iter_batched_ref(
-                || FrameState::new(&plan),
-                |state| state.begin(&plan, black_box(&change)).runs.len(),
-                BatchSize::SmallInput,
-            );
-        });
+        measure(
+            &format!("begin a frame {count}"),
+            || FrameState::new(&plan),
+            |state| {
+                let change = Change { scene_bindings: SceneBindings::CAMERA, ..Change::default() };
+                state.begin(&plan, black_box(&change)).runs.len()
+            },
+        );
     }
 }
-
-criterion_group! {
-    name = all;
-    config = Criterion::default().warm_up_time(std::time::Duration::from_millis(500)).measurement_time(std::time::Duration::from_secs(2)).sample_size(30);
-    targets = benches
-}
-criterion_main!(all);
