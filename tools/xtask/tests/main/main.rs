@@ -1,5 +1,6 @@
 //! Tests of the chores, on trees of a few files.
 
+mod features;
 mod new_pass;
 mod tidy;
 
