@@ -296,7 +296,10 @@ impl Reader<'_> {
             Shape::Word(text) => format!("`{}`", shortened(text, MAX_QUOTED)),
             Shape::Other => format!("`{}`", shortened(node.text(), MAX_QUOTED)),
         };
-        let error = Diagnostic::new(&codes::WRONG_TYPE, format!("expected {expected}, found {found}"));
+        let mut error = Diagnostic::new(&codes::WRONG_TYPE, format!("expected {expected}, found {found}"));
+        if let Shape::Form(Some(name)) = node.shape() {
+            error.notes.extend(self.retired(name, "").map(str::to_owned));
+        }
         self.report(error, self.place(node.head()));
         self.bad(node);
     }

@@ -1,9 +1,8 @@
 //! A pipeline as its file says it, with the place of every value.
 
 mod form;
-mod passes;
+mod grammar;
 mod read;
-mod values;
 
 pub(crate) use form::{
     At, Body, Dim, Entry, Formula, Group, HistoryPolicy, InputDecl, Link, Off, OutDecl, OutputDecl,

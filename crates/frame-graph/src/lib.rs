@@ -112,7 +112,7 @@ pub mod resource;
 pub mod succession;
 pub mod xml;
 
-pub use data_file::{codes, diagnostic, paths, reader, value};
+pub use data_file::{codes, diagnostic, paths, value};
 
 pub use compile::{CompileOptions, compile};
 pub use data_file::Name;

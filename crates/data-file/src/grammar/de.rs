@@ -5,7 +5,7 @@
 //! empty text, no items), so that types derived by serde are always read to their end and all errors are found. What is
 //! read with an error is thrown away.
 
-use super::node::{Node, Number, Parts, Shape};
+use super::node::{Node, Number, Shape};
 use super::{Reader, SPANNED};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, MAX_QUOTED, Place, shortened};
@@ -169,11 +169,14 @@ impl<'r, 's> De<'r, 's> {
     }
 
     /// Returns the fields of a form, by their order in `known`; reports those that are none of them, or are given twice.
-    fn fields(&self, form: &str, known: &'static [&'static str]) -> Vec<At<'r>> {
-        let At::Value(node) = self.at else { return vec![At::Bad; known.len()] };
+    fn known_fields(
+        &self,
+        form: &str,
+        known: &'static [&'static str],
+        fields: Vec<(Node<'r>, Node<'r>)>,
+    ) -> Vec<At<'r>> {
         let mut values = vec![At::Absent; known.len()];
         let mut places = vec![self.place; known.len()];
-        let Parts::Fields(fields) = node.parts() else { return values };
         let mut reader = self.reader.borrow_mut();
         for (name, value) in fields {
             let place = reader.place(name);
@@ -198,14 +201,18 @@ impl<'r, 's> De<'r, 's> {
         values
     }
 
-    /// Gives the fields of a form whose name is read.
+    /// Gives the fields of a form whose name is read; stand-ins where there are none.
     fn form<'de, V: Visitor<'de>>(
         &self,
         form: &'r str,
         known: &'static [&'static str],
+        fields: Option<Vec<(Node<'r>, Node<'r>)>>,
         visitor: V,
     ) -> Result<V::Value> {
-        let values = self.fields(form, known);
+        let values = match fields {
+            Some(fields) => self.known_fields(form, known, fields),
+            None => vec![At::Bad; known.len()],
+        };
         let place = self.reader.borrow().head(self.place);
         let de = De { place, form: Some(form), ..self.with(At::Bad) };
         visitor.visit_map(FieldAccess { de, known, values, next: 0 })
@@ -461,7 +468,7 @@ impl<'de, 'r, 's> Deserializer<'de> for De<'r, 's> {
         let expected = self.expected(|| said(&visitor).unwrap_or_else(|| forms(&[name])));
         let form = self.form.filter(|_| matches!(self.at, At::Value(_))).unwrap_or(name);
         let Some(node) = self.node(|| expected.clone()) else {
-            return self.with(At::Bad).form(form, known, visitor);
+            return self.form(form, known, None, visitor);
         };
         let fits = match node.shape() {
             Shape::Form(_) if self.form.is_some() => true,
@@ -469,16 +476,15 @@ impl<'de, 'r, 's> Deserializer<'de> for De<'r, 's> {
             Shape::Form(Some(found)) | Shape::Word(found) if found == name => true,
             Shape::Form(Some(_)) => {
                 self.unknown_form(node, &expected, &[name]);
-                return self.with(At::Bad).form(form, known, visitor);
+                return self.form(form, known, None, visitor);
             }
             _ => false,
         };
-        let has_fields = || matches!(node.parts(), Parts::Fields(_)) || node.items().is_empty();
-        if !fits || !has_fields() {
+        let fields = if fits { node.fields() } else { None };
+        if fields.is_none() {
             self.wrong(&expected);
-            return self.with(At::Bad).form(form, known, visitor);
         }
-        self.form(form, known, visitor)
+        self.form(form, known, fields, visitor)
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -655,16 +661,16 @@ impl<'de, 'r, 's> de::VariantAccess<'de> for Variant<'r, 's> {
     }
 
     fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value> {
-        let has_fields = match self.de.at {
-            At::Value(node) => matches!(node.parts(), Parts::Fields(_)),
-            _ => false,
-        };
         if self.expected.is_none() {
             return self.de.give(seed);
         }
+        let is_form = match self.de.at {
+            At::Value(node) => matches!(node.shape(), Shape::Form(_)) && node.fields().is_some(),
+            _ => false,
+        };
         // As the extension `unwrap_variant_newtypes`: the fields of a form are those of its content.
-        if has_fields {
-            return De { form: Some(self.name), ..self.de }.give(seed);
+        if is_form {
+            return De { form: Some(self.name), expected: self.expected, ..self.de }.give(seed);
         }
         self.items(1).remove(0).give(seed)
     }
@@ -674,13 +680,13 @@ impl<'de, 'r, 's> de::VariantAccess<'de> for Variant<'r, 's> {
     }
 
     fn struct_variant<V: Visitor<'de>>(self, known: &'static [&'static str], visitor: V) -> Result<V::Value> {
-        if let At::Value(node) = self.de.at
-            && !matches!(node.parts(), Parts::Fields(_))
-            && !node.items().is_empty()
-        {
+        let fields = match self.de.at {
+            At::Value(node) => node.fields(),
+            _ => None,
+        };
+        if fields.is_none() {
             self.de.wrong(self.expected.as_deref().unwrap_or_default());
-            return self.de.with(At::Bad).form(self.name, known, visitor);
         }
-        self.de.form(self.name, known, visitor)
+        self.de.form(self.name, known, fields, visitor)
     }
 }

@@ -1,6 +1,6 @@
 //! Values of a text, each with its place, that are read when they are asked for.
 
-use super::syntax::trimmed;
+use super::syntax::{skip_blanks, trimmed};
 use ron::value::RawValue;
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
@@ -173,7 +173,10 @@ impl<'a> Node<'a> {
     /// Returns what stands between the brackets of a form or a list; no items for anything else.
     pub fn parts(self) -> Parts<'a> {
         let open = match self.shape() {
-            Shape::Form(Some(_)) => self.text.find('('),
+            Shape::Form(Some(name)) => {
+                let end = name.as_ptr() as usize + name.len() - self.text.as_ptr() as usize;
+                Some(skip_blanks(self.text, end))
+            }
             Shape::Form(None) | Shape::List => Some(0),
             _ => None,
         };
@@ -203,12 +206,17 @@ impl<'a> Node<'a> {
         }
     }
 
+    /// Returns the names and values of the fields of a form; `None` where values without names stand in it.
+    pub fn fields(self) -> Option<Vec<(Node<'a>, Node<'a>)>> {
+        match self.parts() {
+            Parts::Fields(fields) => Some(fields),
+            Parts::Items(items) => items.is_empty().then(Vec::new),
+        }
+    }
+
     /// Returns the value of a field of a form.
     pub fn field(self, name: &str) -> Option<Node<'a>> {
-        match self.parts() {
-            Parts::Fields(fields) => fields.iter().find(|(n, _)| n.text == name).map(|(_, value)| *value),
-            Parts::Items(_) => None,
-        }
+        self.fields()?.iter().find(|(n, _)| n.text == name).map(|(_, value)| *value)
     }
 
     /// Returns the number that it is.

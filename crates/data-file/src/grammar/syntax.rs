@@ -137,7 +137,10 @@ fn mend(text: &mut Cow<'_, str>, at: usize, error: &Error) -> bool {
     if found.unclosed.is_some() || (matches!(next, ')' | ']' | '}') && closing(&text[*open..]) != next) {
         return false;
     }
-    let forgotten = *error == Error::ExpectedComma && !matches!(next, ')' | ']' | '}' | ':');
+    let at = at.max(found.end);
+    let after = skip_blanks(text, token_end(text, at).unwrap_or(text.len()));
+    let is_item = closing(&text[*open..]) == ']' || text[after..].starts_with(':');
+    let forgotten = *error == Error::ExpectedComma && !matches!(next, ')' | ']' | '}' | ':') && is_item;
     if forgotten && found.end < at && text.as_bytes()[found.end].is_ascii_whitespace() {
         text.to_mut().replace_range(found.end..found.end + 1, ",");
         return true;

@@ -7,16 +7,10 @@ use crate::port::{OutputOverride, Use};
 use crate::resource::{Extent, Format};
 use crate::value::{Value, ValueType};
 use data_file::Name;
+pub(crate) use data_file::grammar::Spanned as At;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
-
-/// A value and its place.
-#[derive(Clone, Debug)]
-pub(crate) struct At<T> {
-    pub(crate) value: T,
-    pub(crate) place: Place,
-}
 
 /// One entry of `parameters`. In a variant, what is left out is inherited.
 #[derive(Clone, Debug)]
@@ -317,10 +311,10 @@ impl Formula {
 }
 
 impl PassDecl {
-    /// What is left of a pass that was removed.
-    pub(crate) fn tombstone(place: Option<Place>) -> PassDecl {
+    /// Returns a pass or a sub-graph that has nothing else.
+    pub(crate) fn new(body: Body) -> PassDecl {
         PassDecl {
-            body: Body::Removed,
+            body,
             links: Vec::new(),
             link_names: Vec::new(),
             set: Vec::new(),
@@ -330,7 +324,7 @@ impl PassDecl {
             off: None,
             history: None,
             feed: None,
-            removed: place,
+            removed: None,
         }
     }
 

@@ -3,9 +3,11 @@
 use std::fmt;
 
 /// Why a history buffer was reset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Deserialize)]
+#[serde(expecting = "one of `Resize`, `Cut`, `Scene`, `Reload`, `Setting`, `Moved`, `MovedUpstream`")]
 pub enum ResetCause {
     /// There was no frame before.
+    #[serde(skip)]
     FirstFrame,
     /// The size of the frame changed.
     Resize,

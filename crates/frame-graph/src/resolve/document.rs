@@ -212,7 +212,7 @@ impl Resolver<'_> {
                     return;
                 }
                 let feed = decl.feed.clone();
-                *decl = Arc::new(PassDecl::tombstone(Some(name.place)));
+                *decl = Arc::new(PassDecl { removed: Some(name.place), ..PassDecl::new(Body::Removed) });
                 if let Some(feed) = feed {
                     document.relink(&name.value, &feed.target);
                 }
