@@ -9,6 +9,7 @@ mod bench;
 mod cli;
 mod clusters;
 mod direct;
+mod errors;
 mod faults;
 mod flux;
 mod frames;

@@ -152,7 +152,7 @@ impl Diagnostic {
     /// Notes that a name at `span` means the file `own` beside the one that names it, and could mean `other`, of a root.
     pub fn shadowed(name: &str, own: &str, other: &str, span: Span) -> Diagnostic {
         let message = format!("`{name}` means `{own}`, and there is `{other}` too");
-        Diagnostic::warning(&codes::warning::SHADOWED, Severity::Note, message)
+        Diagnostic::warning(&codes::SHADOWED, Severity::Note, message)
             .label(span, "named here")
             .note("a file beside the one that names it comes before those of the roots")
     }

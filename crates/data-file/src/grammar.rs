@@ -115,9 +115,6 @@ impl<T> IntoIterator for Entries<T> {
     }
 }
 
-/// Names that a grammar no longer has, with what to write instead: a form and a field; or a form, and no field.
-pub type Retired = &'static [(&'static str, &'static str, &'static str)];
-
 /// Reads a file as a `T`, and what `convert` makes of that. Where something is wrong in the file, `convert` still looks
 /// for more, with stand-ins for what could not be read; what it returns is then dropped.
 ///
@@ -126,11 +123,9 @@ pub type Retired = &'static [(&'static str, &'static str, &'static str)];
 pub fn read<T: DeserializeOwned, U>(
     source: &Arc<Source>,
     file: u32,
-    retired: Retired,
     convert: impl FnOnce(&mut Reader<'_>, T) -> U,
 ) -> Result<U, Diagnostics> {
     parse(source, file, |reader, node| {
-        reader.retired = retired;
         let read = {
             let reader = RefCell::new(&mut *reader);
             T::deserialize(de::De::new(&reader, node))
@@ -157,7 +152,7 @@ pub fn parse<T>(
     file: u32,
     read: impl FnOnce(&mut Reader<'_>, Node<'_>) -> Option<T>,
 ) -> Result<T, Diagnostics> {
-    let mut reader = Reader { source, file, errors: Vec::new(), bad: HashSet::new(), retired: &[] };
+    let mut reader = Reader { source, file, errors: Vec::new(), bad: HashSet::new() };
     if source.text.len() > MAX_TEXT {
         let message = format!("the file is larger than {} MiB", MAX_TEXT >> 20);
         reader.error(&codes::SYNTAX, Place { file, start: 0, end: 0 }, message);
@@ -206,7 +201,6 @@ pub struct Reader<'a> {
     errors: Vec<Diagnostic>,
     /// The places of values that stand-ins were given for.
     bad: HashSet<(u32, u32)>,
-    retired: Retired,
 }
 
 impl Reader<'_> {
@@ -296,10 +290,7 @@ impl Reader<'_> {
             Shape::Word(text) => format!("`{}`", shortened(text, MAX_QUOTED)),
             Shape::Other => format!("`{}`", shortened(node.text(), MAX_QUOTED)),
         };
-        let mut error = Diagnostic::new(&codes::WRONG_TYPE, format!("expected {expected}, found {found}"));
-        if let Shape::Form(Some(name)) = node.shape() {
-            error.notes.extend(self.retired(name, "").map(str::to_owned));
-        }
+        let error = Diagnostic::new(&codes::WRONG_TYPE, format!("expected {expected}, found {found}"));
         self.report(error, self.place(node.head()));
         self.bad(node);
     }
@@ -315,11 +306,5 @@ impl Reader<'_> {
         for node in [node, node.head()] {
             self.bad.insert((node.start() as u32, node.end() as u32));
         }
-    }
-
-    /// Returns what to write in place of a field of a form; without a field, of the form.
-    fn retired(&self, form: &str, field: &str) -> Option<&'static str> {
-        let found = self.retired.iter().find(|(known, name, _)| *known == form && *name == field);
-        found.map(|(_, _, advice)| *advice)
     }
 }

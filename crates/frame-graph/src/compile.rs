@@ -6,7 +6,6 @@ mod needs;
 mod numbers;
 mod order;
 
-use crate::diagnostic::Diagnostics;
 use crate::frame::ResetCause;
 use crate::link::{Graph, GraphLink, LinkSource, Made};
 use crate::plan::{
@@ -14,7 +13,7 @@ use crate::plan::{
     PlannedMembers, PlannedOutput, PlannedPass, PlannedPort, PlannedResource, ResourceId,
 };
 use crate::port::{SceneBindings, Usage};
-use data_file::Name;
+use data_file::{Diagnostics, Name};
 use numbers::Numbers;
 use petgraph::Direction::Outgoing;
 use petgraph::graph::NodeIndex;

@@ -10,8 +10,7 @@ pub(crate) use form::{
 };
 pub(crate) use read::{out_overrides, parse_file};
 
-use crate::diagnostic::{Diagnostics, Source};
-use crate::value::Value;
+use data_file::{Diagnostics, Source, Value};
 use std::sync::Arc;
 
 /// A parsed pipeline file.

@@ -7,10 +7,8 @@ mod parse;
 pub use formula::{Formula, FormulaError, NameError};
 pub(crate) use parse::{parse, parse_scale};
 
-use crate::codes::{self, Code};
-use crate::diagnostic::{Place, nearest};
-use crate::value::Value;
-use data_file::Name;
+use crate::codes;
+use data_file::{Code, Name, Place, Value, nearest};
 use std::cmp::Ordering;
 use std::fmt;
 

@@ -2,7 +2,7 @@
 
 use crate::port::Facts;
 use crate::resource::Format;
-use crate::value::{Value, ValueType};
+use data_file::{Value, ValueType};
 use std::marker::PhantomData;
 
 /// The type of a port: a set of resources that one link joins. Passes with the same interface can replace each other.

@@ -99,6 +99,7 @@
 //! All errors of a file are reported at once, each with a code (see [`codes`]), its place, both ends of a
 //! link, and the nearest name. A broken file, whatever its text, gives errors and never a panic.
 
+pub mod codes;
 pub mod compile;
 pub mod description;
 mod expression;
@@ -112,12 +113,11 @@ pub mod resource;
 pub mod succession;
 pub mod xml;
 
-pub use data_file::{codes, diagnostic, paths, value};
-
 pub use compile::{CompileOptions, compile};
 pub use data_file::Name;
+pub use data_file::{Diagnostic, Diagnostics, Label, Severity, Source, Span, nearest, nearest_of_few};
+pub use data_file::{Misfit, Setting, Settings, Traits, Value, ValueType};
 pub use description::{Description, parse};
-pub use diagnostic::{Diagnostic, Diagnostics, Label, Severity, Source, Span, nearest, nearest_of_few};
 pub use expression::{Formula, FormulaError, NameError};
 pub use frame::{Change, FrameState, ResetCause};
 pub use interface::{Content, Fact, FactDecl, FactValue, Figure, Interface, Member, Struct};
@@ -132,4 +132,3 @@ pub use resolve::{
 };
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc, human_bytes};
 pub use succession::Succession;
-pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

@@ -14,13 +14,11 @@ mod wires;
 
 use crate::codes;
 use crate::description::{Body, HistoryPolicy, Link, OutputDecl};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, Span};
 use crate::interface::Interface;
 use crate::port::{Facts, OutputOverride, PassTypes, SceneBindings, Usage};
 use crate::resolve::{Node, Resolved};
 use crate::resource::ResourceDesc;
-use crate::value::{Settings, Traits};
-use data_file::Name;
+use data_file::{Diagnostic, Diagnostics, Name, Place, Settings, Span, Traits};
 use petgraph::Direction::Incoming;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef as _;

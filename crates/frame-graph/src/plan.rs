@@ -10,8 +10,7 @@ pub(crate) mod values;
 
 use crate::port::{Facts, OutputOverride, SceneBindings};
 use crate::resource::{Clear, ResourceDesc, human_bytes};
-use crate::value::Settings;
-use data_file::Name;
+use data_file::{Name, Settings};
 use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::fmt;

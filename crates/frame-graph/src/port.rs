@@ -2,7 +2,7 @@
 
 use crate::interface::{Fact, FactValue, Interface};
 use crate::resource::{Clear, Extent, ResourceDesc};
-use crate::value::{Setting, Settings, Traits, Value};
+use data_file::{Setting, Settings, Traits, Value};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

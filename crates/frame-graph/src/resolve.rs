@@ -19,11 +19,11 @@ pub use variant::variant;
 
 use crate::codes;
 use crate::description::{Body, Description, InputDecl, OutputDecl, PassDecl, parse_file};
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, Span, nearest_of_few};
 use crate::port::PassTypes;
-use crate::value::{Setting, Value};
 pub use data_file::Files;
-use data_file::Name;
+use data_file::{
+    Diagnostic, Diagnostics, Name, Place, Setting, Source, Sources, Span, Value, nearest_of_few,
+};
 use flatten::{Assignment, Resolver};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;

@@ -12,6 +12,7 @@
 //! | `view_facts` | a uniform of the module of the port `view`, filled with the facts of the port |
 //! | `camera`, `frame`, `scene_…` | the scene bindings: see [`scene_bindings`] |
 
+pub mod codes;
 mod link;
 mod record;
 pub mod reflected;

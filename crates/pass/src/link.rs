@@ -1,10 +1,11 @@
 //! Links the steps of a pass to the resources of a plan: shaders loaded, globals resolved by name, types
 //! checked, uniforms laid out. All of this works without a GPU, so that `check` verifies what an executor will run.
 
+use crate::codes;
 use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step, WINDOW_ALIGNMENT};
 use crate::{Interface, Pass, scene_bindings};
+use data_file::Code;
 use fit::{describe, describe_global, mismatch};
-use frame_graph::codes::{Code, link as codes};
 use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId};
 use frame_graph::{Diagnostic, Diagnostics, Label, ResourceDesc, Setting, Span, Traits, Use, nearest};
 use names::{Named, Names};

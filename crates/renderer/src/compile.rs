@@ -1,13 +1,13 @@
 //! Compiles a pipeline, from its name to linked steps, without a GPU: what `check` verifies and an executor runs.
 
 use catalog::Catalog;
-use frame_graph::codes::link as codes;
 use frame_graph::plan::{PassId, PlannedPass};
 use frame_graph::{
     CompileOptions, Diagnostic, Diagnostics, LinkContext, Overrides, Plan, Resolved, SceneBindings, compile,
     link, resolve,
 };
 use interfaces::counters;
+use pass::codes;
 use pass::{LinkedSteps, link_steps};
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use data_file::codes::scene as codes;
+use crate::codes;
 use data_file::grammar::{self, Node};
 use data_file::{Diagnostic, Diagnostics, Source, Span};
 use glam::{DVec3, Vec3};

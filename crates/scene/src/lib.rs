@@ -21,6 +21,7 @@ mod assemble;
 mod budget;
 mod built_in;
 mod camera;
+pub mod codes;
 mod dense;
 mod description;
 mod edit;

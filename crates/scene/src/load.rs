@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use data_file::codes::scene as codes;
+use crate::codes;
 use data_file::{Diagnostic, Diagnostics, Place, Source, Span, nearest, read_text};
 use glam::DVec3;
 

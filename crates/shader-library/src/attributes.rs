@@ -8,11 +8,11 @@
 //! @compute @workgroup_size(64) fn add_up() { … }
 //! ```
 
+use crate::codes;
 use crate::composed::Composed;
 use crate::doc_reader::{Problem, Reader};
 use crate::interface::ShaderInterface;
 use crate::scan::{FoundDeclaration, find_documented};
-use data_file::codes::shader as codes;
 use data_file::{Diagnostic, Diagnostics, nearest};
 use std::ops::Range;
 

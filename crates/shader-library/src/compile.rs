@@ -1,10 +1,10 @@
 //! naga: parsing, binding by name, validation, and its errors in words of WGSL.
 
+use crate::codes;
 use crate::composed::Composed;
 use crate::extent;
 use crate::reflect::resources;
 use crate::scan::unclosed_brace;
-use data_file::codes::shader as codes;
 use data_file::{Diagnostic, Diagnostics};
 use naga::common::wgsl::TypeContext;
 use naga::front::wgsl::ParseError;

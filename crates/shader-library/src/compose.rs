@@ -1,5 +1,6 @@
 //! From a file, its imports and the options' values to one text, with the origin of each byte.
 
+use crate::codes;
 use crate::composed::{Composed, Import, Outline, ShaderOption, import_chain};
 use crate::directive::{self, Condition, Define, Directive, Fault, Placed};
 use crate::files::{self, ShaderFiles};
@@ -7,7 +8,6 @@ use crate::library::Request;
 use crate::line_map::{LineMap, span};
 use crate::port::{self, PortLine};
 use crate::scan::Comments;
-use data_file::codes::shader as codes;
 use data_file::paths::{OUTSIDE, may_name};
 use data_file::{Diagnostic, Diagnostics, Label, Source, nearest};
 use std::collections::{BTreeMap, BTreeSet};

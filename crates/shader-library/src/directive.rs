@@ -1,8 +1,9 @@
 //! The `#` lines of the dialect: their grammar, and the values of options.
 
+use crate::codes;
 use crate::port::{self, PortLine};
+use data_file::Code;
 use data_file::Value;
-use data_file::codes::{Code, shader as codes};
 use std::fmt;
 use std::ops::Range;
 

@@ -9,6 +9,7 @@
 //! [`Library::invalidate`] which requests they affect.
 
 mod attributes;
+pub mod codes;
 mod compile;
 mod compose;
 mod composed;

@@ -1,5 +1,6 @@
 //! Requests for shaders, and the library that loads and keeps shaders.
 
+use crate::codes;
 use crate::compose::compose;
 use crate::composed::Outline;
 use crate::directive::Define;
@@ -7,7 +8,6 @@ use crate::files::ShaderFiles;
 use crate::interface::TypeLayout;
 use crate::settings;
 use crate::shader::Shader;
-use data_file::codes::shader as codes;
 use data_file::{Diagnostic, Diagnostics, Setting, Severity, Value};
 use naga::valid::Capabilities;
 use std::collections::{BTreeMap, BTreeSet};

@@ -7,9 +7,9 @@
 //! #output soft: Visibility(taps: settings.taps) hands on maps module "lookup.wgsl" // The same maps.
 //! ```
 
+use crate::codes;
 use crate::directive::{Fault, Placed};
 use data_file::Span;
-use data_file::codes::shader as codes;
 use data_file::nearest;
 use std::ops::Range;
 

@@ -7,11 +7,11 @@
 //! }
 //! ```
 
+use crate::codes;
 use crate::composed::Composed;
 use crate::doc_reader::{Literal, Problem, Reader};
 use crate::layout::StructLayout;
 use crate::scan::{FoundMember, find_struct};
-use data_file::codes::shader as codes;
 use data_file::{Diagnostic, Diagnostics, Setting, Value, ValueType, nearest};
 use std::collections::BTreeMap;
 use std::ops::Range;

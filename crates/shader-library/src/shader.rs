@@ -1,6 +1,7 @@
 //! One variant of one shader: composed, validated, bound by name, reflected.
 
 use crate::attributes::{self, Attributes};
+use crate::codes;
 use crate::compile::compile;
 use crate::composed::{Composed, Outline};
 use crate::interface::ShaderInterface;
@@ -9,7 +10,6 @@ use crate::line_map::span;
 use crate::reflect::{reflect, resources};
 use crate::thread_order::permuted;
 use crate::{scan, settings};
-use data_file::codes::shader as codes;
 use data_file::{Diagnostics, Setting, Span, Value};
 use naga::Module;
 use naga::valid::{Capabilities, ModuleInfo};

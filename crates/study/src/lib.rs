@@ -102,6 +102,7 @@
 
 mod budget;
 mod claim;
+pub mod codes;
 pub mod description;
 mod edit;
 mod error;

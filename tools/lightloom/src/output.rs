@@ -1,7 +1,7 @@
 //! How results and failures are printed.
 
 use anyhow::{Context as _, Result};
-use frame_graph::codes::warning::SHADOWED;
+use data_file::codes::SHADOWED;
 use frame_graph::{Diagnostic, Diagnostics, Severity};
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer::RenderError;

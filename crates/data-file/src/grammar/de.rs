@@ -185,11 +185,7 @@ impl<'r, 's> De<'r, 's> {
                     let quoted = shortened(name.text(), MAX_QUOTED);
                     let message = format!("`{form}` has no field `{quoted}`");
                     let error = Diagnostic::new(&codes::UNKNOWN_FIELD, message);
-                    let error = match reader.retired(form, name.text()) {
-                        Some(advice) => error.note(advice),
-                        None => error.suggest("fields", name.text(), known.iter().copied()),
-                    };
-                    reader.report(error, place);
+                    reader.report(error.suggest("fields", name.text(), known.iter().copied()), place);
                 }
                 Some(index) if matches!(values[index], At::Absent) => {
                     values[index] = At::Value(value);
@@ -226,11 +222,7 @@ impl<'r, 's> De<'r, 's> {
         let place = Place { file: reader.file, start: start as u32, end: (start + name.len()) as u32 };
         let message = format!("`{}` is not known here: expected {expected}", shortened(name, MAX_QUOTED));
         let error = Diagnostic::new(&codes::UNKNOWN_FORM, message);
-        let error = match reader.retired(name, "") {
-            Some(advice) => error.note(advice),
-            None => error.suggest("forms", name, known.iter().copied()),
-        };
-        reader.report(error, place);
+        reader.report(error.suggest("forms", name, known.iter().copied()), place);
         reader.bad(node);
     }
 

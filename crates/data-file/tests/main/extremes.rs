@@ -16,7 +16,7 @@ struct Form {
 }
 
 fn anything(source: &Arc<Source>) -> Result<usize, Diagnostics> {
-    read(source, 0, &[], |_, Form { a, b }| a.len() + b.len())
+    read(source, 0, |_, Form { a, b }| a.len() + b.len())
 }
 
 fn errors(source: &Arc<Source>) -> Diagnostics {

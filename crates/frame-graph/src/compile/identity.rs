@@ -3,7 +3,7 @@
 use crate::plan::{Begins, Plan, PlanId, ResourceId};
 use crate::port::Facts;
 use crate::resource::{Clear, ResourceDesc};
-use crate::value::Value;
+use data_file::Value;
 use xxhash_rust::xxh3::xxh3_128;
 
 /// Incremented whenever the encoding changes, so that hashes of old plans never equal those of new ones.

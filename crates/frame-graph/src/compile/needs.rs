@@ -2,8 +2,8 @@
 
 use super::{CompileOptions, NONE, Work};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Diagnostics, Source, Span};
 use crate::link::GraphPort;
+use data_file::{Diagnostic, Diagnostics, Source, Span};
 use petgraph::graph::NodeIndex;
 use petgraph::visit::{Dfs, EdgeFiltered, EdgeRef as _, Reversed};
 use std::ops::Range;

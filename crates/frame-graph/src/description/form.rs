@@ -1,13 +1,11 @@
 //! The parts of a description. The same types hold the flattened one.
 
-use crate::diagnostic::{Diagnostic, Place, Sources};
 use crate::expression::{Expr, ExprError};
 use crate::frame::ResetCause;
 use crate::port::{OutputOverride, Use};
 use crate::resource::{Extent, Format};
-use crate::value::{Value, ValueType};
-use data_file::Name;
 pub(crate) use data_file::grammar::Spanned as At;
+use data_file::{Diagnostic, Name, Place, Sources, Value, ValueType};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;

@@ -1,15 +1,8 @@
 //! The grammar of pipelines, as types that serde reads.
 
 use crate::frame::ResetCause;
-use data_file::grammar::{Entries, Number, Retired, Spanned};
+use data_file::grammar::{Entries, Number, Spanned};
 use serde::Deserialize;
-
-/// What files from before no longer may say.
-pub(super) const RETIRED: Retired = &[(
-    "Prev",
-    "",
-    "write the link as \"prev pass.port\", and at the pass that makes it `history: (reset: […], rest: 64)`",
-)];
 
 pub(super) const VALUE: &str =
     "a value: true or false, a number, text, two to four numbers, or \"$parameter\"";

@@ -8,17 +8,15 @@ use super::form::{
 use super::grammar::{
     AllCauses, Between, COUNT, Count, DimFile, FormatName, HistoryFile, InterfaceName, LinkText, Links,
     OffFile, OffInput, OutFile, ParameterFile, PassFile, Passes, PatchFile, PipelineFile, PipelinePath,
-    RETIRED, ResetFile, SIDE, SIZE, Side, SizeFile, Switch, Text, VALUE, ValueFile, Values,
+    ResetFile, SIDE, SIZE, Side, SizeFile, Switch, Text, VALUE, ValueFile, Values,
 };
 use crate::codes;
-use crate::diagnostic::{Diagnostics, Place, Source};
 use crate::expression::{self, Expr, ExprError, ExprKind, parse_scale};
 use crate::frame::ResetCause;
 use crate::port::OutputOverride;
 use crate::resource::Format;
-use crate::value::{Value, ValueType};
-use data_file::Name;
 use data_file::grammar::{Entries, Number, Reader, Spanned, read};
+use data_file::{Diagnostics, Name, Place, Source, Value, ValueType};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -27,7 +25,7 @@ const PREV: &str = "prev ";
 
 /// Reads a file whose places carry the index `file`.
 pub(crate) fn parse_file(source: Arc<Source>, file: u32) -> Result<Description, Diagnostics> {
-    read(&source, file, RETIRED, |reader, file| Checks { reader }.pipeline(file))
+    read(&source, file, |reader, file| Checks { reader }.pipeline(file))
 }
 
 /// The checks of the values of a file. What is wrong is reported, and a stand-in takes its place until the file is

@@ -2,8 +2,7 @@
 
 use super::parse::parse_formula;
 use super::{Expr, ExprError};
-use crate::diagnostic::Place;
-use crate::value::Value;
+use data_file::{Place, Value};
 use std::ops::Range;
 
 /// An expression such as `min(settings.count, lights.count) * 2`: numbers, names joined by dots, `+ - * / %`, `min`,

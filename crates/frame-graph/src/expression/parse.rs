@@ -2,8 +2,7 @@
 
 use super::{Expr, ExprError, ExprKind, MAX_DEPTH, Op};
 use crate::codes;
-use crate::value::Value;
-use data_file::Name;
+use data_file::{Name, Value};
 
 struct Parser<'a> {
     text: &'a str,

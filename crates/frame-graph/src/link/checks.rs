@@ -4,7 +4,7 @@ use super::sizes::sort;
 use super::wires::End;
 use super::{Described, Linker};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Place};
+use data_file::{Diagnostic, Place};
 
 impl Linker<'_> {
     /// `Texture` inputs must get textures, `Buffer` inputs buffers, and members that were left out are missed.

@@ -3,7 +3,7 @@
 use super::{Linker, Links, Wire};
 use crate::codes;
 use crate::description::{At, Link, Off};
-use crate::diagnostic::Diagnostic;
+use data_file::Diagnostic;
 use petgraph::algo::{astar, tarjan_scc, toposort};
 use petgraph::graph::{EdgeReference, NodeIndex};
 use petgraph::visit::{EdgeFiltered, EdgeRef as _};

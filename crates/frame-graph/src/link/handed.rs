@@ -4,11 +4,10 @@ use super::sizes::Unknown;
 use super::wires::End;
 use super::{Described, GraphPorts, Linker, Made};
 use crate::codes;
-use crate::diagnostic::Diagnostic;
 use crate::interface::Interface;
 use crate::port::{HandedOn, InputDesc, PassTypeError, Usage};
 use crate::resource::ResourceDesc;
-use data_file::Name;
+use data_file::{Diagnostic, Name};
 use smallvec::SmallVec;
 
 /// A resource of the graph: node, port, and member of the port.

@@ -5,8 +5,7 @@ use super::wires::{End, Found, with_article};
 use super::{Linker, Wire, Wires};
 use crate::codes;
 use crate::description::{At, Body, Group, InputDecl, Link, Off};
-use crate::diagnostic::{Diagnostic, Place};
-use data_file::Name;
+use data_file::{Diagnostic, Name, Place};
 use std::rc::Rc;
 use std::sync::Arc;
 

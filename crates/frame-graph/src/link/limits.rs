@@ -4,7 +4,7 @@ use super::answers::Answers;
 use super::sizes::Unknown;
 use super::{Described, Linker};
 use crate::port::{Limit, PassTypeError};
-use crate::value::Value;
+use data_file::Value;
 use std::sync::Arc;
 
 /// How often a lower value is tried.

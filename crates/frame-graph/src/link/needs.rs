@@ -4,7 +4,7 @@ use super::wires::{End, Found, with_article};
 use super::{Linker, Wire, Wires};
 use crate::codes;
 use crate::description::{At, Link, Off};
-use crate::diagnostic::{Diagnostic, nearest};
+use data_file::{Diagnostic, nearest};
 use std::rc::Rc;
 use std::sync::Arc;
 

@@ -5,11 +5,10 @@ use super::wires::is_bare;
 use super::{Described, GraphPort, GraphPorts, Linker, Made, Wire};
 use crate::codes;
 use crate::description::Body;
-use crate::diagnostic::Diagnostic;
 use crate::interface::check_facts;
 use crate::port::{Facts, InputDesc, OutputContext, OutputDesc, PassTypeError, Usage};
 use crate::resource::{Extent, ResourceDesc, TextureDesc};
-use data_file::Name;
+use data_file::{Diagnostic, Name};
 use smallvec::SmallVec;
 use std::sync::{Arc, LazyLock};
 

@@ -4,7 +4,7 @@ use super::wires::Found;
 use super::{GraphOff, Linker};
 use crate::description::{At, Off};
 use crate::expression::{Env, Ty};
-use crate::value::{Traits, Value};
+use data_file::{Traits, Value};
 use std::rc::Rc;
 
 impl Env for Traits {

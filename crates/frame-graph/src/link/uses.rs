@@ -1,13 +1,11 @@
 //! Asks each pass type for the settings and ports of each use of it.
 
 use super::Linker;
-use crate::codes::{self, Code};
+use crate::codes;
 use crate::description::{At, Body, Link, PassDecl, Set};
-use crate::diagnostic::{Diagnostic, Place};
 use crate::port::{PassTypeError, Ports, Use};
 use crate::resolve::Node;
-use crate::value::{Misfit, Setting, Settings};
-use data_file::Name;
+use data_file::{Code, Diagnostic, Misfit, Name, Place, Setting, Settings};
 use rustc_hash::{FxHashMap, FxHasher};
 use smallvec::SmallVec;
 use std::hash::{Hash, Hasher};

@@ -3,9 +3,8 @@
 use super::Linker;
 use crate::codes;
 use crate::description::{At, Body, Group, InputDecl, Link, Off};
-use crate::diagnostic::{Diagnostic, Place};
 use crate::interface::Interface;
-use data_file::Name;
+use data_file::{Diagnostic, Name, Place};
 use smallvec::SmallVec;
 
 /// Most borders and switched-off passes that one link may cross.

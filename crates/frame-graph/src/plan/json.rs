@@ -2,8 +2,7 @@
 
 use super::{Begins, Fate, Plan, PlannedPass, ResourceId};
 use crate::port::SceneBindings;
-use crate::value::Value;
-use data_file::Name;
+use data_file::{Name, Value};
 use serde_json::{Map, Value as Json, json};
 
 /// A value as JSON has it.

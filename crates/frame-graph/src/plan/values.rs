@@ -7,7 +7,7 @@ use crate::interface::check_facts;
 use crate::link::LinkContext;
 use crate::port::{Facts, InputDesc, Module, OutputContext, OutputDesc, PassTypes};
 use crate::resolve::{Node, Resolved};
-use crate::value::{Setting, Settings, Value};
+use data_file::{Setting, Settings, Value};
 use std::sync::Arc;
 
 /// Facts can go round through history buffers: after so many questions for each pass, linking decides.

@@ -4,8 +4,7 @@ use super::{Node, Parameter, Resolved, print};
 use crate::description::{Body, Link, OutputDecl};
 use crate::link::{Taken, taken};
 use crate::port::PassTypes;
-use crate::value::Value;
-use data_file::Name;
+use data_file::{Name, Value};
 use serde_json::json;
 use std::fmt;
 

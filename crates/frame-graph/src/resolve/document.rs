@@ -5,8 +5,7 @@ use crate::codes;
 use crate::description::{
     At, Body, Description, Entry, InputDecl, Link, OutputDecl, ParameterDecl, PassDecl, Patch, Target,
 };
-use crate::diagnostic::{Diagnostic, Place, nearest};
-use data_file::Name;
+use data_file::{Diagnostic, Name, Place, nearest};
 use std::sync::Arc;
 
 /// Longest chain of `extends`.

@@ -8,9 +8,7 @@ use crate::codes;
 use crate::description::{
     At, Body, Description, Entry, Group, InputDecl, Link, OutputDecl, PassDecl, Set, SetValue, Sub,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, Source, Sources, nearest};
-use crate::value::{Misfit, Setting, Value};
-use data_file::Name;
+use data_file::{Diagnostic, Diagnostics, Misfit, Name, Place, Setting, Source, Sources, Value, nearest};
 use rustc_hash::FxHashMap;
 use std::rc::Rc;
 use std::sync::Arc;

@@ -2,9 +2,9 @@
 
 use super::{Node, Resolved, print};
 use crate::description::{At, Body, InputDecl, Link, OutputDecl, Set};
-use crate::diagnostic::Place;
 use crate::plan::json::value;
 use crate::port::PassTypes;
+use data_file::Place;
 use serde_json::{Value as Json, json};
 
 impl Resolved {

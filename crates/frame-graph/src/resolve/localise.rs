@@ -4,10 +4,8 @@ use super::Parameter;
 use super::flatten::{Resolver, Scope};
 use crate::codes;
 use crate::description::{At, Body, Dim, Formula, Off, PassDecl, SetValue, Target, out_overrides};
-use crate::diagnostic::{Diagnostic, Place};
 use crate::expression::ExprKind;
-use crate::value::Value;
-use data_file::Name;
+use data_file::{Diagnostic, Name, Place, Value};
 use std::sync::Arc;
 
 impl Resolver<'_> {

@@ -3,9 +3,8 @@
 use super::flatten::Resolver;
 use crate::codes;
 use crate::description::{Body, Description, PassDecl, parse_file};
-use crate::diagnostic::{Diagnostic, Place, Source};
-use data_file::Name;
 use data_file::paths::{OUTSIDE, beside, is_from_own_folder, may_name};
+use data_file::{Diagnostic, Name, Place, Source};
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;

@@ -1,10 +1,9 @@
 //! What patches that remove passes leave without a source.
 
 use super::{Node, Resolved};
-use crate::codes::warning as codes;
+use crate::codes;
 use crate::description::{At, Body, Link, Off};
-use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
-use data_file::Name;
+use data_file::{Diagnostic, Diagnostics, Name, Severity};
 
 /// Most sub-graphs and replacements that a link is followed through.
 const MAX_HOPS: usize = 64;

@@ -1,7 +1,7 @@
 //! Words that pipelines no longer have, and what to write in their place.
 
 use crate::codes;
-use crate::diagnostic::Diagnostics;
+use data_file::Diagnostics;
 
 const WRITE_OUT: &str = "write the passes out, each with a `when:`, as docs/examples/a-trous-filter.ron does";
 const REPLACEMENT: &str = "write `off: Input(\"port\")`, or name another pass: `off: \"pass.port\"`";
@@ -10,6 +10,10 @@ const ONE_FILE: &str =
 
 /// Words of the grammar.
 const WORDS: &[(&str, &str)] = &[
+    (
+        "Prev",
+        "write the link as \"prev pass.port\", and at the pass that makes it `history: (reset: […], rest: 64)`",
+    ),
     ("repeat", WRITE_OUT),
     ("carry", WRITE_OUT),
     ("index", WRITE_OUT),

@@ -5,11 +5,9 @@ use crate::description::{
     At, Body, Dim, Formula, HistoryPolicy, InputDecl, Link, Off, OutDecl, OutputDecl, SaidFact, Set,
     SetValue, Size, Target,
 };
-use crate::diagnostic::Place;
 use crate::link::{Taken, taken};
 use crate::port::PassTypes;
-use crate::value::{Value, ValueType};
-use data_file::Name;
+use data_file::{Name, Place, Value, ValueType};
 use std::fmt::Write as _;
 
 struct Printer<'a> {

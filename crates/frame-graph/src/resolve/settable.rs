@@ -3,10 +3,8 @@
 use super::{Parameter, Resolved};
 use crate::codes;
 use crate::description::{Set, SetValue};
-use crate::diagnostic::Diagnostic;
 use crate::port::PassTypes;
-use crate::value::{Setting, Value};
-use data_file::Name;
+use data_file::{Diagnostic, Name, Setting, Value};
 use rustc_hash::FxHashMap;
 
 /// Something that a value can be given to from outside.

@@ -4,7 +4,7 @@ use super::print::{quoted, value};
 use super::{Overrides, Resolved, Settable};
 use crate::description::{Body, SetValue};
 use crate::port::PassTypes;
-use crate::value::Value;
+use data_file::Value;
 use rustc_hash::FxHashMap;
 
 /// The longest line of patches; more are written below each other.

@@ -1,8 +1,8 @@
 //! The contents of the uniforms of a step: `settings`, and `PORT_facts` of the modules that its shader imports.
 
 use super::StepLinker;
+use crate::codes;
 use crate::record::PortDesc;
-use frame_graph::codes::link as codes;
 use frame_graph::plan::HistoryId;
 use frame_graph::{Diagnostic, Diagnostics, FactDecl, Setting, Value, ValueType, nearest};
 use shader_library::{GlobalKind, MemberLayout, Request, Shader, StructLayout};

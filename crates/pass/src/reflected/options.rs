@@ -6,7 +6,7 @@ use crate::{
     Define, InputPort, Interface, Library, PassTypeError, Request, Setting, Settings, Traits, UseContext,
     request, scene_bindings,
 };
-use frame_graph::codes::shader::MISSING_FILE;
+use shader_library::codes::MISSING_FILE;
 use shader_library::{DeclaredPort, FileInfo, Outline, ShaderOption};
 use std::sync::Arc;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use data_file::codes::scene as codes;
+use crate::codes;
 use data_file::grammar::{Entries, Number, Reader, Spanned, read};
 use data_file::paths::{OUTSIDE, may_name};
 use data_file::{Diagnostic, Diagnostics, Place, Source};
@@ -28,7 +28,7 @@ pub(crate) fn parse(
     folder: Option<(&Path, &[PathBuf])>,
     origin: DVec3,
 ) -> Result<Description, Diagnostics> {
-    read(source, 0, &[], |reader, file| {
+    read(source, 0, |reader, file| {
         Checks { reader, folder, origin, objects: BTreeMap::new() }.scene(file)
     })
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::codes;
 use data_file::Diagnostic;
-use data_file::codes::scene as codes;
 use data_file::grammar::{Node, Parts, Reader, Shape};
 use glam::{DVec3, Vec3};
 

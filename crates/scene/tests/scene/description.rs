@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use data_file::codes::scene::CODES;
 use glam::Vec3;
+use scene::codes::CODES;
 use scene::{LightKind, SceneError, load};
 use serde_json::json;
 

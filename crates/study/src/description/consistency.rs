@@ -5,10 +5,10 @@ use super::{
     At, Claim, Group, Phase, Pipelines, Reference, Relation, SEED, Study, StudyFigure, TRIANGLES, Vary,
     place_of,
 };
+use crate::codes;
 use crate::growth::FEWEST_VALUES;
 use crate::measure::Measure;
 use crate::record::AxisValue;
-use frame_graph::codes::study as codes;
 use frame_graph::{Diagnostic, Diagnostics, Span};
 
 impl Study {

@@ -6,10 +6,10 @@ use super::{
     At, Budget, Group, Phase, Pipelines, Reference, SEED, SIZE, Set, Study, StudyFigure, Variant, Vary,
     size_value,
 };
+use crate::codes;
 use crate::measure::Measure;
 use crate::record::AxisValue;
 use claims::ClaimFile;
-use data_file::codes::study as codes;
 use data_file::grammar::{Entries, Number, Reader, Spanned, read};
 use data_file::{Diagnostic, Diagnostics, Place, Source, Span};
 use serde::Deserialize;
@@ -23,7 +23,7 @@ const FRAMES: u32 = 5;
 const MOST_FRAMES: u32 = 1 << 20;
 
 pub(super) fn parse(source: Arc<Source>) -> Result<Study, Diagnostics> {
-    let study = read(&source, 0, &[], |reader, file| Checks { reader }.study(file))?;
+    let study = read(&source, 0, |reader, file| Checks { reader }.study(file))?;
     study.consistent_as_written()?;
     Ok(study)
 }

@@ -2,6 +2,7 @@
 
 use super::names::located;
 use super::{Resolved, combinations_of, product};
+use crate::codes;
 use crate::description::{
     At, Budget, Group, Pipelines, Reference, Relation, SEED, SIZE, Set, Study, StudyFigure, TRIANGLES,
     Variant,
@@ -9,7 +10,7 @@ use crate::description::{
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
 use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
-use frame_graph::codes::{Code, study as codes};
+use data_file::Code;
 use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, ValueType};
 
 pub(super) struct Checker<'a> {

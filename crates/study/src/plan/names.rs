@@ -3,9 +3,9 @@
 use super::check::Checker;
 use crate::description::At;
 use crate::laboratory::Registry;
+use data_file::Code;
 use data_file::paths::{OUTSIDE, beside, is_from_own_folder, may_name};
 use frame_graph::Diagnostic;
-use frame_graph::codes::Code;
 use std::path::Path;
 
 impl Checker<'_> {

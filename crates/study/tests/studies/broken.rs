@@ -1,12 +1,12 @@
 //! Broken files: the whole text of each error is kept.
 
 use super::fake::Shelf;
-use frame_graph::codes::study::CODES;
 use frame_graph::{Diagnostics, Source};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use study::codes::CODES;
 use study::{Plan, parse};
 
 fn folder() -> PathBuf {

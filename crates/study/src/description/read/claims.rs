@@ -1,8 +1,8 @@
 //! The grammar of claims.
 
 use super::{Checks, Text, ValueFile};
+use crate::codes;
 use crate::description::{Claim, Pick, Pins, Relation, SIZE};
-use data_file::codes::study as codes;
 use data_file::grammar::{Entries, Number, Spanned};
 use data_file::{Diagnostic, Place};
 use serde::Deserialize;

@@ -1,6 +1,6 @@
 //! The catalog's pipelines and scenes.
 
-use frame_graph::paths::beside;
+use data_file::paths::beside;
 use frame_graph::resolve::{Files as _, diff};
 use frame_graph::{Overrides, Resolved, Value, resolve};
 use renderer::{Catalog, load_scene};

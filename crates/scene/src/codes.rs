@@ -1,0 +1,7 @@
+//! The codes of errors of scene files, beside those of their text.
+
+data_file::codes! {
+    RANGE = "C001": "A number of a scene is not finite, or out of its range.";
+    NAME = "C002": "A scene names a built-in geometry, a file, a light or an object that is not there.";
+    CONFLICT = "C003": "Values of a scene do not go together: an inner cone wider than the outer one, a camera that looks at its own position, keys whose times do not rise.";
+}
