@@ -1,4 +1,5 @@
-//! Combines models, lights and a camera into a flat [`Scene`] around an origin.
+//! Combines models, lights and a camera into a flat [`Scene`]: an [`Assembly`] once, and a [`Stage`] for each origin that
+//! is tried.
 
 use std::path::PathBuf;
 use std::rc::Rc;
@@ -14,9 +15,9 @@ use crate::error::SceneError;
 use crate::hash;
 use crate::light::Light;
 use crate::material::{Material, Texture};
-use crate::model::{Mesh, Model, Morph, Node, NodeAnimation, Skin};
+use crate::model::{Model, Morph, Node, NodeAnimation, NodeCamera, NodeLight, Skin};
 use crate::scene::{
-    Driver, Instance, Motion, MovingMesh, Scene, Vertex, camera_at_node, extend_worlds, place_and_direction,
+    Driver, Instance, Motion, MovingMesh, Scene, Vertex, camera_at_node, place_and_direction,
 };
 use crate::shape::{Shape, usable};
 
@@ -27,19 +28,15 @@ const MAX_INDICES: usize = 1 << 29;
 /// The bounding box of a moving scene is computed at the start and at this many further times.
 const TIMES_OF_BOUNDS: u32 = 64;
 
-/// A scene that is being assembled. Its places are relative to its origin.
+/// A scene that is being assembled: everything that does not depend on the origin around which it is rendered. Nodes
+/// without a parent are in the space of the files' world.
 #[derive(Default)]
 pub(crate) struct Assembly {
     pub(crate) name: String,
     /// The name or path by which the scene is loaded.
     pub(crate) spec: String,
-    origin: DVec3,
     pub(crate) about: String,
     pub(crate) nodes: Vec<Node>,
-    /// The camera of the description; if `near` is 0, a ten-thousandth of the scene's extent is used.
-    pub(crate) camera: Option<Camera>,
-    pub(crate) camera_tracks: Driver,
-    pub(crate) lights: Vec<(Light, Driver)>,
     pub(crate) frames_per_second: Option<f32>,
     pub(crate) duration: f32,
     pub(crate) repairs: Vec<String>,
@@ -47,12 +44,11 @@ pub(crate) struct Assembly {
     /// Whether a scene without triangles is valid.
     pub(crate) may_be_empty: bool,
     pub(crate) budget: Rc<Budget>,
-    /// The transforms of the first nodes at the start.
-    worlds: Vec<Affine3A>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     skins: Vec<Skin>,
-    cameras: Vec<(String, Camera, usize)>,
+    cameras: Vec<NodeCamera>,
+    lights: Vec<NodeLight>,
     placed: Vec<Placed>,
 }
 
@@ -60,14 +56,28 @@ pub(crate) struct Assembly {
 struct Placed {
     name: String,
     node: usize,
-    mesh: Mesh,
+    model: Rc<Model>,
+    /// Index into the meshes of the model.
+    mesh: usize,
     first_material: u32,
 }
 
+/// The parts of a scene that have places, around an origin.
+#[derive(Default)]
+pub(crate) struct Stage {
+    origin: DVec3,
+    /// Nodes and skins, and the drivers of the camera and the lights.
+    pub(crate) motion: Motion,
+    /// The camera of the description; if `near` is 0, a ten-thousandth of the scene's extent is used.
+    pub(crate) camera: Option<Camera>,
+    pub(crate) lights: Vec<Light>,
+    cameras: Vec<(String, Camera, usize)>,
+    repairs: Vec<String>,
+}
+
 impl Assembly {
-    pub(crate) fn new(name: String, spec: &str, origin: DVec3, budget: &Rc<Budget>) -> Assembly {
-        budget.restart();
-        Assembly { name, spec: spec.to_owned(), origin, budget: Rc::clone(budget), ..Assembly::default() }
+    pub(crate) fn new(name: String, spec: &str, budget: &Rc<Budget>) -> Assembly {
+        Assembly { name, spec: spec.to_owned(), budget: Rc::clone(budget), ..Assembly::default() }
     }
 
     /// Adds a model below `parent`, or in the world, with its cameras, and with its lights if `with_lights` is set.
@@ -76,79 +86,61 @@ impl Assembly {
     /// A scene that is too large for its files.
     pub(crate) fn place(
         &mut self,
-        model: &Model,
+        model: &Rc<Model>,
         parent: Option<usize>,
         with_lights: bool,
     ) -> Result<(), SceneError> {
         let too_large = |problem| SceneError::TooLarge { file: self.name.clone(), problem };
         self.budget.take(1, model.bytes()).map_err(too_large)?;
-        let model = model.clone();
         let (first_node, first_material) = (self.nodes.len(), self.materials.len() as u32);
         let (first_texture, first_skin) = (self.textures.len() as u32, self.skins.len());
-        self.textures.extend(model.textures);
-        self.materials.extend(model.materials.into_iter().map(|mut material| {
+        self.textures.extend(model.textures.iter().cloned());
+        self.materials.extend(model.materials.iter().cloned().map(|mut material| {
             material.offset_textures(first_texture);
             material
         }));
-        for (index, mut node) in model.nodes.into_iter().enumerate() {
+        for (index, node) in model.nodes.iter().enumerate() {
             if let Some(mesh) = node.mesh {
-                let mesh = model.meshes[mesh].clone();
-                let name = if node.name.is_empty() { mesh.name.clone() } else { node.name.clone() };
-                self.placed.push(Placed { name, node: first_node + index, mesh, first_material });
-            }
-            let parent = node.parent.map_or(parent, |p| Some(p + first_node));
-            if parent.is_none() {
-                node.move_to(self.origin);
+                let name = if node.name.is_empty() { &model.meshes[mesh].name } else { &node.name }.clone();
+                let (node, model) = (first_node + index, Rc::clone(model));
+                self.placed.push(Placed { name, node, model, mesh, first_material });
             }
             self.duration = self.duration.max(node.animation.as_ref().map_or(0.0, NodeAnimation::end));
             self.duration = self.duration.max(node.morph.end());
-            self.nodes.push(Node { parent, skin: node.skin.map(|skin| skin + first_skin), ..node });
+            let parent = node.parent.map_or(parent, |p| Some(p + first_node));
+            self.nodes.push(Node { parent, skin: node.skin.map(|skin| skin + first_skin), ..node.clone() });
         }
-        self.skins.extend(model.skins.into_iter().map(|mut skin| {
+        self.skins.extend(model.skins.iter().cloned().map(|mut skin| {
             skin.joints.iter_mut().for_each(|joint| *joint += first_node);
             skin
         }));
-        extend_worlds(&self.nodes, self.origin != DVec3::ZERO, 0.0, &mut self.worlds);
-        let worlds = &self.worlds;
-        for camera in model.cameras {
-            let node = first_node + camera.node;
-            let placed = camera_at_node(&worlds[node], camera.vertical_fov, camera.near);
-            if placed.position.is_finite() && placed.target.is_finite() {
-                self.cameras.push((camera.name, placed, node));
-            } else {
-                self.repairs.push(format!("camera `{}` is left out: its place is not finite", camera.name));
-            }
-        }
-        for light in model.lights.into_iter().filter(|_| with_lights) {
-            let node = first_node + light.node;
-            let (position, direction) = place_and_direction(&worlds[node]);
-            if !position.is_finite() || !light.intensity.is_finite() {
-                self.repairs.push(format!(
-                    "light `{}` is left out: its place or intensity is not finite",
-                    light.name
-                ));
-                continue;
-            }
-            let name =
-                if light.name.is_empty() { format!("light {}", self.lights.len()) } else { light.name };
-            let light = Light { name, kind: light.kind, position, direction, intensity: light.intensity };
-            self.lights.push((light, Driver { node: Some(node), ..Driver::default() }));
-        }
-        self.repairs.extend(model.repairs);
+        let cameras = model.cameras.iter().cloned();
+        self.cameras.extend(cameras.map(|camera| NodeCamera { node: first_node + camera.node, ..camera }));
+        let lights = model.lights.iter().filter(|_| with_lights).cloned();
+        self.lights.extend(lights.map(|light| NodeLight { node: first_node + light.node, ..light }));
+        self.repairs.extend(model.repairs.iter().cloned());
         self.may_be_empty |= model.may_be_empty;
         Ok(())
     }
 
-    /// Returns the vertices of the scene as they are at 0 s, and what is needed to finish it.
-    pub(crate) fn flatten(mut self) -> Result<Flattened, SceneError> {
-        let nodes = std::mem::take(&mut self.nodes);
-        let (far, skins) = (self.origin != DVec3::ZERO, std::mem::take(&mut self.skins));
-        let mut motion = Motion { nodes, far, skins, ..Motion::default() };
-        let worlds = motion.worlds(0.0);
+    /// Returns the nodes around an origin, without cameras and lights.
+    pub(crate) fn stage(&self, origin: DVec3) -> Stage {
+        let (mut nodes, skins) = (self.nodes.clone(), self.skins.clone());
+        nodes.iter_mut().filter(|node| node.parent.is_none()).for_each(|node| node.move_to(origin));
+        let motion = Motion { nodes, far: origin != DVec3::ZERO, skins, ..Motion::default() };
+        Stage { origin, motion, ..Stage::default() }
+    }
+
+    /// Returns the vertices of a stage as they are at 0 s.
+    ///
+    /// # Errors
+    /// Too many vertices or indices, and none at all.
+    pub(crate) fn flatten(&self, mut stage: Stage) -> Result<Flattened, SceneError> {
+        let worlds = stage.motion.worlds(0.0);
         let mut flat = Flat::default();
-        for placed in std::mem::take(&mut self.placed) {
-            let moving = flat.add(&placed, &motion, &worlds, &mut self.repairs);
-            motion.meshes.extend(moving);
+        for placed in &self.placed {
+            let moving = flat.add(placed, &stage.motion, &worlds, &mut stage.repairs);
+            stage.motion.meshes.extend(moving);
             if flat.vertices.len() > MAX_VERTICES || flat.indices.len() > MAX_INDICES {
                 let problem = format!(
                     "at `{}` there are {} vertices and {} indices; a GPU buffer holds {MAX_VERTICES} and {MAX_INDICES}",
@@ -156,70 +148,54 @@ impl Assembly {
                     flat.vertices.len(),
                     flat.indices.len()
                 );
-                return Err(SceneError::TooLarge { file: self.name, problem });
+                return Err(SceneError::TooLarge { file: self.name.clone(), problem });
             }
         }
         if flat.indices.is_empty() && !self.may_be_empty {
-            return Err(SceneError::Empty { file: self.name, repairs: self.repairs });
+            let repairs = [&self.repairs[..], &stage.repairs].concat();
+            return Err(SceneError::Empty { file: self.name.clone(), repairs });
         }
-        Ok(Flattened { assembly: self, motion, flat })
-    }
-}
-
-/// A scene whose vertices are known at 0 s.
-pub(crate) struct Flattened {
-    assembly: Assembly,
-    motion: Motion,
-    flat: Flat,
-}
-
-impl Flattened {
-    /// Returns the box around all triangles at 0 s, relative to the origin; zero if there are none.
-    pub(crate) fn still_bounds(&self) -> (Vec3, Vec3) {
-        let Flat { vertices, indices, .. } = &self.flat;
-        box_around(vertices, &used(vertices, indices)).unwrap_or_default()
+        Ok(Flattened { stage, flat })
     }
 
     /// Returns the flat scene.
-    pub(crate) fn finish(self) -> Scene {
-        let Flattened { mut assembly, mut motion, flat } = self;
-        let (lights, drivers): (Vec<_>, Vec<_>) = assembly.lights.into_iter().unzip();
+    pub(crate) fn finish(self, flattened: Flattened) -> Scene {
+        let Flattened { stage: Stage { origin, motion, camera, lights, cameras, repairs }, flat } = flattened;
+        let mut repairs = [self.repairs, repairs].concat();
         if lights.is_empty() {
-            assembly.repairs.push("there are no lights: only what emits is not black".into());
+            repairs.push("there are no lights: only what emits is not black".into());
         }
-        if assembly.origin != DVec3::ZERO {
-            let (DVec3 { x, y, z }, far) = (assembly.origin, assembly.origin.length());
-            assembly.repairs.push(format!(
+        if origin != DVec3::ZERO {
+            let (DVec3 { x, y, z }, far) = (origin, origin.length());
+            repairs.push(format!(
                 "the scene lies {far:.0} m from the origin of its file: it is rendered around ({x}, {y}, {z})"
             ));
         }
-        motion.lights = drivers;
-        motion.camera = assembly.camera_tracks;
         let mut scene = Scene {
             bounds: (Vec3::ZERO, Vec3::ZERO),
             dense_extent: 0.0,
-            origin: assembly.origin,
-            name: assembly.name,
-            about: assembly.about,
+            origin,
+            name: self.name,
+            about: self.about,
             vertices: flat.vertices,
             indices: flat.indices,
             instances: flat.instances,
-            materials: assembly.materials,
-            textures: assembly.textures,
+            materials: self.materials,
+            textures: self.textures,
             lights,
             camera: Camera::framing(Vec3::ZERO, Vec3::ZERO),
-            cameras: assembly.cameras.iter().map(|(name, camera, _)| (name.clone(), *camera)).collect(),
-            frames_per_second: assembly.frames_per_second.unwrap_or(30.0),
-            duration: assembly.duration,
-            repairs: assembly.repairs,
-            spec: assembly.spec,
-            files: assembly.files,
+            cameras: cameras.iter().map(|(name, camera, _)| (name.clone(), *camera)).collect(),
+            frames_per_second: self.frames_per_second.unwrap_or(30.0),
+            duration: self.duration,
+            repairs,
+            spec: self.spec,
+            files: self.files,
             hash: 0,
             motion,
         };
         scene.bounds = bounds(&scene);
         scene.dense_extent = dense_extent(&scene.vertices, &scene.indices, &scene.instances, scene.extent());
-        scene.camera = match (assembly.camera, assembly.cameras.first()) {
+        scene.camera = match (camera, cameras.first()) {
             (Some(camera), _) => camera,
             (None, Some((_, camera, node))) => {
                 scene.motion.camera.node = Some(*node);
@@ -244,6 +220,46 @@ impl Flattened {
         }
         scene.hash = hash::scene(&scene);
         scene
+    }
+}
+
+impl Stage {
+    /// Adds the cameras and the lights of models, at their nodes.
+    pub(crate) fn add_from_models(&mut self, assembly: &Assembly) {
+        let worlds = self.motion.worlds(0.0);
+        for NodeCamera { name, node, vertical_fov, near } in &assembly.cameras {
+            let camera = camera_at_node(&worlds[*node], *vertical_fov, *near);
+            if camera.position.is_finite() && camera.target.is_finite() {
+                self.cameras.push((name.clone(), camera, *node));
+            } else {
+                self.repairs.push(format!("camera `{name}` is left out: its place is not finite"));
+            }
+        }
+        for NodeLight { name, node, kind, intensity } in &assembly.lights {
+            let (position, direction) = place_and_direction(&worlds[*node]);
+            if !position.is_finite() || !intensity.is_finite() {
+                self.repairs
+                    .push(format!("light `{name}` is left out: its place or intensity is not finite"));
+                continue;
+            }
+            let name = if name.is_empty() { format!("light {}", self.lights.len()) } else { name.clone() };
+            self.lights.push(Light { name, kind: *kind, position, direction, intensity: *intensity });
+            self.motion.lights.push(Driver { node: Some(*node), ..Driver::default() });
+        }
+    }
+}
+
+/// A stage whose vertices are known at 0 s.
+pub(crate) struct Flattened {
+    stage: Stage,
+    flat: Flat,
+}
+
+impl Flattened {
+    /// Returns the origin, and the box around all triangles at 0 s, relative to it; zero if there are none.
+    pub(crate) fn still_bounds(&self) -> (DVec3, (Vec3, Vec3)) {
+        let Flat { vertices, indices, .. } = &self.flat;
+        (self.stage.origin, box_around(vertices, &used(vertices, indices)).unwrap_or_default())
     }
 }
 
@@ -284,12 +300,13 @@ impl Flat {
     ) -> Option<MovingMesh> {
         let (first_vertex, first_index) = (self.vertices.len(), self.indices.len());
         let instance = self.instances.len() as u32;
-        let shape = Shape::new(&placed.mesh);
+        let mesh = &placed.model.meshes[placed.mesh];
+        let shape = Shape::new(mesh);
         let placement = motion.placement(placed.node, 0.0, worlds);
         let mirrors = shape.mirrors(&placement);
         let mut posed = shape.posed(&placement, mirrors).into_iter();
         let mut dropped = 0;
-        for primitive in &placed.mesh.primitives {
+        for primitive in &mesh.primitives {
             let base = self.vertices.len() as u32;
             let material = placed.first_material + primitive.material;
             let mut bad = vec![false; primitive.positions.len()];

@@ -29,11 +29,6 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// Forgets what was taken, for a scene that is assembled once more from the same files.
-    pub(crate) fn restart(&self) {
-        self.taken.set(0);
-    }
-
     /// Counts a file, once however often it is read.
     pub(crate) fn file(&self, path: &Path, bytes: usize) {
         let path = path.canonicalize().unwrap_or_else(|_| path.into());
@@ -51,6 +46,12 @@ impl Budget {
     /// Allows further bytes, for geometry that the program generates.
     pub(crate) fn grant(&self, bytes: u64) {
         self.most.set(self.most.get().saturating_add(bytes));
+    }
+
+    /// Returns the bytes that were taken.
+    #[cfg(test)]
+    pub(crate) fn taken(&self) -> u64 {
+        self.taken.get()
     }
 
     /// Counts `count` things of `size` bytes before they are allocated.

@@ -36,6 +36,14 @@ pub(crate) enum Geometry {
     Objects(Vec<Object>),
 }
 
+impl Geometry {
+    /// Returns all objects, each before those within it.
+    pub(crate) fn objects(&self) -> Vec<&Object> {
+        let Geometry::Objects(list) = self else { return Vec::new() };
+        list.iter().flat_map(|object| [vec![object], object.geometry.objects()].concat()).collect()
+    }
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct Object {
     pub(crate) name: Spanned<String>,

@@ -17,6 +17,7 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use data_file::paths::{OUTSIDE, may_name};
 use gltf::buffer;
@@ -39,7 +40,7 @@ const READ: [&str; 4] = [
 
 /// A model, and the other files that were read for it.
 pub(crate) struct Imported {
-    pub(crate) model: Model,
+    pub(crate) model: Rc<Model>,
     pub(crate) files: Vec<PathBuf>,
 }
 
@@ -73,7 +74,7 @@ pub(crate) fn import(path: &Path, roots: &[PathBuf], budget: &Budget) -> Result<
     model.meshes = importer.meshes(&uv_sets, &mut model.materials)?;
     importer.nodes(&mut model)?;
     model.repairs = importer.repairs;
-    Ok(Imported { model, files: importer.files })
+    Ok(Imported { model: Rc::new(model), files: importer.files })
 }
 
 /// The JSON, and the binary chunk of a `.glb`.

@@ -12,7 +12,7 @@ use data_file::{Diagnostic, Diagnostics, Place, Source, Span, nearest, read_text
 use glam::DVec3;
 
 use crate::animation::{Animated, Between, Outside, Track};
-use crate::assemble::{Assembly, Flattened};
+use crate::assemble::{Assembly, Stage};
 use crate::budget::Budget;
 use crate::built_in;
 use crate::description::{Description, Geometry, Keyframes, Keys, parse};
@@ -29,33 +29,49 @@ use crate::scene::{Driver, Scene};
 /// # Errors
 /// See [`SceneError`]. Errors that could be repaired are listed in [`Scene::repairs`].
 pub fn load(spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
-    let path = Path::new(spec);
+    load_within(&Rc::default(), spec, files)
+}
+
+fn load_within(budget: &Rc<Budget>, spec: &str, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
+    let (path, roots) = (Path::new(spec), roots(files));
     let name = path.file_stem().map_or(spec.into(), |stem| stem.to_string_lossy().into_owned());
-    let (roots, budget) = (roots(files), Rc::new(Budget::default()));
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+    let mut assembly = Assembly::new(name, spec, budget);
+    let flattened = match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("glb" | "gltf") => {
-            let Imported { model, mut files } = import(path, &roots, &budget)?;
-            files.insert(0, path.into());
+            let Imported { model, files } = import(path, &roots, budget)?;
+            assembly.files = [vec![path.into()], files].concat();
+            assembly.place(&model, None, true)?;
             settle(|origin| {
-                let mut assembly = Assembly::new(name.clone(), spec, origin, &budget);
-                assembly.files.clone_from(&files);
-                assembly.place(&model, None, true)?;
-                assembly.flatten()
+                let mut stage = assembly.stage(origin);
+                stage.add_from_models(&assembly);
+                assembly.flatten(stage)
             })
         }
         _ => {
             let (source, folder, on_disk) = find(spec, files)?;
             budget.text(source.text.len());
-            let mut models = BTreeMap::new();
+            let description = parse(&source, Some((&folder, &roots)), DVec3::ZERO)?;
+            assembly.files.extend(on_disk);
+            let mut loader =
+                Loader { folder: &folder, roots: &roots, models: BTreeMap::new(), objects: Vec::new() };
+            loader.place(&mut assembly, &description.geometry, None, description.lights_from_file)?;
+            assembly.about.clone_from(&description.about);
+            if let Some(keyframes) = &description.keyframes {
+                assembly.frames_per_second = Some(keyframes.frames_per_second);
+                assembly.duration = assembly.duration.max(keyframes.end);
+            }
+            let objects = loader.objects;
             settle(|origin| {
-                let description = parse(&source, Some((&folder, &roots)), origin)?;
-                let (source, models) = (&source, &mut models);
-                let loader = Loader { source, folder: &folder, roots: &roots, models, errors: Vec::new() };
-                let assembly = Assembly::new(name.clone(), spec, origin, &budget);
-                loader.assemble(assembly, description, on_disk.clone())
+                let description = match origin {
+                    DVec3::ZERO => description.clone(),
+                    // Its places are rounded once, relative to the origin.
+                    _ => parse(&source, None, origin)?,
+                };
+                assembly.flatten(staged(&assembly, &source, description, &objects, origin)?)
             })
         }
-    }
+    }?;
+    Ok(assembly.finish(flattened))
 }
 
 /// Returns the folders in which files may be that scenes and models name.
@@ -104,51 +120,25 @@ fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Opt
 /// The most errors that are reported about a description once its geometry is known.
 const MAX_ERRORS: usize = 1000;
 
-/// Named objects: their nodes, and their transforms if nothing moves them.
-type Objects = BTreeMap<String, (usize, Transform)>;
-
-/// Assembles one description.
+/// Places the geometry of a description.
 struct Loader<'a> {
-    source: &'a Arc<Source>,
     folder: &'a Path,
     /// The folders of geometry files, beside that of the scene.
     roots: &'a [PathBuf],
     /// Geometry that was read or made before, by its path or name.
-    models: &'a mut BTreeMap<PathBuf, Imported>,
-    /// Errors that can be found only with the geometry.
-    errors: Vec<Diagnostic>,
+    models: BTreeMap<PathBuf, Imported>,
+    /// The nodes of objects, in the order of the description.
+    objects: Vec<usize>,
 }
 
 impl Loader<'_> {
-    fn assemble(
-        mut self,
-        mut assembly: Assembly,
-        description: Description,
-        on_disk: Option<PathBuf>,
-    ) -> Result<Flattened, SceneError> {
-        assembly.about = description.about;
-        assembly.files.extend(on_disk);
-        assembly.lights = description.lights.into_iter().map(|light| (light, Driver::default())).collect();
-        let mut objects = BTreeMap::new();
-        self.place(&mut assembly, &description.geometry, None, description.lights_from_file, &mut objects)?;
-        assembly.camera = description.camera;
-        if let Some(keyframes) = description.keyframes {
-            self.animate(&mut assembly, keyframes, &objects);
-        }
-        if !self.errors.is_empty() {
-            return Err(Diagnostics::sorted(self.errors).into());
-        }
-        assembly.flatten()
-    }
-
-    /// Adds geometry below `parent`; `objects` collects the nodes of named objects.
+    /// Adds geometry below `parent`.
     fn place(
         &mut self,
         assembly: &mut Assembly,
         geometry: &Geometry,
         parent: Option<usize>,
         with_lights: bool,
-        objects: &mut Objects,
     ) -> Result<(), SceneError> {
         match geometry {
             // Names that are not built in were reported by the grammar.
@@ -157,7 +147,7 @@ impl Loader<'_> {
                     self.models.entry(format!("built in: {}", name.value).into()).or_insert_with(|| {
                         let model = built_in::make(&name.value).unwrap_or_default();
                         assembly.budget.grant(model.bytes() as u64);
-                        Imported { model, files: Vec::new() }
+                        Imported { model: Rc::new(model), files: Vec::new() }
                     });
                 assembly.place(&made.model, parent, with_lights)?;
             }
@@ -182,35 +172,72 @@ impl Loader<'_> {
             Geometry::Objects(list) => {
                 for object in list {
                     let (node, name) = (assembly.nodes.len(), object.name.value.clone());
-                    objects.insert(name.clone(), (node, object.transform));
-                    let rest = object.transform.affine();
-                    assembly.nodes.push(Node { name, parent, rest, ..Node::default() });
-                    self.place(assembly, &object.geometry, Some(node), with_lights, objects)?;
+                    self.objects.push(node);
+                    assembly.nodes.push(Node { name, parent, ..Node::default() });
+                    self.place(assembly, &object.geometry, Some(node), with_lights)?;
                 }
             }
         }
         Ok(())
     }
+}
 
-    fn animate(&mut self, assembly: &mut Assembly, keyframes: Keyframes, objects: &Objects) {
-        assembly.frames_per_second = Some(keyframes.frames_per_second);
-        assembly.duration = assembly.duration.max(keyframes.end);
+/// The nodes of named objects, and their transforms if nothing moves them.
+type Objects<'a> = BTreeMap<&'a str, (usize, Transform)>;
+
+/// Returns the stage of a description, whose places are relative to `origin`; `nodes` has those of its objects.
+fn staged(
+    assembly: &Assembly,
+    source: &Arc<Source>,
+    description: Description,
+    nodes: &[usize],
+    origin: DVec3,
+) -> Result<Stage, SceneError> {
+    let mut stage = assembly.stage(origin);
+    let mut objects = BTreeMap::new();
+    for (object, node) in description.geometry.objects().into_iter().zip(nodes) {
+        stage.motion.nodes[*node].rest = object.transform.affine();
+        objects.insert(object.name.as_str(), (*node, object.transform));
+    }
+    stage.motion.lights = description.lights.iter().map(|_| Driver::default()).collect();
+    stage.lights = description.lights;
+    stage.add_from_models(assembly);
+    stage.camera = description.camera;
+    if let Some(keyframes) = description.keyframes {
+        let mut animator = Animator { source, errors: Vec::new() };
+        animator.animate(&mut stage, keyframes, &objects);
+        if !animator.errors.is_empty() {
+            return Err(Diagnostics::sorted(animator.errors).into());
+        }
+    }
+    Ok(stage)
+}
+
+/// Makes movement of keyframes.
+struct Animator<'a> {
+    source: &'a Arc<Source>,
+    /// Errors that can be found only with the geometry.
+    errors: Vec<Diagnostic>,
+}
+
+impl Animator<'_> {
+    fn animate(&mut self, stage: &mut Stage, keyframes: Keyframes, objects: &Objects<'_>) {
         let outside = if keyframes.repeat { Outside::Repeat(keyframes.end) } else { Outside::Hold };
         if let Some(keys) = keyframes.camera {
             let mut smooth = |values| self.track(keys.place, values, |values| Track::smooth(values, outside));
-            assembly.camera_tracks = Driver {
+            stage.motion.camera = Driver {
                 position: smooth(keys.value.position),
                 aim: smooth(keys.value.target),
                 ..Driver::default()
             };
         }
-        let names: Vec<String> = assembly.lights.iter().map(|(light, _)| light.name.clone()).collect();
+        let names: Vec<String> = stage.lights.iter().map(|light| light.name.clone()).collect();
         // A name stands for the first light that has it.
         let numbers: BTreeMap<&str, usize> =
             names.iter().enumerate().rev().map(|(i, name)| (name.as_str(), i)).collect();
         for (name, keys) in keyframes.lights {
-            let found = numbers.get(name.value.as_str()).map(|i| &mut assembly.lights[*i]);
-            let Some((_, driver)) = found else {
+            let found = numbers.get(name.value.as_str()).map(|i| &mut stage.motion.lights[*i]);
+            let Some(driver) = found else {
                 if self.errors.len() >= MAX_ERRORS {
                     continue;
                 }
@@ -228,9 +255,9 @@ impl Loader<'_> {
         }
         for (name, keys) in keyframes.objects {
             // Names that no object has were reported by the grammar.
-            let Some((node, base)) = objects.get(&name.value) else { continue };
+            let Some((node, base)) = objects.get(name.as_str()) else { continue };
             let linear = |keys| Track::new(keys, Between::Linear, outside);
-            assembly.nodes[*node].animation = Some(NodeAnimation {
+            stage.motion.nodes[*node].animation = Some(NodeAnimation {
                 base: *base,
                 translation: self.track(name.place, keys.translate, |keys| Track::smooth(keys, outside)),
                 rotation: self
@@ -260,5 +287,49 @@ impl Loader<'_> {
 
     fn span(&self, place: Place) -> Span {
         Span { source: Arc::clone(self.source), start: place.start, end: place.end }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct NoFiles;
+
+    impl data_file::Files for NoFiles {
+        fn read(&self, _: &str) -> Option<Arc<Source>> {
+            None
+        }
+
+        fn list(&self) -> Vec<String> {
+            Vec::new()
+        }
+    }
+
+    impl SceneFiles for NoFiles {}
+
+    /// Whatever is placed takes of the budget, so a scene that is assembled again takes more.
+    #[test]
+    fn a_scene_is_assembled_once_wherever_it_lies() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("test.ron");
+        let taken = |x: &str| {
+            let text = format!(
+                "Scene(geometry: Objects([Object(name: \"box\", geometry: BuiltIn(\"cornell-box\"),
+                    transform: Transform(translate: ({x}, 0, 0)))]))"
+            );
+            std::fs::write(&path, text).unwrap();
+            let budget = Rc::default();
+            let scene = load_within(&budget, path.to_str().unwrap(), &NoFiles).unwrap();
+            (scene.origin.x, budget.taken())
+        };
+        let (near, once) = taken("0");
+        assert!(near == 0.0 && once > 0);
+        // The first is found by one replacement of the origin, the second by two.
+        for x in ["1e6", "1e12"] {
+            let (far, taken) = taken(x);
+            assert!(far > 9e5, "{far}");
+            assert_eq!(taken, once, "at {x} m");
+        }
     }
 }

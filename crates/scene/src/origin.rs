@@ -1,7 +1,7 @@
 //! The origin of a scene: the place in the world of its file that is (0, 0, 0) in the scene.
 //!
 //! A position in `f32` is rounded by up to 2⁻²⁴ of its distance from (0, 0, 0): at 10⁶ m by 3 cm, whatever the size of
-//! the scene. A scene that lies far out is therefore assembled around an origin near its geometry, which is subtracted
+//! the scene. A scene that lies far out is therefore placed around an origin near its geometry, which is subtracted
 //! in `f64` from what its files have, before that becomes `f32`. What has a parent is placed in the space of that, and
 //! moves with it.
 
@@ -11,7 +11,6 @@ use glam::{Affine3A, DVec3, Mat3, Vec3};
 use crate::assemble::Flattened;
 use crate::error::SceneError;
 use crate::model::{Node, NodeAnimation};
-use crate::scene::Scene;
 
 /// The farthest that the centre of a scene may lie from (0, 0, 0), in its extents. There, positions are rounded by up to 2⁻²⁰
 /// extents; farther out it would be by more than the 10⁻⁶ extents nearer than which shaders let rays hit nothing. Rays
@@ -22,19 +21,19 @@ const FARTHEST: f64 = 16.0;
 /// geometry lies farther out than about 10⁶ extents, the second is found with what the first one shows of it.
 const REPLACEMENTS: u32 = 2;
 
-/// Assembles a scene around the origin that suits it: that of the world, unless the geometry lies far from there.
+/// Places a scene around the origin that suits it: that of the world, unless the geometry lies far from there.
 pub(crate) fn settle(
-    mut assemble: impl FnMut(DVec3) -> Result<Flattened, SceneError>,
-) -> Result<Scene, SceneError> {
-    let mut origin = DVec3::ZERO;
+    around: impl Fn(DVec3) -> Result<Flattened, SceneError>,
+) -> Result<Flattened, SceneError> {
+    let mut scene = around(DVec3::ZERO)?;
     for _ in 0..REPLACEMENTS {
-        let scene = assemble(origin)?;
-        match better(origin, scene.still_bounds()) {
-            Some(found) => origin = found,
-            None => return Ok(scene.finish()),
+        let (origin, bounds) = scene.still_bounds();
+        match better(origin, bounds) {
+            Some(better) => scene = around(better)?,
+            None => break,
         }
     }
-    Ok(assemble(origin)?.finish())
+    Ok(scene)
 }
 
 /// Returns a better origin than `origin`, if the box, which is relative to it, lies far from it: the centre, rounded to

@@ -400,18 +400,6 @@ impl Scene {
     }
 }
 
-/// Adds the transforms of the nodes for which there are none yet; `far` is as in [`Motion`].
-pub(crate) fn extend_worlds(nodes: &[Node], far: bool, time: f32, worlds: &mut Vec<Affine3A>) {
-    for node in &nodes[worlds.len()..] {
-        let local = node.local(time);
-        worlds.push(match node.parent {
-            Some(parent) if far => below(&worlds[parent], &local),
-            Some(parent) => worlds[parent] * local,
-            None => local,
-        });
-    }
-}
-
 impl Motion {
     /// Returns the transform from each node's space to world space at `time` \[s\].
     pub(crate) fn worlds(&self, time: f32) -> Vec<Affine3A> {
@@ -423,7 +411,14 @@ impl Motion {
     /// Puts what [`Motion::worlds`] returns in place of what `worlds` holds.
     fn put_worlds(&self, time: f32, worlds: &mut Vec<Affine3A>) {
         worlds.clear();
-        extend_worlds(&self.nodes, self.far, time, worlds);
+        for node in &self.nodes {
+            let local = node.local(time);
+            worlds.push(match node.parent {
+                Some(parent) if self.far => below(&worlds[parent], &local),
+                Some(parent) => worlds[parent] * local,
+                None => local,
+            });
+        }
     }
 
     /// Returns the placement of a node's mesh at `time` \[s\], given the transforms of all nodes at that
