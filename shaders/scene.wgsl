@@ -20,13 +20,17 @@ struct SceneInfo {
     pad2: u32,
 }
 
+/// A vertex of one instance and one material.
 struct Vertex {
-    /// World space [m].
+    /// World space [m]; finite.
     position: vec3<f32>,
+    /// Index into the materials of the scene.
     material: u32,
-    /// World space, unit.
+    /// Shading normal in world space, of length 1, on the side from which the triangle is counter-clockwise.
     normal: vec3<f32>,
+    /// Index into the instances of the scene.
     instance: u32,
+    /// Texture coordinates; v grows downwards, like rows.
     uv: vec2<f32>,
     pad: vec2<f32>,
 }
@@ -56,6 +60,7 @@ struct Material {
 /// A triangle that emits. Numbers of 32 bits sample it: from those here up to those of the next emitter. Geometry may move;
 /// the numbers are of the scene at rest.
 struct Emitter {
+    /// Index of the triangle.
     triangle: u32,
     /// The first number that samples it as the origin of a photon; by its power.
     for_photons: u32,

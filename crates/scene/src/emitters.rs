@@ -1,27 +1,14 @@
 //! The triangles that emit light, and the tables by which they are sampled.
 
-use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use crate::material::{Encoding, Material, Texture};
-use crate::scene::Scene;
+use crate::scene::{Emitter, Scene};
 
 /// Paths sample emitters that are at least this many times as bright as the mean of all surfaces. Paths find the others
 /// often enough by themselves: where all surfaces emit alike, each path that meets one is exact.
 const LEAST_CONTRAST: f64 = 2.0;
-
-/// A triangle that emits, in the layout of the GPU.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Emitter {
-    /// Index of the triangle.
-    pub triangle: u32,
-    /// The first of the numbers that sample it as the origin of a photon.
-    pub for_photons: u32,
-    /// The first of the numbers that sample it from the surfaces that a path meets.
-    pub for_paths: u32,
-}
 
 /// The emitters of a scene.
 #[derive(Clone, Debug, PartialEq)]

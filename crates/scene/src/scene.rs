@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use bytemuck::{Pod, Zeroable};
 use data_file::{Traits, Value};
 use glam::{Affine3A, DVec3, Vec3};
 use serde::Serialize;
@@ -17,22 +16,11 @@ use crate::model::{Node, Skin};
 use crate::origin::below;
 use crate::shape::{Placement, Shape, usable};
 
-/// A vertex in the layout of the GPU: 48 bytes, in world space. It belongs to one instance and one material.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Vertex {
-    /// Position \[m\]; finite.
-    pub position: [f32; 3],
-    /// Index into [`Scene::materials`].
-    pub material: u32,
-    /// Shading normal, of length 1, on the side from which the triangle is counter-clockwise.
-    pub normal: [f32; 3],
-    /// Index into [`Scene::instances`].
-    pub instance: u32,
-    /// Texture coordinates; v grows downwards, like rows.
-    pub uv: [f32; 2],
-    /// Unused; zero.
-    pub pad: [f32; 2],
+wgsl_structs::wgsl! {
+    "../../shaders/scene.wgsl" {
+        pub struct Vertex;
+        pub struct Emitter;
+    }
 }
 
 /// One use of a mesh by a node, as ranges of the scene's arrays.
