@@ -30,7 +30,7 @@ pub use error::RenderError;
 pub use executor::{ExecutorError, FrameOptions, FrameReport, Gpu, LoadReport, Timings, wgpu};
 pub use figures::PortFigures;
 pub use interfaces::progress::Progress;
-pub use provenance::{Provenance, RecordedCamera, RecordedLight, is_path_from, parse_value};
+pub use provenance::{Provenance, RecordedLight, is_path_from, parse_value};
 pub use reload::{Reload, reload_all};
 pub use shared::SharedScene;
 
@@ -73,7 +73,7 @@ pub struct Renderer {
     index: u32,
     /// The number of the next sample, where each frame is one of a picture.
     sample: u32,
-    /// How numbers of frames become times.
+    /// Turns numbers of frames into times.
     clock: Clock,
     /// The changes since the last frame.
     change: Change,
@@ -81,15 +81,15 @@ pub struct Renderer {
     pose: Pose,
 }
 
-/// How the number of a frame becomes its time.
+/// The rule by which the number of a frame becomes its time.
 #[derive(Clone, Copy, Debug, Default)]
 enum Clock {
-    /// By the frames per second of the scene.
+    /// The frames per second of the scene.
     #[default]
     Scene,
-    /// By other seconds between frames.
+    /// Other seconds between frames.
     Step(f32),
-    /// The time is given, whatever the number.
+    /// A given time, whatever the number.
     At(f32),
 }
 
@@ -114,7 +114,7 @@ struct Loaded {
     sampled: bool,
 }
 
-/// How an executor takes a plan: as files brought it, or with values that were set.
+/// A function that gives a plan to an executor: as files describe it, or with values that were set.
 type Load = fn(&mut Executor, Arc<Plan>, Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError>;
 
 /// The seed of a sample: that of the run for the first.
@@ -122,7 +122,7 @@ fn seed_of_sample(seed: u32, sample: u32) -> u32 {
     seed ^ sample.wrapping_mul(0x9e37_79b9)
 }
 
-/// Where the sample lies in each pixel, from its centre \[px\]: the first in the centre, then Halton's sequence in bases 2
+/// Returns the place of the sample in each pixel, from its centre \[px\]: the first in the centre, then Halton's sequence in bases 2
 /// and 3.
 fn place_of_sample(sample: u32) -> Vec2 {
     let digits = |base: u32| {

@@ -42,39 +42,23 @@ pub struct Provenance {
     pub seed: u32,
     /// Adapter and driver.
     pub adapter: String,
-    /// The camera, where an application replaced the scene's own.
+    /// The camera, where an application replaced the scene's own. Its places are relative to the
+    /// [`Scene::origin`](scene::Scene::origin), which is part of [`Provenance::scene_hash`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub camera: Option<RecordedCamera>,
+    pub camera: Option<Camera>,
     /// The lights, where an application replaced the scene's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lights: Option<Vec<RecordedLight>>,
     /// The time \[s\], where an application set it: else it follows the number of the frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f32>,
-    /// How linear light became display light, in a file that holds display light.
+    /// The conversion of linear light to display light, in a file that holds display light.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub display: Option<Display>,
     /// The working folder, where the names of the pipeline or the scene are paths from it: from the folder of the picture
     /// if that is below, so that both can be moved, else from the root of the disk.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub folder: Option<String>,
-}
-
-/// A [`Camera`] in a record: its places are relative to the [`Scene::origin`](scene::Scene::origin) of the scene, which
-/// is part of [`Provenance::scene_hash`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RecordedCamera {
-    /// [`Camera::position`]
-    pub position: [f32; 3],
-    /// [`Camera::target`]
-    pub target: [f32; 3],
-    /// [`Camera::up`]
-    pub up: [f32; 3],
-    /// [`Camera::vertical_fov`]
-    pub vertical_fov: f32,
-    /// [`Camera::near`]
-    pub near: f32,
 }
 
 /// A [`Light`] in a record: its place is relative to the [`Scene::origin`](scene::Scene::origin) of the scene.
@@ -95,20 +79,6 @@ pub struct RecordedLight {
     pub direction: [f32; 3],
     /// [`Light::intensity`]
     pub intensity: [f32; 3],
-}
-
-impl From<Camera> for RecordedCamera {
-    fn from(camera: Camera) -> RecordedCamera {
-        let Camera { position, target, up, vertical_fov, near } = camera;
-        RecordedCamera { position: position.into(), target: target.into(), up: up.into(), vertical_fov, near }
-    }
-}
-
-impl From<RecordedCamera> for Camera {
-    fn from(camera: RecordedCamera) -> Camera {
-        let RecordedCamera { position, target, up, vertical_fov, near } = camera;
-        Camera { position: position.into(), target: target.into(), up: up.into(), vertical_fov, near }
-    }
 }
 
 impl From<&Light> for RecordedLight {
@@ -184,7 +154,7 @@ impl Provenance {
             layer: shown.1,
             seed: renderer.seed,
             adapter: renderer.gpu().describe(),
-            camera: renderer.camera.map(RecordedCamera::from),
+            camera: renderer.camera,
             lights: renderer.lights.as_ref().map(|lights| lights.iter().map(RecordedLight::from).collect()),
             time: match renderer.clock {
                 Clock::At(time) => Some(time),
@@ -231,8 +201,8 @@ impl Provenance {
     /// # Errors
     /// As [`Renderer::set_lights`].
     pub fn apply_view(&self, renderer: &mut Renderer) -> Result<(), RenderError> {
-        if let Some(camera) = self.camera {
-            renderer.set_camera(Some(camera.into()), false);
+        if self.camera.is_some() {
+            renderer.set_camera(self.camera, false);
         }
         if let Some(lights) = &self.lights {
             renderer.set_lights(Some(lights.iter().map(Light::from).collect()))?;
@@ -252,7 +222,7 @@ impl Provenance {
     /// Reads it from JSON.
     ///
     /// # Errors
-    /// Where the text has another form.
+    /// The text has another form.
     pub fn from_json(text: &str) -> Result<Provenance, serde_json::Error> {
         serde_json::from_str(text)
     }

@@ -2,11 +2,12 @@
 
 use glam::camera::rh::{proj::directx, view};
 use glam::{Mat3, Mat4, Vec2, Vec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A pinhole camera: square pixels, the centre of the image on the optical axis, x to the right, row 0 at the
 /// top.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Camera {
     /// Position of the pinhole \[m\].
     pub position: Vec3,

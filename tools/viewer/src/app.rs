@@ -1,4 +1,4 @@
-//! The application: what the window shows, and what becomes of input.
+//! The application: the content of the window, and its reaction to input.
 
 use crate::action::{Action, Tab, View, table};
 use crate::engine::{Command, Engine, Look, Measures, Published, SceneView, SideId, Start};
@@ -11,22 +11,23 @@ use crate::textures::Textures;
 use crate::viewport;
 use eframe::egui::{self, CentralPanel, Context, FontDefinitions, FontFamily, Panel, ScrollArea, Ui};
 use frame_graph::Overrides;
-use renderer::{Catalog, RecordedCamera};
+use renderer::Catalog;
+use scene::Camera;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What comes back at the next start.
+/// The state that the next start restores.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Remembered {
     /// The pipeline of side A.
     pub(crate) pipeline: String,
-    /// That of side B; empty where there was none.
+    /// The pipeline of side B; empty where there was none.
     pub(crate) other: String,
     /// The scene.
     pub(crate) scene: String,
-    /// How pictures are shown.
+    /// The way in which pictures are shown.
     pub(crate) view: View,
     /// The open panel.
     pub(crate) tab: Tab,
@@ -36,7 +37,7 @@ pub(crate) struct Remembered {
     pub(crate) panels: bool,
     /// Pixels of a frame per pixel of the screen, in each direction; 0 where the adapter decides.
     pub(crate) resolution: f32,
-    /// Where the split is, as a share of the width.
+    /// The place of the split, as a share of the width.
     pub(crate) split: f32,
     /// Factor of differences.
     pub(crate) gain: f32,
@@ -47,7 +48,7 @@ pub(crate) struct Remembered {
     /// Whether the theme is dark; `None` as the system has it.
     pub(crate) dark: Option<bool>,
     /// The camera, where the user moved it, in the scene named above.
-    pub(crate) camera: Option<RecordedCamera>,
+    pub(crate) camera: Option<Camera>,
 }
 
 impl Default for Remembered {
@@ -92,7 +93,7 @@ pub(crate) struct App {
     pub(crate) engine: Engine,
     pub(crate) catalog: Arc<Catalog>,
     pub(crate) remembered: Remembered,
-    /// What the engine had published when this frame of the interface began.
+    /// The state that the engine had published when this frame of the interface began.
     pub(crate) now: Published,
     pub(crate) textures: Textures,
     pub(crate) pilot: Pilot,
@@ -146,7 +147,7 @@ impl App {
         }
         let mut pilot = Pilot::default();
         if let Some(camera) = camera {
-            pilot.take(&engine, camera.into(), true);
+            pilot.take(&engine, camera, true);
         }
         App {
             engine,
@@ -218,7 +219,7 @@ impl App {
         panel::help::show(self, &context);
         crate::palette::show(self, &context);
         panel::save::show(self, &context);
-        self.tell_engine();
+        self.request();
         let ms = begun.elapsed().as_secs_f32() * 1e3;
         self.interface_ms += (ms - self.interface_ms) * 0.1;
     }
@@ -241,8 +242,8 @@ impl App {
         }
     }
 
-    /// Tells the engine what the interface wants to know, where it differs from before.
-    fn tell_engine(&mut self) {
+    /// Requests measures and resources from the engine, where they differ from those before.
+    fn request(&mut self) {
         let comparing = self.now.sides.len() > 1;
         let measures = Measures {
             errors: comparing && self.remembered.errors,
@@ -266,7 +267,7 @@ impl App {
     }
 
     fn take_shortcuts(&mut self, context: &Context) {
-        // A widget that has the focus is told of plain keys first.
+        // A widget that has the focus gets plain keys first.
         let typing = context.memory(|memory| memory.focused().is_some()) || self.asks();
         let entries = table();
         let taken: Vec<Action> = context.input_mut(|input| {
@@ -424,7 +425,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        self.remembered.camera = self.pilot.camera().map(RecordedCamera::from);
+        self.remembered.camera = self.pilot.camera();
         self.remembered.save(storage);
     }
 }
