@@ -6,7 +6,7 @@ use std::path::Path;
 
 use exr::prelude as exr;
 use serde::{Deserialize, Serialize};
-use whole_file::Part;
+use whole_file::Unfinished;
 
 use crate::decode::{self, guarded};
 use crate::image::is_finite;
@@ -249,7 +249,7 @@ fn replace(
     if !folder.is_dir() {
         return Err(ImageError::NoFolder { path: path.into(), folder: folder.into() });
     }
-    let part = Part::of(path).map_err(io(path, "cannot begin the picture"))?;
+    let part = Unfinished::of(path).map_err(io(path, "cannot begin the picture"))?;
     let mut out = BufWriter::with_capacity(1 << 16, part.file());
     write(&mut out)?;
     out.flush().map_err(io(path, "cannot write the picture"))?;

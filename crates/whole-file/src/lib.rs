@@ -1,55 +1,59 @@
 //! Files that are whole or absent: written under another name in the same folder, and given their own once they are on
 //! disk. Whoever reads a file while it is written, or after the program was killed, finds the one before or the new one.
 //!
-//! What a killed program leaves half written is removed by the next that writes into the folder: a file that is being
+//! A file that a killed program left half written is removed by the next that writes into the folder: a file that is being
 //! written is locked by its writer, and the system ends that lock with the process.
+//!
+//! `tempfile` names and replaces the files. The rest is ours, since crates for whole files (`atomic-write-file`,
+//! `atomicwrites`) lack it: links are followed, devices and pipes are written to instead of replaced, read-only files
+//! are refused, leftovers are removed, and another program can write the unfinished file by its path.
 
-mod place;
+mod target;
 
-use place::Place;
 use std::collections::HashSet;
 use std::fs::{File, TryLockError};
 use std::io::{self, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use target::Target;
 use tempfile::NamedTempFile;
 
 /// Beginning and end of the names of files that are being written.
 const NAME: (&str, &str) = (".lightloom-", ".part");
 
-/// How often a new file is made again because another process took it for one that was left.
+/// The number of times that a new file is made because another process took the last one for a leftover.
 const TRIES: u32 = 16;
 
 /// A file that is being written. Dropped before it is finished, it leaves nothing.
 #[derive(Debug)]
-pub struct Part {
+pub struct Unfinished {
     written: Written,
     path: PathBuf,
 }
 
-/// Where the bytes go until they are whole.
+/// The file that holds the bytes until they are whole.
 #[derive(Debug)]
 enum Written {
-    /// Into a file beside the one that it becomes.
+    /// A file beside the one that it becomes.
     Beside(NamedTempFile),
-    /// Into a file without a name, to be sent to a device or pipe at the end: nothing can take the place of these.
+    /// A file without a name, whose bytes are sent to a device or pipe at the end: nothing can take the place of these.
     Elsewhere(File),
 }
 
-impl Part {
+impl Unfinished {
     /// Begins a file that is to be at `path`. It gets the permissions of the file that it replaces; a new one may be read
     /// by anyone whom the umask lets. A link stays, and what it leads to is replaced. A device or pipe stays too, and
     /// is sent the bytes once they are all there. In the first call for a folder, what killed programs left there is
     /// removed.
     ///
     /// # Errors
-    /// Where no file can be made in the folder, and where `path` is a folder or a read-only file.
-    pub fn of(path: &Path) -> io::Result<Part> {
-        let (path, permissions) = match place::of(path)? {
-            Place::New(path) => (path, None),
-            Place::File(path, permissions) => (path, Some(permissions)),
-            Place::Device(path) => {
-                return Ok(Part { written: Written::Elsewhere(tempfile::tempfile()?), path });
+    /// No file can be made in the folder, or `path` is a folder or a read-only file.
+    pub fn of(path: &Path) -> io::Result<Unfinished> {
+        let (path, permissions) = match target::of(path)? {
+            Target::New(path) => (path, None),
+            Target::File(path, permissions) => (path, Some(permissions)),
+            Target::Device(path) => {
+                return Ok(Unfinished { written: Written::Elsewhere(tempfile::tempfile()?), path });
             }
         };
         let folder = folder_of(&path);
@@ -59,7 +63,7 @@ impl Part {
             // Where a system does not allow it, the file is one that the umask lets others read.
             let _ = file.as_file().set_permissions(permissions);
         }
-        Ok(Part { written: Written::Beside(file), path })
+        Ok(Unfinished { written: Written::Beside(file), path })
     }
 
     /// Returns the file to write into.
@@ -82,7 +86,7 @@ impl Part {
     /// Gives the file its name, once it is on disk. A file of that name is replaced.
     ///
     /// # Errors
-    /// What the system says; nothing is changed then.
+    /// The error of the system; nothing is changed then.
     pub fn finish(self) -> io::Result<()> {
         match self.written {
             Written::Beside(file) => {
@@ -102,7 +106,7 @@ impl Part {
     /// Gives the file its name, once it is on disk, unless there is a file of that name.
     ///
     /// # Errors
-    /// Where there is one, and what the system says; nothing is changed then.
+    /// There is one; or the error of the system. Nothing is changed then.
     pub fn finish_new(self) -> io::Result<()> {
         let Written::Beside(file) = self.written else { return Err(io::ErrorKind::AlreadyExists.into()) };
         file.as_file().sync_all()?;
@@ -144,9 +148,9 @@ fn sync_folder(path: &Path) {
 /// Writes a file. One of that name is replaced once the new one is whole.
 ///
 /// # Errors
-/// What the system says; the file before stays then.
+/// The error of the system; the file before stays then.
 pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
-    let part = Part::of(path)?;
+    let part = Unfinished::of(path)?;
     part.file().write_all(bytes.as_ref())?;
     part.finish()
 }
@@ -154,14 +158,14 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
 /// Writes a file that there is not yet.
 ///
 /// # Errors
-/// Where there is one of that name, and what the system says.
+/// There is one of that name; or the error of the system.
 pub fn write_new(path: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
-    let part = Part::of(path)?;
+    let part = Unfinished::of(path)?;
     part.file().write_all(bytes.as_ref())?;
     part.finish_new()
 }
 
-/// Removes what killed programs left half written in a folder.
+/// Removes the files that killed programs left half written in a folder.
 pub fn sweep(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -188,7 +192,7 @@ fn sweep_once(folder: &Path) {
     }
 }
 
-/// The folder of a file; the working folder for a bare name.
+/// Returns the folder of a file; the working folder for a bare name.
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

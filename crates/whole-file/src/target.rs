@@ -1,15 +1,15 @@
-//! What there is where a file is to be.
+//! Looks up the path at which a file is to be.
 
 use std::fs::{self, Permissions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// How many links are followed, as many as Linux does.
+/// The greatest number of links that are followed: that of Linux.
 const LINKS: u32 = 40;
 
-/// What there is where a file is to be, with its path beyond all links.
+/// The content of a path at which a file is to be, with the path beyond all links.
 #[derive(Debug)]
-pub(crate) enum Place {
+pub(crate) enum Target {
     /// Nothing.
     New(PathBuf),
     /// A file, with its permissions.
@@ -18,15 +18,14 @@ pub(crate) enum Place {
     Device(PathBuf),
 }
 
-/// Finds what there is at a path.
+/// Looks up a path.
 ///
 /// # Errors
-/// Where it is a folder or a read-only file, and where links lead in a circle. What is wrong with the folder is left to be
-/// told by whoever makes a file in it.
-pub(crate) fn of(path: &Path) -> io::Result<Place> {
+/// It is a folder or a read-only file, or links lead in a circle. Errors of its folder are left to whoever makes a file in it.
+pub(crate) fn of(path: &Path) -> io::Result<Target> {
     let mut path = path.to_owned();
     for _ in 0..LINKS {
-        let Ok(found) = fs::symlink_metadata(&path) else { return Ok(Place::New(path)) };
+        let Ok(found) = fs::symlink_metadata(&path) else { return Ok(Target::New(path)) };
         if found.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
         }
@@ -35,17 +34,17 @@ pub(crate) fn of(path: &Path) -> io::Result<Place> {
                 permissions if permissions.readonly() => {
                     Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"))
                 }
-                permissions => Ok(Place::File(path, permissions)),
+                permissions => Ok(Target::File(path, permissions)),
             };
         }
         if !found.is_symlink() {
-            return Ok(Place::Device(path));
+            return Ok(Target::Device(path));
         }
-        let Ok(target) = fs::read_link(&path) else { return Ok(Place::Device(path)) };
+        let Ok(target) = fs::read_link(&path) else { return Ok(Target::Device(path)) };
         // Links of the system to what a process has open, such as `/dev/stdout`, name no path that could be made.
         path = match path.canonicalize() {
             Ok(real) => real,
-            Err(_) if fs::metadata(&path).is_ok() => return Ok(Place::Device(path)),
+            Err(_) if fs::metadata(&path).is_ok() => return Ok(Target::Device(path)),
             Err(_) => path.parent().unwrap_or(Path::new("")).join(target),
         };
     }

@@ -16,7 +16,7 @@ fn a_file_is_replaced_once_the_new_one_is_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.txt");
     write(&path, "before").unwrap();
-    let part = Part::of(&path).unwrap();
+    let part = Unfinished::of(&path).unwrap();
     part.file().write_all(b"half").unwrap();
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "before");
     drop(part);
@@ -33,7 +33,7 @@ fn what_a_killed_program_left_is_removed_and_what_is_being_written_is_not() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(".lightloom-killed.part"), "half").unwrap();
     std::fs::write(folder.path().join("notes.part"), "the user's").unwrap();
-    let writing = Part::of(&folder.path().join("b.txt")).unwrap();
+    let writing = Unfinished::of(&folder.path().join("b.txt")).unwrap();
     assert_eq!(names(folder.path()).len(), 2, "what was left is gone: {:?}", names(folder.path()));
     sweep(folder.path());
     writing.file().write_all(b"whole").unwrap();
@@ -145,7 +145,7 @@ mod unix {
             let path = path.clone();
             move || std::fs::read_to_string(path).unwrap()
         });
-        let part = Part::of(&path).unwrap();
+        let part = Unfinished::of(&path).unwrap();
         // Pictures are not written from their beginning to their end.
         let mut file = part.file();
         file.write_all(b"wait").unwrap();

@@ -18,7 +18,7 @@ use tracing_subscriber::Layer;
 use tracing_subscriber::filter::{FilterFn, filter_fn};
 use tracing_subscriber::layer::Context;
 use tracing_subscriber::registry::LookupSpan;
-use whole_file::Part;
+use whole_file::Unfinished;
 
 /// The target of the spans of frames.
 const FRAME: &str = "frame";
@@ -26,7 +26,7 @@ const FRAME: &str = "frame";
 /// A trace that is being written. Its file gets its name by [`Trace::finish`].
 pub(crate) struct Trace {
     guard: FlushGuard,
-    part: Part,
+    part: Unfinished,
     path: PathBuf,
     error: FirstError,
 }
@@ -81,7 +81,7 @@ where
     S: Subscriber + for<'a> LookupSpan<'a> + Send + Sync,
 {
     let begin = || {
-        let part = Part::of(path)?;
+        let part = Unfinished::of(path)?;
         Ok::<_, io::Error>((part.file().try_clone()?, part))
     };
     let (file, part) = begin().with_context(|| unwritten(path))?;

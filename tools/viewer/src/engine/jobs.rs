@@ -1,4 +1,4 @@
-//! What is written into files or sent elsewhere, on the engine's thread.
+//! Jobs that write files or send pictures elsewhere, on the engine's thread.
 
 use super::model::SideId;
 use super::side::Side;
@@ -10,14 +10,14 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use whole_file::Part;
+use whole_file::Unfinished;
 
 /// Something to write or to send.
 #[derive(Clone, Debug)]
 pub(crate) enum Job {
     /// A resource or output into a picture file: .png, .exr or .pfm.
     Picture {
-        /// Whose.
+        /// The side whose pictures are taken.
         side: SideId,
         /// An output of the pipeline, or any resource.
         output: String,
@@ -28,7 +28,7 @@ pub(crate) enum Job {
     },
     /// A resource or output to a tev that runs.
     Tev {
-        /// Whose.
+        /// The side whose pictures are taken.
         side: SideId,
         /// An output of the pipeline, or any resource.
         output: String,
@@ -39,11 +39,11 @@ pub(crate) enum Job {
     Capture(SideId),
     /// Frames of the animation from its start, one file each (a name with `####`), or a video (.mp4, .webm, .mkv) by ffmpeg.
     Sequence {
-        /// Whose.
+        /// The side whose pictures are taken.
         side: SideId,
         /// The pattern of names, or the video.
         path: PathBuf,
-        /// How many.
+        /// The number of frames.
         frames: u32,
     },
 }
@@ -57,7 +57,7 @@ impl Job {
         }
     }
 
-    /// Says what it does.
+    /// Describes it in a line.
     pub(super) fn describe(&self) -> String {
         match self {
             Job::Picture { path, .. } | Job::Sequence { path, .. } => format!("Writing {}", path.display()),
@@ -67,7 +67,7 @@ impl Job {
     }
 }
 
-/// Does a job; returns a line for the user. `stage` is told how far it is.
+/// Does a job, and returns a line for the user. `stage` is called with its progress.
 pub(super) fn run(
     job: &Job,
     side: &mut Side,
@@ -94,11 +94,11 @@ pub(super) fn run(
             Ok("a frame was run for the graphics debugger; without one nothing was captured".to_owned())
         }
         Job::Sequence { path, frames, .. } => {
-            let told = |frame: u32| format!("Writing {}: frame {frame} of {frames}", path.display());
+            let progress = |frame: u32| format!("Writing {}: frame {frame} of {frames}", path.display());
             if is_video(path) {
-                video(side, path, *frames, quits, |frame| stage(told(frame)))
+                video(side, path, *frames, quits, |frame| stage(progress(frame)))
             } else {
-                sequence(side, path, *frames, quits, |frame| stage(told(frame)))
+                sequence(side, path, *frames, quits, |frame| stage(progress(frame)))
             }
         }
     }
@@ -122,7 +122,7 @@ fn write(side: &Side, picture: &Image, shown: (&str, u32), path: &Path) -> Resul
     Ok(())
 }
 
-/// How a picture was made. Frames before this one count where history buffers hold what they left.
+/// Returns the record of a picture. Earlier frames count where history buffers hold their results.
 fn record(side: &Side, shown: (&str, u32)) -> Provenance {
     let mut record = Provenance::new(&side.renderer, &side.renderer.scene().spec, shown, 0);
     let remembers = side.renderer.plan().is_some_and(|plan| !plan.histories.is_empty());
@@ -145,7 +145,7 @@ fn play(
     side: &mut Side,
     frames: u32,
     quits: &AtomicBool,
-    mut told: impl FnMut(u32),
+    mut begins: impl FnMut(u32),
     mut take: impl FnMut(&Side, u32) -> Result<()>,
 ) -> Result<()> {
     let rate = side.renderer.scene().frames_per_second;
@@ -153,7 +153,7 @@ fn play(
         if quits.load(Ordering::Acquire) {
             bail!("the window was closed after {frame} of {frames} frames");
         }
-        told(frame + 1);
+        begins(frame + 1);
         side.renderer.set_time(Some(frame as f32 / rate));
         loop {
             side.frame()?;
@@ -171,7 +171,7 @@ fn sequence(
     pattern: &Path,
     frames: u32,
     quits: &AtomicBool,
-    told: impl FnMut(u32),
+    begins: impl FnMut(u32),
 ) -> Result<String> {
     let text = pattern.to_string_lossy().into_owned();
     let Some(first) = text.find('#') else {
@@ -188,7 +188,7 @@ fn sequence(
         }
         _ => "image",
     };
-    play(side, frames, quits, told, |side, frame| {
+    play(side, frames, quits, begins, |side, frame| {
         write(side, &side.renderer.output(output)?, (output, 0), &path(frame))
     })?;
     Ok(format!("wrote {frames} pictures, the last {}", shown(&path(frames.saturating_sub(1)))))
@@ -200,13 +200,13 @@ fn video(
     path: &Path,
     frames: u32,
     quits: &AtomicBool,
-    told: impl FnMut(u32),
+    begins: impl FnMut(u32),
 ) -> Result<String> {
     folder_of(path)?;
     let (width, height) = side.renderer.size();
     let rate = side.renderer.scene().frames_per_second;
     let unwritten = || format!("the video {} was not written", path.display());
-    let part = Part::of(path).with_context(unwritten)?;
+    let part = Unfinished::of(path).with_context(unwritten)?;
     let beside = part.beside().with_context(|| format!("{} is no file", path.display()))?;
     // The name that it is written under does not say.
     let container = match path.extension().and_then(|ending| ending.to_str()) {
@@ -229,7 +229,7 @@ fn video(
             "videos are encoded by ffmpeg, which cannot be run; a name with #### writes pictures instead",
         )?;
     let mut pipe = ffmpeg.stdin.take().context("ffmpeg takes no pictures")?;
-    let played = play(side, frames, quits, told, |side, _| {
+    let played = play(side, frames, quits, begins, |side, _| {
         let picture = side.picture().context("there is no picture")?;
         let bytes: Vec<u8> = picture.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b()]).collect();
         pipe.write_all(&bytes).context("ffmpeg takes no more pictures")
