@@ -1,79 +1,70 @@
-//! What the user can do: the one table from which keys, palette and help are made.
+//! The actions of the user: the one table from which keys, palette and help are made.
 
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
-/// How two pictures are shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(crate) enum View {
-    /// Side A alone.
-    #[default]
-    One,
-    /// A beside B.
-    Beside,
-    /// A on the left of a line that can be dragged, B on the right.
-    Split,
-    /// A or B, changed by a key.
-    Flicker,
-    /// The absolute difference.
-    Difference,
-    /// ꟻLIP's map of errors.
-    Flip,
-}
-
-impl View {
-    /// All of them, in the order of the interface.
-    pub(crate) const ALL: [View; 6] =
-        [View::One, View::Beside, View::Split, View::Flicker, View::Difference, View::Flip];
-
-    /// Returns the name in the interface, in letters that its font has.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            View::One => "one",
-            View::Beside => "side by side",
-            View::Split => "split",
-            View::Flicker => "flicker",
-            View::Difference => "difference",
-            View::Flip => "FLIP",
+/// Declares an enum whose values the user chooses among, each with its name in the interface.
+macro_rules! choices {
+    ($(#[$about:meta])* $vis:vis enum $name:ident { $($(#[$each:meta])* $value:ident = $text:literal,)+ }) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        $vis enum $name {
+            $($(#[$each])* $value,)+
         }
+
+        impl $name {
+            /// All of them, in the order of the interface.
+            $vis const ALL: &[$name] = &[$($name::$value),+];
+
+            /// Returns the name in the interface, in letters that its font has.
+            $vis fn name(self) -> &'static str {
+                match self {
+                    $($name::$value => $text,)+
+                }
+            }
+        }
+    };
+}
+pub(crate) use choices;
+
+choices! {
+    /// The ways to show two pictures.
+    #[derive(serde::Serialize, serde::Deserialize)]
+    pub(crate) enum View {
+        /// Side A alone.
+        #[default]
+        One = "one",
+        /// A beside B.
+        Beside = "side by side",
+        /// A on the left of a line that can be dragged, B on the right.
+        Split = "split",
+        /// A or B, changed by a key.
+        Flicker = "flicker",
+        /// The absolute difference.
+        Difference = "difference",
+        /// ꟻLIP's map of errors.
+        Flip = "FLIP",
     }
 }
 
-/// The panels on the right.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(crate) enum Tab {
-    /// Times of passes.
-    #[default]
-    Time,
-    /// The graph of passes.
-    Graph,
-    /// The content of a resource.
-    Look,
-    /// Camera, lights and keys.
-    Scene,
-    /// Comparison and reference.
-    Compare,
-    /// Files to write.
-    Write,
-    /// What happened.
-    Log,
-}
-
-impl Tab {
-    /// All of them, in the order of the interface.
-    pub(crate) const ALL: [Tab; 7] =
-        [Tab::Time, Tab::Graph, Tab::Look, Tab::Scene, Tab::Compare, Tab::Write, Tab::Log];
-
-    /// Returns the name in the interface.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Tab::Time => "Time",
-            Tab::Graph => "Graph",
-            Tab::Look => "Look",
-            Tab::Scene => "Scene",
-            Tab::Compare => "Compare",
-            Tab::Write => "Write",
-            Tab::Log => "Log",
-        }
+choices! {
+    /// The panels on the right.
+    #[derive(serde::Serialize, serde::Deserialize)]
+    pub(crate) enum Tab {
+        /// Times of passes.
+        #[default]
+        Time = "Time",
+        /// The graph of passes.
+        Graph = "Graph",
+        /// The content of a resource.
+        Look = "Look",
+        /// Camera, lights and keys.
+        Scene = "Scene",
+        /// Comparison and reference.
+        Compare = "Compare",
+        /// Files to write.
+        Write = "Write",
+        /// Messages.
+        Log = "Log",
     }
 }
 
@@ -124,11 +115,11 @@ pub(crate) enum Action {
     Quit,
 }
 
-/// What an action is called, in one line, and its key.
+/// An action with a line about it, and its key.
 pub(crate) struct Entry {
     /// The action.
     pub(crate) action: Action,
-    /// What it does.
+    /// Describes it in one line.
     pub(crate) about: &'static str,
     /// Its key, if it has one.
     pub(crate) key: Option<KeyboardShortcut>,
@@ -182,7 +173,7 @@ pub(crate) fn table() -> Vec<Entry> {
     ]
 }
 
-/// What the mouse and keys do in the picture, for the help.
+/// The effects of the mouse and of keys in the picture, for the help.
 pub(crate) const IN_THE_PICTURE: [(&str, &str); 8] = [
     ("W A S D, Q E", "Fly; with Shift faster, with Alt slower"),
     ("Right drag", "Look around"),

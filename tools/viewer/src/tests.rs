@@ -119,7 +119,7 @@ fn every_control_has_a_name_and_is_reached_by_the_keyboard() {
     app.engine.send(Command::Value(SideId::B, "lights".to_owned(), Value::U32(16)));
     pump(&mut harness, |app| app.now.side(SideId::B).is_some_and(|side| side.picture.is_some()));
     for tab in Tab::ALL {
-        harness.state_mut().remembered.tab = tab;
+        harness.state_mut().remembered.tab = *tab;
         harness.run_steps(4);
         assert_eq!(harness.unnamed_widgets(), Vec::<String>::new(), "{}", tab.name());
         let wanted = controls(&harness);
@@ -190,7 +190,7 @@ fn values_go_to_the_engine_and_back_to_what_the_file_says() {
     });
     harness.state().engine.send(Command::Reset(SideId::A, "lights".to_owned()));
     pump(&mut harness, |app| lights(app) == Value::U32(1024));
-    // A value that cannot be is told, and the one before stays.
+    // A value that is refused is reported, and the one before stays.
     harness.state().engine.send(Command::Value(SideId::A, "lights".to_owned(), Value::Bool(true)));
     pump(&mut harness, |app| !app.now.troubles.is_empty());
     assert_eq!(lights(harness.state()), Value::U32(1024));

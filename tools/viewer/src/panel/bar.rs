@@ -36,7 +36,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             let view = app.remembered.view;
             ComboBox::from_label("View").selected_text(view.name()).show_ui(ui, |ui| {
                 for view in View::ALL {
-                    ui.selectable_value(&mut app.remembered.view, view, view.name());
+                    ui.selectable_value(&mut app.remembered.view, *view, view.name());
                 }
             });
         }

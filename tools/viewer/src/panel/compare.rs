@@ -35,7 +35,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.separator();
     ui.horizontal_wrapped(|ui| {
         for view in View::ALL {
-            ui.selectable_value(&mut app.remembered.view, view, view.name());
+            ui.selectable_value(&mut app.remembered.view, *view, view.name());
         }
     });
     match app.remembered.view {

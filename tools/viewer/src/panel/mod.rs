@@ -35,7 +35,7 @@ fn choose_side(ui: &mut Ui, sides: &[SideId], chosen: &mut SideId) {
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         for tab in Tab::ALL {
-            ui.selectable_value(&mut app.remembered.tab, tab, tab.name());
+            ui.selectable_value(&mut app.remembered.tab, *tab, tab.name());
         }
     });
     ui.separator();

@@ -1,35 +1,34 @@
-//! How values become colors.
+//! Turns values into colors.
 
+use crate::action::choices;
 use eframe::egui::{Color32, ColorImage};
 use metrics::{Image, srgb_from_linear};
 
-/// What of a texel is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Channel {
-    #[default]
-    Rgb,
-    Red,
-    Green,
-    Blue,
-    Alpha,
-    Luminance,
+choices! {
+    /// The part of a texel that is shown.
+    pub(super) enum Channel {
+        #[default]
+        Rgb = "RGB",
+        Red = "red",
+        Green = "green",
+        Blue = "blue",
+        Alpha = "alpha",
+        Luminance = "luminance",
+    }
+}
+
+choices! {
+    /// The colors of one number.
+    pub(super) enum Palette {
+        #[default]
+        Plain = "plain",
+        Turbo = "turbo",
+        Viridis = "viridis",
+        Signed = "signed",
+    }
 }
 
 impl Channel {
-    pub(super) const ALL: [Channel; 6] =
-        [Channel::Rgb, Channel::Red, Channel::Green, Channel::Blue, Channel::Alpha, Channel::Luminance];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Channel::Rgb => "RGB",
-            Channel::Red => "red",
-            Channel::Green => "green",
-            Channel::Blue => "blue",
-            Channel::Alpha => "alpha",
-            Channel::Luminance => "luminance",
-        }
-    }
-
     /// The one number of a texel; of RGB the luminance.
     fn of(self, pixel: [f32; 4]) -> f32 {
         match self {
@@ -42,30 +41,7 @@ impl Channel {
     }
 }
 
-/// The colors of one number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Palette {
-    #[default]
-    Plain,
-    Turbo,
-    Viridis,
-    Signed,
-}
-
-impl Palette {
-    pub(super) const ALL: [Palette; 4] = [Palette::Plain, Palette::Turbo, Palette::Viridis, Palette::Signed];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Palette::Plain => "plain",
-            Palette::Turbo => "turbo",
-            Palette::Viridis => "viridis",
-            Palette::Signed => "signed",
-        }
-    }
-}
-
-/// How a texture is colored.
+/// The coloring of a texture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Coloring {
     pub(super) channel: Channel,

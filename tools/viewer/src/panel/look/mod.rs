@@ -16,7 +16,7 @@ use frame_graph::plan::Fate;
 use frame_graph::{Plan, ResourceDesc};
 use std::sync::Arc;
 
-/// What is looked at, and how.
+/// The resource that is shown, and its presentation.
 pub(crate) struct Inspector {
     side: SideId,
     name: String,
@@ -27,9 +27,9 @@ pub(crate) struct Inspector {
     coloring: Coloring,
     /// Side of a tile of an atlas in pixels; 0 for the whole texture.
     tile: u32,
-    /// Which tile.
+    /// Index of the tile.
     index: u32,
-    /// What is shown: the frame, the coloring, and what they gave.
+    /// The picture that is shown, with its frame, resource, coloring and version.
     shown: Option<(u64, String, Coloring, u64, Arc<egui::ColorImage>)>,
     versions: u64,
     seen: Rect,
@@ -55,8 +55,8 @@ impl Default for Inspector {
     }
 }
 
-/// What can be looked at in a plan: its outputs, then all resources in the order of passes, then the passes that run only if
-/// they are asked for.
+/// Returns the names that a plan can show: its outputs, then all resources in the order of passes, then the passes that
+/// run only on request.
 fn names(plan: &Plan) -> Vec<String> {
     let outputs = plan.outputs.iter().map(|output| output.name.to_string());
     let made = plan.passes.iter().flat_map(|pass| pass.outputs.iter().flat_map(|port| &port.members));
@@ -78,7 +78,7 @@ impl Inspector {
         self.seen = Rect::NOTHING;
     }
 
-    /// What the engine is to read.
+    /// Returns the resource that the engine is to read.
     pub(crate) fn wanted(&self, now: &Published) -> Option<Look> {
         now.side(self.side)?;
         Some(Look { side: self.side, name: self.name.clone(), layer: self.layer })
@@ -221,13 +221,13 @@ fn controls(inspector: &mut Inspector, ui: &mut Ui, size: (u32, u32)) {
             ui,
             |ui| {
                 for channel in Channel::ALL {
-                    ui.selectable_value(&mut coloring.channel, channel, channel.name());
+                    ui.selectable_value(&mut coloring.channel, *channel, channel.name());
                 }
             },
         );
         ComboBox::from_label("Colors").selected_text(coloring.palette.name()).width(80.0).show_ui(ui, |ui| {
             for palette in Palette::ALL {
-                ui.selectable_value(&mut coloring.palette, palette, palette.name());
+                ui.selectable_value(&mut coloring.palette, *palette, palette.name());
             }
         });
         ui.checkbox(&mut coloring.auto, "Fit range").on_hover_text("From the least to the greatest value");
