@@ -3,7 +3,7 @@
 use crate::action::{Action, Tab, table};
 use crate::app::App;
 use crate::engine::SideId;
-use eframe::egui::{self, Context, Key, RichText, ScrollArea, TextEdit};
+use eframe::egui::{self, Context, Key, RichText, ScrollArea, TextEdit, Vec2, vec2};
 
 /// The palette while it is open.
 #[derive(Debug, Default)]
@@ -16,13 +16,13 @@ pub(crate) struct Palette {
 /// Something that can be chosen.
 #[derive(Clone, Debug, PartialEq)]
 struct Item {
-    /// What kind of thing it is.
+    /// Its kind, in words.
     kind: &'static str,
     /// Its name.
     name: String,
     /// A line about it.
     about: String,
-    /// What choosing it does.
+    /// The effect of choosing it.
     does: Does,
 }
 
@@ -36,6 +36,12 @@ enum Does {
 
 /// The most items that are listed.
 const MOST: usize = 60;
+
+/// The size of the list, if the window has room for it.
+const LIST: Vec2 = vec2(560.0, 380.0);
+
+/// The part of a window that the palette leaves free at both sides, and around the list.
+const FREE: Vec2 = vec2(40.0, 90.0);
 
 fn items(app: &App, context: &Context) -> Vec<Item> {
     let actions = table().into_iter().map(|entry| Item {
@@ -136,8 +142,9 @@ pub(crate) fn show(app: &mut App, context: &Context) {
     palette.chosen =
         palette.chosen.saturating_add(usize::from(down)).min(last).saturating_sub(usize::from(up));
     let mut done = enter.then(|| found.get(palette.chosen).cloned()).flatten();
+    let list = LIST.min(context.content_rect().size() - FREE).max(Vec2::ZERO);
     let modal = egui::Modal::new(egui::Id::unique("palette")).show(context, |ui| {
-        ui.set_width(560.0);
+        ui.set_width(list.x);
         let field = TextEdit::singleline(&mut palette.text)
             .hint_text("A command, pipeline, scene, pass, or the path of a file")
             .desired_width(f32::INFINITY);
@@ -150,9 +157,11 @@ pub(crate) fn show(app: &mut App, context: &Context) {
         if response.changed() {
             palette.chosen = 0;
         }
-        ScrollArea::vertical().max_height(380.0).min_scrolled_height(380.0).auto_shrink([false, false]).show(
-            ui,
-            |ui| {
+        ScrollArea::vertical()
+            .max_height(list.y)
+            .min_scrolled_height(list.y)
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
                 for (i, item) in found.iter().enumerate() {
                     ui.horizontal(|ui| {
                         ui.weak(RichText::new(format!("{:>12}", item.kind)).monospace());
@@ -166,8 +175,7 @@ pub(crate) fn show(app: &mut App, context: &Context) {
                         ui.add(egui::Label::new(RichText::new(&item.about).weak()).truncate());
                     });
                 }
-            },
-        );
+            });
     });
     let ends = escape || modal.should_close() || done.is_some();
     if !ends {

@@ -4,9 +4,9 @@ use crate::action::{Action, Tab, View};
 use crate::app::{App, Remembered};
 use crate::engine::{Command, SideId, Start};
 use eframe::egui::accessibility::is_input;
-use eframe::egui::{Key, Modifiers, Ui};
+use eframe::egui::{Key, Modifiers, Role, Ui, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::NodeT as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use frame_graph::{Overrides, Value};
 use renderer::{Assets, Catalog, Gpu};
 use std::collections::BTreeSet;
@@ -155,6 +155,19 @@ fn the_palette_opens_pipelines_scenes_and_commands_by_the_keyboard() {
     pump(&mut harness, |app| app.now.scene.as_ref().is_some_and(|view| view.scene.name == "plane"));
     by_palette(&mut harness, "show or hide the keys");
     assert!(harness.state().help);
+}
+
+/// The window has its least size.
+#[test]
+fn the_palette_fits_into_a_small_window() {
+    let Some(mut harness) = opened("ism-invtm", "plane") else { return };
+    harness.set_size(vec2(480.0, 320.0));
+    pump(&mut harness, |app| !app.library.pipelines().is_empty());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run_steps(4);
+    let (window, field) =
+        (harness.ctx.content_rect(), harness.get_by_role_and_label(Role::TextInput, "Palette").rect());
+    assert!(window.contains_rect(field), "{field} of {window}");
 }
 
 #[test]

@@ -133,7 +133,7 @@ pub(crate) fn show(app: &mut App, context: &Context) {
     let Some(mut saving) = app.saving.take() else { return };
     let mut done = false;
     let modal = Modal::new(Id::unique("save")).show(context, |ui| {
-        ui.set_width(520.0);
+        ui.set_width(520f32.min(context.content_rect().width() - 40.0));
         let heading = match &saving.what {
             What::Variant(_) => "Save the changed settings as a variant",
             What::Scene(_) => "Save camera, lights and keys",
