@@ -99,7 +99,7 @@ fn a_change_of_exposure_keeps_the_samples() {
     assert!(whole == changed, "the same four samples");
 }
 
-/// What reads no random numbers and no camera is not made again: the maps of the scene's own lights.
+/// A pass that reads no random numbers and no camera does not run again: the maps of the scene's own lights.
 #[test]
 fn a_sample_runs_what_differs_between_samples_alone() {
     let Some(mut renderer) = accumulated("frames=100") else { return };

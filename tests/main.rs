@@ -1,6 +1,6 @@
 //! Tests of the whole program: the command line as a user types it, reload under a running loop, and pictures.
 //!
-//! Where there is no graphics adapter, tests that need one say so and do nothing.
+//! Without a graphics adapter, tests that need one print that and do nothing.
 
 mod accumulated;
 mod adapter;

@@ -99,7 +99,7 @@ fn what_does_not_concern_the_samples_does_not_end_them() {
 }
 
 #[test]
-fn what_moves_begins_anew() {
+fn what_moves_begins_again() {
     let Some(mut renderer) = renderer("reference", "cornell-box-moving", (16, 16), &["samples=12"]) else {
         return;
     };

@@ -154,7 +154,7 @@ fn saved_shaders_reach_the_window_and_broken_ones_keep_the_last_good_picture() {
     tree.save("shaders/tonemap.wgsl", &tonemap);
     tree.save(DISPLAY, &shader);
 
-    // A broken one: told over the picture that stays, and in the terminal.
+    // A broken one: the error is shown over the picture that stays, and in the terminal.
     let line = shader.lines().position(|line| line.contains(SHOWN)).unwrap() + 1;
     viewer.wait_for("reload", |viewer| viewer.reloads() == 5);
     tree.save(DISPLAY, &shader.replace("seen, settings.exposure", "sean, settings.exposure"));
@@ -165,22 +165,22 @@ fn saved_shaders_reach_the_window_and_broken_ones_keep_the_last_good_picture() {
     assert!(white(&broken) > white(&first) + 100, "text is written over the picture");
     let row = SIZE.1 as usize * 4 / 5;
     assert!(below(&broken, row) == below(&first, row), "the last good picture stays");
-    let told = viewer.stderr().len();
+    let length = viewer.stderr().len();
     std::thread::sleep(Duration::from_millis(500));
-    assert_eq!(viewer.stderr().len(), told, "it is told once: {}", viewer.stderr());
+    assert_eq!(viewer.stderr().len(), length, "it is reported once: {}", viewer.stderr());
     tree.save(DISPLAY, &shader);
     viewer.wait_for_same("the mended picture", &first);
 
     // A file that goes and comes back; one that the program has built in too would be read from there.
-    let told = viewer.stderr().len();
+    let length = viewer.stderr().len();
     std::fs::remove_file(tree.at("pipelines/small.ron")).unwrap();
-    viewer.wait_for("message", |viewer| viewer.stderr()[told..].contains("small"));
+    viewer.wait_for("message", |viewer| viewer.stderr()[length..].contains("small"));
     tree.save("pipelines/small.ron", SMALL);
     viewer.wait_for_same("the file that came back", &first);
     viewer.quit();
 }
 
-/// As a branch that is checked out: one reload, and none where every file is as it was.
+/// A checkout of a branch is one reload, and none where every file is as it was.
 #[test]
 fn a_hundred_files_at_once_are_one_reload() {
     let Some(_turn) = turn() else { return };
@@ -287,7 +287,7 @@ fn no_edit_ends_the_session() {
         let changed = originals[which].replace(from, to);
         assert!(changed != originals[which], "{name} has {from:?}");
         let done = edit(&tree, &mut random, name, &originals[which], &changed, sound);
-        assert!(viewer.ended().is_none(), "after edit {number}: {done}\n{}", viewer.told());
+        assert!(viewer.ended().is_none(), "after edit {number}: {done}\n{}", viewer.printed());
         // Many in the same breath, many while the one before is being taken in, some with time for that.
         match random.below(3) {
             0 => std::thread::sleep(Duration::from_millis(random.next() % 20)),
@@ -310,7 +310,7 @@ fn no_edit_ends_the_session() {
     viewer.quit();
 }
 
-/// What a slider found becomes a file that every command takes.
+/// A value that was found by a slider becomes a file that every command takes.
 #[test]
 fn what_a_slider_found_is_saved_as_a_variant() {
     let Some(_turn) = turn() else { return };
@@ -343,13 +343,13 @@ fn what_a_slider_found_is_saved_as_a_variant() {
     assert!(text.contains("small") && text.contains("extends"), "{text}");
     let file = file.to_string_lossy();
     let checked = tree.lightloom(&["check", &file]);
-    let told = [&checked.stdout[..], &checked.stderr].map(String::from_utf8_lossy).concat();
-    assert!(checked.status.success(), "{told}");
+    let printed = [&checked.stdout[..], &checked.stderr].map(String::from_utf8_lossy).concat();
+    assert!(checked.status.success(), "{printed}");
     let plain = tree.rendered("small", (96, 64));
     assert!(tree.rendered(&file, (96, 64)) != plain, "the variant looks different: {text}");
 }
 
-/// Where nobody could see a window, it is said what to do instead.
+/// Without a display, the program prints what to do instead.
 #[test]
 fn without_a_display_it_names_another_way() {
     let done = Command::new(env!("CARGO_BIN_EXE_lightloom"))
@@ -360,10 +360,10 @@ fn without_a_display_it_names_another_way() {
         .env_remove("WAYLAND_SOCKET")
         .output()
         .unwrap();
-    let told = String::from_utf8_lossy(&done.stderr);
-    assert_eq!(done.status.code(), Some(1), "{told}");
-    assert!(told.contains("lightloom render") && told.contains("--watch"), "{told}");
-    assert!(!told.contains("panicked"), "{told}");
+    let printed = String::from_utf8_lossy(&done.stderr);
+    assert_eq!(done.status.code(), Some(1), "{printed}");
+    assert!(printed.contains("lightloom render") && printed.contains("--watch"), "{printed}");
+    assert!(!printed.contains("panicked"), "{printed}");
 }
 
 /// Pipeline, scene and camera come back at the next start.

@@ -74,7 +74,7 @@ impl Tree {
         command.output().unwrap()
     }
 
-    /// What `lightloom render` makes for a screen.
+    /// Returns the picture that `lightloom render` makes for a screen.
     pub(super) fn rendered(&self, pipeline: &str, (width, height): (u16, u16)) -> Image {
         let (file, size) = (self.at("rendered.png"), format!("{width}x{height}"));
         let out = file.to_string_lossy();
@@ -120,7 +120,7 @@ impl Home {
 /// The program while its window is open.
 pub(super) struct Viewer {
     pub(super) window: Window,
-    /// How long a picture must stay the same before it counts as the last one: longer than steps of the program take, by
+    /// The time for which a picture must stay the same before it counts as the last one: longer than steps of the program take, by
     /// how long it took to start.
     still: Duration,
     pub(super) program: RefCell<Child>,
@@ -137,7 +137,7 @@ impl Viewer {
         (width, height): (u16, u16),
     ) -> Option<Viewer> {
         let display = Display::start()?;
-        let told = |name: &str| std::fs::File::create(home.at(name)).unwrap();
+        let file = |name: &str| std::fs::File::create(home.at(name)).unwrap();
         let start = Instant::now();
         let mut program = Command::new(env!("CARGO_BIN_EXE_lightloom"))
             .arg("view")
@@ -153,8 +153,8 @@ impl Viewer {
             .env("XDG_DATA_HOME", home.0.path())
             .env("XDG_RUNTIME_DIR", home.0.path())
             .stdin(Stdio::null())
-            .stdout(told("stdout"))
-            .stderr(told("stderr"))
+            .stdout(file("stdout"))
+            .stderr(file("stderr"))
             .spawn()
             .unwrap();
         let window = display.wait_for_window("Lightloom", PATIENCE);
@@ -180,17 +180,17 @@ impl Viewer {
         Some(viewer)
     }
 
-    /// What it has printed.
+    /// Returns its standard output.
     pub(super) fn stdout(&self) -> String {
         std::fs::read_to_string(self.home.join("stdout")).unwrap()
     }
 
-    /// The errors that it has printed.
+    /// Returns its standard error.
     pub(super) fn stderr(&self) -> String {
         std::fs::read_to_string(self.home.join("stderr")).unwrap()
     }
 
-    /// How often it has said that files were read again.
+    /// Returns the number of reloads that it has reported.
     pub(super) fn reloads(&self) -> usize {
         self.stdout().lines().filter(|line| line.contains("read again")).count()
     }
@@ -202,7 +202,7 @@ impl Viewer {
     /// Waits until the window shows what is wanted.
     pub(super) fn wait_for_picture(&self, what: &str, seen: impl FnMut(&Image) -> bool) -> Image {
         let found = self.window.wait_until(PATIENCE, seen);
-        found.unwrap_or_else(|error| panic!("{what}: {error}\n{}", self.told()))
+        found.unwrap_or_else(|error| panic!("{what}: {error}\n{}", self.printed()))
     }
 
     /// Waits until the window shows this picture, bit for bit.
@@ -240,18 +240,18 @@ impl Viewer {
     pub(super) fn wait_for(&self, what: &str, ready: impl Fn(&Viewer) -> bool) {
         let start = Instant::now();
         while !ready(self) {
-            assert!(start.elapsed() < PATIENCE, "no {what} in {PATIENCE:?}\n{}", self.told());
+            assert!(start.elapsed() < PATIENCE, "no {what} in {PATIENCE:?}\n{}", self.printed());
             std::thread::sleep(Duration::from_millis(20));
         }
     }
 
-    /// How it has ended; `None` while it runs.
+    /// Returns its exit status; `None` while it runs.
     pub(super) fn ended(&self) -> Option<ExitStatus> {
         self.program.borrow_mut().try_wait().unwrap()
     }
 
     /// All that is known, for the message of a test that fails.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn printed(&self) -> String {
         let ended = self.ended().map_or("it runs".to_owned(), |status| status.to_string());
         format!("{ended}\n{}{}", self.stdout(), self.stderr())
     }
@@ -260,7 +260,7 @@ impl Viewer {
     pub(super) fn quit(self) {
         self.key("ctrl+q");
         self.wait_for("end after Ctrl-Q", |viewer| viewer.ended().is_some());
-        assert!(self.ended().is_some_and(|status| status.success()), "{}", self.told());
+        assert!(self.ended().is_some_and(|status| status.success()), "{}", self.printed());
     }
 }
 

@@ -13,7 +13,7 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 const MOST_IN_LEAF: usize = 3;
 /// A tree over more triangles is optimised less, so that the time of building grows with their number alone.
 const FULLY_OPTIMISED: f32 = 2e5;
-/// By how much boxes are thickened while they are clustered, as a share of half the scene's extent. The area of a
+/// The margin of boxes while they are clustered, as a share of half the scene's extent. The area of a
 /// flat box does not distinguish a strip from a square, so that clusters on walls of equal triangles became strips and
 /// rays visited √n nodes; that of a box with a thickness grows with its perimeter too.
 const THICKNESS: f32 = 1e-5;

@@ -33,7 +33,7 @@ pub const MOST_TRIANGLES: usize = Child::END as usize / 2;
 /// Size of a triangle in [`Bvh::bytes`], in bytes. Nodes come on top.
 pub const TRIANGLE_BYTES: u64 = size_of::<BvhItem>() as u64;
 
-/// By how much boxes are larger than their triangles, in units of the farthest coordinate of the scene: for
+/// The margin of boxes around their triangles, in units of the farthest coordinate of the scene: for
 /// rays that lie in the plane of a side, one spacing of floats; for the origin of a node's boxes, which is
 /// rounded, half of one; and for its distance along a ray, to which multiples of the unit are added, up to
 /// three.

@@ -27,7 +27,7 @@ impl Renderer {
     /// the GPU.
     ///
     /// # Errors
-    /// Where the device is gone.
+    /// The device is gone.
     pub fn figures(&self) -> Result<Vec<PortFigures>, RenderError> {
         let Some(plan) = self.plan() else { return Ok(Vec::new()) };
         let mut all = Vec::new();

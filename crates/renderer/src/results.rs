@@ -11,7 +11,7 @@ impl Renderer {
     /// Returns an output of the pipeline as a picture: the first layer of its first texture.
     ///
     /// # Errors
-    /// Where there is no such output, it is no picture, or the device is gone.
+    /// There is no such output, it is no picture, or the device is gone.
     pub fn output(&self, name: &str) -> Result<Image, RenderError> {
         self.resource_picture(self.find_output(name)?, 0)
     }
@@ -44,7 +44,7 @@ impl Renderer {
     /// in any case.
     ///
     /// # Errors
-    /// Where there is no such resource; and as [`Renderer::set_pipeline`].
+    /// There is no such resource; and as [`Renderer::set_pipeline`].
     pub fn keep(&mut self, name: &str) -> Result<(), RenderError> {
         let mut kept = self.options.keep.clone();
         kept.extend(self.to_keep(name)?);
@@ -93,7 +93,7 @@ impl Renderer {
     /// offers.
     ///
     /// # Errors
-    /// Where there is none.
+    /// There is none.
     pub fn find(&self, name: &str) -> Result<ResourceId, RenderError> {
         let plan = self.plan().ok_or(RenderError::NoPipeline)?;
         let (pass, rest) = name.split_once('.').unwrap_or((name, ""));
@@ -114,7 +114,7 @@ impl Renderer {
     /// Returns the resource of an output of the pipeline: the first of its interface.
     ///
     /// # Errors
-    /// Where there is no such output, or it has no resource.
+    /// There is no such output, or it has no resource.
     pub fn find_output(&self, name: &str) -> Result<ResourceId, RenderError> {
         let output = self.planned_output(name)?;
         output.members.first().map(|(_, resource)| *resource).ok_or_else(|| RenderError::NoPicture {
@@ -126,7 +126,7 @@ impl Renderer {
     /// Returns the bytes of a resource of the plan: rows and layers without padding.
     ///
     /// # Errors
-    /// Where there is none, or the device is gone.
+    /// There is none, or the device is gone.
     pub fn resource_bytes(&self, id: ResourceId) -> Result<Vec<u8>, RenderError> {
         Ok(self.executor.read(id)?)
     }
@@ -134,7 +134,7 @@ impl Renderer {
     /// Returns a layer of a texture of the plan as a picture.
     ///
     /// # Errors
-    /// Where the resource is no texture or has no such layer, or the device is gone.
+    /// The resource is no texture or has no such layer, or the device is gone.
     pub fn resource_picture(&self, id: ResourceId, layer: u32) -> Result<Image, RenderError> {
         let plan = self.plan().ok_or(RenderError::NoPipeline)?;
         let resource = &plan.resources[id.0 as usize];
@@ -153,7 +153,7 @@ impl Renderer {
     /// `None` where it has none, and so is complete after every frame. Waits for the GPU.
     ///
     /// # Errors
-    /// Where the output is no buffer of a struct Progress (crates/interfaces/progress), or the device is gone.
+    /// The output is no buffer of a struct Progress (crates/interfaces/progress), or the device is gone.
     pub fn progress(&self) -> Result<Option<Progress>, RenderError> {
         let Some(output) = self.plan().and_then(|plan| plan.output("progress")) else { return Ok(None) };
         let Some((_, resource)) = output.members.first() else { return Ok(None) };
@@ -166,7 +166,7 @@ impl Renderer {
     /// Returns the texture of an output, for an application that draws with it.
     ///
     /// # Errors
-    /// Where there is no such output or it is no texture.
+    /// There is no such output, or it is no texture.
     pub fn output_texture(&self, name: &str) -> Result<&wgpu::TextureView, RenderError> {
         let output = self.planned_output(name)?;
         match output.members.first().and_then(|(_, resource)| self.executor.object(*resource)) {

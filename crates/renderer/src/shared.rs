@@ -19,7 +19,7 @@ impl SharedScene {
     /// Uploads a scene.
     ///
     /// # Errors
-    /// Where the scene is larger than the adapter can bind, and the driver's error for its buffers and textures.
+    /// The scene is larger than the adapter can bind; or the driver's error for its buffers and textures.
     pub fn new(gpu: &Gpu, scene: Scene) -> Result<SharedScene, RenderError> {
         let bytes = size_of_val(scene.vertices.as_slice()).max(size_of_val(scene.indices.as_slice())) as u64;
         gpu.check_storage(&format!("the geometry of `{}`", scene.name), bytes)?;

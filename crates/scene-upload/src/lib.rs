@@ -40,7 +40,7 @@ pub struct SceneView {
     /// The lights of the last update: if they are unchanged, so are their bytes.
     seen_lights: Vec<scene::Light>,
     previous_camera: Option<scene::Camera>,
-    /// Where the samples lie, from the centres of their pixels \[px\].
+    /// The place of the samples, from the centres of their pixels \[px\].
     jitter: Vec2,
     /// The structures through which the steps of this view's pipeline trace rays.
     wanted: Wanted,
@@ -145,7 +145,7 @@ impl SceneView {
     /// Writes the data that a frame needs, and adds to `change` what has changed in it.
     ///
     /// # Errors
-    /// Those of [`SceneView::provide`], if a structure grows as geometry moves.
+    /// The errors of [`SceneView::provide`], if a structure grows as geometry moves.
     pub fn update(
         &mut self,
         executor: &mut Executor,

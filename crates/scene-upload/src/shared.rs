@@ -26,7 +26,7 @@ pub struct SceneOnGpu {
 
 #[derive(Debug)]
 struct State {
-    /// By the names of the globals: the objects, each with the value of `made` when it was created.
+    /// The objects by the names of their globals, each with the value of `made` when it was created.
     scene_bindings: Vec<(&'static str, SceneBinding, u64)>,
     /// Increases whenever a scene binding is created.
     made: u64,

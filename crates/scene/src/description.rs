@@ -15,7 +15,7 @@ pub(crate) use grammar::parse;
 /// lights, and of objects that are not within another.
 #[derive(Clone, Debug)]
 pub(crate) struct Description {
-    /// What the scene shows, in one line.
+    /// A line about the scene.
     pub(crate) about: String,
     pub(crate) geometry: Geometry,
     /// Replaces the camera of the geometry; `near` is 0 if the file leaves it to be derived from the extent.

@@ -46,7 +46,7 @@ pub(crate) struct Imported {
 
 /// Reads a `.glb` or `.gltf` file, with the buffers and images that it names.
 ///
-/// What it becomes is counted in `budget`; its files are in its own folder or in `roots`.
+/// Its bytes in memory are counted in `budget`; its files are in its own folder or in `roots`.
 pub(crate) fn import(path: &Path, roots: &[PathBuf], budget: &Budget) -> Result<Imported, SceneError> {
     let bytes = read_file(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => {

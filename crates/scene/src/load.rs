@@ -84,7 +84,7 @@ fn roots(files: &dyn SceneFiles) -> Vec<PathBuf> {
 /// Returns the `about` line of a scene file, without loading its geometry: for lists of scenes.
 ///
 /// # Errors
-/// Those of [`load`] that concern the description.
+/// The errors of [`load`] that concern the description.
 pub fn about(spec: &str, files: &dyn SceneFiles) -> Result<String, SceneError> {
     Ok(parse(&find(spec, files)?.0, None, DVec3::ZERO)?.about)
 }
@@ -308,7 +308,7 @@ mod tests {
 
     impl SceneFiles for NoFiles {}
 
-    /// Whatever is placed takes of the budget, so a scene that is assembled again takes more.
+    /// Each placed model takes bytes of the budget, so a scene that is assembled again takes more.
     #[test]
     fn a_scene_is_assembled_once_wherever_it_lies() {
         let folder = tempfile::tempdir().unwrap();

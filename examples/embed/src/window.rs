@@ -11,7 +11,7 @@ use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::keyboard::{Key, NamedKey};
 use winit::window::{Window, WindowAttributes, WindowId};
 
-/// What is drawn in the window.
+/// A picture that is drawn in the window.
 pub(crate) trait Program: Sized {
     /// Is called once, with the size of the window in pixels.
     fn new(graphics: &Graphics, size: (u32, u32)) -> Result<Self>;
@@ -23,7 +23,7 @@ pub(crate) trait Program: Sized {
     fn draw(&mut self, graphics: &Graphics, target: &wgpu::TextureView, seconds: f32) -> Result<()>;
 }
 
-/// What a program draws with.
+/// The device and the target of a program that draws.
 pub(crate) struct Graphics {
     pub(crate) adapter: wgpu::Adapter,
     pub(crate) device: wgpu::Device,
@@ -145,7 +145,7 @@ impl<P: Program> Open<P> {
     }
 }
 
-/// What winit calls.
+/// The application that winit calls.
 struct App<P> {
     title: &'static str,
     describe: Describe,

@@ -33,7 +33,7 @@ impl Running {
     }
 }
 
-/// How much of the picture between two parts of its width satisfies this, of 1.
+/// Returns the share of the picture between two parts of its width that satisfies this.
 fn share(image: &Image, from: f64, to: f64, is: impl Fn([f32; 4]) -> bool) -> f64 {
     let width = image.width() as f64;
     let columns = (width * from) as usize..(width * to) as usize;

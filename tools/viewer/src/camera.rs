@@ -3,7 +3,7 @@
 use glam::{Mat3, Quat, Vec2, Vec3};
 use scene::Camera;
 
-/// How near to the poles of `up` a camera may look \[rad\].
+/// The least angle between the direction of a camera and the poles of `up` \[rad\].
 const POLE: f32 = 0.02;
 
 /// Turns a camera in place: right and down \[rad\].

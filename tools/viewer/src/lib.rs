@@ -29,7 +29,7 @@ use renderer::Catalog;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What the window shows at first.
+/// The content of the window at first.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// All files.
@@ -42,11 +42,11 @@ pub struct Options {
     pub overrides: Overrides,
     /// Seed of all random numbers.
     pub seed: u32,
-    /// Where the state of the window is kept; `None` for the user's data folder.
+    /// The file for the state of the window; `None` for the user's data folder.
     pub state: Option<PathBuf>,
 }
 
-/// Why there is no window.
+/// The reason why there is no window.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
     /// The system has no display that a window could be on.
@@ -70,7 +70,7 @@ fn has_display() -> bool {
         || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named)
 }
 
-/// How the window is presented: without waiting for the screen, which takes a tenth of a second where the driver renders on the
+/// Returns the options to present frames: without waiting for the screen, which takes a tenth of a second where the driver renders on the
 /// processor. Nothing is drawn unless something changed.
 fn surface() -> eframe::egui_wgpu::WgpuConfiguration {
     let mut options = eframe::egui_wgpu::WgpuConfiguration::default();
@@ -81,7 +81,7 @@ fn surface() -> eframe::egui_wgpu::WgpuConfiguration {
 /// Opens the window, and returns when it is closed.
 ///
 /// # Errors
-/// Where there is no display, or no adapter that can draw a window.
+/// There is no display, or no adapter that can draw a window.
 pub fn run(options: Options) -> Result<(), ViewError> {
     if !has_display() {
         return Err(ViewError::NoDisplay);

@@ -2,8 +2,9 @@
 //!
 //! The shader of egui-wgpu 0.37 has a branch on a uniform: one side samples a texture, the other filters by hand for
 //! tests. A driver that renders on the processor computes both for each pixel: a frame of 1280×800 takes 74 ms, and 16 ms
-//! without the branch. No option of egui-wgpu removes it. Here the shapes of a frame become one callback of egui-wgpu,
-//! which draws them by `painter.wgsl`, with the textures that egui-wgpu keeps.
+//! without the branch. No option of egui-wgpu removes it: `RendererOptions` set the uniform, and the shader is fixed. Here
+//! the shapes of a frame become one callback of egui-wgpu, which draws them by `painter.wgsl`, with the textures that
+//! egui-wgpu keeps.
 
 use eframe::egui::emath::TSTransform;
 use eframe::egui::epaint::mutex::RwLock;
@@ -135,7 +136,7 @@ struct Frame {
     uploaded: OnceLock<Uploaded>,
 }
 
-/// What is on the device of a frame.
+/// The objects of a frame on the device.
 struct Uploaded {
     screen: ScreenDescriptor,
     screen_group: wgpu::BindGroup,
@@ -242,7 +243,7 @@ mod tests {
     }
 
     impl Drawn {
-        /// As eframe draws a window of a size in pixels, with this painter or without; `None` where there is no adapter.
+        /// Draws as eframe does into a window of a size in pixels, with this painter or without; `None` without an adapter.
         fn new(size: [u32; 2], painted: bool) -> Option<Drawn> {
             if Gpu::adapters().is_empty() {
                 eprintln!("skipped: no graphics adapter");

@@ -6,7 +6,7 @@ use glam::Vec3;
 use scene::{Camera, Light};
 use std::time::{Duration, Instant};
 
-/// How long a jump to a point takes.
+/// The duration of a jump to a point.
 const FLIGHT: Duration = Duration::from_millis(350);
 
 /// Who flies.

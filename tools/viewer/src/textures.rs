@@ -5,14 +5,14 @@ use eframe::egui::{ColorImage, Context, TextureFilter, TextureHandle, TextureOpt
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What a texture shows.
+/// The content of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Shown {
     /// The picture of a side.
     Side(SideId),
-    /// What differs.
+    /// The picture of differences.
     Map,
-    /// What is looked at.
+    /// The resource of the inspector.
     Looked,
 }
 

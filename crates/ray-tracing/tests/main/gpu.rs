@@ -13,7 +13,7 @@ wgsl_structs::wgsl! {
     }
 }
 
-/// How the shader traces rays: by the hierarchy, and by ray queries where the adapter has them.
+/// The ways in which the shader traces rays: by the hierarchy, and by ray queries where the adapter has them.
 fn ways() -> Vec<&'static str> {
     let queries = pass_test::gpu().is_some_and(|gpu| gpu.has_ray_queries());
     if !queries {

@@ -36,7 +36,7 @@ fn triangles_may_lose_and_gain_area() {
 }
 
 #[test]
-fn a_tree_that_has_become_bad_is_built_anew() {
+fn a_tree_that_has_become_bad_is_rebuilt() {
     let rest = Mesh::sphere(20, Vec3::ZERO);
     let mut bvh = rest.bvh();
     let cost = bvh.cost();

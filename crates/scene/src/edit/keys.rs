@@ -12,9 +12,9 @@ use std::path::Path;
 /// The keys of a scene file, by rising times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneKeys {
-    /// Those of the camera.
+    /// The keys of the camera.
     pub camera: Vec<CameraKey>,
-    /// Those of lights, by name.
+    /// The keys of lights, by name.
     pub lights: BTreeMap<String, Vec<LightKey>>,
 }
 
@@ -22,7 +22,7 @@ pub struct SceneKeys {
 /// the scene that it makes; a key has what the file sets at its time.
 ///
 /// # Errors
-/// A file that cannot be read, and all that is wrong in it.
+/// A file that cannot be read, and all its errors.
 pub fn keys_of(path: &Path, origin: DVec3) -> Result<SceneKeys, SceneError> {
     let text =
         fs::read_to_string(path).map_err(|error| SceneError::Unreadable { path: path.into(), error })?;

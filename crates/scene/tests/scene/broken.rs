@@ -63,7 +63,7 @@ pub(crate) fn sample() -> Glb {
     glb
 }
 
-/// Whatever comes of it must hold together.
+/// Checks that the result is an error, or a scene that holds together.
 pub(crate) fn assert_sound(result: Result<Scene, SceneError>) -> Result<(), TestCaseError> {
     let scene = match result {
         Ok(scene) => scene,

@@ -148,7 +148,7 @@ fn emitters_count_by_power_and_paths_sample_the_brighter_ones() {
     assert!(probabilities(&scene.emitters()).iter().all(|[photons, _]| (photons - 1.0 / 6.0).abs() < 1e-6));
 }
 
-/// However much they emit, and however small they are.
+/// The triangles emit any power, and are of any size.
 #[test]
 fn tables_of_extreme_emitters_rise_to_the_end() {
     for emission in [1e-38, 1e37, f32::MAX] {

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Numbers that change more often cannot be read.
 const INTERVAL: Duration = Duration::from_millis(300);
 
-/// What is compared.
+/// The measures that are requested.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Measures {
     /// Whether errors are computed: of A and B against the reference where there is one, else of A against B.
@@ -22,7 +22,7 @@ pub(crate) struct Measures {
     pub(crate) gain: f32,
 }
 
-/// A picture of what differs between two.
+/// A picture of the differences between two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Map {
     /// The absolute difference, times a gain.
@@ -34,9 +34,9 @@ pub(crate) enum Map {
 /// The errors of a picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Errors {
-    /// Whose picture.
+    /// The side of the picture.
     pub(crate) of: SideId,
-    /// What it is compared with.
+    /// The side that it is compared with.
     pub(crate) to: SideId,
     /// [`Pair::rmse`].
     pub(crate) rmse: f64,
@@ -73,7 +73,7 @@ pub(super) struct Measuring {
     results: Receiver<Measured>,
     /// Whether the thread has something to do.
     under_way: bool,
-    /// What was compared last: the versions of the pictures.
+    /// The last comparison: its measures, and the versions of the pictures.
     compared: Option<(Measures, Vec<(SideId, u64)>)>,
     last: Instant,
     count: u64,

@@ -26,10 +26,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How long a window that is closed waits for the engine.
+/// The longest time for which a window that is closed waits for the engine.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// What a session begins with.
+/// The state in which a session begins.
 #[derive(Clone, Debug)]
 pub(crate) struct Start {
     /// All files.
@@ -124,7 +124,7 @@ impl Drop for Engine {
     }
 }
 
-/// Where a session publishes.
+/// Publishes the state of a session.
 pub(crate) struct Publisher {
     published: Arc<Mutex<Published>>,
     repaint: Box<dyn Fn() + Send>,
@@ -137,7 +137,7 @@ impl Publisher {
         (self.repaint)();
     }
 
-    /// Says what takes long at the moment; `None` when it is done.
+    /// Publishes the step that takes long at the moment; `None` when it is done.
     pub(crate) fn stage(&self, stage: Option<String>) {
         self.with(|published| published.stage = stage.map(Stage::new));
     }

@@ -1,4 +1,4 @@
-//! What the interface tells the engine, and what the engine tells the interface.
+//! The commands that the interface sends to the engine, and the state that the engine publishes.
 
 use super::jobs::Job;
 use super::measure::{Measured, Measures};
@@ -64,7 +64,7 @@ pub(crate) enum Command {
     Look(Option<Look>),
     /// Whether the virtual lights of side A are read back.
     VirtualLights(bool),
-    /// Which pictures are compared.
+    /// Sets the measures that are computed.
     Measure(Measures),
     /// Whether each pass is timed.
     Timing(bool),
@@ -77,7 +77,7 @@ pub(crate) enum Command {
 /// A resource to look at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Look {
-    /// Whose.
+    /// The side of the resource.
     pub(crate) side: SideId,
     /// An output of the pipeline, or `pass`, `pass.port`, `pass.member`.
     pub(crate) name: String,
@@ -88,7 +88,7 @@ pub(crate) struct Look {
 /// The content of a resource.
 #[derive(Clone, Debug)]
 pub(crate) struct Looked {
-    /// What was asked for.
+    /// The request.
     pub(crate) look: Look,
     /// The full name of the resource.
     pub(crate) resource: String,
@@ -125,7 +125,7 @@ impl Command {
 /// Something that is wrong, until it is mended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Trouble {
-    /// What it concerns: `A`, `B`, `reference`, `scene`.
+    /// Its subject: `A`, `B`, `reference`, `scene`.
     pub(crate) of: &'static str,
     /// The text, of several lines.
     pub(crate) text: String,
@@ -143,8 +143,8 @@ impl Trouble {
 /// Something that happened.
 #[derive(Clone, Debug)]
 pub(crate) struct Message {
-    /// When it was told.
-    pub(crate) told: Instant,
+    /// The time of the message.
+    pub(crate) time: Instant,
     /// One line, or an error of several.
     pub(crate) text: String,
     /// Whether it is an error.
@@ -165,7 +165,7 @@ pub(crate) struct SceneView {
 pub(crate) struct SideView {
     /// Name or path.
     pub(crate) name: String,
-    /// What it renders, in one line.
+    /// A line about it.
     pub(crate) about: String,
     /// Values that were set.
     pub(crate) overrides: Overrides,
@@ -187,7 +187,7 @@ pub(crate) struct SideView {
     pub(crate) times: Arc<Vec<PassTimes>>,
     /// The time of whole frames: from the call to pixels in memory.
     pub(crate) whole: PassTimes,
-    /// How far a result is that takes several frames.
+    /// The progress of a result that takes several frames.
     pub(crate) progress: Option<Progress>,
     /// Whether nothing runs, because nothing changes.
     pub(crate) idle: bool,
@@ -208,7 +208,7 @@ impl Stage {
         Stage { text, begun: Instant::now() }
     }
 
-    /// Says what it is, and for how long it has lasted, once that is more than a moment.
+    /// Describes it, with its duration once that is a second.
     pub(crate) fn describe(&self) -> String {
         match self.begun.elapsed().as_secs() {
             0 => format!("{}…", self.text),
@@ -217,14 +217,14 @@ impl Stage {
     }
 }
 
-/// What the engine has published.
+/// The state that the engine has published.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Published {
     /// Adapter and driver.
     pub(crate) adapter: String,
     /// Whether the adapter is a processor: pictures are smaller there unless the user says otherwise.
     pub(crate) on_cpu: bool,
-    /// What takes long at the moment.
+    /// The step that takes long at the moment.
     pub(crate) stage: Option<Stage>,
     /// Why there is no session.
     pub(crate) fatal: Option<String>,
@@ -246,9 +246,9 @@ pub(crate) struct Published {
     pub(crate) look_error: Option<String>,
     /// The virtual lights of side A, and whether each differs from the frame before.
     pub(crate) virtual_lights: Arc<Vec<(VirtualLight, bool)>>,
-    /// What is wrong now.
+    /// The errors that are not mended yet.
     pub(crate) troubles: Vec<Trouble>,
-    /// What happened, the newest last.
+    /// The messages, the newest last.
     pub(crate) messages: Arc<VecDeque<Message>>,
     /// The newest comparison.
     pub(crate) measured: Option<Arc<Measured>>,
@@ -273,6 +273,6 @@ impl Published {
         if messages.len() == MOST_MESSAGES {
             messages.pop_front();
         }
-        messages.push_back(Message { told: Instant::now(), text, error });
+        messages.push_back(Message { time: Instant::now(), text, error });
     }
 }

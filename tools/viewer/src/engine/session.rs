@@ -3,7 +3,7 @@
 mod frames;
 mod lost;
 mod reload;
-mod told;
+mod report;
 
 use super::jobs;
 use super::measure::Measuring;
@@ -15,22 +15,22 @@ use frame_graph::{LinkContext, Overrides};
 use interfaces::virtual_lights::VirtualLight;
 use renderer::wgpu;
 use renderer::{Catalog, Compiled, Gpu, RenderError, Renderer, SharedScene, compile_options, load_scene};
+use report::report;
 use scene::{Camera, Light};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
-use told::report;
 
 pub(super) use lost::Lost;
 
-/// How long a session that has nothing to do sleeps before it asks about files.
-const NAP: Duration = Duration::from_millis(5);
+/// The time after which a session that has nothing to do asks about files.
+const IDLE: Duration = Duration::from_millis(5);
 
 /// Frames follow each other no faster than screens show them.
 const FRAME: Duration = Duration::from_micros(16_000);
 
-/// How long nothing may move before the reference goes on.
+/// The time without movement after which the reference goes on.
 const STILL: Duration = Duration::from_millis(250);
 
 /// A file that is older was not written just now, but moved to its place.
@@ -39,7 +39,7 @@ const RECENT: Duration = Duration::from_secs(10);
 /// The scene of a session until there is one.
 const NOTHING: &str = "empty";
 
-/// How long it is told that a value was refused.
+/// The time for which the message about a refused value stays visible.
 const REFUSED: Duration = Duration::from_secs(8);
 
 pub(super) struct Session {
@@ -65,13 +65,13 @@ pub(super) struct Session {
     lights_before: Vec<VirtualLight>,
     timed: bool,
     measuring: Measuring,
-    /// When frames of A were made, within the last second; the last two in any case.
+    /// The times of the frames of A within the last second; the last two in any case.
     made: Vec<Instant>,
     /// The next frame is not before.
     due: Instant,
 }
 
-/// What the loop does next.
+/// Decides whether the loop goes on.
 enum Next {
     GoOn,
     Quit,
@@ -81,7 +81,7 @@ impl Session {
     /// Opens the adapter, loads the scene and the pipeline.
     ///
     /// # Errors
-    /// Where there is no adapter. A scene or a pipeline that is wrong is told, and waited for.
+    /// There is no adapter. An invalid scene or pipeline is reported, and waited for.
     pub(super) fn open(start: Start, publisher: &Publisher) -> Result<Session, RenderError> {
         publisher.stage(Some(format!("Opening the adapter and loading {}", start.scene)));
         let Start { catalog, pipeline, scene, overrides, size, seed } = start;
@@ -91,7 +91,7 @@ impl Session {
             let loaded = load_scene(&catalog, &scene);
             if let Ok(loaded) = &loaded {
                 let context = LinkContext { frame: size, traits: loaded.traits() };
-                // The catalog keeps the shaders; whatever is wrong is told when the pipeline is set.
+                // The catalog keeps the shaders; errors are reported when the pipeline is set.
                 let _ = Compiled::new(&catalog, &pipeline, &overrides, &context, &compile_options());
             }
             (gpu.join(), loaded)
@@ -133,7 +133,7 @@ impl Session {
         });
         match wrong {
             None => {
-                session.tell_scene(publisher);
+                session.publish_scene(publisher);
                 session.set_pipeline(SideId::A, &pipeline, &overrides, publisher);
             }
             Some(error) => {
@@ -160,7 +160,7 @@ impl Session {
     ) -> Option<Lost> {
         loop {
             let idle = !self.busy() && batch.is_empty();
-            let wait = if idle { NAP } else { self.due.saturating_duration_since(Instant::now()) };
+            let wait = if idle { IDLE } else { self.due.saturating_duration_since(Instant::now()) };
             let first = match commands.recv_timeout(wait) {
                 Ok(command) => Some(command),
                 Err(RecvTimeoutError::Timeout) => None,
@@ -173,7 +173,7 @@ impl Session {
                 if batch.iter().any(|later| later.supersedes(&command)) {
                     continue;
                 }
-                if let Next::Quit = self.obey(command, quits, publisher) {
+                if let Next::Quit = self.execute(command, quits, publisher) {
                     return None;
                 }
             }
@@ -208,7 +208,7 @@ impl Session {
         self.sides.iter_mut().for_each(|(_, side)| side.wake());
     }
 
-    fn obey(&mut self, command: Command, quits: &AtomicBool, publisher: &Publisher) -> Next {
+    fn execute(&mut self, command: Command, quits: &AtomicBool, publisher: &Publisher) -> Next {
         match command {
             Command::Quit => return Next::Quit,
             Command::Pipeline(side, name, overrides) => self.set_pipeline(side, &name, &overrides, publisher),
@@ -319,13 +319,13 @@ impl Session {
                 side.wanted = None;
                 side.loaded(&catalog);
                 let passes = side.renderer.plan().map_or(0, |plan| plan.passes.len());
-                let told = format!(
+                let line = format!(
                     "{}: {name} loaded: {passes} passes; {} GPU pipelines compiled",
                     id.name(),
                     load.pipelines
                 );
                 self.clear(id.name(), publisher);
-                report(publisher, &told, false);
+                report(publisher, &line, false);
                 // Its settings and its graph are there before its first picture, which may take long.
                 publisher.with(|published| self.publish_side(published, id));
             }
@@ -348,11 +348,11 @@ impl Session {
         match side.renderer.set_values(overrides) {
             Ok(load) => {
                 let structure = !load.kept;
-                let told = format!("{}: {}", id.name(), side.describe(&load));
+                let line = format!("{}: {}", id.name(), side.describe(&load));
                 side.loaded(&catalog);
                 self.clear(id.name(), publisher);
                 if structure {
-                    report(publisher, &told, false);
+                    report(publisher, &line, false);
                 }
             }
             Err(error) => {
@@ -373,7 +373,7 @@ impl Session {
                 (self.camera, self.lights, self.time) = (None, None, 0.0);
                 for (id, side) in &mut self.sides {
                     side.renderer.set_camera(None, true);
-                    // With the new scene all is linked again, and what is wrong is told there.
+                    // With the new scene all is linked again, and errors are reported there.
                     let _ = side.renderer.set_lights(None);
                     match side.renderer.set_shared_scene(&scene) {
                         Ok(_) => side.loaded(&self.catalog),
@@ -382,7 +382,7 @@ impl Session {
                 }
                 (self.scene, self.wanted_scene, self.waits_for_scene) = (scene, None, false);
                 self.clear("scene", publisher);
-                self.tell_scene(publisher);
+                self.publish_scene(publisher);
                 self.try_wanted(publisher);
             }
             Err(error) => {
@@ -456,7 +456,7 @@ impl Session {
         publisher.stage(None);
     }
 
-    fn tell_scene(&self, publisher: &Publisher) {
+    fn publish_scene(&self, publisher: &Publisher) {
         let scene = self.scene.scene();
         for repair in &scene.repairs {
             report(publisher, &format!("note: {repair}"), false);

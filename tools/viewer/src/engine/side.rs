@@ -79,7 +79,7 @@ impl Side {
         self.progress = None;
     }
 
-    /// Begins to count frames and to remember times anew: for another pipeline.
+    /// Begins to count frames and to remember times again: for another pipeline.
     pub(super) fn begin(&mut self) {
         self.frames = 0;
         self.whole = PassTimes::default();
@@ -106,7 +106,7 @@ impl Side {
         self.progress.is_some()
     }
 
-    /// Whether it adds sample to sample, and has not as many as it wants.
+    /// Whether it adds sample to sample, and is not done.
     pub(super) fn converges(&self) -> bool {
         self.progress.is_some_and(|progress| !progress.is_done())
     }
@@ -229,7 +229,7 @@ impl Side {
         self.renderer.output(name)
     }
 
-    /// What the interface is told.
+    /// Returns the state for the interface.
     pub(super) fn view(&self) -> Option<SideView> {
         Some(SideView {
             name: self.renderer.pipeline_name().to_owned(),
@@ -255,7 +255,7 @@ impl Side {
         self.renderer.overrides().cloned().unwrap_or_default()
     }
 
-    /// Says in a line what a load has done.
+    /// Describes a load in a line.
     pub(super) fn describe(&self, report: &LoadReport) -> String {
         let Some(plan) = self.renderer.plan() else { return String::new() };
         let all = plan.passes.len();
@@ -275,7 +275,7 @@ impl Side {
         format!("{rebuilt}{pipelines}{objects}")
     }
 
-    /// Says which history buffers ended in the last frame, and why; empty where none did.
+    /// Lists the history buffers that ended in the last frame, with the causes; empty where none did.
     pub(super) fn ended(&self) -> String {
         let Some(plan) = self.renderer.plan() else { return String::new() };
         let all = plan.histories.len();

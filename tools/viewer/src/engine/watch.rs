@@ -5,31 +5,31 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long no file may change before they are read: a checkout of a hundred files is one reload.
+/// The time without changes after which files are read: a checkout of a hundred files is one reload.
 const QUIET: Duration = Duration::from_millis(12);
 
-/// The same where so many have changed that somebody checks out a branch.
+/// The same after more than [`MANY`] changes: somebody checks out a branch.
 const QUIET_OF_MANY: Duration = Duration::from_millis(150);
 
-/// How many files an editor saves at once.
+/// The number of files that an editor saves at once.
 const MANY: usize = 4;
 
-/// How long files that change all the time are waited for.
+/// The longest time for which files that change all the time are waited for.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Watches the files of a session.
 pub(super) struct Files {
     folders: Vec<PathBuf>,
     watcher: Option<Watcher>,
-    /// The one before, and since when: what it has not told yet would be lost with it.
+    /// The watcher before, and the time of its replacement: changes that it has not reported yet would be lost with it.
     before: Option<(Watcher, Instant)>,
-    /// When changes were last asked for. What is read later may be written before its folder is watched.
+    /// The time of the last request for changes. A file that is read later may be written before its folder is watched.
     asked: SystemTime,
-    /// Files that were written before their folder was watched, and have not been told.
+    /// Files that were written before their folder was watched, and have not been reported.
     missed: BTreeSet<PathBuf>,
 }
 
-/// How much earlier than the clock a file system may say that a file was written.
+/// The greatest difference by which the times of a file system are behind the clock.
 const COARSE: Duration = Duration::from_millis(20);
 
 /// Longer than a watcher holds a change back.

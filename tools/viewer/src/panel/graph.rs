@@ -14,7 +14,7 @@ use frame_graph::plan::{BoxKind, Drawing, DrawnBox, PlanId};
 /// The scale of the drawing at first.
 const READABLE: f32 = 0.6;
 
-/// What the panel remembers.
+/// The state of the panel.
 pub(crate) struct Graph {
     side: SideId,
     drawing: Option<(PlanId, Drawing)>,

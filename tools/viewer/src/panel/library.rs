@@ -34,7 +34,7 @@ impl Library {
     }
 }
 
-/// What is said about a pipeline or a scene.
+/// Returns a line about a pipeline or a scene.
 pub(crate) fn about(named: &Named) -> &str {
     named.about.as_deref().unwrap_or("does not load")
 }

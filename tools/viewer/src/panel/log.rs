@@ -1,4 +1,4 @@
-//! What happened.
+//! The messages.
 
 use crate::app::App;
 use eframe::egui::{Label, RichText, ScrollArea, Ui};
@@ -9,7 +9,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         for message in messages.iter() {
             let text = format!(
                 "{:8.2} s  {}",
-                message.told.duration_since(app.begun).as_secs_f64(),
+                message.time.duration_since(app.begun).as_secs_f64(),
                 message.text.trim_end()
             );
             let text = RichText::new(text).monospace();

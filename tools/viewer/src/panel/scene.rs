@@ -19,7 +19,7 @@ impl ScenePanel {
     fn keys(&mut self, now: &Published) -> &mut SceneKeys {
         let of_file = || {
             let view = now.scene.as_ref()?;
-            // A file with errors has been told of when it was loaded.
+            // The errors of a file were reported when it was loaded.
             scene::keys_of(view.file.as_ref()?, view.scene.origin).ok()
         };
         self.keys.get_or_insert_with(|| of_file().unwrap_or_default())
@@ -52,7 +52,7 @@ impl ScenePanel {
         keys.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
 
-    /// What differs from the scene as it was loaded.
+    /// Returns the differences from the scene as it was loaded.
     pub(crate) fn edit(&self, app: &App) -> SceneEdit {
         let own = app.now.scene.as_ref().map(|view| &view.scene);
         let moved = |light: &&Light| {

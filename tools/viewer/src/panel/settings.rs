@@ -12,13 +12,13 @@ use frame_graph::{Overrides, Setting, Value, ValueType};
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-/// How long a control shows what the user gave it before it shows what the engine has.
+/// The time for which a control shows the user's value before it shows that of the engine.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// A range whose ends are this many times apart is shown on a logarithmic scale.
 const DECADES: f64 = 500.0;
 
-/// What the user has typed or dragged that the engine has not taken yet.
+/// Values that the user has typed or dragged and the engine has not taken yet.
 #[derive(Default)]
 pub(crate) struct Controls {
     given: HashMap<(SideId, String), (Value, Instant)>,
@@ -152,7 +152,7 @@ fn control(app: &mut App, ui: &mut Ui, side: SideId, settable: &Settable, overri
     }
 }
 
-/// What a setting does, with its range and default, for a tooltip.
+/// Returns the description of a setting, with its range and default, for a tooltip.
 fn about(path: &str, setting: &Setting) -> String {
     let mut text = format!("{path}\n{}", setting.doc);
     let bound = |bound: Option<f64>| bound.map_or("…".to_owned(), |bound| bound.to_string());

@@ -6,7 +6,7 @@ use crate::panel::choose_side;
 use eframe::egui::{DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 
-/// What the panel remembers.
+/// The state of the panel.
 pub(crate) struct Writing {
     side: SideId,
     output: String,

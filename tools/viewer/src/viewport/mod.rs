@@ -121,7 +121,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
 /// Shows the first line of the newest message while it is new, over the picture: a line of its own would change the size of
 /// frames.
 fn news(app: &App, ui: &Ui, rect: Rect) {
-    let newest = app.now.messages.back().filter(|message| message.told.elapsed() < NEWS && !app.bare);
+    let newest = app.now.messages.back().filter(|message| message.time.elapsed() < NEWS && !app.bare);
     let Some(message) = newest else { return };
     let line = message.text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
     let (painter, margin) = (ui.painter_at(rect), vec2(9.0, 7.0));
@@ -246,7 +246,7 @@ fn on_picture(painter: &egui::Painter, at: Pos2, galley: Arc<egui::Galley>) {
 /// What is shown before there is a picture.
 fn wait(app: &App, ui: &Ui, rect: Rect) {
     let text = match (&app.now.fatal, &app.now.stage) {
-        // The error is told over this.
+        // The error is shown over this.
         (Some(_), _) => String::new(),
         (None, Some(stage)) => stage.describe(),
         (None, None) if app.now.troubles.is_empty() => "Starting…".to_owned(),

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 impl Session {
-    /// Runs a frame of each side that has something to do, or of one alone, and publishes what came of each.
+    /// Runs a frame of each side that has something to do, or of one alone, and publishes the results.
     pub(super) fn frames(&mut self, publisher: &Publisher, only: Option<SideId>, waits: &AtomicBool) {
         self.due = Instant::now() + FRAME;
         let still = self.moved.elapsed() > STILL && !self.playing;
@@ -43,7 +43,7 @@ impl Session {
                 Err(error) => {
                     side.renderer.run_everything();
                     self.trouble(id.name(), &error, publisher);
-                    // Not again at once: what is wrong would be told without end.
+                    // Not again at once: the error would be reported without end.
                     self.due = Instant::now() + Duration::from_millis(500);
                 }
             }

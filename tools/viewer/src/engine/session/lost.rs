@@ -10,9 +10,9 @@ const WORTH: Duration = Duration::from_secs(10);
 
 /// A session that has ended, and how to go on with it.
 pub(in crate::engine) struct Lost {
-    /// What the next session begins with.
+    /// The state in which the next session begins.
     pub(in crate::engine) start: Start,
-    /// What it is told then.
+    /// The commands that it carries out first.
     pub(in crate::engine) commands: Vec<Command>,
 }
 
@@ -22,7 +22,7 @@ impl Session {
         self.gpu().check().is_err()
     }
 
-    /// Ends a session whose device is gone. `None` where it was opened just now, which is told.
+    /// Ends a session whose device is gone. Returns `None`, and reports it, where the session was opened just now.
     pub(super) fn lose(self, publisher: &Publisher) -> Option<Lost> {
         if self.opened.elapsed() < WORTH {
             let text = "the graphics device was lost again at once: Lightloom must be started again";
@@ -35,7 +35,7 @@ impl Session {
         Some(self.resumed())
     }
 
-    /// Returns what makes a new session the same as this one.
+    /// Returns the start and the commands that make a new session the same as this one.
     pub(super) fn resumed(mut self) -> Lost {
         let mut pipelines: Vec<_> = self
             .sides
@@ -110,7 +110,7 @@ mod tests {
             Command::Camera(Some(crate::camera::orbit(&camera, 0.2, 0.0)), false),
             Command::Time(0.5),
         ] {
-            let _ = session.obey(command, &never, &publisher);
+            let _ = session.execute(command, &never, &publisher);
         }
         // As if it had run for a while.
         session.opened -= WORTH;

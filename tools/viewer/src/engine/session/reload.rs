@@ -22,7 +22,7 @@ impl Session {
         let stands = self.sides.first().map(|(_, side)| side.renderer.shared_scene().clone());
         let renderers = self.sides.iter_mut().map(|(_, side)| &mut side.renderer);
         let results = reload_all(renderers, &saved.files);
-        let mut told = Vec::new();
+        let mut lines = Vec::new();
         for (at, result) in results.into_iter().enumerate() {
             let id = self.sides[at].0;
             match result {
@@ -30,13 +30,13 @@ impl Session {
                 Reload::Done(load) => {
                     let side = &mut self.sides[at].1;
                     side.loaded(&self.catalog);
-                    told.push(format!("{}: {}", id.name(), side.describe(&load)));
+                    lines.push(format!("{}: {}", id.name(), side.describe(&load)));
                     self.clear(id.name(), publisher);
                     self.clear("scene", publisher);
                 }
                 Reload::Failed(error) => {
                     self.trouble(id.name(), &error, publisher);
-                    told.clear();
+                    lines.clear();
                 }
             }
         }
@@ -45,10 +45,10 @@ impl Session {
             && !Arc::ptr_eq(before.scene(), now.scene())
         {
             self.scene = now;
-            self.tell_scene(publisher);
+            self.publish_scene(publisher);
         }
         self.watch(publisher);
-        if told.is_empty() {
+        if lines.is_empty() {
             return;
         }
         self.move_on();
@@ -75,7 +75,7 @@ impl Session {
         let line = format!(
             "{}{more} read again: {}{ended}{gone}. Picture after {ms:.0} ms{whole}.",
             files.join(", "),
-            told.join("; ")
+            lines.join("; ")
         );
         terminal::say(&line);
         publisher.with(|published| published.reload_ms = since_save.map(|ms| ms as f32));

@@ -1,4 +1,4 @@
-//! What is wrong, and what was done, as the window and the terminal tell it.
+//! Reports errors and messages in the window and in the terminal.
 
 use super::Session;
 use crate::engine::Publisher;
@@ -30,7 +30,7 @@ impl Session {
             published.troubles.push(Trouble { of, text: text.clone(), until });
             published.say(text.clone(), true);
         });
-        // What fails in every frame is told once.
+        // An error of every frame is reported once.
         if !again {
             crate::terminal::complain(format_args!("{of}: {text}"));
         }
