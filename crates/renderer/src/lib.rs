@@ -73,35 +73,12 @@ pub struct Renderer {
     index: u32,
     /// The number of the next sample, where each frame is one of a picture.
     sample: u32,
-    /// Turns numbers of frames into times.
-    clock: Clock,
+    /// The time of the next frames \[s\] that the application has set; else it follows their numbers.
+    time: Option<f32>,
     /// The changes since the last frame.
     change: Change,
     /// The pose of the scene in the last frame: its memory is used again.
     pose: Pose,
-}
-
-/// The rule by which the number of a frame becomes its time.
-#[derive(Clone, Copy, Debug, Default)]
-enum Clock {
-    /// The frames per second of the scene.
-    #[default]
-    Scene,
-    /// Other seconds between frames.
-    Step(f32),
-    /// A given time, whatever the number.
-    At(f32),
-}
-
-impl Clock {
-    /// The time of frame `index` and the seconds since the frame before, whose time was `before`.
-    fn time(self, scene: &Scene, index: u32, before: f32) -> (f32, f32) {
-        match self {
-            Clock::Scene => (scene.frame_time(index), scene.frame_time(1)),
-            Clock::Step(step) => (step * index as f32, step),
-            Clock::At(time) => (time, (time - before).max(0.0)),
-        }
-    }
 }
 
 /// The pipeline that runs.
@@ -170,7 +147,7 @@ impl Renderer {
             seed: 0,
             index: 0,
             sample: 0,
-            clock: Clock::default(),
+            time: None,
             change: Change::default(),
             pose: scene.scene.at(0.0),
         }
@@ -336,15 +313,10 @@ impl Renderer {
         self.index = index;
     }
 
-    /// Sets the seconds between frames; `None` restores the scene's own.
-    pub fn set_time_step(&mut self, step: Option<f32>) {
-        self.clock = step.map_or(Clock::Scene, Clock::Step);
-    }
-
     /// Sets the time of the next frames \[s\], whatever their numbers: an application that has a clock of its own sets it
     /// before each frame. `None` lets the time follow the numbers again.
     pub fn set_time(&mut self, time: Option<f32>) {
-        self.clock = time.map_or(Clock::Scene, Clock::At);
+        self.time = time;
     }
 
     /// Makes every pass run in the next frame, even if nothing has changed: for measurements.
@@ -363,7 +335,10 @@ impl Renderer {
         let _frame = tracing::trace_span!(target: "frame", "frame", index = self.index).entered();
         let posing = tracing::trace_span!(target: "frame", "pose and upload").entered();
         let scene = &self.scene.scene;
-        let (time, step) = self.clock.time(scene, self.index, self.pose.time);
+        let (time, step) = match self.time {
+            Some(time) => (time, (time - self.pose.time).max(0.0)),
+            None => (scene.frame_time(self.index), scene.frame_time(1)),
+        };
         scene.pose(time, &mut self.pose);
         if let Some(camera) = self.camera {
             self.pose.camera = camera;

@@ -1,6 +1,6 @@
 //! The record of how a picture was rendered: enough to render it again, and to say what differs.
 
-use crate::{Clock, RenderError, Renderer};
+use crate::{RenderError, Renderer};
 use frame_graph::{Overrides, Value};
 use metrics::{Display, FileFormat};
 use scene::{Camera, Light, LightKind};
@@ -156,10 +156,7 @@ impl Provenance {
             adapter: renderer.gpu().describe(),
             camera: renderer.camera,
             lights: renderer.lights.as_ref().map(|lights| lights.iter().map(RecordedLight::from).collect()),
-            time: match renderer.clock {
-                Clock::At(time) => Some(time),
-                Clock::Scene | Clock::Step(_) => None,
-            },
+            time: renderer.time,
             display: None,
             folder: None,
         }
