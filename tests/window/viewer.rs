@@ -42,9 +42,23 @@ impl Tree {
 
     /// Saves as most editors do: a new file beside the old, renamed over it.
     pub(super) fn save(&self, name: &str, text: &str) {
-        let temporary = self.at(&format!("{name}.new"));
-        std::fs::write(&temporary, text).unwrap();
-        std::fs::rename(temporary, self.at(name)).unwrap();
+        self.save_all(&[(name, text)]);
+    }
+
+    /// Saves several files at once: all are written before the first is renamed, so that nothing slow is in between.
+    pub(super) fn save_all(&self, files: &[(&str, &str)]) {
+        let temporary = |name: &str| self.at(&format!("{name}.new"));
+        files.iter().for_each(|(name, text)| std::fs::write(temporary(name), text).unwrap());
+        files.iter().for_each(|(name, _)| std::fs::rename(temporary(name), self.at(name)).unwrap());
+    }
+
+    /// Writes files as git checks out a branch: while it holds the lock of its index, however long that takes.
+    pub(super) fn check_out(&self, files: &[(PathBuf, String)]) {
+        let lock = self.at(".git/index.lock");
+        std::fs::create_dir_all(self.at(".git")).unwrap();
+        std::fs::write(&lock, "").unwrap();
+        files.iter().for_each(|(path, text)| std::fs::write(path, text).unwrap());
+        std::fs::remove_file(lock).unwrap();
     }
 
     /// Saves as others do.
