@@ -11,13 +11,13 @@ const NAME: &str = "scene_acceleration";
 pub(crate) struct Acceleration {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
-    made: Option<Made>,
+    built: Option<Built>,
     /// Whether vertices have moved since it was built.
     stale: bool,
 }
 
 #[derive(Debug)]
-struct Made {
+struct Built {
     size: wgpu::BlasTriangleGeometrySizeDescriptor,
     /// `None` for a scene without triangles.
     triangles: Option<wgpu::Blas>,
@@ -27,7 +27,7 @@ struct Made {
 impl Acceleration {
     pub(crate) fn new(vertices: &wgpu::Buffer, indices: &wgpu::Buffer) -> Acceleration {
         let (vertices, indices) = (vertices.clone(), indices.clone());
-        Acceleration { vertices, indices, made: None, stale: false }
+        Acceleration { vertices, indices, built: None, stale: false }
     }
 
     pub(crate) fn is_among(scene_bindings: &[&str]) -> bool {
@@ -37,12 +37,12 @@ impl Acceleration {
     /// Builds it if that has not happened yet, over the current vertices. If the adapter has no ray queries,
     /// the executor reports the pass that requests them.
     pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Option<(&'static str, SceneBinding)> {
-        if self.made.is_some() {
+        if self.built.is_some() {
             return None;
         }
-        let made = Made::new(&gpu.device, scene);
-        let external = SceneBinding::AccelerationStructure(made.scene.clone());
-        self.made = Some(made);
+        let built = Built::new(&gpu.device, scene);
+        let external = SceneBinding::AccelerationStructure(built.scene.clone());
+        self.built = Some(built);
         self.stale = true;
         self.follow(gpu);
         Some((NAME, external))
@@ -54,10 +54,10 @@ impl Acceleration {
 
     /// Rebuilds it over the current vertices.
     pub(crate) fn follow(&mut self, gpu: &Gpu) {
-        let Some(made) = self.made.as_ref().filter(|_| self.stale) else { return };
+        let Some(built) = self.built.as_ref().filter(|_| self.stale) else { return };
         self.stale = false;
         let geometry = wgpu::BlasTriangleGeometry {
-            size: &made.size,
+            size: &built.size,
             vertex_buffer: &self.vertices,
             first_vertex: 0,
             vertex_stride: size_of::<Vertex>() as u64,
@@ -66,19 +66,19 @@ impl Acceleration {
             transform_buffer: None,
             transform_buffer_offset: None,
         };
-        let entry = made.triangles.as_ref().map(|blas| wgpu::BlasBuildEntry {
+        let entry = built.triangles.as_ref().map(|blas| wgpu::BlasBuildEntry {
             blas,
             geometry: wgpu::BlasGeometries::TriangleGeometries(vec![geometry]),
         });
         let label = Some("scene acceleration");
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-        encoder.build_acceleration_structures(&entry, [&made.scene]);
+        encoder.build_acceleration_structures(&entry, [&built.scene]);
         gpu.queue.submit([encoder.finish()]);
     }
 }
 
-impl Made {
-    fn new(device: &wgpu::Device, scene: &Scene) -> Made {
+impl Built {
+    fn new(device: &wgpu::Device, scene: &Scene) -> Built {
         let size = wgpu::BlasTriangleGeometrySizeDescriptor {
             vertex_format: wgpu::VertexFormat::Float32x3,
             vertex_count: scene.vertices.len() as u32,
@@ -107,6 +107,6 @@ impl Made {
             let identity = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
             wgpu::TlasInstance::new(blas, identity, 0, 0xff)
         });
-        Made { size, triangles, scene: whole }
+        Built { size, triangles, scene: whole }
     }
 }

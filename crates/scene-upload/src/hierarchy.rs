@@ -11,7 +11,7 @@ const NAME: &str = "scene_bvh";
 /// Built when it is first requested.
 #[derive(Debug, Default)]
 pub(crate) struct Hierarchy {
-    made: Option<Made>,
+    built: Option<Built>,
     /// Whether vertices have moved since it was last updated.
     stale: bool,
 }
@@ -20,7 +20,7 @@ pub(crate) struct Hierarchy {
 type NewBindings = Vec<(&'static str, SceneBinding)>;
 
 #[derive(Debug)]
-struct Made {
+struct Built {
     bvh: Bvh,
     buffer: wgpu::Buffer,
 }
@@ -32,12 +32,12 @@ impl Hierarchy {
 
     /// Builds it if that has not happened yet.
     pub(crate) fn provide(&mut self, gpu: &Gpu, scene: &Scene) -> Result<NewBindings, ExecutorError> {
-        if self.made.is_some() {
+        if self.built.is_some() {
             return Ok(Vec::new());
         }
         check(gpu, scene, scene.triangles() as u64 * ray_tracing::TRIANGLE_BYTES)?;
-        let made = Made::new(gpu, scene, Bvh::build(&positions(scene, &[]), &scene.indices))?;
-        Ok(self.made.insert(made).scene_bindings())
+        let built = Built::new(gpu, scene, Bvh::build(&positions(scene, &[]), &scene.indices))?;
+        Ok(self.built.insert(built).scene_bindings())
     }
 
     pub(crate) fn moved(&mut self) {
@@ -51,26 +51,26 @@ impl Hierarchy {
         scene: &Scene,
         moved: &[MovedVertices],
     ) -> Result<NewBindings, ExecutorError> {
-        let Some(made) = self.made.as_mut().filter(|_| self.stale) else { return Ok(Vec::new()) };
+        let Some(built) = self.built.as_mut().filter(|_| self.stale) else { return Ok(Vec::new()) };
         self.stale = false;
-        match made.bvh.refit(&positions(scene, moved), &scene.indices) {
+        match built.bvh.refit(&positions(scene, moved), &scene.indices) {
             Refit::Refitted => {
-                gpu.queue.write_buffer(&made.buffer, 0, made.bvh.bytes());
+                gpu.queue.write_buffer(&built.buffer, 0, built.bvh.bytes());
                 Ok(Vec::new())
             }
             Refit::Rebuilt => {
-                *made = Made::new(gpu, scene, made.bvh.clone())?;
-                Ok(made.scene_bindings())
+                *built = Built::new(gpu, scene, built.bvh.clone())?;
+                Ok(built.scene_bindings())
             }
         }
     }
 }
 
-impl Made {
-    fn new(gpu: &Gpu, scene: &Scene, bvh: Bvh) -> Result<Made, ExecutorError> {
+impl Built {
+    fn new(gpu: &Gpu, scene: &Scene, bvh: Bvh) -> Result<Built, ExecutorError> {
         check(gpu, scene, bvh.bytes().len() as u64)?;
         let buffer = buffer(&gpu.device, "scene BVH", bvh.bytes(), BufferUsages::STORAGE);
-        Ok(Made { bvh, buffer })
+        Ok(Built { bvh, buffer })
     }
 
     fn scene_bindings(&self) -> NewBindings {
