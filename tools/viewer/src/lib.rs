@@ -32,11 +32,11 @@ use std::sync::Arc;
 /// The content of the window at first.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// All files.
+    /// Pipelines, scenes and shaders.
     pub catalog: Arc<Catalog>,
-    /// The pipeline, by name or path; `None` for that of the last time.
+    /// The pipeline, by name or path; `None` for the last one.
     pub pipeline: Option<String>,
-    /// The scene, by name or path; `None` for that of the last time.
+    /// The scene, by name or path; `None` for the last one.
     pub scene: Option<String>,
     /// Values for parameters and settings.
     pub overrides: Overrides,

@@ -32,7 +32,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// The state in which a session begins.
 #[derive(Clone, Debug)]
 pub(crate) struct Start {
-    /// All files.
+    /// Pipelines, scenes and shaders.
     pub(crate) catalog: Arc<Catalog>,
     /// The pipeline by name or path.
     pub(crate) pipeline: String,
@@ -40,7 +40,7 @@ pub(crate) struct Start {
     pub(crate) scene: String,
     /// Values for parameters and settings.
     pub(crate) overrides: frame_graph::Overrides,
-    /// The size of the frame in pixels, until the window says another.
+    /// The size of the frame in pixels, until the window sets another.
     pub(crate) size: (u32, u32),
     /// Seed of all random numbers.
     pub(crate) seed: u32,

@@ -24,7 +24,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         if ui.button("Exchange A and B").on_hover_text("X").clicked() {
             app.act(Action::Swap, &context);
         }
-        if ui.button("B as A is, to change its settings").clicked()
+        if ui.button("Copy A to B").clicked()
             && let Some(a) = app.now.side(SideId::A)
         {
             let (name, overrides) = (a.name.clone(), a.overrides.clone());
@@ -68,5 +68,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             ui.end_row();
         }
     });
-    ui.weak("RMSE in W/(m² sr); energy is the ratio of mean luminance. Measured while frames go on.");
+    ui.weak(
+        "RMSE in W/(m² sr); energy is the ratio of mean luminances. Errors are measured while frames go on.",
+    );
 }

@@ -147,7 +147,7 @@ pub(crate) fn show(app: &mut App, context: &Context) {
             saving.opened = true;
         }
         if let What::Variant(side) = &saving.what {
-            let about = ui.label("What it is, in one line (may be empty)");
+            let about = ui.label("Summary, in one line (may be empty)");
             ui.add(TextEdit::singleline(&mut saving.about).desired_width(f32::INFINITY))
                 .labelled_by(about.id);
             if let Some(side) = app.now.side(*side)

@@ -249,13 +249,13 @@ fn keys(app: &mut App, ui: &mut Ui) {
     let now = app.now.clone();
     let Some(keys) = app.scene_panel.keys.as_mut() else {
         ui.strong("Keys");
-        ui.weak("Those of the scene's file. Recording adds to them.");
+        ui.weak("The keys of the scene's file. Recording adds to them.");
         if ui.button("Edit them").clicked() {
             app.scene_panel.keys(&now);
         }
         return;
     };
-    ui.strong("Keys, which play once they are saved");
+    ui.strong("Keys: they play once they are saved");
     let (mut go, mut drop_camera, mut drop_light) = (None, None, None);
     let mut line = |ui: &mut Ui, name: &str, time: f32| {
         let mut dropped = false;

@@ -44,7 +44,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             };
             if let Some(whole) = side.whole.last() {
                 ui.label(format!("{state} · frame {whole:.1} ms")).on_hover_text(
-                    "From the call to pixels in memory, the last frame. A pipeline of which nothing changes does not run.",
+                    "Time of the last frame, from the call to pixels in memory. A pipeline does not run while nothing changes.",
                 );
                 ui.separator();
             }
@@ -59,14 +59,14 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             list.response.on_hover_text("Resolution: pixels of a frame per pixel of the screen");
             ui.label(format!("{width}×{height}")).on_hover_text("Size of frames in pixels");
             ui.separator();
-            ui.label(frame_graph::human_bytes(side.bytes)).on_hover_text("All objects of pipeline A on the device");
+            ui.label(frame_graph::human_bytes(side.bytes)).on_hover_text("Memory of all objects of pipeline A on the device");
             ui.separator();
         }
         ui.label(format!("interface {:.1} ms", app.interface_ms))
-            .on_hover_text("Time in which the interface itself was laid out, on average; not part of the frame");
+            .on_hover_text("Mean time to lay out the interface itself; not part of the frame");
         if let Some(ms) = app.now.reload_ms {
             ui.separator();
-            ui.label(format!("reload {ms:.0} ms")).on_hover_text("From the time of the file last saved to its picture");
+            ui.label(format!("reload {ms:.0} ms")).on_hover_text("Time from the last save of a file to its picture");
         }
         ui.separator();
         ui.label(&app.now.adapter);
