@@ -20,7 +20,7 @@ pub fn run(command: &mut Command) -> Result<()> {
 
 /// Returns the program of that name, which a build has put beside this one: both are of the dev profile.
 pub fn built(name: &str) -> Result<PathBuf> {
-    let this = std::env::current_exe().context("cannot tell where this program lies")?;
+    let this = std::env::current_exe().context("cannot find the folder of this program")?;
     let path = this.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX));
     ensure!(path.is_file(), "the build left no {}", path.display());
     Ok(path)

@@ -46,7 +46,7 @@ pub fn on_cpu(adapters: &[String]) -> bool {
     !adapters.is_empty() && adapters.iter().all(is_cpu)
 }
 
-/// What `lightloom adapters` lists.
+/// Returns the lines of `lightloom adapters`.
 fn adapters(lightloom: &Path) -> Result<Vec<String>> {
     let mut command = Command::new(lightloom);
     let output = command
@@ -77,7 +77,7 @@ impl Driver {
         }
     }
 
-    /// By the text of /etc/os-release.
+    /// Returns the way of a Linux, by the text of /etc/os-release.
     fn of_linux(os_release: &str) -> Driver {
         let ids = ids_of_linux(os_release);
         let is = |names: &[&str]| ids.iter().any(|id| names.contains(id));

@@ -41,7 +41,7 @@ enum Command {
     Tidy,
     /// Write the tables of documents from what passes, interfaces and pipelines declare
     Docs,
-    /// Take what the tests of a package make now as its snapshots and images
+    /// Take the results of a package's tests as its snapshots and images
     Bless {
         /// Name of the package
         package: String,

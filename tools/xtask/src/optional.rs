@@ -1,4 +1,4 @@
-//! What tests of the whole program drive, and skip where it is missing: a browser, a window.
+//! Programs that tests of the whole program drive, and skip where they are missing: a browser, an X server.
 
 use crate::packages::{Consent, Need, missing};
 

@@ -41,7 +41,7 @@ impl Consent {
     }
 }
 
-/// What the text of /etc/os-release names as the distribution and those it derives from.
+/// Returns the names of the distribution and of those that it derives from, by the text of /etc/os-release.
 pub(crate) fn ids_of_linux(os_release: &str) -> Vec<&str> {
     os_release
         .lines()
@@ -50,7 +50,7 @@ pub(crate) fn ids_of_linux(os_release: &str) -> Vec<&str> {
         .collect()
 }
 
-/// The text of /etc/os-release; empty where there is none.
+/// Returns the text of /etc/os-release; empty where there is none.
 pub(crate) fn os_release() -> String {
     std::fs::read_to_string("/etc/os-release").unwrap_or_default()
 }

@@ -12,7 +12,7 @@ use std::time::Instant;
 /// Tests that run at once on a renderer on the CPU, where each of them takes all cores already.
 const THREADS_ON_CPU: &str = "2";
 
-/// What is built: all packages, with a window on X11 and without what else a desktop offers, which no test uses.
+/// The packages and features that are built: all packages, with a window on X11 and without what else a desktop offers, which no test uses.
 const BUILT: &[&str] =
     &["--locked", "--workspace", "--no-default-features", "--features", "lightloom/window"];
 
@@ -67,7 +67,7 @@ fn quieten_mesa(command: &mut Command, has_runtime_folder: bool) {
     }
 }
 
-/// What the tests said.
+/// Counts of tests, and the names of those that failed.
 #[derive(Debug, Default)]
 struct Summary {
     passed: u32,

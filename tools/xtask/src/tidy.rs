@@ -63,7 +63,7 @@ pub struct Finding {
     pub path: String,
     /// Line, from 1.
     pub line: usize,
-    /// What is wrong, and what would be right.
+    /// The mistake, and what to write instead.
     pub message: String,
 }
 

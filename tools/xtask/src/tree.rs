@@ -36,7 +36,7 @@ pub struct Tree {
 pub struct File {
     /// From the root, with `/`.
     pub path: String,
-    /// What is in it.
+    /// The text.
     pub text: String,
 }
 

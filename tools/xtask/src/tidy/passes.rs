@@ -21,7 +21,7 @@ pub(super) fn deviations(tree: &Tree) -> Vec<Finding> {
         // A missing README is a finding of another rule.
         let Some(readme) = tree.file(&format!("{folder}/README.md")) else { continue };
         let code = || tree.below(&folder).filter(|file| file.is("rs") || file.is("wgsl"));
-        let (section, told) = told(readme);
+        let (section, explained) = explained(readme);
         if section.is_none()
             && let Some((path, line)) = code().find_map(|file| Some((&file.path, cites(file, pass)?)))
         {
@@ -34,12 +34,12 @@ pub(super) fn deviations(tree: &Tree) -> Vec<Finding> {
         let mut tagged: Vec<&str> = Vec::new();
         for (file, line, name) in code().flat_map(tags) {
             tagged.push(name);
-            if !told.iter().any(|(_, told)| *told == name) {
+            if !explained.iter().any(|(_, explained)| *explained == name) {
                 let message = format!("say it in {}, under \"{SECTION} …\": - **{name}**: …", readme.path);
                 findings.push(Finding::new(&file.path, line, message));
             }
         }
-        for (line, name) in told.iter().filter(|(_, name)| !tagged.contains(name)) {
+        for (line, name) in explained.iter().filter(|(_, name)| !tagged.contains(name)) {
             findings.push(Finding::new(
                 &readme.path,
                 *line,
@@ -51,7 +51,7 @@ pub(super) fn deviations(tree: &Tree) -> Vec<Finding> {
 }
 
 /// Line of the section on deviations in a README, and the names that it explains.
-fn told(readme: &File) -> (Option<usize>, Vec<(usize, &str)>) {
+fn explained(readme: &File) -> (Option<usize>, Vec<(usize, &str)>) {
     let mut section = None;
     let mut inside = false;
     let mut names = Vec::new();

@@ -9,7 +9,7 @@ use xtask::tree::{Tree, root};
 
 const CATALOG: &str = "crates/catalog/Cargo.toml";
 
-/// What `new-pass` reads: the template, the catalog's manifest, and the workspace's.
+/// A tree of the files that `new-pass` reads: the template, the catalog's manifest, and the workspace's.
 fn fixture() -> TempDir {
     let real = Tree::read(&root()).unwrap();
     let manifests = ["Cargo.toml", CATALOG].map(|path| real.file(path).unwrap());

@@ -43,7 +43,7 @@ const TIDY: &[(&str, &str)] = &[
     ("docs/first.md", "Look at net/work/x, https://host/home/ and `[this](no-link)`.\n"),
 ];
 
-/// What the rules find in that tree after these files have been written, as `rule path:line: message`.
+/// Returns the findings in that tree after these files have been written, as `rule path:line: message`.
 fn found(changes: &[(&str, &str)]) -> Vec<String> {
     let folder = tree(TIDY);
     for (path, text) in changes {
