@@ -3,10 +3,7 @@
 use catalog::{Assets, Catalog};
 use frame_graph::{CompileOptions, LinkContext, Overrides, ResourceDesc, Traits};
 use interfaces::NameTaken;
-use pass::{
-    Compute, Content, Fact, Info, Interface, Member, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, Setting, Settings, Struct, Threads, UseContext,
-};
+use pass::{Content, Fact, Interface, Member, Pass, Struct};
 
 const PHOTONS: Struct = Struct::new("interfaces/photons/photons.wgsl", "Photons");
 const COUNT: Fact<u32> = Fact::required("count", "the number of photons");
@@ -20,32 +17,21 @@ static INTERFACES: [Interface; 1] = [Interface::new(
 .with_facts(&[COUNT.decl()])
 .with_folder("interfaces/photons")];
 
-struct Emit;
+/// The pass type, which its WGSL declares, and pass types like it under another name or with another interface.
+struct Emit {
+    name: &'static str,
+    interfaces: &'static [Interface],
+}
+
+static EMIT: Emit = Emit { name: "emit-photons", interfaces: &INTERFACES };
 
 impl Pass for Emit {
-    fn info(&self) -> Info {
-        Info { kind: "emit-photons", about: "", paper: "", shaders: &["emit-photons.wgsl"] }
+    fn kind(&self) -> &'static str {
+        self.name
     }
 
     fn interfaces(&self) -> &'static [Interface] {
-        &INTERFACES
-    }
-
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(Vec::new())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports { outputs: vec![pass::output("photons", "Photons", "")], ..Ports::default() })
-    }
-
-    fn outputs(&self, cx: &UseContext<'_>, _: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        Ok(vec![OutputDesc::one("photons", cx.buffer(PHOTONS, 100)?).fact(COUNT, 100)])
-    }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let count = cx.fact("photons", COUNT)?;
-        Ok(Recording::one(Compute::new(cx.shader("emit-photons.wgsl", &[]), "emit", Threads::Row(count))))
+        self.interfaces
     }
 }
 
@@ -57,8 +43,12 @@ struct Photons { count: u32, photons: array<Photon> }
 ",
     ),
     (
-        "emit-photons.wgsl",
-        "#import \"photons.wgsl\"
+        "passes/emit-photons/emit-photons.wgsl",
+        "// Emits photons of the power 1.
+
+#output photons: Photons(count: 100) // The photons.
+
+#import \"photons.wgsl\"
 var<storage, read_write> photons: Photons;
 @compute @workgroup_size(64)
 fn emit(@builtin(global_invocation_id) id: vec3<u32>) { photons.photons[id.x].power = 1.0; }
@@ -90,7 +80,7 @@ fn measure() { density[0] = f32(settings.photons_count) * photons.photons[0].pow
 
 #[test]
 fn a_crate_outside_the_tree_brings_an_interface() {
-    let catalog = Catalog::with_passes(Assets::new(None).with_files(FILES), [&Emit as &dyn Pass]).unwrap();
+    let catalog = Catalog::with_passes(Assets::new(None).with_files(FILES), [&EMIT as &dyn Pass]).unwrap();
     let resolved = frame_graph::resolve("photons", catalog.pipelines(), &Overrides::default()).unwrap();
     let context = LinkContext { frame: (8, 8), traits: Traits::default() };
     let graph = frame_graph::link(&resolved, &catalog, &context).unwrap_or_else(|error| panic!("{error}"));
@@ -107,58 +97,26 @@ fn a_crate_outside_the_tree_brings_an_interface() {
     }
 }
 
-/// A pass type that does what `Emit` does, under a name and with an interface of its own.
-struct Like {
-    name: &'static str,
-    interfaces: &'static [Interface],
-}
-
-impl Pass for Like {
-    fn info(&self) -> Info {
-        Info { kind: self.name, ..Emit.info() }
-    }
-
-    fn interfaces(&self) -> &'static [Interface] {
-        self.interfaces
-    }
-
-    fn settings(&self, cx: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Emit.settings(cx)
-    }
-
-    fn ports(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Ports, PassTypeError> {
-        Emit.ports(cx, settings)
-    }
-
-    fn outputs(&self, cx: &UseContext<'_>, of: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        Emit.outputs(cx, of)
-    }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        Emit.record(cx)
-    }
-}
-
-/// What a catalog says of `Emit` beside another pass type.
-fn beside(other: &'static Like) -> Result<(), NameTaken> {
-    Catalog::with_passes(Assets::new(None), [&Emit as &dyn Pass, other]).map(|_| ())
+/// Makes a catalog with `EMIT` and another pass type.
+fn beside(other: &'static Emit) -> Result<(), NameTaken> {
+    Catalog::with_passes(Assets::new(None), [&EMIT as &dyn Pass, other]).map(|_| ())
 }
 
 #[test]
 fn two_interfaces_do_not_share_a_name() {
     static OTHER: [Interface; 1] = [Interface::new("GBuffer", "Something else.", &[])];
-    static TAKER: Like = Like { name: "taker", interfaces: &OTHER };
+    static TAKER: Emit = Emit { name: "taker", interfaces: &OTHER };
     let taken = beside(&TAKER);
     assert_eq!(taken, Err(NameTaken::Interface { name: "GBuffer", pass: "taker" }));
-    static ANOTHER: Like = Like { name: "another", interfaces: &INTERFACES };
+    static ANOTHER: Emit = Emit { name: "another", interfaces: &INTERFACES };
     let same = beside(&ANOTHER);
     assert_eq!(same, Ok(()), "the same interface from two passes");
 }
 
 #[test]
 fn two_pass_types_do_not_share_a_name() {
-    let taken = beside(&Like { name: "emit-photons", interfaces: &[] });
+    let taken = beside(&Emit { name: "emit-photons", interfaces: &[] });
     assert_eq!(taken, Err(NameTaken::PassType { name: "emit-photons" }));
-    let taken = beside(&Like { name: "gbuffer", interfaces: &[] });
+    let taken = beside(&Emit { name: "gbuffer", interfaces: &[] });
     assert_eq!(taken, Err(NameTaken::PassType { name: "gbuffer" }), "one of the tree");
 }
