@@ -3,14 +3,14 @@
 use crate::codes;
 use crate::composed::Composed;
 use crate::extent;
+use crate::library::Library;
 use crate::reflect::resources;
 use crate::scan::unclosed_brace;
 use data_file::{Diagnostic, Diagnostics};
 use naga::common::wgsl::TypeContext;
 use naga::front::wgsl::ParseError;
 use naga::valid::{
-    CallError, Capabilities, EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags,
-    Validator,
+    CallError, EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
 };
 use naga::{Module, ResourceBinding, Scalar, TypeInner, VectorSize, WithSpan};
 use std::error::Error;
@@ -23,15 +23,12 @@ use std::thread::{self, ScopedJoinHandle};
 const STACK: usize = 16 << 20;
 
 /// Parses, binds by name in group 0, and validates.
-pub(crate) fn compile(
-    composed: &Composed,
-    capabilities: Capabilities,
-) -> Result<(Module, ModuleInfo), Diagnostics> {
+pub(crate) fn compile(composed: &Composed) -> Result<(Module, ModuleInfo), Diagnostics> {
     if let Some((place, message)) = extent::exceeded(&composed.text) {
         return Err(composed.diagnostic(&codes::EXTENT, message, [(place, String::new())], []).into());
     }
     thread::scope(|scope| {
-        let naga = || compile_here(composed, capabilities);
+        let naga = || compile_here(composed);
         let thread = thread::Builder::new().name("naga".into()).stack_size(STACK).spawn_scoped(scope, naga);
         match thread.map(ScopedJoinHandle::join) {
             Ok(Ok(result)) => result,
@@ -44,10 +41,7 @@ pub(crate) fn compile(
     })
 }
 
-fn compile_here(
-    composed: &Composed,
-    capabilities: Capabilities,
-) -> Result<(Module, ModuleInfo), Diagnostics> {
+fn compile_here(composed: &Composed) -> Result<(Module, ModuleInfo), Diagnostics> {
     // naga promises not to panic, but hot reload hands it every half-written text there is.
     let result = catch_unwind(AssertUnwindSafe(|| {
         let mut module =
@@ -56,7 +50,7 @@ fn compile_here(
             let binding = ResourceBinding { group: 0, binding: binding as u32 };
             module.global_variables[handle].binding = Some(binding);
         }
-        match Validator::new(ValidationFlags::all(), capabilities).validate(&module) {
+        match Validator::new(ValidationFlags::all(), Library::PORTABLE).validate(&module) {
             Ok(info) => Ok((module, info)),
             Err(error) => Err(invalid(composed, &module, &error)),
         }

@@ -6,7 +6,7 @@ use crate::directive::{self, Condition, Define, Directive, Fault, Placed};
 use crate::files::{self, ShaderFiles};
 use crate::library::Request;
 use crate::line_map::{LineMap, span};
-use crate::port::{self, PortLine};
+use crate::port::{self, DeclaredPort};
 use crate::scan::Comments;
 use data_file::paths::{OUTSIDE, may_name};
 use data_file::{Diagnostic, Diagnostics, Label, Source, nearest};
@@ -238,7 +238,7 @@ impl Composer<'_> {
             }
             copied = at;
             let whole = start..start + line.trim_end().len();
-            let result = match directive::parse(bare, at - bare.len()) {
+            let result = match directive::parse(source, bare, at - bare.len()) {
                 Ok(directive) => self.directive(directive, source, whole, &mut branches),
                 Err(fault) => {
                     // A condition that cannot be read still has its `#endif`; nothing in it is looked at.
@@ -353,25 +353,28 @@ impl Composer<'_> {
             Directive::Option { name, default, one_of, internal, doc } => {
                 self.option(name, default, one_of, (internal, doc), source, line)
             }
-            Directive::Port(port) => self.port(port, source, &line),
+            Directive::Port { input, port, name } => self.port(input, port, name, line),
         }
     }
 
     /// Declares a port.
-    fn port(&mut self, port: PortLine, source: &Arc<Source>, line: &Range<usize>) -> Result<(), Fault> {
-        let input = port.input;
-        let name = port.name.clone();
-        let port = port.declared(|range| (source.text[range.clone()].to_owned(), span(source, range)));
+    fn port(
+        &mut self,
+        input: bool,
+        port: DeclaredPort,
+        name: Range<usize>,
+        line: Range<usize>,
+    ) -> Result<(), Fault> {
         let others = self.outline.inputs.iter().chain(&self.outline.outputs);
         if let Some(other) = others.into_iter().find(|other| other.name == port.name) {
             let message = format!("the port `{}` is declared twice", port.name);
-            let fault = Fault::new(&codes::DIRECTIVE, name.range, message);
+            let fault = Fault::new(&codes::DIRECTIVE, name, message);
             return Err(fault.note(format!("first declared at {}", other.place)));
         }
         let all = if input { &mut self.outline.inputs } else { &mut self.outline.outputs };
         if all.len() >= MAX_CHOICES {
             let message = format!("there are more than {MAX_CHOICES} ports");
-            return Err(Fault::new(&codes::EXTENT, line.clone(), message));
+            return Err(Fault::new(&codes::EXTENT, line, message));
         }
         all.push(port);
         Ok(())

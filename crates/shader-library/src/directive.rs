@@ -1,11 +1,11 @@
 //! The `#` lines of the dialect: their grammar, and the values of options.
 
 use crate::codes;
-use crate::port::{self, PortLine};
-use data_file::Code;
-use data_file::Value;
+use crate::port::{self, DeclaredPort};
+use data_file::{Code, Source, Value};
 use std::fmt;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The value of an option, which selects a variant of a shader.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -132,7 +132,12 @@ pub(crate) enum Directive {
         internal: bool,
         doc: String,
     },
-    Port(PortLine),
+    Port {
+        input: bool,
+        port: DeclaredPort,
+        /// Where its name stands.
+        name: Range<usize>,
+    },
     If(Condition),
     Elif(Condition),
     Else,
@@ -188,7 +193,7 @@ impl Condition {
 
 /// Reads the directive in `line`, which starts at byte `at` of the file and may have several lines: see
 /// [`port::extent`].
-pub(crate) fn parse(line: &str, at: usize) -> Result<Directive, Fault> {
+pub(crate) fn parse(source: &Arc<Source>, line: &str, at: usize) -> Result<Directive, Fault> {
     let indent = line.len() - line.trim_start().len();
     let mut tokens = Tokens { line, at, pos: indent + 1, depth: 0 };
     let name = tokens.next()?;
@@ -211,7 +216,9 @@ pub(crate) fn parse(line: &str, at: usize) -> Result<Directive, Fault> {
         },
         Token::Word("option") => tokens.option()?,
         Token::Word(word @ ("input" | "output")) => {
-            return port::parse(line, at, tokens.pos, word == "input").map(Directive::Port);
+            let input = word == "input";
+            let (port, name) = port::parse(source, line, (at, tokens.pos), input)?;
+            return Ok(Directive::Port { input, port, name });
         }
         Token::Word("if") => Directive::If(tokens.any()?),
         Token::Word("elif") => Directive::Elif(tokens.any()?),

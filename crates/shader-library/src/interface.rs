@@ -12,8 +12,6 @@ pub struct ShaderInterface {
     pub entries: Vec<Entry>,
     /// The struct named `Settings`, if there is one.
     pub settings: Option<StructLayout>,
-    /// The pipeline-overridable constants, in the order of the text.
-    pub overrides: Vec<Override>,
     /// All structs that have a layout in memory, in the order of the text.
     pub structs: Vec<StructLayout>,
     /// The same structs, each as the content of a buffer.
@@ -173,12 +171,6 @@ impl TypeLayout {
             None => u64::from(self.size) * count,
         }
     }
-
-    /// Returns the least size of a buffer bound here, in bytes: one element at least.
-    pub fn min_size(&self) -> u64 {
-        let element = self.element.as_ref().filter(|_| self.runtime_sized).map_or(0, |(_, stride)| *stride);
-        u64::from(self.size) + u64::from(element)
-    }
 }
 
 /// The stage of an entry point.
@@ -206,8 +198,6 @@ pub struct Entry {
     pub inputs: Vec<Location>,
     /// Of a fragment shader its colors, of a vertex shader what it hands on.
     pub outputs: Vec<Location>,
-    /// A fragment shader that writes `frag_depth`.
-    pub writes_depth: bool,
 }
 
 /// A value at a `@location`.
@@ -219,18 +209,4 @@ pub struct Location {
     pub name: String,
     /// The type as WGSL writes it: `vec4<f32>`.
     pub ty: String,
-}
-
-/// A pipeline-overridable constant (`override` in WGSL), set when the GPU pipeline is created.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Override {
-    /// The name; empty where it has none but an `@id`.
-    pub name: String,
-    /// What the pipeline's constants name it by: the `@id` where it has one, else the name.
-    pub key: String,
-    /// The type as WGSL writes it.
-    pub ty: String,
-    /// The value where the pipeline gives none; `None` where it must, or where the default is worked out
-    /// from more than numbers, other overrides and arithmetic.
-    pub default: Option<Value>,
 }

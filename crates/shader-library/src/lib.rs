@@ -35,8 +35,7 @@ pub use composed::{Outline, ShaderOption};
 pub use directive::Define;
 pub use files::{DiskFiles, MemoryFiles, Overlay, ShaderFiles, files_under};
 pub use interface::{
-    Access, Dimension, Entry, Global, GlobalKind, Location, Override, Sample, ShaderInterface, Stage,
-    TypeLayout,
+    Access, Dimension, Entry, Global, GlobalKind, Location, Sample, ShaderInterface, Stage, TypeLayout,
 };
 pub use layout::{MemberLayout, StructLayout, WriteError, write_struct};
 pub use library::{FileInfo, Library, MAX_VARIANTS, Request};

@@ -52,7 +52,6 @@ pub const MAX_VARIANTS: usize = 64;
 pub struct Library {
     files: Arc<dyn ShaderFiles>,
     roots: Vec<String>,
-    capabilities: Capabilities,
     thread_order: Option<u32>,
     made: Mutex<BTreeMap<Request, Made>>,
     outlines: Mutex<BTreeMap<Request, MadeOutline>>,
@@ -114,7 +113,6 @@ impl Library {
         Library {
             files,
             roots: vec![String::new()],
-            capabilities: Self::PORTABLE,
             thread_order: None,
             made: Mutex::default(),
             outlines: Mutex::default(),
@@ -127,12 +125,6 @@ impl Library {
     /// The empty path is the root of all files.
     pub fn with_roots<P: Into<String>>(mut self, roots: impl IntoIterator<Item = P>) -> Self {
         self.roots = roots.into_iter().map(Into::into).collect();
-        self
-    }
-
-    /// Sets the capabilities for validation, in place of [`Library::PORTABLE`].
-    pub fn with_capabilities(mut self, capabilities: Capabilities) -> Self {
-        self.capabilities = capabilities;
         self
     }
 
@@ -159,9 +151,7 @@ impl Library {
         let composing = tracing::info_span!(target: "phase", "shaders read and composed").entered();
         let (touched, composed) = compose(&*self.files, &self.roots, request, false);
         drop(composing);
-        let shader = composed
-            .and_then(|composed| Shader::new(composed, self.capabilities, self.thread_order))
-            .map(Arc::new);
+        let shader = composed.and_then(|composed| Shader::new(composed, self.thread_order)).map(Arc::new);
         if let Err(errors) = &shader {
             tracing::debug!(path = request.path, errors = errors.0.len(), "shader refused");
         }

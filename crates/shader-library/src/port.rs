@@ -9,9 +9,10 @@
 
 use crate::codes;
 use crate::directive::{Fault, Placed};
-use data_file::Span;
-use data_file::nearest;
+use crate::line_map::span;
+use data_file::{Source, Span, nearest};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// An input or an output that a shader declares.
 #[derive(Clone, Debug)]
@@ -66,58 +67,6 @@ pub struct FormulaText {
     pub place: Span,
 }
 
-/// The name of a size or a fact, its expression and its condition, as ranges of the file.
-type PlacedArgument = (Placed<String>, Range<usize>, Option<Range<usize>>);
-
-/// A port as read from one line, with ranges of its file.
-#[derive(Debug)]
-pub(crate) struct PortLine {
-    pub(crate) input: bool,
-    pub(crate) name: Placed<String>,
-    interface: String,
-    optional: bool,
-    like: Option<String>,
-    with: Vec<String>,
-    without: Vec<String>,
-    arguments: Vec<PlacedArgument>,
-    hands_on: Option<String>,
-    continues: Option<String>,
-    cleared: bool,
-    module: Option<String>,
-    doc: String,
-}
-
-impl PortLine {
-    /// Returns the port, with the text at each range of its file and the place of it.
-    pub(crate) fn declared(self, of: impl Fn(Range<usize>) -> (String, Span)) -> DeclaredPort {
-        let formula = |range: Range<usize>| {
-            let (text, place) = of(range);
-            FormulaText { text, place }
-        };
-        let arguments = self.arguments.into_iter().map(|(name, value, when)| Argument {
-            place: of(name.range).1,
-            name: name.value,
-            value: formula(value),
-            when: when.map(formula),
-        });
-        DeclaredPort {
-            arguments: arguments.collect(),
-            place: of(self.name.range).1,
-            name: self.name.value,
-            interface: self.interface,
-            optional: self.optional,
-            like: self.like,
-            with: self.with,
-            without: self.without,
-            hands_on: self.hands_on,
-            continues: self.continues,
-            cleared: self.cleared,
-            module: self.module,
-            doc: self.doc,
-        }
-    }
-}
-
 /// Returns the bytes of a text that a directive takes whose first line has `line` bytes: further lines while a parenthesis
 /// is open, and comments that are indented below it.
 pub(crate) fn extent(text: &str, line: usize) -> usize {
@@ -139,17 +88,28 @@ pub(crate) fn extent(text: &str, line: usize) -> usize {
     end
 }
 
-/// Reads `NAME: INTERFACE…` from byte `pos` of a text on, which starts at byte `at` of its file.
-pub(crate) fn parse(text: &str, at: usize, pos: usize, input: bool) -> Result<PortLine, Fault> {
+/// Reads `NAME: INTERFACE…` from byte `pos` of a text on, which starts at byte `at` of its file. Also returns where the name
+/// stands.
+pub(crate) fn parse(
+    source: &Arc<Source>,
+    text: &str,
+    (at, pos): (usize, usize),
+    input: bool,
+) -> Result<(DeclaredPort, Range<usize>), Fault> {
     let mut reader = Reader { text, at, pos };
+    let place = |range: &Range<usize>| span(source, range.clone());
+    let formula = |range: Range<usize>| FormulaText {
+        text: source.text[range.clone()].to_owned(),
+        place: place(&range),
+    };
     let name = reader.name("the name of the port")?;
     if !reader.eat(':') {
         return Err(reader.expected("`:` and an interface, as in `#input view: GBuffer`"));
     }
     let interface = reader.name("the name of an interface, such as `GBuffer`")?.value;
-    let mut port = PortLine {
-        input,
-        name,
+    let mut port = DeclaredPort {
+        place: place(&name.range),
+        name: name.value,
         interface,
         optional: false,
         like: None,
@@ -169,7 +129,12 @@ pub(crate) fn parse(text: &str, at: usize, pos: usize, input: bool) -> Result<Po
                 return Err(reader.expected("`:` and an expression"));
             }
             let (value, when) = reader.expression()?;
-            port.arguments.push((name, value, when));
+            port.arguments.push(Argument {
+                place: place(&name.range),
+                name: name.value,
+                value: formula(value),
+                when: when.map(formula),
+            });
             if !reader.eat(',') && !reader.rest().starts_with(')') {
                 return Err(reader.expected("`,` or `)`"));
             }
@@ -212,7 +177,7 @@ pub(crate) fn parse(text: &str, at: usize, pos: usize, input: bool) -> Result<Po
     }
     let comments = reader.rest().lines().map(|line| line.trim().trim_start_matches('/').trim());
     port.doc = comments.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
-    Ok(port)
+    Ok((port, name.range))
 }
 
 struct Reader<'a> {

@@ -1,16 +1,15 @@
 //! Reads a [`ShaderInterface`] from a validated module.
 
 use crate::interface::{
-    Access, Dimension, Entry, Global, GlobalKind, Location, Override, Sample, ShaderInterface, Stage,
-    TypeLayout,
+    Access, Dimension, Entry, Global, GlobalKind, Location, Sample, ShaderInterface, Stage, TypeLayout,
 };
 use crate::layout::{MemberLayout, StructLayout};
 use data_file::Value;
 use naga::common::wgsl::{ToWgsl, TypeContext};
 use naga::proc::Layouter;
 use naga::{
-    AddressSpace, ArraySize, Binding, BuiltIn, Expression, Handle, ImageClass, ImageDimension, Literal,
-    Module, ScalarKind, ShaderStage, StorageAccess, Type, TypeInner, UnaryOperator,
+    AddressSpace, ArraySize, Binding, Expression, Handle, ImageClass, ImageDimension, Literal, Module,
+    ScalarKind, ShaderStage, StorageAccess, Type, TypeInner, UnaryOperator,
 };
 
 /// Resource variables in the order of their names, which is the order of bindings.
@@ -88,9 +87,8 @@ pub(crate) fn reflect(
         .iter()
         .filter_map(|(_, constant)| Some((constant.name.clone()?, reflector.evaluate(constant.init)?)));
     let constants = constants.collect();
-    let overrides = module.overrides.iter().map(|(handle, _)| reflector.override_(handle)).collect();
     let settings = structs.iter().find(|layout| layout.name == crate::settings::STRUCT).cloned();
-    Ok(ShaderInterface { globals, entries, settings, overrides, structs, contents, constants })
+    Ok(ShaderInterface { globals, entries, settings, structs, contents, constants })
 }
 
 struct Reflector<'a> {
@@ -216,20 +214,13 @@ impl Reflector<'_> {
         }
         let mut inputs = Vec::new();
         for argument in &entry.function.arguments {
-            self.locations(
-                argument.name.as_deref(),
-                argument.ty,
-                argument.binding.as_ref(),
-                &mut inputs,
-                &mut false,
-            );
+            self.locations(argument.name.as_deref(), argument.ty, argument.binding.as_ref(), &mut inputs);
         }
         let mut outputs = Vec::new();
-        let mut writes_depth = false;
         if let Some(result) = &entry.function.result {
-            self.locations(None, result.ty, result.binding.as_ref(), &mut outputs, &mut writes_depth);
+            self.locations(None, result.ty, result.binding.as_ref(), &mut outputs);
         }
-        Entry { name: entry.name.clone(), stage, workgroup_size, globals, inputs, outputs, writes_depth }
+        Entry { name: entry.name.clone(), stage, workgroup_size, globals, inputs, outputs }
     }
 
     fn locations(
@@ -238,38 +229,22 @@ impl Reflector<'_> {
         ty: Handle<Type>,
         binding: Option<&Binding>,
         found: &mut Vec<Location>,
-        depth: &mut bool,
     ) {
         match (binding, &self.module.types[ty].inner) {
             (Some(Binding::Location { location, .. }), _) => {
                 let name = name.unwrap_or_default().to_owned();
                 found.push(Location { location: *location, name, ty: self.type_name(ty) });
             }
-            (Some(Binding::BuiltIn(builtin)), _) => *depth |= *builtin == BuiltIn::FragDepth,
             (None, TypeInner::Struct { members, .. }) => {
                 for member in members {
                     // Only what is bound: structs do not nest in what a stage takes or gives.
                     if member.binding.is_some() {
-                        self.locations(
-                            member.name.as_deref(),
-                            member.ty,
-                            member.binding.as_ref(),
-                            found,
-                            depth,
-                        );
+                        self.locations(member.name.as_deref(), member.ty, member.binding.as_ref(), found);
                     }
                 }
             }
-            (None, _) => {}
+            _ => {}
         }
-    }
-
-    fn override_(&self, handle: Handle<naga::Override>) -> Override {
-        let declared = &self.module.overrides[handle];
-        let name = declared.name.clone().unwrap_or_default();
-        let key = declared.id.map_or_else(|| name.clone(), |id| id.to_string());
-        let default = declared.init.and_then(|init| self.evaluate(init));
-        Override { name, key, ty: self.type_name(declared.ty), default }
     }
 
     /// The value of an expression of literals, constants, the defaults of overrides, and arithmetic.

@@ -5,14 +5,14 @@ use crate::codes;
 use crate::compile::compile;
 use crate::composed::{Composed, Outline};
 use crate::interface::ShaderInterface;
-use crate::layout::{StructLayout, WriteError, side_by_side, write_struct};
+use crate::layout::{StructLayout, side_by_side};
 use crate::line_map::span;
 use crate::reflect::{reflect, resources};
 use crate::thread_order::permuted;
 use crate::{scan, settings};
-use data_file::{Diagnostics, Setting, Span, Value};
+use data_file::{Diagnostics, Setting, Span};
 use naga::Module;
-use naga::valid::{Capabilities, ModuleInfo};
+use naga::valid::ModuleInfo;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use xxhash_rust::xxh3::xxh3_128;
@@ -36,20 +36,16 @@ pub struct Shader {
 
 impl Shader {
     /// Compiles a composed text. With a `thread_order`, compute entry points run in the order that it chooses.
-    pub(crate) fn new(
-        composed: Composed,
-        capabilities: Capabilities,
-        thread_order: Option<u32>,
-    ) -> Result<Self, Diagnostics> {
+    pub(crate) fn new(composed: Composed, thread_order: Option<u32>) -> Result<Self, Diagnostics> {
         let _phase = tracing::info_span!(target: "phase", "shaders validated and reflected").entered();
-        let (mut module, mut info) = compile(&composed, capabilities)?;
+        let (mut module, mut info) = compile(&composed)?;
         // Of the text in its own order, into which places point.
         let span = |handle| module.global_variables.get_span(handle).to_range().unwrap_or_default();
         let declarations = resources(&module).into_iter().map(span).collect();
         let mut hashed = composed.text.clone();
         if let Some(seed) = thread_order {
             let permuted = Composed { text: permuted(&composed.text, &module, seed), ..composed.clone() };
-            (module, info) = compile(&permuted, capabilities)?;
+            (module, info) = compile(&permuted)?;
             hashed = permuted.text;
         }
         let interface = reflect(&module, &info).map_err(|(span, message)| {
@@ -156,28 +152,6 @@ impl Shader {
     pub fn attributes(&self) -> Result<Arc<Attributes>, Diagnostics> {
         let read = || attributes::read(&self.composed, &self.interface).map(Arc::new);
         self.attributes.get_or_init(read).clone()
-    }
-
-    /// Returns the bytes of `struct Settings` (see [`write_struct`]), where a setting that is one of several words is
-    /// written as the index of its word. `get` is called for settings and plain members alike.
-    ///
-    /// # Errors
-    /// Members without a value, or with one that they cannot hold. Empty where there is no such struct.
-    pub fn write_settings(&self, get: &dyn Fn(&str) -> Option<Value>) -> Result<Vec<u8>, WriteError> {
-        let Some(layout) = &self.interface.settings else { return Ok(Vec::new()) };
-        // Declarations with errors are told by `settings`; here they are plain members.
-        let declared = self.settings().unwrap_or_default();
-        write_struct(layout, &|name| {
-            let value = get(name)?;
-            let words = declared
-                .iter()
-                .find(|setting| setting.name == name)
-                .map_or(&[][..], |setting| &setting.one_of);
-            match (&value, words.iter().position(|word| *word == value)) {
-                (Value::Text(_), Some(index)) => Some(Value::U32(index as u32)),
-                _ => Some(value),
-            }
-        })
     }
 
     /// Checks that each struct that both Rust and the shader declare has the same layout. `expected` are the layouts that

@@ -181,7 +181,9 @@ fn load_all(library: &Library) -> Vec<data_file::Diagnostics> {
             Ok(shader) => {
                 errors.extend(shader.settings().err());
                 errors.extend(shader.attributes().err());
-                let _ = shader.write_settings(&|_| Some(data_file::Value::U32(1)));
+                if let Some(layout) = &shader.interface.settings {
+                    let _ = shader_library::write_struct(layout, &|_| Some(data_file::Value::U32(1)));
+                }
             }
             Err(refused) => errors.push(refused),
         }

@@ -51,7 +51,9 @@ proptest! {
         let request = Request::new("main.wgsl").module("i", "b.wgsl");
         let errors = match library.load(&request) {
             Ok(shader) => {
-                let _ = shader.write_settings(&|_| Some(data_file::Value::U32(1)));
+                if let Some(layout) = &shader.interface.settings {
+                    let _ = shader_library::write_struct(layout, &|_| Some(data_file::Value::U32(1)));
+                }
                 shader.settings().err()
             }
             Err(errors) => Some(errors),

@@ -83,28 +83,6 @@ fn declarations_are_read() {
 fn a_shader_without_settings_has_none() {
     let shader = shader("@compute @workgroup_size(1) fn main() {}");
     assert_eq!(shader.settings().unwrap(), []);
-    assert!(shader.write_settings(&|_| None).unwrap().is_empty());
-}
-
-#[test]
-fn words_are_written_as_their_index() {
-    let text = SETTINGS.replace("    table: array<vec4<f32>, 2>,\n", "");
-    let shader = shader(&text);
-    let layout = shader.interface.settings.clone().unwrap();
-    let bytes = shader
-        .write_settings(&|name| match name {
-            "seed" => Some(Value::U32(7)),
-            "curve" => Some(Value::Text("aces".to_owned())),
-            other => shader.settings().unwrap().into_iter().find(|s| s.name == other).map(|s| s.default),
-        })
-        .unwrap();
-    let word = |name: &str| {
-        let at = layout.members.iter().find(|m| m.name == name).unwrap().offset as usize;
-        u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap())
-    };
-    assert_eq!([word("curve"), word("seed"), word("on"), word("taps")], [2, 7, 1, 4]);
-    let refused = shader.write_settings(&|_| Some(Value::Text("filmic".to_owned()))).unwrap_err();
-    assert!(refused.problems.iter().any(|p| p == "`curve: u32` cannot hold \"filmic\""), "{refused}");
 }
 
 #[test]
