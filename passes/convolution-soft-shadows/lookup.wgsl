@@ -4,24 +4,12 @@
 // Depths z are heights above the light's plane, as a share of the map's greatest. What is not in front of the depth d has
 // the share f(d, z) = 1/2 + 2 Σ a_k / c_k sin(c_k (z - d)), c_k = π (2k - 1), where a_k attenuate high orders.
 
+#import "atlas-lookup.wgsl"
 #import "basis.wgsl"
 #import "disc-shadow.wgsl"
-#import "paraboloid.wgsl"
-#import "paraboloid-lookup.wgsl"
-#import "virtual-lights.wgsl"
-#import "visibility-shared.wgsl"
 
 struct VisibilityFacts {
-    /// Side of a map [px].
-    tile: u32,
-    /// Maps in a row of a layer.
-    columns: u32,
-    /// Rows of maps in a layer.
-    rows: u32,
-    /// Depth bias, in widths of a texel at the receiver.
-    depth_bias: f32,
-    /// The same, times the slope of the receiver's plane.
-    slope_bias: f32,
+    atlas: AtlasFacts,
     /// Searches for blockers, each in a region that follows from the one before.
     search: u32,
     /// Least height of a blocker above the light's plane, as a share of the receiver's.
@@ -39,7 +27,6 @@ struct VisibilityFacts {
 }
 
 var<uniform> visibility_facts: VisibilityFacts;
-var visibility_atlas: texture_2d_array<f32>;
 var<storage, read> visibility_basis: array<u32>;
 
 /// The share of a region that blocks below which it counts as none: more than the expansion rings.
@@ -74,8 +61,8 @@ fn disc_image(receiver: vec3<f32>, plane_normal: vec3<f32>, radius: f32) -> Disc
     let images = ends / (sqrt(ends * ends + middle.z * middle.z) + middle.z);
     let across = kept / (sqrt(dot(middle, middle) + kept * kept) + middle.z);
     let extent = sqrt(0.5 * (images.y - images.x) * across);
-    let centre = tile_position(direction * (0.5 * (images.x + images.y)), facts.tile);
-    return DiscImage(centre, 0.5 * f32(facts.tile) * extent);
+    let centre = tile_position(direction * (0.5 * (images.x + images.y)), facts.atlas.tile);
+    return DiscImage(centre, 0.5 * f32(facts.atlas.tile) * extent);
 }
 
 /// The level whose texels, interpolated, spread as a disc of that radius [px] does.
@@ -124,14 +111,14 @@ struct Corners {
 /// The texels around a position in a map [px]. None is of another map: those beyond the edge are the nearest at the edge.
 fn corners(map: u32, level: u32, position: vec2<f32>) -> Corners {
     let facts = visibility_facts;
-    let side = level_side(facts.tile, level);
+    let side = level_side(facts.atlas.tile, level);
     let at = position / f32(1u << level) - 0.5;
     let low = floor(at);
     let weight = at - low;
     let last = vec2(f32(side - 1u));
     let x = vec2(u32(clamp(low.x, 0.0, last.x)), u32(clamp(low.x + 1.0, 0.0, last.x)));
     let y = vec2(u32(clamp(low.y, 0.0, last.y)), u32(clamp(low.y + 1.0, 0.0, last.y)));
-    let begin = map * facts.stride + level_begin(facts.tile, level, facts.order);
+    let begin = map * facts.stride + level_begin(facts.atlas.tile, level, facts.order);
     let texels = vec4(y.x * side + x, y.y * side + x);
     let rows = vec2(1.0 - weight.x, weight.x);
     return Corners(begin + texels * texel_words(facts.order), vec4((1.0 - weight.y) * rows, weight.y * rows));
@@ -178,14 +165,14 @@ fn find_blockers(compared: Comparison, corners: Corners) -> Blockers {
 
 /// The four nearest texels of the map itself, weighted after the depth test.
 fn seen_nearby(lookup: ParaboloidLookup, origin: vec3<u32>) -> f32 {
-    let tile = visibility_facts.tile;
+    let tile = visibility_facts.atlas.tile;
     let corner = floor(lookup.position - 0.5);
     let weight = lookup.position - 0.5 - corner;
     var sum = 0.0;
     for (var i = 0u; i < 4u; i++) {
         let beside = vec2(f32(i % 2u), f32(i / 2u));
         let texel = texel_in_map(corner + beside, tile);
-        let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
+        let stored = stored_in_atlas(origin, texel);
         let shares = mix(1.0 - weight, weight, beside);
         sum += select(0.0, shares.x * shares.y, is_seen(lookup, texel, tile, stored));
     }
@@ -200,16 +187,13 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
         return 0.0;
     }
     let plane_normal = normal * frame;
-    let origin = tile_origin(index, facts.columns, facts.rows, facts.tile);
-    let lookup = paraboloid_lookup_in_frame(receiver, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
+    let lookup = atlas_lookup_in_frame(receiver, plane_normal);
     let radius = disc_radius(light.area);
     if radius == 0.0 {
-        let texel = texel_in_map(lookup.position, facts.tile);
-        let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
-        return select(0.0, 1.0, is_seen(lookup, texel, facts.tile, stored));
+        return seen_once(lookup, index);
     }
     // DEVIATION(finest): the finest level is the map itself, compared without an expansion.
-    let exact = seen_nearby(lookup, origin);
+    let exact = seen_nearby(lookup, origin_in_atlas(index));
     let far = bitcast<f32>(visibility_basis[index * facts.stride]);
     let greatest = greatest_depth(facts.order, facts.offset);
     // What is higher than all that the map holds has no depth.

@@ -1,24 +1,12 @@
 // Visibility of discs by an atlas of paraboloid distance maps: blockers are looked for, and the lookups of a kernel as wide
 // as the penumbra that they cast are averaged after the depth test. [Fernando 2005, ACRSM §5.3.3]
 
+#import "atlas-lookup.wgsl"
 #import "disc-shadow.wgsl"
-#import "paraboloid.wgsl"
-#import "paraboloid-lookup.wgsl"
 #import "poisson-disc.wgsl"
-#import "virtual-lights.wgsl"
-#import "visibility-shared.wgsl"
 
 struct VisibilityFacts {
-    /// Side of a map [px].
-    tile: u32,
-    /// Maps in a row of a layer.
-    columns: u32,
-    /// Rows of maps in a layer.
-    rows: u32,
-    /// Depth bias, in widths of a texel at the receiver.
-    depth_bias: f32,
-    /// The same, times the slope of the receiver's plane.
-    slope_bias: f32,
+    atlas: AtlasFacts,
     /// Taps that look for blockers.
     search: u32,
     /// Taps that are filtered.
@@ -28,7 +16,6 @@ struct VisibilityFacts {
 }
 
 var<uniform> visibility_facts: VisibilityFacts;
-var visibility_atlas: texture_2d_array<f32>;
 
 /// What a lookup finds.
 struct Tap {
@@ -40,16 +27,16 @@ struct Tap {
 /// A lookup beside a receiver in the direction of `beside` [m], which is as high above the light's plane.
 // DEVIATION(receiver-plane): the paper compares all taps with the receiver's depth.
 fn look_up_beside(origin: vec3<u32>, receiver: vec3<f32>, plane_normal: vec3<f32>, beside: vec3<f32>) -> Tap {
-    let facts = visibility_facts;
     // What is tested is the receiver's plane, or its height where that is nearer: what lies behind either hides nothing.
     let plane_height = dot(plane_normal, receiver);
     let along = dot(plane_normal, beside);
     let meets = along * plane_height > 0.0;
     let at = beside * select(1.0, min(plane_height / along, 1.0), meets);
-    let lookup = paraboloid_lookup_in_frame(at, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
-    let texel = texel_in_map(lookup.position, facts.tile);
-    let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
-    return Tap(is_seen(lookup, texel, facts.tile, stored), stored * (at.z / lookup.distance));
+    let lookup = atlas_lookup_in_frame(at, plane_normal);
+    let tile = visibility_facts.atlas.tile;
+    let texel = texel_in_map(lookup.position, tile);
+    let stored = stored_in_atlas(origin, texel);
+    return Tap(is_seen(lookup, texel, tile, stored), stored * (at.z / lookup.distance));
 }
 
 fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
@@ -60,13 +47,10 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
         return 0.0;
     }
     let plane_normal = normal * frame;
-    let origin = tile_origin(index, facts.columns, facts.rows, facts.tile);
+    let origin = origin_in_atlas(index);
     let radius = disc_radius(light.area);
     if radius == 0.0 {
-        let lookup = paraboloid_lookup_in_frame(receiver, plane_normal, facts.tile, facts.depth_bias, facts.slope_bias);
-        let texel = texel_in_map(lookup.position, facts.tile);
-        let stored = textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
-        return select(0.0, 1.0, is_seen(lookup, texel, facts.tile, stored));
+        return seen_once(atlas_lookup_in_frame(receiver, plane_normal), index);
     }
 
     // DEVIATION(nearest): the search is as wide as the penumbra of the nearest blockers that it is to find.

@@ -217,7 +217,8 @@ pub const LARGEST_WINDOW: u64 = 128 << 20;
 /// A member that is a struct is filled member by member, with values named `MEMBER.NAME`.
 ///
 /// A uniform `PORT_facts`, which a module declares, is filled from the input of that name alone: its facts, `size`
-/// and `layers` of its first texture, `age` and `reset` where it is a history buffer, and the pass's `seed`.
+/// and `layers` of its first texture, `age` and `reset` where it is a history buffer, and the pass's `seed`. Members of a
+/// struct within it are named as its own.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     /// A dispatch.

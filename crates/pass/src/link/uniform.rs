@@ -12,7 +12,8 @@ use std::sync::Arc;
 /// How a uniform of a step is filled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UniformFill {
-    /// Layout of the struct. Members that are structs are replaced by theirs, named `MEMBER.NAME`.
+    /// Layout of the struct. Members that are structs are replaced by theirs: named `MEMBER.NAME` in `settings`, and `NAME`
+    /// in the facts of a module.
     pub layout: StructLayout,
     /// Members whose values are known.
     pub values: BTreeMap<String, Value>,
@@ -233,7 +234,7 @@ impl StepLinker<'_> {
             let message = format!("{path}: `{}` must be a `var<uniform>` of a struct", global.name);
             return Err(self.error(&codes::SETTINGS, message, place, Vec::new()));
         };
-        let flat = flattened(layout, &shader.interface.structs);
+        let flat = flattened(layout, &shader.interface.structs, global.name == "settings");
         let seeded = !known.values.contains_key("seed");
         for member in flat.members.iter().filter(|member| !is_padding(&member.name)) {
             if known.gives(&member.name) || (seeded && member.name == "seed") {
@@ -317,8 +318,9 @@ fn is_padding(member: &str) -> bool {
     member.rsplit('.').next().is_some_and(|name| name.starts_with("pad"))
 }
 
-/// A layout without structs inside: their members stand in their place, named `MEMBER.NAME`. Names are those of settings.
-fn flattened(layout: &StructLayout, structs: &[StructLayout]) -> StructLayout {
+/// A layout without structs inside: their members stand in their place, named `MEMBER.NAME` or, where names are not `dotted`,
+/// `NAME`. Names are those of settings.
+fn flattened(layout: &StructLayout, structs: &[StructLayout], dotted: bool) -> StructLayout {
     let mut members = Vec::with_capacity(layout.members.len());
     for member in &layout.members {
         match structs.iter().find(|inner| inner.name == member.ty) {
@@ -327,10 +329,12 @@ fn flattened(layout: &StructLayout, structs: &[StructLayout]) -> StructLayout {
                 members.push(MemberLayout { name, ..member.clone() });
             }
             Some(inner) => {
-                members.extend(flattened(inner, structs).members.into_iter().map(|inner| MemberLayout {
-                    name: format!("{}.{}", member.name, inner.name),
-                    offset: member.offset + inner.offset,
-                    ..inner
+                members.extend(flattened(inner, structs, dotted).members.into_iter().map(|inner| {
+                    MemberLayout {
+                        name: if dotted { format!("{}.{}", member.name, inner.name) } else { inner.name },
+                        offset: member.offset + inner.offset,
+                        ..inner
+                    }
                 }));
             }
         }
