@@ -18,11 +18,10 @@ struct View {
 
 impl View {
     fn harness(&self, lights: &[VirtualLight]) -> Harness<'static> {
-        self.stand_at_depth(lights, 2.0)
+        self.at_depth(lights, 2.0)
     }
 
-    fn stand_at_depth(&self, lights: &[VirtualLight], depth: f32) -> Harness<'static> {
-        let pixels = (self.width * self.height) as usize;
+    fn at_depth(&self, lights: &[VirtualLight], depth: f32) -> Harness<'static> {
         let camera = scene::Camera {
             position: Vec3::new(0.0, 2.0, 0.0),
             target: Vec3::ZERO,
@@ -30,9 +29,6 @@ impl View {
             vertical_fov: self.fov,
             near: 0.01,
         };
-        let half = |x: f32| half::f16::from_f32(x).to_bits();
-        let normals = [half(0.0), half(1.0), half(0.0), 0].repeat(pixels);
-        let texture = |format| pass::ResourceDesc::texture_2d(format, (self.width, self.height));
         let given = |light: &VirtualLight| interfaces::virtual_lights::VirtualLight {
             position: light.position.as_vec3().to_array(),
             area: light.area as f32,
@@ -44,20 +40,8 @@ impl View {
         Harness::new(gather::PASS)
             .frame(self.width, self.height)
             .scene("plane")
+            .view(|_, _| (depth, [0.0, 1.0, 0.0]))
             .camera(camera)
-            .input(
-                "view",
-                "GBuffer",
-                &[],
-                vec![
-                    (
-                        "depth",
-                        texture(pass::Format::R32Float),
-                        bytemuck::cast_slice(&vec![depth; pixels]).to_vec(),
-                    ),
-                    ("normal", texture(pass::Format::Rgba16Float), bytemuck::cast_slice(&normals).to_vec()),
-                ],
-            )
             .lights(&lights)
     }
 
@@ -266,7 +250,7 @@ fn extremes_stay_finite() {
 fn pixels_that_see_nothing_are_black() {
     let view = View { width: 4, height: 4, fov: 1.0 };
     let light = VirtualLight { position: DVec3::Y, normal: DOWN, flux: 1.0, area: 0.0 };
-    let Some(outputs) = view.stand_at_depth(&[light], 0.0).run() else { return };
+    let Some(outputs) = view.at_depth(&[light], 0.0).run() else { return };
     assert!(read(&outputs).iter().all(|e| *e == [0.0; 4]), "nothing is lit");
 }
 

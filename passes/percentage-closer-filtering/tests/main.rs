@@ -4,11 +4,10 @@ mod cpu_reference;
 
 use cpu_reference::filtered;
 use frame_graph::port::InputDesc;
-use glam::{DVec3, dvec3};
 use gpu_algorithms::reference::paraboloid::{paraboloid_from_direction, tile_position};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{OutputContext, ResourceDesc, Settings, Use, UseContext, Value};
-use pass_test::visibility::{Receiver, atlas, direction, lookups, map_of, receivers_around};
+use pass_test::visibility::{Plane, Receiver, atlas, direction, lookups, map_of, receivers_around};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -122,36 +121,17 @@ fn it_filters_maps_and_nothing_else() {
     assert!(refused.message.contains("`tile`"), "{}", refused.message);
 }
 
-/// A plane that fills the maps of a light, with what they store: at each texel the distance along the ray through its
-/// centre. Receivers lie on the plane, or behind it by a part of their distance.
-struct Plane {
-    /// Unit, towards the light.
-    normal: DVec3,
-    /// The light's distance from it \[m\].
-    height: f64,
-}
-
-impl Plane {
-    /// The distance along a unit direction; `None` where it is not met.
-    fn along(&self, direction: DVec3) -> Option<f64> {
-        let along = self.normal.dot(direction);
-        (along < -1e-3).then(|| -self.height / along)
-    }
-
-    fn answers(&self, module: &str, tile: u32, behind: f64) -> Option<Vec<f32>> {
-        let map: Vec<f32> = map_of(tile, |direction| self.along(direction))
-            .into_iter()
-            .map(|distance| distance as f32)
-            .collect();
-        let receiver = |i| {
-            // What the plane does not meet lies behind the light, where nothing is tested.
-            let distance = self.along(direction(i)).unwrap_or(-1.0) * (1.0 + behind);
-            let position = (direction(i) * distance).to_array();
-            Receiver { position, normal: self.normal.to_array(), light: 0 }
-        };
-        let receivers: Vec<Receiver> = (0..RECEIVERS).map(receiver).collect();
-        answers(module, (tile, &map), (1, 0.02), &receivers)
-    }
+/// The answers at receivers on a plane that fills the maps of a light, or behind it by a part of their distance.
+fn answers_at(plane: Plane, module: &str, tile: u32, behind: f64) -> Option<Vec<f32>> {
+    let distances = map_of(tile, |direction| plane.along(direction));
+    let map: Vec<f32> = distances.into_iter().map(|distance| distance as f32).collect();
+    let receiver = |i| {
+        // What the plane does not meet lies behind the light, where nothing is tested.
+        let distance = plane.along(direction(i)).unwrap_or(-1.0) * (1.0 + behind);
+        Receiver { position: (direction(i) * distance).to_array(), normal: plane.normal.to_array(), light: 0 }
+    };
+    let receivers: Vec<Receiver> = (0..RECEIVERS).map(receiver).collect();
+    answers(module, (tile, &map), (1, 0.02), &receivers)
 }
 
 /// Whatever its slope, a plane does not shadow itself with next to no bias, and hides what lies behind it by a tenth of
@@ -161,10 +141,9 @@ impl Plane {
 fn a_plane_is_lit_and_hides_what_is_behind_it() {
     for module in ["shaders/visibility-atlas.wgsl", MODULE] {
         for (tile, degrees) in [(8, 0.0), (8, 30.0), (8, 55.0), (64, 0.0), (64, 30.0), (64, 55.0)] {
-            let (sin, cos) = f64::to_radians(degrees).sin_cos();
-            let plane = Plane { normal: dvec3(0.6 * sin, -0.8 * sin, -cos), height: 1.7 };
-            let Some(on) = plane.answers(module, tile, 0.0) else { return };
-            let Some(behind) = plane.answers(module, tile, 0.1) else { return };
+            let plane = Plane::tilted(degrees, 1.7);
+            let answers = |behind| answers_at(plane, module, tile, behind);
+            let (Some(on), Some(behind)) = (answers(0.0), answers(0.1)) else { return };
             let (mut lit, mut leaks, mut all) = (0, 0.0, 0);
             for ((on, behind), i) in on.iter().zip(&behind).zip(0..) {
                 // Slopes up to 60°, away from the rim, where texels are not met by the plane.

@@ -4,12 +4,14 @@ mod cpu_reference;
 
 use cpu_reference::{Map, poisson_disc};
 use frame_graph::port::InputDesc;
-use glam::{DVec2, DVec3, dvec2, dvec3};
+use glam::{DVec2, DVec3, dvec2};
 use interfaces::virtual_lights::VirtualLight;
 use pass::{
     Module, OutputContext, OutputDesc, PassTypeError, ResourceDesc, Settings, Use, UseContext, Value,
 };
-use pass_test::visibility::{Edge, Receiver, atlas, lookups, map_of, receivers_around, segment};
+use pass_test::visibility::{
+    Plane, Receiver, atlas, errors_behind_edges, lookups, map_of, penumbrae, receivers_around, segment,
+};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -52,8 +54,6 @@ fn map(distances: &[f64], tile: u32) -> Map<'_> {
     Map { distances, tile, depth_bias: DEPTH_BIAS, search: 16, taps: 16, nearest: 0.25 }
 }
 
-const FLOOR: f64 = Edge::FLOOR;
-
 #[test]
 fn the_kernel_is_a_poisson_disc() {
     let kernel = poisson_disc();
@@ -85,69 +85,23 @@ fn a_line_through_the_kernel_has_the_part_of_the_disc_beside_it() {
 /// Where visibility rises from a tenth to nine tenths, in the penumbra of an edge.
 #[test]
 fn penumbrae_are_as_wide_as_similar_triangles_say() {
-    let radius = 0.3;
-    let area = PI * radius * radius;
-    // A tenth of the disc is beyond this distance from its centre, in radii.
-    let tenth = (0..1000).map(|i| f64::from(i) / 1000.0).find(|d| segment(*d) >= 0.9).expect("it is there");
-    let mut widths = Vec::new();
-    for height in [0.8, 1.0, 1.4, 1.8] {
-        // Eq. 3.2, with the light's diameter.
-        let wanted = (FLOOR - height) * 2.0 * radius / height;
-        let mut sum = 0.0;
-        for direction in 0..8 {
-            let (sin, cos) = (0.1 + TAU * f64::from(direction) / 8.0).sin_cos();
-            let across = dvec2(cos, sin);
-            let edge = Edge { height, at: 0.2 * across, across };
-            let distances = edge.map(512);
-            let seen = |t: f64| {
-                let at = (0.2 * FLOOR / height + t) * across;
-                map(&distances, 512).visibility(area, at.extend(FLOOR), DVec3::NEG_Z)
-            };
-            let steps: Vec<(f64, f64)> =
-                (-150..=150).map(|i| f64::from(i) / 100.0 * wanted / 2.0).map(|t| (t, seen(t))).collect();
-            let (first, last) = (steps[0], steps[300]);
-            assert_eq!(
-                (first.1, last.1),
-                (0.0, 1.0),
-                "dark and lit ends at {height} m, direction {direction}"
-            );
-            let from =
-                |least: f64| steps.iter().find(|(_, seen)| *seen >= least).expect("it is lit in the end").0;
-            sum += from(0.9) - from(0.1);
-        }
-        let width = sum / 8.0;
-        assert!(
-            (width / (tenth * wanted) - 1.0).abs() < 0.12,
-            "{width} m for {} m at {height} m",
-            tenth * wanted
-        );
-        widths.push(width);
+    let area = PI * 0.3 * 0.3;
+    let found = penumbrae(0.3, 8, 1.5, |distances| {
+        Box::new(move |at| map(&distances, 512).visibility(area, at, DVec3::NEG_Z))
+    });
+    for penumbra in &found {
+        assert_eq!(penumbra.ends, (0.0, 0.0), "dark and lit ends: {penumbra:?}");
+        assert!((penumbra.width / penumbra.wanted - 1.0).abs() < 0.12, "{penumbra:?}");
     }
-    assert!(widths.is_sorted_by(|a, b| a > b), "nearer to the receiver is sharper: {widths:?}");
+    assert!(found.is_sorted_by(|a, b| a.width > b.width), "nearer to the receiver is sharper: {found:?}");
 }
 
 #[test]
 fn a_disc_is_as_visible_as_rays_say() {
-    let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0);
-    for (i, height) in [0.7, 1.1, 1.6].into_iter().enumerate() {
-        for (j, radius) in [0.1, 0.3, 0.6].into_iter().enumerate() {
-            let angle = 0.7 + 2.0 * i as f64 + j as f64;
-            let across = dvec2(angle.cos(), angle.sin());
-            // The last ones are seen at 60° from the light's normal.
-            let edge = Edge { height, at: 0.9 * j as f64 * height * across, across };
-            let distances = edge.map(512);
-            for k in 0..60 {
-                let t = (f64::from(k) / 30.0 - 1.0) * 1.3 * radius * (FLOOR - height) / height;
-                let along = across.perp() * (0.3 * f64::from(k % 7));
-                let at = (edge.at * (FLOOR / height) + t * across + along).extend(FLOOR);
-                let got = map(&distances, 512).visibility(PI * radius * radius, at, DVec3::NEG_Z);
-                let error = (got - edge.by_rays(radius, at)).abs();
-                (sum, worst, count) = (sum + error, worst.max(error), count + 1);
-            }
-        }
-    }
+    let (mean, worst) = errors_behind_edges(|distances, radius| {
+        Box::new(move |at| map(&distances, 512).visibility(PI * radius * radius, at, DVec3::NEG_Z))
+    });
     // 16 taps are 17 shades, and their edges fall between those of the disc.
-    let mean = sum / f64::from(count);
     assert!(mean < 0.04 && worst < 0.2, "off by {mean} on average, {worst} at most");
 }
 
@@ -155,30 +109,13 @@ fn a_disc_is_as_visible_as_rays_say() {
 #[test]
 fn planes_do_not_shadow_themselves() {
     for (tile, degrees) in [(32, 0.0), (32, 30.0), (32, 55.0), (128, 55.0), (128, 75.0), (128, 90.0)] {
-        let (sin, cos) = f64::to_radians(degrees).sin_cos();
-        let (normal, height) = (dvec3(0.6 * sin, -0.8 * sin, -cos), 1.0);
-        let along = |direction: DVec3| {
-            let along = normal.dot(direction);
-            (along < -1e-3).then(|| -height / along)
-        };
-        let distances = map_of(tile, along);
+        let plane = Plane::tilted(degrees, 1.0);
+        let distances = map_of(tile, |direction| plane.along(direction));
         for radius in [0.0, 0.2, 1.0, 3.0] {
-            let mut count = 0;
-            for i in 0..4000_u32 {
-                let [u, v] = [0.754_877, 0.569_840].map(|step: f64| (f64::from(i) * step).fract());
-                let (z, angle) = (u, TAU * v);
-                let direction = (dvec2(angle.cos(), angle.sin()) * (1.0 - z * z).sqrt()).extend(z);
-                // Away from the rim of the map and of the plane, up to three heights away.
-                let Some(distance) = along(direction).filter(|distance| z > 0.1 && *distance < 3.0 * height)
-                else {
-                    continue;
-                };
-                let seen =
-                    map(&distances, tile).visibility(PI * radius * radius, distance * direction, normal);
-                assert_eq!(seen, 1.0, "{tile}², {degrees}°, radius {radius}, {direction} at {distance} m");
-                count += 1;
-            }
-            assert!(count > 200, "{count} receivers");
+            let area = PI * radius * radius;
+            let seen = plane.seen(4000, |at, normal| map(&distances, tile).visibility(area, at, normal));
+            assert!(seen.iter().all(|seen| *seen == 1.0), "{tile}², {degrees}°, radius {radius}: {seen:?}");
+            assert!(seen.len() > 200, "{} receivers", seen.len());
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::cpu_reference::{Expansion, Map};
 use crate::{Atlas, DEPTH_BIAS, MODULE, NOTHING, Random, expansion, light};
 use glam::{DVec3, dvec2, dvec3};
-use pass_test::visibility::{Edge, Receiver, direction, map_of, receivers_around, segment};
+use pass_test::visibility::{Plane, Receiver, errors_behind_edges, map_of, penumbrae, receivers_around};
 use std::f64::consts::{PI, TAU};
 
 const TILE: u32 = 512;
@@ -68,65 +68,27 @@ fn lookups_at_the_edges_of_a_map_agree_with_the_cpu_reference() {
 /// Where visibility rises from a tenth to nine tenths, in the penumbra of an edge.
 #[test]
 fn penumbrae_are_as_wide_as_similar_triangles_say() {
-    let radius = 0.3;
-    let area = PI * radius * radius;
-    // A tenth of the disc is beyond this distance from its centre, in radii.
-    let tenth = (0..1000).map(|i| f64::from(i) / 1000.0).find(|d| segment(*d) >= 0.9).expect("it is there");
+    let area = PI * 0.3 * 0.3;
     for order in [4, 16] {
-        let mut widths = Vec::new();
-        for height in [0.8, 1.0, 1.4, 1.8] {
-            // Eq. 3.2, with the light's diameter.
-            let wanted = (Edge::FLOOR - height) * 2.0 * radius / height;
-            let mut sum = 0.0;
-            for direction in 0..4 {
-                let (sin, cos) = (0.1 + TAU * f64::from(direction) / 8.0).sin_cos();
-                let across = dvec2(cos, sin);
-                let edge = Edge { height, at: 0.2 * across, across };
-                let map = Map::new(edge.map(TILE), TILE, expansion(TILE, order));
-                let seen = |t: f64| {
-                    let at = (0.2 * Edge::FLOOR / height + t) * across;
-                    map.visibility(area, at.extend(Edge::FLOOR), DVec3::NEG_Z)
-                };
-                let steps: Vec<(f64, f64)> =
-                    (-100..=100).map(|i| f64::from(i) / 50.0 * wanted / 2.0).map(|t| (t, seen(t))).collect();
-                let from = |least: f64| {
-                    steps.iter().find(|(_, seen)| *seen >= least).expect("it is lit in the end").0
-                };
-                sum += from(0.9) - from(0.1);
-            }
-            let width = sum / 4.0;
-            let share = width / (tenth * wanted);
-            println!("order {order}, {height} m: {share}");
-            assert!((share - 1.0).abs() < 0.25, "order {order}: {width} m is {share} of it at {height} m");
-            widths.push(width);
+        let found = penumbrae(0.3, 4, 2.0, |distances| {
+            let map = Map::new(distances, TILE, expansion(TILE, order));
+            Box::new(move |at| map.visibility(area, at, DVec3::NEG_Z))
+        });
+        for penumbra in &found {
+            let share = penumbra.width / penumbra.wanted;
+            assert!((share - 1.0).abs() < 0.25, "order {order}: {share} of {penumbra:?}");
         }
-        assert!(widths.is_sorted_by(|a, b| a > b), "nearer to the receiver is sharper: {widths:?}");
+        assert!(found.is_sorted_by(|a, b| a.width > b.width), "nearer to the receiver is sharper: {found:?}");
     }
 }
 
 #[test]
 fn a_disc_is_as_visible_as_rays_say() {
     for (order, most_mean, most) in [(4, 0.055, 0.35), (16, 0.055, 0.35)] {
-        let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0);
-        for (i, height) in [0.7, 1.1, 1.6].into_iter().enumerate() {
-            for (j, radius) in [0.1, 0.3, 0.6].into_iter().enumerate() {
-                let angle = 0.7 + 2.0 * i as f64 + j as f64;
-                let across = dvec2(angle.cos(), angle.sin());
-                // The last ones are seen at 60° from the light's normal.
-                let edge = Edge { height, at: 0.9 * j as f64 * height * across, across };
-                let map = Map::new(edge.map(TILE), TILE, expansion(TILE, order));
-                for k in 0..60 {
-                    let t = (f64::from(k) / 30.0 - 1.0) * 1.3 * radius * (Edge::FLOOR - height) / height;
-                    let along = across.perp() * (0.3 * f64::from(k % 7));
-                    let at = (edge.at * (Edge::FLOOR / height) + t * across + along).extend(Edge::FLOOR);
-                    let got = map.visibility(PI * radius * radius, at, DVec3::NEG_Z);
-                    let error = (got - edge.by_rays(radius, at)).abs();
-                    (sum, worst, count) = (sum + error, worst.max(error), count + 1);
-                }
-            }
-        }
-        let mean = sum / f64::from(count);
-        println!("order {order}: {mean}, {worst}");
+        let (mean, worst) = errors_behind_edges(|distances, radius| {
+            let map = Map::new(distances, TILE, expansion(TILE, order));
+            Box::new(move |at| map.visibility(PI * radius * radius, at, DVec3::NEG_Z))
+        });
         assert!(mean < most_mean && worst < most, "order {order}: off by {mean} on average, {worst} at most");
     }
 }
@@ -136,29 +98,14 @@ fn a_disc_is_as_visible_as_rays_say() {
 fn planes_do_not_shadow_themselves() {
     for order in [1, 4, 16] {
         for (tile, degrees) in [(32, 0.0), (32, 30.0), (32, 55.0), (128, 55.0), (128, 75.0), (128, 90.0)] {
-            let (sin, cos) = f64::to_radians(degrees).sin_cos();
-            let (normal, height) = (dvec3(0.6 * sin, -0.8 * sin, -cos), 1.0);
-            let along = |direction: DVec3| {
-                let along = normal.dot(direction);
-                (along < -1e-3).then(|| -height / along)
-            };
-            let map = Map::new(map_of(tile, along), tile, expansion(tile, order));
+            let plane = Plane::tilted(degrees, 1.0);
+            let distances = map_of(tile, |direction| plane.along(direction));
+            let map = Map::new(distances, tile, expansion(tile, order));
             for radius in [0.0, 0.2, 1.0, 3.0] {
-                let (mut sum, mut worst, mut count) = (0.0, 1.0_f64, 0);
-                for i in 0..1500 {
-                    // Away from the rim of the map and of the plane, up to three heights away.
-                    let Some(distance) = along(direction(i))
-                        .filter(|distance| direction(i).z > 0.1 && *distance < 3.0 * height)
-                    else {
-                        continue;
-                    };
-                    let seen = map.visibility(PI * radius * radius, distance * direction(i), normal);
-                    (sum, worst, count) = (sum + seen, worst.min(seen), count + 1);
-                }
-                let mean = sum / f64::from(count);
-                println!("order {order}, {tile}², {degrees}°, radius {radius}: {mean}, {worst}");
-                assert!(count > 75, "{count} receivers");
-                assert!(mean > 0.99, "order {order}, {tile}², {degrees}°, radius {radius}: {mean}, {worst}");
+                let seen = plane.seen(1500, |at, normal| map.visibility(PI * radius * radius, at, normal));
+                let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+                assert!(seen.len() > 75, "{} receivers", seen.len());
+                assert!(mean > 0.99, "order {order}, {tile}², {degrees}°, radius {radius}: {mean}");
             }
         }
     }

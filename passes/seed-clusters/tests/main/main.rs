@@ -26,9 +26,7 @@ fn run(harness: Harness<'_>) -> Option<Clusters> {
 
 /// The pass with this past.
 fn after(past: &Clusters) -> Harness<'static> {
-    let bytes = clusters::to_bytes(&past.0, &past.1);
-    let members = vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
-    Harness::new(PASS).input("clusters", "Clusters", &[("count", past.1.len() as u32)], members)
+    Harness::new(PASS).clusters(&past.0, &past.1)
 }
 
 /// Clusters in all states, seeded up to three times.

@@ -2,9 +2,8 @@
 
 use crate::cpu_reference::{Pyramid, Texel};
 use interfaces::clusters::{self, Cluster, ClustersHeader, NO_TEXEL, state};
-use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
-use pass_test::{Harness, Outputs};
+use pass_test::{Harness, Outputs, RsmTexel};
 use warp_clusters::PASS;
 
 /// A lit texel of which each member tells which one it is.
@@ -66,50 +65,21 @@ pub(crate) struct Run {
 /// Runs the pass.
 pub(crate) fn outputs(map: &Pyramid, clusters: &[Cluster], run: Run) -> Option<Outputs> {
     let size = (map.size[0], map.size[1]);
-    let array = |format| ResourceDesc::texture_2d_array(format, size, map.layers);
-    let bytes = |of: &dyn Fn(&Texel) -> [f32; 4]| -> Vec<u8> {
-        map.texels.iter().flat_map(|texel| bytemuck::bytes_of(&of(texel)).to_vec()).collect()
-    };
-    let rsm = vec![
-        (
-            "position",
-            array(Format::Rgba32Float),
-            bytes(&|texel| texel.position.map_or([0.0; 4], |[x, y, z]| [x, y, z, 4.0])),
-        ),
+    let texel = |texel: &Texel| {
+        let ([x, y, z], [r, g, b]) = (texel.position.unwrap_or_default(), texel.flux);
+        let depth = if texel.position.is_some() { 4.0 } else { 0.0 };
         // Normals of half floats are not quite unit.
-        (
-            "normal",
-            array(Format::Rgba32Float),
-            bytes(&|texel| {
-                let [x, y, z] = texel.normal.map(|x| 1.0005 * x);
-                [x, y, z, 0.0]
-            }),
-        ),
-        (
-            "flux",
-            array(Format::Rgba32Float),
-            bytes(&|texel| {
-                let [r, g, b] = texel.flux;
-                [r, g, b, 0.25]
-            }),
-        ),
-    ];
+        let normal = texel.normal.map(|x| 1.0005 * x);
+        RsmTexel { position: [x, y, z, depth], normal, flux: [r, g, b, 0.25] }
+    };
+    let texels: Vec<RsmTexel> = map.texels.iter().map(texel).collect();
     let importance: Vec<f32> = map.texels.iter().map(|texel| texel.importance).collect();
-    let importance = vec![("map", array(Format::R32Float), bytemuck::cast_slice(&importance).to_vec())];
-    let buffer = clusters::to_bytes(&run.header, clusters);
-    let count = clusters.len() as u32;
     Harness::new(PASS)
         .set("levels", run.levels)
         .seed(run.seed)
-        .input(
-            "clusters",
-            "Clusters",
-            &[("count", count)],
-            vec![("", pass_test::buffer(buffer.len() as u64), buffer)],
-        )
-        .input("rsm", "ReflectiveShadowMap", &[], rsm)
-        .input("importance", "Importance", &[], importance)
-        .module("shaders/importance-stored.wgsl")
+        .clusters(&run.header, clusters)
+        .rsm(size, &texels)
+        .importance(size, &importance)
         .run()
 }
 
