@@ -1,13 +1,6 @@
 // Microfacet reflection at grazing angles, by the cosine of the light.
 
-#import "ggx.wgsl"
-
-struct Given {
-    normal: vec3<f32>,
-    to_light: vec3<f32>,
-    to_camera: vec3<f32>,
-    roughness: f32,
-}
+#import "inputs/reflection.wgsl"
 
 fn given(magnitude: f32, u: vec4<f32>) -> Given {
     let z = magnitude * (0.5 + 0.5 * u.x);
@@ -20,5 +13,5 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
 
 /// [magnitude: 1e-6 to 1, cosine between normal and light]
 fn probe(given: Given) -> vec4<f32> {
-    return vec4(ggx(given.normal, given.to_light, given.to_camera, vec3(0.04, 0.5, 1.0), given.roughness), 0.0);
+    return reflection(given);
 }

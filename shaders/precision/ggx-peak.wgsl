@@ -1,14 +1,7 @@
 // Microfacet reflection near its peak, by roughness.
 
-#import "ggx.wgsl"
+#import "inputs/reflection.wgsl"
 #import "inputs/directions.wgsl"
-
-struct Given {
-    normal: vec3<f32>,
-    to_light: vec3<f32>,
-    to_camera: vec3<f32>,
-    roughness: f32,
-}
 
 fn given(magnitude: f32, u: vec4<f32>) -> Given {
     let normal = unit_direction(u.xy);
@@ -20,5 +13,5 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
 
 /// [magnitude: 0.01 to 1, roughness]
 fn probe(given: Given) -> vec4<f32> {
-    return vec4(ggx(given.normal, given.to_light, given.to_camera, vec3(0.04, 0.5, 1.0), given.roughness), 0.0);
+    return reflection(given);
 }
