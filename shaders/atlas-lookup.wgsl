@@ -42,7 +42,7 @@ fn origin_in_atlas(index: u32) -> vec3<u32> {
     return tile_origin(index, visibility_facts.atlas.columns, visibility_facts.atlas.rows, visibility_facts.atlas.tile);
 }
 
-/// What a texel of the map at `origin` stores.
+/// Returns what a texel of the map at `origin` stores.
 fn stored_in_atlas(origin: vec3<u32>, texel: vec2<u32>) -> f32 {
     return textureLoad(visibility_atlas, origin.xy + texel, origin.z, 0).x;
 }

@@ -13,7 +13,7 @@ fn measure_of(light: Light) -> f32 {
     return 2.0 * PI * light.cap_sampled;
 }
 
-/// Of the power of lights, more counts as this much, so that their sum is finite: it does nothing but share out paths.
+/// The greatest power that counts, so that the sum over all lights is finite: it does nothing but share out paths.
 const MOST_POWER: f32 = 1e30;
 
 /// Luminance of what a light emits, but for the falloff of a spot.

@@ -12,7 +12,7 @@ fn hash2(a: u32, b: u32) -> u32 {
     return hash(a ^ hash(b + 0x9e3779b9u));
 }
 
-/// In [0, 1), from the upper 24 bits: 1 is never reached.
+/// Returns a number in [0, 1) of the upper 24 bits: 1 is never reached.
 fn unit_float(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);
 }

@@ -6,9 +6,9 @@
 struct Triangle {
     /// The first vertex.
     corner: vec3<f32>,
-    /// From it to the second.
+    /// The edge from it to the second.
     a: vec3<f32>,
-    /// From it to the third.
+    /// The edge from it to the third.
     b: vec3<f32>,
 }
 

@@ -41,7 +41,7 @@ fn texel_of(window: Window, i: u32) -> vec2<u32> {
     return window.low + vec2(i % width, i / width);
 }
 
-/// What can be summed over texels. Places are offsets from the old centre: far from the origin, their own sum would round
+/// Sums over texels. Places are offsets from the old centre: far from the origin, their own sum would round
 /// away what differs.
 struct Sums {
     /// Position [m], importance.
@@ -54,7 +54,7 @@ struct Sums {
     uv: vec4<f32>,
 }
 
-/// What a texel adds.
+/// Returns the summand of a texel.
 fn summand(texel: vec2<u32>, old: Cluster) -> Sums {
     let position = textureLoad(rsm_position, texel, old.layer, 0).xyz;
     let normal = direction_of(textureLoad(rsm_normal, texel, old.layer, 0).xyz);
@@ -209,7 +209,7 @@ fn share_of(cluster: Cluster) -> f32 {
     return cluster.area * cluster.importance;
 }
 
-/// Writes what is true of all clusters, but for the flux of the map, which map-flux.wgsl adds. One workgroup.
+/// Writes the summary of all clusters, but for the flux of the map, which map-flux.wgsl adds. One workgroup.
 @compute @workgroup_size(GROUP_SIZE)
 fn summarise(@builtin(local_invocation_index) thread: u32) {
     let count = min(clusters.header.count, arrayLength(&clusters.clusters));

@@ -37,7 +37,7 @@ var<storage, read> lights: VirtualLights;
 /// Centres between iterations, and area lights in the end.
 var<storage, read_write> clusters: VirtualLights;
 var<storage, read_write> owners: array<u32>;
-/// How many lights changed their cluster in an iteration. [scratch]
+/// The number of lights that changed their cluster in an iteration. [scratch]
 var<storage, read_write> changes: atomic<u32>;
 /// Workgroups of `assign` and then of `update`, three numbers each. [scratch]
 var<storage, read_write> dispatches: array<u32, 6>;
@@ -166,7 +166,7 @@ fn settle() {
 struct Sums {
     /// Offsets from the old centre [m].
     position: vec3<f32>,
-    /// How many lights.
+    /// The number of lights.
     count: f32,
     /// Offsets from the old normal.
     normal: vec3<f32>,

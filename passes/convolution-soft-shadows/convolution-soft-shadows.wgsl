@@ -28,17 +28,17 @@
 #import "paraboloid.wgsl"
 
 struct Settings {
-    /// Orders M of the expansion. More: nearer blockers and receivers are told apart, but memory and time grow in
+    /// Orders M of the expansion. More: nearer blockers and receivers are distinguished, but memory and time grow in
     /// proportion. Annen et al. 2007 have 4 to 16. [default: 4, min: 1, max: 16]
     order: u32,
     /// The most levels above the maps, up to the one that has a single texel. Fewer: less wide penumbrae, but hardly
     /// less memory; 0 looks up four texels of the maps alone. [default: 13, min: 0, max: 13]
     levels: u32,
-    /// How much high orders are attenuated: a_k = exp(-attenuation ((2k - 1) / (2M))²). Smaller: the expansion rings, by
+    /// The attenuation of high orders: a_k = exp(-attenuation ((2k - 1) / (2M))²). Smaller: the expansion rings, by
     /// 9 % at 0 and by 1 % at 1.5. Larger: its step is wider, so that light leaks in near blockers. [default: 1.5, min: 0.0,
     /// max: 4.0]
     attenuation: f32,
-    /// How much nearer than the receiver it is compared, in depths of 1 / M. Smaller: surfaces shadow themselves. Larger:
+    /// The bias of the comparison towards the light, in depths of 1 / M. Smaller: surfaces shadow themselves. Larger:
     /// blockers near the receiver are found less. [default: 0.6, min: 0.0, max: 0.9]
     offset: f32,
     /// Searches for blockers, of which each narrows the region to the penumbra that the one before found. More: walls

@@ -18,9 +18,9 @@ struct VisibilityFacts {
     order: u32,
     /// Levels above the maps.
     levels: u32,
-    /// How much high orders are attenuated.
+    /// The attenuation of high orders.
     attenuation: f32,
-    /// How much nearer than the receiver it is compared, in depths of 1 / order.
+    /// The bias of the comparison towards the light, in depths of 1 / order.
     offset: f32,
     /// Words of a map in the buffer of basis images.
     stride: u32,
@@ -141,7 +141,7 @@ fn seen_share(compared: Comparison, corners: Corners) -> f32 {
     return sum;
 }
 
-/// What blocks in a region of a map.
+/// The blockers in a region of a map.
 struct Blockers {
     /// The share of the region.
     share: f32,

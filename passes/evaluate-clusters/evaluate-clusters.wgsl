@@ -17,7 +17,7 @@ struct Settings {
     /// Half the side of the square in which other centres are neighbours; 0: all of the layer are. Larger: a cluster is
     /// compared with what is farther away, and less with what it shares a surface with. [default: 128, unit: "px"]
     window: u32,
-    /// One in so many clusters is looked at in a frame, in a random order. Fewer at a time: clusters settle before they are
+    /// Every n-th cluster of a random order is looked at in a frame. Fewer at a time: clusters settle before they are
     /// looked at again, but a distribution that is out of balance stays so for longer. [default: 3, min: 1, max: 65536]
     subset: u32,
     /// A cluster is merged that is smaller than its neighbours' mean by more than this; ACRSM: 0.35 to 0.5. Smaller: more
@@ -27,7 +27,7 @@ struct Settings {
     /// than this; ACRSM: 0.1 to 0.2. Greater: more of the merged clusters go back to where the importance is. [default:
     /// 0.15, min: 0.0]
     split: f32,
-    /// How a cluster is smaller or greater. absolute: by δ - mean (Eq. 4.8). relative: by δ / mean - 1, as the text has it:
+    /// The measure by which a cluster is smaller or greater. absolute: by δ - mean (Eq. 4.8). relative: by δ / mean - 1, as the text has it:
     /// it does not depend on the greatest cluster of all. [default: "absolute", one_of: ["absolute", "relative"]]
     difference: u32,
     seed: u32,
@@ -42,7 +42,7 @@ const PI: f32 = 3.14159265;
 /// The layer of a cluster that takes no part, and is nobody's neighbour.
 const NO_LAYER: u32 = 0xffffffffu;
 
-/// What a cluster is to its neighbours.
+/// A cluster as its neighbours see it.
 struct Centre {
     /// [texels]
     uv: vec2<f32>,
@@ -55,7 +55,7 @@ struct Outcome {
     /// Exponent of the greatest δ: in units of 2 to the power of it, neither squares nor sums leave the range of f32.
     unit: i32,
     merged: u32,
-    /// How many were split: not more than were merged.
+    /// The number of those that were split: not more than were merged.
     split: u32,
 }
 

@@ -36,7 +36,7 @@ struct Settings {
     interleave_x: u32,
     /// Number of sub-images along a column, as `interleave_x` of a row. [default: 4, min: 1, max: 16]
     interleave_y: u32,
-    /// Which lights form a subset. runs: consecutive lights. strides: every (n·m)-th light. Consecutive elements of a Halton
+    /// The lights that form a subset. runs: consecutive lights. strides: every (n·m)-th light. Consecutive elements of a Halton
     /// sequence are stratified; every (n·m)-th ones share digits, and so lie in strips. Strides suit lights that are sorted by
     /// position. [default: "runs", one_of: ["runs", "strides"]]
     subsets: u32,

@@ -25,16 +25,16 @@
 struct Settings {
     points_count: u32,
     among_count: u32,
-    /// Which of several dispatches this is. Each takes its share of neighbours from everywhere, so that none searches far and
+    /// The index of this dispatch among several. Each takes its share of neighbours from everywhere, so that none searches far and
     /// wide for want of any.
     part: u32,
     parts: u32,
     /// The most cells in a direction.
     resolution: u32,
-    /// Which neighbour's distance is measured, k. Higher: the estimate has less variance, but is blurred. 0: max(1, ⌊√I / 32⌋)
+    /// The number k of the neighbour whose distance is measured. Higher: the estimate has less variance, but is blurred. 0: max(1, ⌊√I / 32⌋)
     /// of I points, with which it is consistent (SMC-IR Eq. 8), up to 32. [default: 0, min: 0, max: 32]
     k: u32,
-    /// How neighbours are found; the result is the same. pairs: all pairs are compared. grid: points are sorted into cells.
+    /// The search for neighbours, whose result is the same. pairs: all pairs are compared. grid: points are sorted into cells.
     /// auto: the faster of both for the numbers of points. [default: "auto", one_of: ["auto", "pairs", "grid"]]
     structure: u32,
 }
@@ -79,7 +79,7 @@ var<private> owner: u32;
 var<private> owner_squared: f32;
 #endif
 
-/// Which neighbour is the farthest that counts. Of whole numbers alone, so that no adapter rounds the root.
+/// Returns the number of the farthest neighbour that counts: from whole numbers alone, so that no adapter rounds the root.
 fn neighbours() -> u32 {
     if settings.k != 0u {
         return min(settings.k, 4u * VECTORS);
@@ -275,7 +275,7 @@ fn search(row: Row) {
 /// Position [units], and 1 where there is a point.
 var<workgroup> staged: array<vec4<f32>, GROUP>;
 
-/// Of point `index`, or of none where that is too great.
+/// Returns point `index`, or none where that is too great.
 fn staged_point(index: u32, end: u32) -> vec4<f32> {
     if index >= end || among.points[index].triangle == NO_TRIANGLE {
         return vec4(0.0);

@@ -9,7 +9,7 @@
 struct Summary {
     /// The box around all points that are not empty [units].
     low: vec3<f32>,
-    /// How many of these there are: I.
+    /// The number I of these.
     count: u32,
     high: vec3<f32>,
     pad: u32,

@@ -51,7 +51,7 @@ struct Settings {
     /// dense extent; 0 is no bound. With the same value as the `clamp` of `gather`, the picture is what virtual lights with that
     /// clamp converge to. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
-    /// What the value of a pixel is. box: the mean over its square. centre: what its centre sees, as in a G-buffer. [default:
+    /// The value of a pixel. box: the mean over its square. centre: what its centre sees, as in a G-buffer. [default:
     /// "box", one_of: ["box", "centre"]]
     filter_: u32,
     /// 1 if direct and emitted light are needed.

@@ -17,7 +17,7 @@ struct VisibilityFacts {
 
 var<uniform> visibility_facts: VisibilityFacts;
 
-/// What a lookup finds.
+/// The result of a lookup.
 struct Tap {
     seen: bool,
     /// Height above the light's plane of what is stored in the map [m].

@@ -48,7 +48,7 @@ impl<'a> FrameObjects<'a> {
 /// Views of single layers, as attachments: made when they are first drawn to.
 #[derive(Debug, Default)]
 pub(crate) struct LayerViews {
-    /// By object, then by layer.
+    /// The views, by object and then by layer.
     views: Vec<Vec<Option<wgpu::TextureView>>>,
 }
 

@@ -27,7 +27,7 @@ pub(crate) fn storage_format(wgsl: &str) -> Option<TextureFormat> {
     Format::from_name(wgsl).map(texture_format)
 }
 
-/// How a layout declares a texture that a shader samples.
+/// Returns the sample type by which a layout declares a texture.
 pub(crate) fn sample_type(kind: frame_graph::resource::SampleKind, filterable: bool) -> TextureSampleType {
     match kind {
         frame_graph::resource::SampleKind::Float => TextureSampleType::Float { filterable },

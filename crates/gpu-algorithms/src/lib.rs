@@ -42,7 +42,7 @@ pub use radix_sort::RadixSort;
 
 use pass::{Compute, PassTypeError, Request, Threads, UseContext};
 
-/// How elements are shared among workgroups: the constants of `shaders/algorithms/workgroup.wgsl`.
+/// The share of elements of a workgroup: the constants of `shaders/algorithms/workgroup.wgsl`.
 #[derive(Clone, Copy)]
 struct Blocks {
     /// Threads of a workgroup.

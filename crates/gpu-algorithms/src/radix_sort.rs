@@ -16,7 +16,7 @@ pub struct RadixSort<'a> {
     pub length: u32,
     /// A buffer whose first word is the number of elements, such as `VirtualLights`.
     pub count: Option<&'a str>,
-    /// How many of the low bits of a key are sorted: the other bits must be 0. Fewer bits are faster; 32 sorts any
+    /// The number of low bits of a key that are sorted: the other bits must be 0. Fewer bits are faster; 32 sorts any
     /// keys.
     pub bits: u32,
     /// The keys: `array<u32>`.
@@ -109,7 +109,7 @@ impl RadixSort<'_> {
     }
 }
 
-/// How many values a digit of the sort has, a power of two.
+/// Returns the number of values of a digit of the sort, a power of two.
 fn digits(cx: &UseContext<'_>) -> Result<u32, PassTypeError> {
     cx.constant(SORT, "DIGITS")
 }

@@ -1,4 +1,4 @@
-//! From a file, its imports and the options' values to one text, with the origin of each byte.
+//! Makes one text of a file, its imports and the options' values, with the origin of each byte.
 
 use crate::codes;
 use crate::composed::{Composed, Import, Outline, ShaderOption, import_chain};
@@ -22,7 +22,7 @@ const MAX_BYTES: usize = 4 << 20;
 /// The most options of a shader, and the most values that one lists; sixty-four variants are more than can be checked.
 const MAX_CHOICES: usize = 256;
 
-/// The most errors that are told of one shader: where all lines are wrong, each would be looked up among all files.
+/// The most errors that are reported of one shader: where all lines are wrong, each would be looked up among all files.
 const MAX_ERRORS: usize = 100;
 
 /// The directives that may have several lines.
@@ -86,7 +86,7 @@ struct Composer<'a> {
     outline: Outline,
     origins: BTreeMap<String, Option<Import>>,
     touched: BTreeSet<String>,
-    /// What each path gave that was looked for: a file can be imported by many lines.
+    /// The file at each path that was looked for, if there is one: a file can be imported by many lines.
     read: BTreeMap<String, Option<Arc<Source>>>,
     errors: Vec<Diagnostic>,
     /// `enable` lines of all files.
@@ -152,7 +152,7 @@ impl Composer<'_> {
         }
     }
 
-    /// Options of numbers and truths are WGSL constants too. They go to the end, where they cannot come
+    /// Adds options that are numbers or booleans as WGSL constants. They go to the end, where they cannot come
     /// before a directive such as `enable`.
     fn constants(&mut self) {
         for option in &self.outline.options {

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a file and its imports ask of who loads it, found without looking at the WGSL.
+/// The declarations of a file and its imports that concern who loads it, found without looking at the WGSL.
 #[derive(Clone, Debug, Default)]
 pub struct Outline {
     /// The options, in the order they are declared in.
@@ -27,7 +27,7 @@ pub struct Outline {
 /// An `#option`: a choice between variants.
 #[derive(Clone, Debug)]
 pub struct ShaderOption {
-    /// The name in `#if`, and of the WGSL constant where the values are numbers or truths.
+    /// The name in `#if`, and of the WGSL constant where the values are numbers or booleans.
     pub name: String,
     /// The value where the request gives none.
     pub default: Define,
@@ -39,7 +39,7 @@ pub struct ShaderOption {
     pub doc: String,
     /// The declaration.
     pub place: Span,
-    /// What conditions compare it with: with the default, the values that make a difference.
+    /// The values with which conditions compare it: with the default, those that make a difference.
     pub(crate) compared: BTreeSet<Define>,
 }
 
@@ -70,7 +70,7 @@ impl ShaderOption {
         }
     }
 
-    /// Returns the values that make variants: both truths; all of `one_of`; or else the default and whatever a
+    /// Returns the values that make variants: `false` and `true`; all of `one_of`; or else the default and whatever a
     /// condition compares with.
     pub fn values(&self) -> Vec<Define> {
         if matches!(self.default, Define::Bool(_)) {
@@ -138,7 +138,7 @@ impl Composed {
     }
 }
 
-/// How `file` came in, from import to import; `None` for the file asked for.
+/// Returns how `file` came in, from import to import; `None` for the file asked for.
 pub(crate) fn import_chain(origins: &BTreeMap<String, Option<Import>>, file: &str) -> Option<String> {
     let mut note = String::new();
     let mut file = file;

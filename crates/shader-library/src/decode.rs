@@ -10,7 +10,7 @@ const MAX_DEPTH: usize = 16;
 /// The most numbers of a cell.
 pub const MAX_NUMBERS: usize = 256;
 
-/// How the bytes of a buffer are read as a table.
+/// The layout of a buffer that is read as a table.
 ///
 /// An array gives the rows: that of a `var<storage> lights: array<Light>`, or the one that ends a struct. The members
 /// of the struct before it are the header. A struct without an array at its end is a header alone.
@@ -18,7 +18,7 @@ pub const MAX_NUMBERS: usize = 256;
 pub struct BufferLayout {
     /// The type of the whole as WGSL writes it: `array<Light>`.
     pub ty: String,
-    /// What comes before the rows.
+    /// The columns of the header, before the rows.
     pub header: Vec<Column>,
     /// The columns of a row: the members of its struct. Members of structs within it have dotted names,
     /// `hit.position`.

@@ -19,7 +19,7 @@ pub enum Define {
 }
 
 impl Define {
-    /// What the type is called in errors.
+    /// Returns the name of the type in errors.
     pub(crate) fn type_name(&self) -> &'static str {
         match self {
             Define::Bool(_) => "true or false",
@@ -92,7 +92,7 @@ pub(crate) struct Fault {
     pub(crate) code: &'static Code,
     pub(crate) range: Range<usize>,
     pub(crate) message: String,
-    /// What is said at the place itself.
+    /// The message at the place itself.
     pub(crate) label: String,
     pub(crate) notes: Vec<String>,
 }
@@ -144,7 +144,7 @@ pub(crate) enum Directive {
     Endif,
 }
 
-/// What stands behind `#if`.
+/// The condition behind `#if`.
 #[derive(Debug)]
 pub(crate) enum Condition {
     /// The option is true.

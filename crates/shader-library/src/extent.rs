@@ -15,13 +15,13 @@ const MAX_NESTING: usize = 64;
 /// Most operators, and branches of one `if`, that stand in each other; with 2 MiB of stack, naga fails above 1000.
 const MAX_CHAIN: usize = 1000;
 
-/// Most statements of a function; naga takes 0.3 s for so many.
+/// Most statements of a function; naga takes 0.3 s for this many.
 const MAX_STATEMENTS: usize = 16_384;
 
 /// Most declarations, each of which can need the next; with 2 MiB of stack, naga fails above 4000.
 const MAX_DECLARATIONS: usize = 4096;
 
-/// What is inside one pair of brackets, or outside of all.
+/// Counts within one pair of brackets, or outside of all.
 #[derive(Default)]
 struct Level {
     /// Operators and branches since the last comma or the end of a statement.

@@ -1,4 +1,4 @@
-//! What a shader binds, takes and gives: all that a pass and an executor need to know of it.
+//! The shader interface: what a shader binds, takes and gives, which is all that a pass and an executor need to know of it.
 
 use crate::layout::{MemberLayout, StructLayout};
 use data_file::Value;
@@ -61,7 +61,7 @@ pub struct Global {
     pub name: String,
     /// The binding in group 0: the position among the sorted names.
     pub binding: u32,
-    /// What it is.
+    /// The kind of resource.
     pub kind: GlobalKind,
 }
 
@@ -70,21 +70,21 @@ pub struct Global {
 pub enum GlobalKind {
     /// `var<uniform>`
     Uniform {
-        /// What is in the buffer.
+        /// The type of the content.
         layout: TypeLayout,
     },
     /// `var<storage>`
     Storage {
         /// Declared `read_write`.
         writable: bool,
-        /// What is in the buffer.
+        /// The type of the content.
         layout: TypeLayout,
     },
     /// A texture to sample or load from.
     Texture {
         /// Its dimension.
         dimension: Dimension,
-        /// What a texel is.
+        /// The type of a texel.
         sample: Sample,
         /// With several samples a texel.
         multisampled: bool,
@@ -119,7 +119,7 @@ pub enum Dimension {
     CubeArray,
 }
 
-/// What a texel is.
+/// The type of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Sample {
     /// `texture_…<f32>`
@@ -135,7 +135,7 @@ pub enum Sample {
     Depth,
 }
 
-/// How shaders access a storage texture.
+/// The access of a shader to a storage texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Access {
     /// `read`
@@ -148,14 +148,14 @@ pub enum Access {
     Atomic,
 }
 
-/// What is in a buffer.
+/// The type of the content of a buffer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TypeLayout {
     /// The type as WGSL writes it: `array<Light>`.
     pub ty: String,
     /// Bytes of the part whose size is fixed; 0 for an array sized at run time.
     pub size: u32,
-    /// Of an array, or of the array sized at run time that ends the struct: an element's type, and the bytes
+    /// For an array, or the array sized at run time that ends the struct: an element's type, and the bytes
     /// from one to the next.
     pub element: Option<(String, u32)>,
     /// The number of elements is that of the buffer.
@@ -194,9 +194,9 @@ pub struct Entry {
     pub workgroup_size: [u32; 3],
     /// Indices of the resources that it or what it calls uses, in order.
     pub globals: Vec<usize>,
-    /// Of a vertex shader its attributes, of a fragment shader what it takes from the vertex shader.
+    /// The attributes of a vertex shader, or what a fragment shader takes from the vertex shader.
     pub inputs: Vec<Location>,
-    /// Of a fragment shader its colors, of a vertex shader what it hands on.
+    /// The colors of a fragment shader, or what a vertex shader hands on.
     pub outputs: Vec<Location>,
 }
 

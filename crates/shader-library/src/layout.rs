@@ -76,7 +76,7 @@ pub struct WriteError {
     pub problems: Vec<String>,
 }
 
-/// Returns the bytes of a uniform, filled member by member with the values of the members' names. Truths are 0 and 1 in
+/// Returns the bytes of a uniform, filled member by member with the values of the members' names. Booleans are 0 and 1 in
 /// integers; integers fit into floats. Padding is zero.
 ///
 /// # Errors

@@ -72,7 +72,7 @@ pub struct FileInfo {
     pub path: String,
     /// The first paragraph of the comment with which it begins, without what stands in brackets at its end.
     pub about: String,
-    /// What stands there in brackets: the paper and its section; empty where nothing does.
+    /// The paper and its section, which stand there in brackets; empty without these.
     pub paper: String,
     /// Whether it has an entry point of its own.
     pub has_entries: bool,

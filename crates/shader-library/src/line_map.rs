@@ -1,4 +1,4 @@
-//! From a byte of the composed text back to the byte of the file it came from.
+//! Maps bytes of the composed text back to the bytes of the files that they came from.
 
 use crate::files;
 use data_file::{Source, Span};

@@ -29,7 +29,7 @@ pub struct DeclaredPort {
     pub with: Vec<String>,
     /// Members that it must not have, for `without MEMBER`.
     pub without: Vec<String>,
-    /// What stands in the parentheses of an output, in order: sizes and facts.
+    /// The arguments of an output, in order: sizes and facts.
     pub arguments: Vec<Argument>,
     /// The input whose members an output has, for `hands on INPUT`.
     pub hands_on: Option<String>,
@@ -39,7 +39,7 @@ pub struct DeclaredPort {
     pub cleared: bool,
     /// The module of an output, as the directive names it.
     pub module: Option<String>,
-    /// What the input is used for, or what the output holds.
+    /// The documentation: what an input is used for, or what an output holds.
     pub doc: String,
     /// Where the name stands.
     pub place: Span,
@@ -48,7 +48,7 @@ pub struct DeclaredPort {
 /// A size or a fact of an output: `NAME: VALUE when CONDITION`.
 #[derive(Clone, Debug)]
 pub struct Argument {
-    /// What it gives: `count`, `size`, `layers` or a fact.
+    /// The name: `count`, `size`, `layers` or a fact.
     pub name: String,
     /// Where the name stands.
     pub place: Span,

@@ -47,7 +47,7 @@ impl Doc {
     }
 }
 
-/// What a scan looks at.
+/// A word, a symbol or a doc comment.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Lexeme<'a> {
     Word(&'a str),

@@ -1,4 +1,4 @@
-//! Which files changed, asked without waiting.
+//! Reports which files changed, without waiting.
 
 use crate::files::files_under;
 use notify_debouncer_full::notify::event::ModifyKind;

@@ -24,7 +24,7 @@ const MOST_PAIRS: u64 = 2048 * 2048;
 /// The most cells in a direction: a search of all of their rows, in steps that at least double, takes few loop iterations.
 const MOST_CELLS: u32 = 64;
 
-/// How neighbours are searched: it follows from the numbers of points and the settings.
+/// The way in which neighbours are searched: it follows from the numbers of points and the settings.
 struct Search {
     points: u32,
     among: u32,

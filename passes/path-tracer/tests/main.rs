@@ -181,7 +181,7 @@ fn queries_give_the_same_picture() {
     assert!(different <= 4, "{different} of 256 pixels differ");
 }
 
-/// What a mask cuts out of a quad is not there for light either: half of the wall's texture is transparent.
+/// Light passes where a mask cuts a hole in a quad: half of the wall's texture is transparent.
 #[test]
 fn masked_surfaces_let_light_through() {
     let run = |masked: bool| {

@@ -59,7 +59,7 @@ fn the_kernel_is_a_poisson_disc() {
     let kernel = poisson_disc();
     assert_eq!((kernel.len(), kernel[0]), (32, DVec2::ZERO));
     assert!(kernel.iter().all(|point| point.length() <= 1.0));
-    // Of so many points in a disc, the best packings have 0.55 and 0.38.
+    // The best packings of these numbers of points in a disc have 0.55 and 0.38.
     for (count, least) in [(16, 0.36), (32, 0.235)] {
         let some = &kernel[..count];
         let pairs = some.iter().enumerate().flat_map(|(i, a)| some[..i].iter().map(move |b| a.distance(*b)));

@@ -220,7 +220,7 @@ fn a_change_of_a_file_touches_the_requests_that_read_it_or_missed_it() {
     assert!(Arc::ptr_eq(&first, &library.load(&a).unwrap()), "made once");
 
     files.set("shaders/lib.wgsl", "const n = 2;");
-    assert_eq!(size(&a), 1, "kept until told");
+    assert_eq!(size(&a), 1, "kept until it is invalidated");
     assert_eq!(library.invalidate(&["shaders/lib.wgsl"]), std::slice::from_ref(&a));
     assert_eq!(size(&a), 2);
 

@@ -44,7 +44,7 @@ fn layout(shader: &Shader, global: &str) -> BufferLayout {
     BufferLayout::new(&shader.interface, layout)
 }
 
-/// Words that count from 0: the number in a cell tells where it was read.
+/// Words that count from 0: the number in a cell shows where it was read.
 fn counting(words: u32) -> Vec<u8> {
     (0..words).flat_map(u32::to_le_bytes).collect()
 }

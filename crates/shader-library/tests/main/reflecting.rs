@@ -1,4 +1,4 @@
-//! What is read from a valid module.
+//! Reflection of valid modules.
 
 use crate::shader;
 use shader_library::{Access, Dimension, GlobalKind, Location, Sample, Stage};

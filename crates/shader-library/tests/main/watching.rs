@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What changes until `wanted` has, or until it should long have.
+/// Returns what changes until `wanted` has, or until it should long have.
 fn changes_until(watcher: &mut Watcher, wanted: &Path) -> BTreeSet<PathBuf> {
     let deadline = Instant::now() + Duration::from_secs(300);
     let mut changed = BTreeSet::new();

@@ -5,7 +5,7 @@ use gpu_algorithms::reference::clustering::{Texel, Texels, direction_of, window_
 use interfaces::clusters::{Cluster, state};
 use std::f64::consts::PI;
 
-/// What the area of a cluster is.
+/// The definition of the area of a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Area {
     /// The sum of the areas of its texels.
@@ -39,12 +39,12 @@ pub(crate) struct Averaged {
     pub(crate) centre_flux: DVec3,
 }
 
-/// What is true of all clusters.
+/// A summary of all clusters.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Summary {
-    /// How many have texels.
+    /// The number of those that have texels.
     pub(crate) alive: u32,
-    /// How many have lost theirs.
+    /// The number of those that have lost theirs.
     pub(crate) vanished: u32,
     /// \[m²\]
     pub(crate) greatest_area: f64,
@@ -106,7 +106,7 @@ pub(crate) fn map_flux(rsm: &Texels) -> DVec3 {
     rsm.lit().map(|(_, _, texel)| texel.flux).sum()
 }
 
-/// Returns what is true of these clusters together, of which there were `before`.
+/// Returns the summary of these clusters, which were those `before`.
 pub(crate) fn summarise(before: &[Cluster], averaged: &[Option<Averaged>]) -> Summary {
     let alive: Vec<&Averaged> = averaged.iter().flatten().collect();
     let share_of = |cluster: &Averaged| cluster.area * cluster.importance;

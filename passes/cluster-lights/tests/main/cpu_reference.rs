@@ -66,7 +66,7 @@ impl Metric {
         lights.iter().map(nearest).collect()
     }
 
-    /// Returns centres and owners of all lights, every one of which is lit, after at most so many iterations; and how many
+    /// Returns centres and owners of all lights, every one of which is lit, after at most `iterations`; and how many
     /// there were until none changed.
     pub(crate) fn clustered(
         &self,

@@ -58,7 +58,7 @@ fn clustered(lights: &[VirtualLight], count: u32, iterations: u32, metric: &str)
         .run()
 }
 
-/// The clusters of so many lights; a buffer may be longer.
+/// The clusters of `count` lights; a buffer may be longer.
 fn owners(outputs: &Outputs, count: usize) -> Vec<u32> {
     let mut owners: Vec<u32> = outputs.read("owners");
     owners.truncate(count);

@@ -66,7 +66,7 @@ fn level_of(depths: &[f64], by: Expansion) -> Map {
     Map::new((0..tile * tile).map(stored).collect(), tile, by)
 }
 
-/// By Eq. 3.4 and 3.5, what is in front of a depth and its mean depth are those of the texels of a region.
+/// The share in front of a depth and its mean depth, by Eq. 3.4 and 3.5, are those of the texels of a region.
 #[test]
 fn blockers_of_a_region_are_those_of_brute_force() {
     let mut random = Random(3);

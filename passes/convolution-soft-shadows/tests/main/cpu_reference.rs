@@ -6,21 +6,21 @@ use gpu_algorithms::reference::paraboloid::{texel_centre, tile_position};
 use gpu_algorithms::reference::paraboloid_lookup::{ParaboloidLookup, is_seen, paraboloid_lookup};
 use std::f64::consts::PI;
 
-/// What an atlas holds where nothing is, at least \[m\].
+/// The least distance that an atlas holds where nothing is \[m\].
 const NOTHING: f64 = 2.9e38;
 /// The share of a region that blocks below which it counts as none.
 const LEAST_BLOCKED: f64 = 0.03;
 
-/// How maps are expanded and looked up.
+/// The parameters of the expansion and of lookups.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Expansion {
     /// Orders.
     pub(crate) order: u32,
     /// Levels above the maps.
     pub(crate) levels: u32,
-    /// How much high orders are attenuated.
+    /// The attenuation of high orders.
     pub(crate) attenuation: f64,
-    /// How much nearer than the receiver it is compared, in depths of 1 / order.
+    /// The bias of the comparison towards the light, in depths of 1 / order.
     pub(crate) offset: f64,
     /// Searches for blockers.
     pub(crate) search: u32,
@@ -41,11 +41,11 @@ pub(crate) struct Map {
     expansion: Expansion,
     /// The greatest height \[m\].
     pub(crate) far: f64,
-    /// From level 1, row by row.
+    /// The levels from 1 on, row by row.
     pub(crate) levels: Vec<Vec<Texel>>,
 }
 
-/// What blocks in a region of a map.
+/// The blockers in a region of a map.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blockers {
     /// The share of the region.

@@ -35,7 +35,7 @@ fn expansion(tile: u32, order: u32) -> Expansion {
 struct Random(u32);
 
 impl Random {
-    /// In [0, 1).
+    /// A number in [0, 1).
     fn unit(&mut self) -> f64 {
         self.0 = hash(self.0);
         unit_float(self.0)
@@ -102,7 +102,7 @@ impl Atlas {
         Some(outputs.read("visibility.basis"))
     }
 
-    /// How visible its light is from each receiver by the GPU, with these basis images.
+    /// The visibility of its light from each receiver by the GPU, with these basis images.
     fn answers_with(
         &self,
         module: &str,

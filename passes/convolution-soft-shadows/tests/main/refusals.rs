@@ -1,4 +1,4 @@
-//! What the pass says of its inputs.
+//! Inputs that the pass takes and refuses.
 
 use convolution_soft_shadows::ConvolutionSoftShadows;
 use frame_graph::port::InputDesc;
@@ -9,7 +9,7 @@ use pass::{
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What the pass makes of so many maps with sides of `tile`, with these members.
+/// Returns the outputs for a number of maps with sides of `tile`, with these members.
 fn outputs(size: (u32, u32, u32), members: &[&str]) -> Result<Vec<OutputDesc>, PassTypeError> {
     outputs_of(size, members, None)
 }

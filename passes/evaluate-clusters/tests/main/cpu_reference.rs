@@ -2,7 +2,7 @@
 
 use interfaces::clusters::{Cluster, ClustersHeader, NO_TEXEL, state};
 
-/// By what a cluster is smaller or greater than its neighbours.
+/// The measure by which a cluster is smaller or greater than its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Difference {
     /// δ - mean.
@@ -16,13 +16,13 @@ pub(crate) enum Difference {
 pub(crate) struct Evaluation {
     /// Half the side of the square of neighbours \[px\]; 0 for the whole layer.
     pub(crate) window: u32,
-    /// One in so many is looked at.
+    /// One in `subset` is looked at.
     pub(crate) subset: u32,
     /// Least difference of what is merged.
     pub(crate) merge: f64,
     /// Least difference of what is split.
     pub(crate) split: f64,
-    /// What that difference is.
+    /// The measure of that difference.
     pub(crate) difference: Difference,
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct Delta {
     pub(crate) mean: f64,
 }
 
-/// What is merged and what is split, both in the order in which clusters are looked at.
+/// The clusters that are merged and those that are split, both in the order in which they are looked at.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Ranks {
     /// Indices of the free clusters.

@@ -49,7 +49,7 @@ fn the_mean_is_over_neighbours_in_the_square_weighted_by_themselves() {
     }
 }
 
-/// What is merged, and what is split, of all clusters.
+/// Returns which clusters are merged and which are split.
 fn ranks(evaluation: Evaluation, some: &[Cluster]) -> (Vec<u32>, Vec<u32>) {
     let all = Evaluation { subset: 1, ..evaluation };
     let ranks = all.rank(some, &compare(some, all.window), |place| place);

@@ -20,7 +20,7 @@ fn a_third_is_looked_at_and_no_cluster_twice() {
     assert_eq!(seen.len(), 100);
 }
 
-/// What holds in any frame, whatever its clusters are.
+/// Checks what holds in any frame, whatever its clusters are.
 fn check(evaluation: Evaluation, before: &[Cluster], iteration: u32, found: &[Cluster], counts: [u32; 2]) {
     let count = before.len() as u32;
     let ranks = evaluation.rank(before, &compare(before, evaluation.window), order(0, iteration, count));

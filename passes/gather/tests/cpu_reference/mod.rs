@@ -16,12 +16,12 @@ pub(crate) struct VirtualLight {
     pub(crate) area: f64,
 }
 
-/// What bounds a geometry term.
+/// The bound of a geometry term.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Bound {
     /// No less than this distance \[m\], and this many radii of a disc of the light's area.
     Bounded(f64, f64),
-    /// What a disc gives straight ahead, at no less than this distance \[m\].
+    /// The term of a disc straight ahead, at no less than this distance \[m\].
     Disc(f64),
 }
 

@@ -5,7 +5,7 @@ use gpu_algorithms::reference::clustering::{Texel, Texels, direction_of, flux_of
 use interfaces::clusters::{Cluster, state};
 use std::f64::consts::PI;
 
-/// What counts as the distance of two normals.
+/// The measure of the distance of two normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NormalDistance {
     /// 1 - |cos|.
@@ -14,16 +14,16 @@ pub(crate) enum NormalDistance {
     Angle,
 }
 
-/// What the mapping depends on beside texels and clusters.
+/// The parameters of the mapping.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Metric {
     /// Diagonal of the scene's bounding box \[m\].
     pub(crate) extent: f64,
     /// Side of the window; 0 for the layer.
     pub(crate) window: u32,
-    /// Of positions, normals, importance and flux; they sum to 1.
+    /// The weights of positions, normals, importance and flux; they sum to 1.
     pub(crate) weights: [f64; 4],
-    /// What counts as the distance of two normals.
+    /// The measure of the distance of two normals.
     pub(crate) normals: NormalDistance,
 }
 

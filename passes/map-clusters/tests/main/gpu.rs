@@ -9,7 +9,7 @@ use pass::Value;
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, RsmTexel};
 
-/// Of the scene `plane`, a square of 2 m.
+/// The diagonal of the scene `plane`, a square of 2 m.
 pub(crate) const EXTENT: f64 = 2.828_427_124_746_19;
 
 /// A number in [0, 1).
@@ -219,7 +219,7 @@ fn an_unlit_map_belongs_to_nobody() {
     assert!(found.iter().all(|cluster| *cluster == NONE));
 }
 
-/// What is no number counts as the farthest there is, and takes nothing from others.
+/// NaN counts as the farthest there is, and takes nothing from others.
 #[test]
 fn what_is_no_number_captures_nothing() {
     let mut world = World::random((40, 50), 1, 100);

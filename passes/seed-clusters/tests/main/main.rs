@@ -1,4 +1,4 @@
-//! Which element of the sequence each cluster gets, and when all begin anew.
+//! The element of the sequence that each cluster gets, and when all begin again.
 
 mod cpu_reference;
 
@@ -115,7 +115,7 @@ fn only_clusters_that_wait_are_seeded() {
     }
 }
 
-/// What is seeded stays so, until something else sends it back.
+/// A seeded cluster stays so until another pass sends it back.
 #[test]
 fn seeds_wait_to_be_warped() {
     let harness = || Harness::new(PASS).feedback("clusters", "seeded");

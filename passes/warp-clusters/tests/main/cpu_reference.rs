@@ -2,7 +2,7 @@
 
 use interfaces::clusters::{Cluster, NO_TEXEL, state};
 
-/// What a reflective shadow map has at a texel.
+/// A texel of a reflective shadow map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Texel {
     /// Position in world space \[m\]; `None` where the texel is unlit.

@@ -6,7 +6,7 @@ use pass_test::statistics::{assert_follows, chi_squared, chi_squared_limit};
 
 const COUNT: u32 = 50_000;
 
-/// How many places lie in each texel.
+/// The number of places in each texel.
 fn histogram(map: &Pyramid, places: &[Place]) -> Vec<u32> {
     let mut counts = vec![0; map.texels.len()];
     places.iter().for_each(|place| counts[map.texel_at(place) as usize] += 1);
@@ -62,7 +62,7 @@ fn seeds_follow_the_importance() {
     }
 }
 
-/// In a square of the last level all places are alike, so the test above tells the two apart.
+/// In a square of the last level all places are alike, so the test above distinguishes the two.
 #[test]
 fn fewer_levels_leave_squares_even() {
     let size = [13, 10];

@@ -6,7 +6,7 @@ use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::{Harness, Outputs, RsmTexel};
 use warp_clusters::PASS;
 
-/// A lit texel of which each member tells which one it is.
+/// A lit texel whose members all identify it.
 pub(crate) fn texel(index: u32, importance: f32) -> Texel {
     Texel {
         position: Some([index as f32, 2.0, -1.0]),
@@ -92,7 +92,7 @@ pub(crate) fn run(map: &Pyramid, clusters: &[Cluster], run: Run) -> Option<Vec<C
     Some(warped)
 }
 
-/// What became of seeds.
+/// Returns the clusters that seeds became.
 pub(crate) fn warped(map: &Pyramid, of: &[[f64; 2]], levels: u32) -> Option<Vec<Cluster>> {
     run(map, &seeds(of), Run { levels, ..Run::default() })
 }

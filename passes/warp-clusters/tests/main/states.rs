@@ -1,4 +1,4 @@
-//! What becomes of clusters that are no seeds, and of the header.
+//! Clusters that are no seeds, and the header.
 
 use crate::cpu_reference::{Pyramid, Texel};
 use crate::maps::{Run, importance, map, run};
