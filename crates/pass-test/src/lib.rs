@@ -31,6 +31,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 mod clusters;
 mod given;
 mod harness;
+mod outputs;
 pub mod random;
 pub mod rooms;
 mod shader_use;
@@ -44,6 +45,7 @@ pub use clusters::RsmTexel;
 /// The causes that reset a history buffer between two frames, for [`Harness::event`].
 pub use frame_graph::ResetCause;
 pub use harness::Harness;
+pub use outputs::{maps, outputs_of};
 pub use shader_use::ShaderUse;
 pub use test_pass::{TestPass, TestPassTypes};
 

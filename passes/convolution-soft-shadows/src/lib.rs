@@ -7,13 +7,9 @@ use pass::{
 };
 
 /// The pass type `convolution-soft-shadows`.
-pub const PASS: &dyn Pass = &ConvolutionSoftShadows { window: LARGEST_WINDOW };
+pub const PASS: &dyn Pass = &ConvolutionSoftShadows;
 
-/// Penumbrae of lights that have an area by prefiltered images, for shadow maps of any producer.
-pub struct ConvolutionSoftShadows {
-    /// The bytes of the basis images at most.
-    pub window: u64,
-}
+struct ConvolutionSoftShadows;
 
 /// The most workgroups along a dimension: WebGPU's default.
 const MAX_GROUPS: u32 = 65_535;
@@ -49,20 +45,25 @@ impl Basis {
         u64::from(self.maps) * self.stride() * 4
     }
 
-    /// Refuses what takes more than that many bytes, or more maps than a dispatch has.
-    fn check(self, window: u64) -> Result<(), PassTypeError> {
+    /// Whether a buffer that every adapter binds holds it, and a dispatch has a workgroup for each map.
+    fn fits(self) -> bool {
+        self.bytes() <= LARGEST_WINDOW && self.maps <= MAX_GROUPS
+    }
+
+    /// Refuses what does not fit.
+    fn check(self) -> Result<(), PassTypeError> {
         let (maps, tile) = (self.maps, self.tile);
-        if self.bytes() <= window && maps <= MAX_GROUPS {
+        if self.fits() {
             return Ok(());
         }
-        let fits = |other: Basis| other.bytes() <= window && maps <= MAX_GROUPS;
-        let most = (window / (self.stride() * 4)).min(u64::from(MAX_GROUPS));
+        let most = (LARGEST_WINDOW / (self.stride() * 4)).min(u64::from(MAX_GROUPS));
         let mut advice = format!("take at most {most} maps");
-        if let Some(tile) = (0..13).rev().map(|log| 1 << log).find(|tile| fits(Basis { tile: *tile, ..self }))
+        if let Some(tile) =
+            (0..13).rev().map(|log| 1 << log).find(|tile| Basis { tile: *tile, ..self }.fits())
         {
             advice += &format!(", maps of {tile}²");
         }
-        if let Some(order) = (1..self.order).rev().find(|order| fits(Basis { order: *order, ..self })) {
+        if let Some(order) = (1..self.order).rev().find(|order| Basis { order: *order, ..self }.fits()) {
             advice += &format!(", or `order: {order}`");
         }
         Err(PassTypeError::input(
@@ -71,7 +72,7 @@ impl Basis {
                 "the basis images of {maps} maps of {tile}² by {} orders take {} MiB, of which every adapter binds {}",
                 self.order,
                 self.bytes().div_ceil(1 << 20),
-                window >> 20
+                LARGEST_WINDOW >> 20
             ),
         )
         .help(advice))
@@ -95,7 +96,7 @@ impl Pass for ConvolutionSoftShadows {
         };
         let maps = cx.fact("maps", COLUMNS)? * cx.fact("maps", ROWS)? * atlas.layers;
         let basis = Basis::new(maps, cx.fact("maps", TILE)?, cx.settings)?;
-        basis.check(self.window)?;
+        basis.check()?;
         let values = [("map_levels", basis.levels.into()), ("map_words", (basis.stride() as u32).into())];
         reflected::outputs_with(use_cx, &main, cx, &values)
     }

@@ -3,13 +3,10 @@
 mod cpu_reference;
 
 use cpu_reference::filtered;
-use frame_graph::port::InputDesc;
 use gpu_algorithms::reference::paraboloid::{paraboloid_from_direction, tile_position};
 use interfaces::virtual_lights::VirtualLight;
-use pass::{OutputContext, ResourceDesc, Settings, Use, UseContext, Value};
+use pass::{ResourceDesc, Value};
 use pass_test::visibility::{Plane, Receiver, atlas, direction, lookups, map_of, receivers_around};
-use std::collections::BTreeMap;
-use std::sync::Arc;
 
 const MODULE: &str = "passes/percentage-closer-filtering/lookup.wgsl";
 const BILINEAR: &str = "passes/percentage-closer-filtering/tests/bilinear.wgsl";
@@ -83,27 +80,11 @@ fn a_window_over_an_open_map_sees_all_and_over_a_closed_one_nothing() {
 
 #[test]
 fn it_filters_maps_and_nothing_else() {
-    let (library, overrides, inputs) = (pass_test::shaders(), BTreeMap::new(), ["maps".to_owned()]);
-    let kind = percentage_closer_filtering::PASS;
-    let use_ = Use { kind: kind.kind(), shader: None, inputs: &inputs, outputs: &overrides };
-    let settings = Settings(BTreeMap::from([("taps".to_owned(), Value::U32(3))]));
-    let outputs = |members: Vec<(String, ResourceDesc)>, facts: &[(&str, Value)]| {
-        let maps = InputDesc {
-            name: "maps".into(),
-            interface: "Visibility".into(),
-            members,
-            facts: Arc::new(facts.iter().cloned().collect()),
-        };
-        let context = OutputContext {
-            use_,
-            settings: &settings,
-            inputs: &[maps],
-            frame: (8, 8),
-            traits: &pass::Traits::default(),
-        };
-        kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
+    let outputs = |members: &[&str], facts: &[(&'static str, Value)]| {
+        let desc = ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8));
+        let maps = pass_test::maps(members, &desc, facts, None);
+        pass_test::outputs_of(percentage_closer_filtering::PASS, &[("taps", 3.into())], &[maps], &[])
     };
-    let atlas = || vec![("atlas".to_owned(), ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8)))];
     let facts = [
         ("tile", Value::U32(8)),
         ("columns", Value::U32(1)),
@@ -111,13 +92,13 @@ fn it_filters_maps_and_nothing_else() {
         ("depth_bias", Value::F32(0.5)),
         ("slope_bias", Value::F32(0.25)),
     ];
-    let made = outputs(atlas(), &facts).expect("an atlas with its facts");
+    let made = outputs(&["atlas"], &facts).expect("an atlas with its facts");
     assert_eq!(made[0].facts.get("depth_bias"), Some(&Value::F32(1.0)), "the window is twice as wide");
     assert_eq!(made[0].facts.get("slope_bias"), Some(&Value::F32(0.5)));
     assert!(made[0].members.is_empty() && made[0].handed.len() == 1, "the atlas is handed on");
-    let refused = outputs(Vec::new(), &facts).expect_err("rays have no maps");
+    let refused = outputs(&[], &facts).expect_err("rays have no maps");
     assert_eq!(refused.input.as_deref(), Some("maps"));
-    let refused = outputs(atlas(), &facts[1..]).expect_err("no `tile`");
+    let refused = outputs(&["atlas"], &facts[1..]).expect_err("no `tile`");
     assert!(refused.message.contains("`tile`"), "{}", refused.message);
 }
 

@@ -3,18 +3,13 @@
 mod cpu_reference;
 
 use cpu_reference::{Map, poisson_disc};
-use frame_graph::port::InputDesc;
 use glam::{DVec2, DVec3, dvec2};
 use interfaces::virtual_lights::VirtualLight;
-use pass::{
-    Module, OutputContext, OutputDesc, PassTypeError, ResourceDesc, Settings, Use, UseContext, Value,
-};
+use pass::{Module, OutputDesc, ResourceDesc, Value};
 use pass_test::visibility::{
     Plane, Receiver, atlas, errors_behind_edges, lookups, map_of, penumbrae, receivers_around, segment,
 };
-use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 const MODULE: &str = "passes/percentage-closer-soft-shadows/lookup.wgsl";
 const NOTHING: f64 = 3.0e38;
@@ -198,29 +193,18 @@ fn behind_the_light_nothing_is_seen_and_a_blocker_at_the_light_is_no_nan() {
 
 #[test]
 fn it_softens_maps_and_nothing_else() {
-    let (library, overrides, inputs) = (pass_test::shaders(), BTreeMap::new(), ["maps".to_owned()]);
-    let kind = percentage_closer_soft_shadows::PASS;
-    let use_ = Use { kind: kind.kind(), shader: None, inputs: &inputs, outputs: &overrides };
-    let outputs = |members: &[&str], module: Option<Module>| -> Result<Vec<OutputDesc>, PassTypeError> {
+    let outputs = |members: &[&str], module: Option<Module>| {
         let desc = ResourceDesc::texture_2d(pass::Format::R32Float, (8, 8));
-        let facts = [("tile", 8), ("columns", 1), ("rows", 1)].map(|(name, value)| (name, Value::U32(value)));
-        let biases = ["depth_bias", "slope_bias"].map(|name| (name, Value::F32(0.5)));
-        let mut facts: pass::Facts = facts.into_iter().chain(biases).collect();
-        if let Some(module) = module {
-            facts.set_module(module);
-        }
-        let maps = InputDesc {
-            name: "maps".into(),
-            interface: "Visibility".into(),
-            members: members.iter().map(|name| ((*name).to_owned(), desc.clone())).collect(),
-            facts: Arc::new(facts),
-        };
-        let settings = [("search", Value::U32(16)), ("taps", Value::U32(9)), ("nearest", Value::F32(0.25))];
-        let settings = Settings(settings.map(|(name, value)| (name.to_owned(), value)).into());
-        let traits = pass::Traits::default();
-        let context =
-            OutputContext { use_, settings: &settings, inputs: &[maps], frame: (8, 8), traits: &traits };
-        kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
+        let facts = [
+            ("tile", 8.into()),
+            ("columns", 1.into()),
+            ("rows", 1.into()),
+            ("depth_bias", 0.5.into()),
+            ("slope_bias", 0.5.into()),
+        ];
+        let settings = [("search", 16.into()), ("taps", 9.into()), ("nearest", 0.25.into())];
+        let maps = pass_test::maps(members, &desc, &facts, module);
+        pass_test::outputs_of(percentage_closer_soft_shadows::PASS, &settings, &[maps], &[])
     };
     let made = outputs(&["atlas"], None).expect("an atlas with its facts");
     assert!(made[0].members.is_empty() && made[0].handed.len() == 1, "the atlas is handed on");

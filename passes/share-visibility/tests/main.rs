@@ -1,11 +1,9 @@
 //! Lookups in the maps of owners, against those of the owners themselves.
 
-use frame_graph::port::{HandedOn, InputDesc};
+use frame_graph::port::HandedOn;
 use interfaces::virtual_lights::{VirtualLight, to_bytes};
-use pass::{Module, OutputContext, OutputDesc, PassTypeError, Settings, Use, UseContext, Value};
+use pass::{Module, OutputDesc, PassTypeError, Value};
 use pass_test::visibility::{Receiver, atlas, lookups};
-use std::collections::BTreeMap;
-use std::sync::Arc;
 
 const MODULE: &str = "shaders/visibility-atlas.wgsl";
 const TILE: u32 = 8;
@@ -78,30 +76,9 @@ fn a_light_is_looked_up_in_the_map_of_its_owner() {
 
 /// What the pass makes of maps with such members and such a module.
 fn outputs(members: &[&str], module: Option<Module>) -> Result<Vec<OutputDesc>, PassTypeError> {
-    let (library, overrides) = (pass_test::shaders(), BTreeMap::new());
-    let inputs = ["maps", "lights", "owners"].map(str::to_owned);
-    let kind = share_visibility::PASS;
-    let use_ = Use { kind: kind.info().kind, shader: None, inputs: &inputs, outputs: &overrides };
-    let members = members.iter().map(|name| ((*name).to_owned(), pass_test::buffer(16)));
-    let mut facts: frame_graph::Facts =
-        [("tile", Value::U32(8)), ("depth_bias", Value::F32(0.5))].into_iter().collect();
-    if let Some(module) = module {
-        facts.set_module(module);
-    }
-    let maps = InputDesc {
-        name: "maps".into(),
-        interface: "Visibility".into(),
-        members: members.collect(),
-        facts: Arc::new(facts),
-    };
-    let context = OutputContext {
-        use_,
-        settings: &Settings::default(),
-        inputs: &[maps],
-        frame: (8, 8),
-        traits: &pass::Traits::default(),
-    };
-    kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
+    let facts = [("tile", 8.into()), ("depth_bias", 0.5.into())];
+    let maps = pass_test::maps(members, &pass_test::buffer(16), &facts, module);
+    pass_test::outputs_of(share_visibility::PASS, &[], &[maps], &[])
 }
 
 #[test]

@@ -1,19 +1,14 @@
 //! The module that it names answers what a consumer asks, and takes the options that go with it.
 
-use pass::{Facts, Name, OutputContext, PortDesc, RecordContext, Settings, Use, UseContext, Value};
+use pass::{Facts, Name, PortDesc, RecordContext, Settings, Use};
 use pass_test::shaders;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 fn facts(masked: bool) -> Facts {
-    let (library, overrides) = (shaders(), BTreeMap::new());
-    let use_ = Use { kind: "visibility-ray-traced", shader: None, inputs: &[], outputs: &overrides };
-    let traits = pass::Traits(BTreeMap::from([("masked".to_owned(), Value::Bool(masked))]));
-    let settings = Settings(BTreeMap::from([("rays".to_owned(), Value::Text("bvh".into()))]));
-    let context = OutputContext { use_, settings: &settings, inputs: &[], frame: (8, 8), traits: &traits };
-    let outputs = visibility_ray_traced::PASS
-        .outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
-        .expect("it never refuses");
+    let (settings, traits) = ([("rays", "bvh".into())], [("masked", masked.into())]);
+    let outputs = pass_test::outputs_of(visibility_ray_traced::PASS, &settings, &[], &traits);
+    let outputs = outputs.expect("it never refuses");
     let [visibility] = &outputs[..] else { panic!("one output: {outputs:?}") };
     assert!(visibility.members.is_empty(), "there is no atlas");
     visibility.facts.clone()

@@ -1,13 +1,7 @@
 //! Inputs that the pass takes and refuses.
 
-use convolution_soft_shadows::ConvolutionSoftShadows;
-use frame_graph::port::InputDesc;
-use pass::{
-    Facts, Format, LARGEST_WINDOW, Module, OutputContext, OutputDesc, Pass, PassTypeError, ResourceDesc,
-    Settings, Use, UseContext, Value,
-};
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use convolution_soft_shadows::PASS;
+use pass::{Format, Module, OutputDesc, PassTypeError, ResourceDesc, Value};
 
 /// Returns the outputs for a number of maps with sides of `tile`, with these members.
 fn outputs(size: (u32, u32, u32), members: &[&str]) -> Result<Vec<OutputDesc>, PassTypeError> {
@@ -20,35 +14,23 @@ fn outputs_of(
     members: &[&str],
     module: Option<Module>,
 ) -> Result<Vec<OutputDesc>, PassTypeError> {
-    let (library, overrides, inputs) = (pass_test::shaders(), BTreeMap::new(), ["maps".to_owned()]);
-    let kind = ConvolutionSoftShadows { window: LARGEST_WINDOW };
-    let use_ = Use { kind: kind.kind(), shader: None, inputs: &inputs, outputs: &overrides };
     let atlas = ResourceDesc::texture_2d_array(Format::R32Float, (tile, tile), maps);
-    let facts = [("tile", tile), ("columns", 1), ("rows", 1)].map(|(name, value)| (name, Value::U32(value)));
-    let biases = ["depth_bias", "slope_bias"].map(|name| (name, Value::F32(0.5)));
-    let mut facts: Facts = facts.into_iter().chain(biases).collect();
-    if let Some(module) = module {
-        facts.set_module(module);
-    }
-    let maps = InputDesc {
-        name: "maps".into(),
-        interface: "Visibility".into(),
-        members: members.iter().map(|name| ((*name).to_owned(), atlas.clone())).collect(),
-        facts: Arc::new(facts),
-    };
-    let settings = [
-        ("order", Value::U32(order)),
-        ("levels", Value::U32(13)),
-        ("attenuation", Value::F32(1.5)),
-        ("offset", Value::F32(0.6)),
-        ("search", Value::U32(2)),
-        ("nearest", Value::F32(0.5)),
+    let facts = [
+        ("tile", tile.into()),
+        ("columns", 1.into()),
+        ("rows", 1.into()),
+        ("depth_bias", 0.5.into()),
+        ("slope_bias", 0.5.into()),
     ];
-    let settings = Settings(settings.map(|(name, value)| (name.to_owned(), value)).into());
-    let traits = pass::Traits::default();
-    let context =
-        OutputContext { use_, settings: &settings, inputs: &[maps], frame: (8, 8), traits: &traits };
-    kind.outputs(&UseContext { use_, shaders: &library, interfaces: interfaces::INTERFACES }, &context)
+    let settings = [
+        ("order", order.into()),
+        ("levels", 13.into()),
+        ("attenuation", 1.5.into()),
+        ("offset", 0.6.into()),
+        ("search", 2.into()),
+        ("nearest", 0.5.into()),
+    ];
+    pass_test::outputs_of(PASS, &settings, &[pass_test::maps(members, &atlas, &facts, module)], &[])
 }
 
 #[test]
