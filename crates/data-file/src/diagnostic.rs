@@ -249,7 +249,7 @@ pub fn nearest_of_few<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>)
     near(wrong, known, limit)
 }
 
-/// The known name that is fewest edits away; two letters that changed places are one.
+/// Returns the known name that is fewest edits away; two letters that changed places are one.
 fn near<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, limit: usize) -> Option<&'a str> {
     if !is_comparable(wrong) {
         return None;
@@ -266,7 +266,7 @@ fn near<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>, limit: usize)
     known.into_iter().filter_map(|name| Some((distance(name)?, name))).min_by_key(|(d, _)| *d).map(|(_, n)| n)
 }
 
-/// Whether a name is short enough to be compared with others.
+/// Returns whether a name is short enough to be compared with others.
 fn is_comparable(name: &str) -> bool {
     name.len() <= MAX_COMPARED
 }

@@ -34,7 +34,7 @@ struct Part {
 impl Excerpts {
     /// Adds a text, unless it is there, and returns its index.
     pub(crate) fn add(&mut self, source: &Arc<Source>) -> usize {
-        // Copies of one text are told by where it is: to compare texts would take longer than to read one twice.
+        // Copies of one text are known by where it is: to compare texts would take longer than to read one twice.
         if let Some(index) = self.texts.iter().position(|text| Arc::ptr_eq(&text.source, source)) {
             return index;
         }

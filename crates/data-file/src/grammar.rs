@@ -135,7 +135,7 @@ pub fn read<T: DeserializeOwned, U>(
             Err(de::Refusal(message)) => {
                 if !message.is_empty() {
                     let place = reader.head(reader.place(node));
-                    reader.report(Diagnostic::new(&codes::WRONG_TYPE, message), place);
+                    reader.report_bad(Diagnostic::new(&codes::WRONG_TYPE, message), place);
                 }
                 None
             }
@@ -238,12 +238,12 @@ impl Reader<'_> {
 
     /// Adds an error at a place, unless one is known there.
     pub fn error(&mut self, code: &'static Code, place: Place, message: impl Into<String>) {
-        self.tell(self.at(code, place, message));
+        self.report(self.at(code, place, message));
         self.bad.insert((place.start, place.end));
     }
 
     /// Adds an error, unless it is about a value that could not be read.
-    pub fn tell(&mut self, error: Diagnostic) {
+    pub fn report(&mut self, error: Diagnostic) {
         if !error.labels.iter().any(|label| self.bad.contains(&(label.span.start, label.span.end))) {
             self.push(error);
         }
@@ -265,7 +265,7 @@ impl Reader<'_> {
     /// Reports that a name or field is given twice.
     pub fn duplicate(&mut self, what: &str, place: Place, first: Place) {
         let error = Diagnostic::new(&codes::DUPLICATE, format!("{what} is given twice"));
-        self.tell(error.label(self.span(place), "again here").label(self.span(first), "first here"));
+        self.report(error.label(self.span(place), "again here").label(self.span(first), "first here"));
     }
 
     /// Reports that a value is not what was `expected`.
@@ -291,12 +291,12 @@ impl Reader<'_> {
             Shape::Other => format!("`{}`", shortened(node.text(), MAX_QUOTED)),
         };
         let error = Diagnostic::new(&codes::WRONG_TYPE, format!("expected {expected}, found {found}"));
-        self.report(error, self.place(node.head()));
+        self.report_bad(error, self.place(node.head()));
         self.bad(node);
     }
 
     /// Adds an error of a value in whose stead another is given.
-    fn report(&mut self, error: Diagnostic, place: Place) {
+    fn report_bad(&mut self, error: Diagnostic, place: Place) {
         self.bad.insert((place.start, place.end));
         let error = error.label(self.span(place), "");
         self.push(error);

@@ -74,9 +74,9 @@ pub(crate) struct ExprError {
 
 /// What the names of an expression stand for.
 pub(crate) trait Env {
-    /// The value of a trait of the scene.
+    /// Returns the value of a trait of the scene.
     fn scene(&self, name: &str) -> Option<&Value>;
-    /// The traits there are.
+    /// Returns the traits there are.
     fn scene_names(&self) -> Vec<String>;
 }
 
@@ -120,7 +120,7 @@ impl Term {
         matches!(self, Term::Other(Value::Bool(true)))
     }
 
-    /// The order of two terms; `None` where they have none, or are different and no numbers.
+    /// Returns the order of two terms; `None` where they have none, or are different and no numbers.
     fn order(&self, other: &Term) -> Option<Ordering> {
         match (self, other) {
             (Term::Whole(l), Term::Whole(r)) => Some(l.cmp(r)),
@@ -129,7 +129,7 @@ impl Term {
         }
     }
 
-    /// The number that an arithmetic operator makes; `None` where there is none.
+    /// Returns the number that an arithmetic operator makes; `None` where there is none.
     fn join(op: Op, left: &Term, right: &Term) -> Option<Term> {
         if let (Term::Whole(l), Term::Whole(r)) = (left, right) {
             return match op {
@@ -180,7 +180,7 @@ impl Op {
         }
     }
 
-    /// Whether it makes a number of two.
+    /// Returns whether it makes a number of two.
     fn is_arithmetic(self) -> bool {
         use Op::{Add, Divide, Max, Min, Multiply, Remainder, Subtract};
         matches!(self, Add | Subtract | Multiply | Divide | Remainder | Min | Max)
@@ -223,7 +223,7 @@ impl Expr {
         }
     }
 
-    /// The first part that asks about the scene.
+    /// Returns the first part that asks about the scene.
     pub(crate) fn question(&self) -> Option<&Expr> {
         match &self.kind {
             ExprKind::Trait(_) => Some(self),
@@ -303,16 +303,16 @@ impl Expr {
         }
     }
 
-    /// Whether it holds; the expression must have passed [`Expr::check`].
+    /// Returns whether it holds; the expression must have passed [`Expr::check`].
     pub(crate) fn holds(&self, env: &dyn Env) -> Result<bool, ExprError> {
         Ok(self.term(env)?.is_true())
     }
 
-    /// The value of an expression that asks about parameters alone: whole where all its numbers are.
+    /// Returns the value of an expression that asks about parameters alone: whole where all its numbers are.
     pub(crate) fn value(&self) -> Result<Value, ExprError> {
         self.ty(&())?;
         let out = |found: &dyn fmt::Display| {
-            let message = format!("{} is {found}, which no value can hold", self.told(&()));
+            let message = format!("{} is {found}, which no value can hold", self.explained(&()));
             self.error(&codes::ARITHMETIC, message)
         };
         match self.term(&())? {
@@ -347,11 +347,11 @@ impl Expr {
                     Op::GreaterEqual => truth(order.is_some_and(Ordering::is_ge)),
                     // By zero, nothing is divided, not even a real number.
                     Op::Divide | Op::Remainder if r.real() == Some(0.0) => {
-                        let message = format!("{} divides by zero", self.told(env));
+                        let message = format!("{} divides by zero", self.explained(env));
                         return Err(self.error(&codes::ARITHMETIC, message));
                     }
                     op => Term::join(*op, &l, &r).ok_or_else(|| {
-                        let message = format!("{} is too large for any number", self.told(env));
+                        let message = format!("{} is too large for any number", self.explained(env));
                         self.error(&codes::ARITHMETIC, message)
                     })?,
                 }
@@ -359,8 +359,8 @@ impl Expr {
         })
     }
 
-    /// The expression and the values of its names: `` `$a * 2` (a = 3) ``.
-    pub(crate) fn told(&self, env: &dyn Env) -> String {
+    /// Returns the expression and the values of its names: `` `$a * 2` (a = 3) ``.
+    pub(crate) fn explained(&self, env: &dyn Env) -> String {
         let mut facts = Vec::new();
         self.facts(env, &mut facts);
         let text = self.text(false);
@@ -382,7 +382,7 @@ impl Expr {
         out.extend(fact.filter(|fact| !out.contains(fact)));
     }
 
-    /// The expression as text: parameters by name, or by value where `values` is set.
+    /// Returns the expression as text: parameters by name, or by value where `values` is set.
     pub(crate) fn text(&self, values: bool) -> String {
         let nested = |inner: &Expr| match inner.kind {
             ExprKind::Binary(op, ..) if !matches!(op, Op::Min | Op::Max) => {

@@ -315,7 +315,7 @@ impl FrameState {
         self.first[pass].1 as usize..self.first[pass + 1].1 as usize
     }
 
-    /// The version of what is read in this frame.
+    /// Returns the version of what is read in this frame.
     fn version(&self, from: ReadFrom, resets: &[Option<ResetCause>]) -> u64 {
         match from {
             ReadFrom::Pass(pass) => self.versions[pass.0 as usize],
@@ -324,7 +324,7 @@ impl FrameState {
         }
     }
 
-    /// Whether a pass reads a scene binding that changed, or a version that it has not seen.
+    /// Returns whether a pass reads a scene binding that changed, or a version that it has not seen.
     fn has_news(
         &self,
         index: usize,
@@ -352,7 +352,7 @@ impl FrameState {
         runs.iter_mut().for_each(|runs| *runs |= change.all);
         for (i, pass) in plan.passes.iter().enumerate() {
             if self.writes_of(i).is_empty() {
-                // It only hands on, or tells facts: there is nothing to do.
+                // It only hands on, or gives facts: there is nothing to do.
                 runs[i] = false;
                 continue;
             }
@@ -387,7 +387,7 @@ impl FrameState {
         }
     }
 
-    /// Whether an object still holds a resource when its readers come, if the producer does not run.
+    /// Returns whether an object still holds a resource when its readers come, if the producer does not run.
     fn is_held(&self, plan: &Plan, id: ResourceId, runs: &[bool]) -> bool {
         let allocation = plan.resources[id.0 as usize].allocation.0 as usize;
         if self.holds[allocation] != Some(id) {

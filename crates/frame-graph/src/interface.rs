@@ -22,7 +22,7 @@ pub struct Interface {
     /// For an interface whose producers have a [`Module`](crate::Module): the module with which a consumer's shader is
     /// reflected before its producer is known.
     pub stand_in: Option<&'static str>,
-    /// Numbers at the beginning of its first member, a struct, that tell a user how a frame went.
+    /// Numbers at the beginning of its first member, a struct, that report on a frame to a user.
     pub figures: &'static [Figure],
 }
 
@@ -63,7 +63,7 @@ impl Interface {
     }
 }
 
-/// A number that a pass tells about a frame: a scalar of the struct that an interface's first member holds.
+/// A number that a pass reports about a frame: a scalar of the struct that an interface's first member holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Figure {
     /// The name of the struct's member, a `u32` or an `f32`.

@@ -111,7 +111,7 @@ pub(crate) struct LinkSource {
     pub(crate) bare: bool,
 }
 
-/// The outputs of a pass, then its scratch. Passes between which their pass type cannot tell share them.
+/// The outputs of a pass, then its scratch. Passes that their pass type cannot distinguish share them.
 pub(crate) type GraphPorts = Arc<[GraphPort]>;
 
 /// The outputs of a node; `None` where they are not known yet, or the node is no pass.
@@ -162,12 +162,12 @@ pub fn link(resolved: &Resolved, kinds: &dyn PassTypes, context: &LinkContext) -
     let (links, order) = linker.order();
     linker.find_instead();
     if !linker.errors.is_empty() {
-        return Err(linker.told());
+        return Err(linker.into_errors());
     }
     let nodes: Vec<u32> = order.iter().map(|pass| links[*pass]).collect();
     let ports = linker.find_sizes(&nodes);
     if !linker.errors.is_empty() {
-        return Err(linker.told());
+        return Err(linker.into_errors());
     }
     Ok(linker.graph(&links, ports, &order))
 }
@@ -257,15 +257,23 @@ impl<'a> Linker<'a> {
         }
     }
 
-    fn told(self) -> Diagnostics {
+    fn into_errors(self) -> Diagnostics {
         Diagnostics::sorted(self.errors)
+    }
+
+    /// Returns what `look` finds, without the errors that it reports: they are reported elsewhere.
+    fn silently<T>(&mut self, look: impl FnOnce(&mut Self) -> T) -> T {
+        let count = self.errors.len();
+        let found = look(self);
+        self.errors.truncate(count);
+        found
     }
 
     fn span(&self, place: Place) -> Span {
         self.resolved.sources.span(place)
     }
 
-    /// The link of a wire.
+    /// Returns the link of a wire.
     fn link_of(&self, node: usize, wire: &Wire) -> &'a Link {
         let decl = &self.nodes[node].decl;
         let feed = decl.feed.as_ref();
@@ -297,7 +305,7 @@ impl<'a> Linker<'a> {
             // patch took out goes with it.
             let found = match self.follow(link, None, false) {
                 Found::End(_) => self.follow(link, None, true),
-                Found::Nothing(_) | Found::Told => continue,
+                Found::Nothing(_) | Found::Reported => continue,
             };
             match found {
                 Found::End(end) => self.outputs.push((output, end)),
@@ -305,7 +313,7 @@ impl<'a> Linker<'a> {
                     let error = self.off_read(format!("the output `{}`", output.name.value), link, off);
                     self.errors.push(error);
                 }
-                Found::Told => {}
+                Found::Reported => {}
             }
         }
     }

@@ -318,7 +318,7 @@ impl Plan {
         svg::svg(self)
     }
 
-    /// The links that are read by a pass: the producer, the port of the reader, what is
+    /// Returns the links that are read by a pass: the producer, the port of the reader, what is
     /// read, and whether it is the past.
     fn links(&self, pass: &PlannedPass) -> Vec<DrawnLink> {
         let link = |input: &PlannedInput| {
@@ -332,7 +332,7 @@ impl Plan {
         pass.inputs.iter().filter_map(link).collect()
     }
 
-    /// The pass whose port an output shows.
+    /// Returns the pass whose port an output shows.
     fn shown_by(&self, output: &PlannedOutput) -> Option<PassId> {
         self.pass(output.from.split('.').next().unwrap_or(""))
     }

@@ -90,7 +90,8 @@ pub fn resolve(path: &str, files: &dyn Files, overrides: &Overrides) -> Result<R
     resolve_description(path, &description, files, overrides)
 }
 
-/// Tells that a name is that of no pipeline. The name comes from outside of any file: there is no place to show.
+/// Returns the error for a name that is that of no pipeline. The name comes from outside of any file, so no place is
+/// shown.
 fn no_pipeline(name: &str, files: &dyn Files) -> Diagnostic {
     let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline `{name}`"));
     let stem = |path: &str| path.strip_suffix(".ron").unwrap_or(path).to_owned();
@@ -178,7 +179,7 @@ impl Resolved {
         &self.sources.0
     }
 
-    /// Whether both were made from files of the same text.
+    /// Returns whether both were made from files of the same text.
     pub(crate) fn same_files(&self, other: &Resolved) -> bool {
         fn files(resolved: &Resolved) -> impl Iterator<Item = (&str, &str)> {
             let sources = resolved.sources.0.iter().map(|source| (&*source.name, &*source.text));

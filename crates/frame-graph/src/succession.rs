@@ -54,7 +54,7 @@ fn same_pass(old: &Plan, a: &PlannedPass, new: &Plan, b: &PlannedPass) -> bool {
         && a.inputs.iter().zip(&b.inputs).all(|(a, b)| same_input(old, a, new, b))
 }
 
-/// Whether two inputs link to the same, by name.
+/// Returns whether two inputs link to the same, by name.
 fn same_input(old: &Plan, a: &PlannedInput, new: &Plan, b: &PlannedInput) -> bool {
     let producer = |plan: &'_ Plan, input: &PlannedInput| plan.passes[input.producer.0 as usize].name.clone();
     let member = |plan: &'_ Plan, (name, id): &(data_file::Name, crate::plan::ResourceId)| {

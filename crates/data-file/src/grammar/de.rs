@@ -91,7 +91,7 @@ impl<'r, 's> De<'r, 's> {
             if !message.is_empty() {
                 let mut reader = reader.borrow_mut();
                 let place = reader.head(place);
-                reader.report(Diagnostic::new(&codes::WRONG_TYPE, message), place);
+                reader.report_bad(Diagnostic::new(&codes::WRONG_TYPE, message), place);
             }
             Refusal(String::new())
         })
@@ -125,7 +125,7 @@ impl<'r, 's> De<'r, 's> {
     fn missing(&self) {
         let mut reader = self.reader.borrow_mut();
         let message = format!("`{}` needs a field `{}`", self.form.unwrap_or_default(), self.key);
-        reader.report(Diagnostic::new(&codes::MISSING_FIELD, message), self.place);
+        reader.report_bad(Diagnostic::new(&codes::MISSING_FIELD, message), self.place);
     }
 
     fn wrong(&self, expected: &str) {
@@ -185,7 +185,7 @@ impl<'r, 's> De<'r, 's> {
                     let quoted = shortened(name.text(), MAX_QUOTED);
                     let message = format!("`{form}` has no field `{quoted}`");
                     let error = Diagnostic::new(&codes::UNKNOWN_FIELD, message);
-                    reader.report(error.suggest("fields", name.text(), known.iter().copied()), place);
+                    reader.report_bad(error.suggest("fields", name.text(), known.iter().copied()), place);
                 }
                 Some(index) if matches!(values[index], At::Absent) => {
                     values[index] = At::Value(value);
@@ -222,7 +222,7 @@ impl<'r, 's> De<'r, 's> {
         let place = Place { file: reader.file, start: start as u32, end: (start + name.len()) as u32 };
         let message = format!("`{}` is not known here: expected {expected}", shortened(name, MAX_QUOTED));
         let error = Diagnostic::new(&codes::UNKNOWN_FORM, message);
-        reader.report(error.suggest("forms", name, known.iter().copied()), place);
+        reader.report_bad(error.suggest("forms", name, known.iter().copied()), place);
         reader.bad(node);
     }
 

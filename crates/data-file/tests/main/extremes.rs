@@ -88,7 +88,7 @@ fn of_errors_without_number_a_hundred_are_shown() {
 }
 
 #[test]
-fn fields_given_without_number_are_told_fast() {
+fn fields_given_without_number_are_reported_fast() {
     let many: String = (0..50_000).map(|i| format!("x{i}: 1, ")).collect();
     let (text, _) = shown(format!("Form({many}{})", "a: [], ".repeat(50_000)));
     assert!(text.contains("has no field `x0`"), "{text}");

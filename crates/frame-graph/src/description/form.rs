@@ -237,7 +237,7 @@ impl fmt::Display for Target {
     }
 }
 
-/// Whether it can name a pass, a port, a parameter or a setting.
+/// Returns whether it can name a pass, a port, a parameter or a setting.
 pub(crate) fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-')
 }
@@ -256,7 +256,7 @@ impl Link {
 }
 
 impl SetValue {
-    /// The value; parameters must have been put in.
+    /// Returns the value; parameters must have been put in.
     pub(crate) fn get(&self) -> Option<&Value> {
         match self {
             SetValue::Value(value) | SetValue::Parameter(_, Some((value, _))) => Some(value),
@@ -266,15 +266,15 @@ impl SetValue {
     }
 
     /// How the value came to be, where it does not stand there itself.
-    pub(crate) fn told(&self) -> Option<String> {
+    pub(crate) fn explained(&self) -> Option<String> {
         match self {
             SetValue::Value(_) => None,
             SetValue::Parameter(name, _) => Some(format!("the value of `{name}`")),
-            SetValue::Formula(formula, _) => Some(format!("the value of {}", formula.expr.told(&()))),
+            SetValue::Formula(formula, _) => Some(format!("the value of {}", formula.expr.explained(&()))),
         }
     }
 
-    /// The parameters that went into it, and where their values were given.
+    /// Returns the parameters that went into it, and where their values were given.
     pub(crate) fn origins(&self) -> Vec<(Name, Value, Place)> {
         let mut origins = Vec::new();
         match self {
@@ -289,7 +289,7 @@ impl SetValue {
 }
 
 impl TextPlace {
-    /// The place of bytes `start..end` of the text; the whole where it holds escapes.
+    /// Returns the place of bytes `start..end` of the text; the whole where it holds escapes.
     pub(crate) fn within(&self, start: u32, end: u32) -> Place {
         match self.content {
             Some(content) => Place { file: self.place.file, start: content + start, end: content + end },
@@ -302,9 +302,8 @@ impl Formula {
     /// What is wrong with a part of it.
     pub(crate) fn error(&self, error: ExprError, sources: &Sources) -> Diagnostic {
         let place = self.text.within(error.start, error.end);
-        let mut told = Diagnostic::new(error.code, error.message).label(sources.span(place), "");
-        told.notes = error.notes;
-        told
+        let notes = error.notes;
+        Diagnostic { notes, ..Diagnostic::new(error.code, error.message).label(sources.span(place), "") }
     }
 }
 
@@ -351,7 +350,7 @@ impl Size {
         f(b);
     }
 
-    /// The extent; `None` where parameters are not put in.
+    /// Returns the extent; `None` where parameters are not put in.
     pub(crate) fn extent(&self) -> Option<Extent> {
         Some(match self {
             Size::Frame(num, den) => Extent::Frame { num: num.number()?, den: den.number()? },
@@ -364,7 +363,7 @@ impl Size {
 }
 
 impl Dim {
-    /// The number; `None` where parameters are not put in.
+    /// Returns the number; `None` where parameters are not put in.
     pub(crate) fn number(&self) -> Option<u32> {
         if let Dim::Number(n) = self { Some(*n) } else { None }
     }

@@ -42,7 +42,7 @@ impl Checks<'_, '_> {
                 self.reader.head(patch.place),
                 "`patch` needs a file to patch",
             );
-            self.reader.tell(error.note("add `extends: \"…\"`, or write the passes out"));
+            self.reader.report(error.note("add `extends: \"…\"`, or write the passes out"));
         }
         if file.extends.is_none() && file.passes.is_none() {
             self.missing("Pipeline", "passes", place);
@@ -90,7 +90,7 @@ impl Checks<'_, '_> {
     fn bad_name(&mut self, text: &Text, what: &str) {
         let message = format!("{:?} cannot be the name of {what}", text.value);
         let error = self.reader.at(&codes::BAD_NAME, text.place, message);
-        self.reader.tell(error.note("names are made of letters, digits, `-` and `_`"));
+        self.reader.report(error.note("names are made of letters, digits, `-` and `_`"));
     }
 
     fn parameter(
@@ -241,7 +241,7 @@ impl Checks<'_, '_> {
         let target = Target::parse(named).unwrap_or_else(|| {
             let message = format!("{named:?} cannot be read as a link");
             let error = self.reader.at(&codes::BAD_NAME, text.place, message);
-            self.reader.tell(error.note("a link is \"pass\", \"pass.port\" or \"pass.port.member\""));
+            self.reader.report(error.note("a link is \"pass\", \"pass.port\" or \"pass.port.member\""));
             Target { pass: Name::default(), port: None, member: None }
         });
         text.with(target)
@@ -287,7 +287,7 @@ impl Checks<'_, '_> {
             if format.is_none() {
                 let message = format!("there is no format {:?}", name.value);
                 let error = self.reader.at(&codes::WRONG_TYPE, name.place, message);
-                self.reader.tell(error.suggest("formats", &name, Format::ALL.iter().map(|f| f.name())));
+                self.reader.report(error.suggest("formats", &name, Format::ALL.iter().map(|f| f.name())));
             }
             format
         });
@@ -334,7 +334,7 @@ impl Checks<'_, '_> {
             let place = text.within(error.start, error.end);
             let mut diagnostic = self.reader.at(error.code, place, error.message);
             diagnostic.notes = error.notes;
-            self.reader.tell(diagnostic);
+            self.reader.report(diagnostic);
             Expr { start: 0, end: 0, kind: ExprKind::Value(Value::U32(1)) }
         });
         Formula { expr, text }

@@ -236,7 +236,7 @@ impl Parser<'_> {
         }
     }
 
-    /// The operands of `min` or `max`, two or more, and the closing parenthesis.
+    /// Returns the operands of `min` or `max`, two or more, and the closing parenthesis.
     fn least(&mut self, op: Op, depth: u32) -> Result<ExprKind, ExprError> {
         let mut length = self.deeper(depth)?;
         let mut left = self.or(length)?;

@@ -26,7 +26,7 @@ impl FrameState {
         self.wake(plan, change, resets, first);
     }
 
-    /// Whether what is read is a history buffer at rest.
+    /// Returns whether what is read is a history buffer at rest.
     pub(super) fn is_at_rest(&self, from: ReadFrom) -> bool {
         matches!(from, ReadFrom::Past(history) if self.histories[history.0 as usize].rests)
     }

@@ -41,8 +41,8 @@ impl Question {
 
 /// The answers to questions, so that a chain of like passes asks its pass type once.
 ///
-/// This is right because [`PassTypes`](crate::PassTypes) are pure: the same question gets the same answer. Uses between
-/// which a pass type cannot tell are one [`UseOf`], so questions of equal addresses are equal in all that the pass type
+/// This is right because [`PassTypes`](crate::PassTypes) are pure: the same question gets the same answer. Uses that a
+/// pass type cannot distinguish are one [`UseOf`], so questions of equal addresses are equal in all that the pass type
 /// sees. Equal answers are kept as one object, so that the next pass of a chain asks the same question as the last.
 #[derive(Default)]
 pub(super) struct Answers {

@@ -51,7 +51,7 @@ impl Linker<'_> {
         self.errors.extend(errors);
     }
 
-    /// Tells where a link takes a member that the producer, with its settings, does not make.
+    /// Reports where a link takes a member that the producer, with its settings, does not make.
     fn left_out(&self, end: &End, place: Place, ports: &[Described]) -> Option<Diagnostic> {
         let port = ports[end.node as usize].as_ref()?.get(end.port as usize)?;
         let member = self.member(&port.interface, end.member)?;

@@ -80,12 +80,12 @@ impl Linker<'_> {
         }
     }
 
-    /// Whether a node is on, as far as that is decided.
+    /// Returns whether a node is on, as far as that is decided.
     pub(super) fn is_on(&self, node: usize) -> bool {
         self.on[node] != Some(false)
     }
 
-    /// The end of the wire into an input, with what is off taken out.
+    /// Returns the end of the wire into an input, with what is off taken out.
     fn wire_of(&self, node: usize, input: &str) -> Option<&End> {
         let names = &self.uses[node].as_ref()?.names.inputs;
         let wire = self.wires_now(node).iter().find(|wire| names[wire.input as usize].0 == *input)?;
@@ -167,7 +167,7 @@ impl Linker<'_> {
     }
 }
 
-/// The resources at the end of a wire.
+/// Returns the resources at the end of a wire.
 fn members_of(linker: &Linker<'_>, end: &End, ports: &[Described]) -> Vec<At> {
     let Some(ports) = &ports[end.node as usize] else { return Vec::new() };
     let port = &ports[end.port as usize];
@@ -177,7 +177,7 @@ fn members_of(linker: &Linker<'_>, end: &End, ports: &[Described]) -> Vec<At> {
     members.map(|(m, _)| (end.node, end.port, m as u32)).collect()
 }
 
-/// The resource that an input sees under the name of a member.
+/// Returns the resource that an input sees under the name of a member.
 fn member_at(linker: &Linker<'_>, end: &End, member: &str, ports: &[Described]) -> Option<At> {
     let members = members_of(linker, end, ports);
     let port = &ports[end.node as usize].as_ref()?[end.port as usize];

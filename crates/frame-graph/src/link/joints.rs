@@ -66,7 +66,7 @@ impl<'a> Linker<'a> {
                         }
                     }
                     Found::Nothing(_) => true,
-                    Found::Told => false,
+                    Found::Reported => false,
                 };
                 if !good {
                     self.bad_borders.push(link.place);
@@ -124,25 +124,25 @@ impl<'a> Linker<'a> {
 
     /// A link of `off:` must lead to what some output can be replaced by.
     fn check_off_link(&mut self, name: &Name, link: &'a Link, offers: &[(Name, Name)]) {
-        let told = self.errors.len();
+        let count = self.errors.len();
         let mut brought = None;
         for (_, interface) in offers {
             match self.follow(link, Some(interface), false) {
                 Found::End(end) if !self.stands_for(interface, &end) => brought = Some(end),
-                Found::Told => {}
+                Found::Reported => {}
                 // Where nothing is there, its readers get an error.
                 Found::End(_) | Found::Nothing(_) => {
-                    self.errors.truncate(told);
+                    self.errors.truncate(count);
                     return;
                 }
             }
         }
         let Some(end) = brought else {
-            // Told once, whatever was wanted.
-            self.errors.truncate(told + 1);
+            // Reported once, whatever was wanted.
+            self.errors.truncate(count + 1);
             return;
         };
-        self.errors.truncate(told);
+        self.errors.truncate(count);
         let offers: Vec<String> = offers.iter().map(|(p, i)| format!("{p}: {i}")).collect();
         let message = format!("no output of `{name}` can be replaced by `{}`", self.end_text(&end));
         let error = Diagnostic::new(&codes::OFF, message)
@@ -241,7 +241,7 @@ impl<'a> Linker<'a> {
         self.errors.push(error);
     }
 
-    /// The passes that offer an interface.
+    /// Returns the passes that offer an interface.
     pub(super) fn makers(&self, wanted: &str, except: usize) -> Option<String> {
         let has = |i: usize| {
             self.uses[i].as_ref().is_some_and(|u| u.names.outputs.iter().any(|(_, o)| *o == *wanted))
@@ -255,7 +255,7 @@ impl<'a> Linker<'a> {
             .then(|| format!("passes that offer {}: {}", with_article(wanted), makers.join(", ")))
     }
 
-    /// Whether an input of the interface `wanted` can take what is at an end; else, what to do.
+    /// Returns whether an input of the interface `wanted` can take what is at an end; else, what to do.
     pub(super) fn fits(&self, wanted: &Name, end: &End) -> Result<(), Option<String>> {
         let offered = self.interface_of(end);
         if offered == *wanted && end.member.is_none() {
@@ -293,16 +293,15 @@ impl<'a> Linker<'a> {
         let free: Vec<usize> = (0..ports.inputs.len())
             .filter(|i| !ports.inputs[*i].optional && decl.link(&ports.inputs[*i].name).is_none())
             .collect();
-        let told = self.errors.len();
-        let mut fitting = Vec::new();
-        for input in &free {
-            if let Found::End(end) = self.follow(feed, Some(&names.inputs[*input].1), false)
-                && self.fits(&names.inputs[*input].1, &end).is_ok()
-            {
-                fitting.push((*input, end));
+        let fit = |linker: &mut Self, input: usize| {
+            let wanted = &names.inputs[input].1;
+            match linker.follow(feed, Some(wanted), false) {
+                Found::End(end) if linker.fits(wanted, &end).is_ok() => Some((input, end)),
+                _ => None,
             }
-        }
-        self.errors.truncate(told);
+        };
+        let fitting: Vec<(usize, End)> =
+            self.silently(|linker| free.into_iter().filter_map(|input| fit(linker, input)).collect());
         if let [(input, end)] = fitting[..] {
             return Some(Wire { input: input as u32, end, link: decl.links.len() as u32 });
         }

@@ -52,7 +52,7 @@ impl<'a> Linker<'a> {
                 self.errors.push(error);
                 None
             }
-            Found::Nothing(_) | Found::Told => None,
+            Found::Nothing(_) | Found::Reported => None,
         }
     }
 
@@ -87,14 +87,6 @@ impl<'a> Linker<'a> {
             "give `{}` an `off:` that names its replacement, such as `off: Input(\"…\")`",
             node.name
         ))
-    }
-
-    /// Follows a link again, without reporting the same errors twice.
-    fn retrace(&mut self, link: &'a Link) -> Found {
-        let told = self.errors.len();
-        let found = self.follow(link, None, false);
-        self.errors.truncate(told);
-        found
     }
 
     /// Every input that a pass needs must be linked.
@@ -132,11 +124,11 @@ impl<'a> Linker<'a> {
         for (input, link) in missing {
             let name = &self.nodes[node].name;
             let error = match link {
-                Some(link) => match self.retrace(link) {
+                Some(link) => match self.silently(|linker| linker.follow(link, None, false)) {
                     Found::Nothing(off) => {
                         self.off_read(format!("`{name}`, for its input `{}`,", input.name), link, off)
                     }
-                    Found::End(_) | Found::Told => continue,
+                    Found::End(_) | Found::Reported => continue,
                 },
                 None => {
                     let message = format!("`{name}` needs its input `{}` linked", input.name);

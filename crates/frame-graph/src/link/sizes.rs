@@ -118,15 +118,16 @@ impl<'a> Linker<'a> {
                 let past = self.wires_now(node).iter().find(|wire| wire.end.past);
                 let message =
                     format!("the size of `{}` depends on itself through `prev`", self.nodes[node].name);
-                let mut told = Diagnostic::new(&codes::SIZE_LOOP, message)
+                let mut loop_error = Diagnostic::new(&codes::SIZE_LOOP, message)
                     .label(self.span(self.nodes[node].place), "of this pass");
                 if let Some(wire) = past {
-                    told = told.label(self.span(self.link_of(node, wire).place), "read from here");
+                    loop_error =
+                        loop_error.label(self.span(self.link_of(node, wire).place), "read from here");
                 }
-                told = told
+                loop_error = loop_error
                     .note(error.message)
                     .note("let the size follow another input, the frame, or a number");
-                self.errors.push(told);
+                self.errors.push(loop_error);
             }
             Unknown::Waits(_) => {}
         }

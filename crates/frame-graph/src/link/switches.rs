@@ -34,7 +34,7 @@ impl Linker<'_> {
     /// Decides every switch.
     pub(super) fn find_switches(&mut self) {
         if !self.errors.is_empty() {
-            // A switch that does not check has no value: what follows from the rest is still told.
+            // A switch that does not check has no value: what follows from the rest is still reported.
             self.on.iter_mut().for_each(|on| *on = Some(true));
             return;
         }
@@ -76,14 +76,14 @@ impl Linker<'_> {
             let Some(At { value: Off::Link(link), .. }) = &self.nodes[i].decl.off else { continue };
             let Some(used) = self.uses[i].as_ref().filter(|_| self.on[i] == Some(false)) else { continue };
             let names = Rc::clone(&used.names);
-            let told = self.errors.len();
-            let ends =
-                names.outputs.iter().map(|(_, interface)| match self.follow(link, Some(interface), true) {
-                    Found::End(end) if self.stands_for(interface, &end) => Some(end),
-                    _ => None,
-                });
-            let end = ends.flatten().next();
-            self.errors.truncate(told);
+            let end = self.silently(|linker| {
+                names.outputs.iter().find_map(|(_, interface)| {
+                    match linker.follow(link, Some(interface), true) {
+                        Found::End(end) if linker.stands_for(interface, &end) => Some(end),
+                        _ => None,
+                    }
+                })
+            });
             let text = match end {
                 None => "nothing".to_owned(),
                 Some(end) => {

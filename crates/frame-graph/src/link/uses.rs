@@ -112,10 +112,10 @@ impl<'a> Linker<'a> {
         if let Some((_, used)) = known.into_iter().find(|(other, _)| same_use(decl, other)) {
             return Some(Rc::clone(used));
         }
-        let told = self.errors.len();
+        let count = self.errors.len();
         let used = Rc::new(self.find_use(node, kind, shader, caches)?);
         // Errors are reported for each use separately, so uses with errors are not shared.
-        if self.errors.len() == told && used.inputs.is_none() {
+        if self.errors.len() == count && used.inputs.is_none() {
             caches.uses.entry(hash).or_default().push((decl, Rc::clone(&used)));
         }
         Some(used)
@@ -207,20 +207,21 @@ impl<'a> Linker<'a> {
         let place = setting.map(|s| s.place).or(link.map(|l| l.place)).or(out.map(|o| o.port.place));
         let shader = shader.as_ref().filter(|_| error.shader).map(|shader| shader.place);
         let place = place.or(shader);
-        let mut told = Diagnostic::new(
+        let mut diagnostic = Diagnostic::new(
             if error.shader { &codes::SHADER } else { &codes::REFUSED },
             format!("`{}`: {}", node.name, error.message),
         );
-        told = match place {
-            Some(place) => told
+        diagnostic = match place {
+            Some(place) => diagnostic
                 .label(self.span(place), "here")
                 .label(self.span(node.place), format!("in this pass, of pass type `{}`", kind.value)),
-            None => told.label(self.span(node.place), format!("in this pass, of pass type `{}`", kind.value)),
+            None => diagnostic
+                .label(self.span(node.place), format!("in this pass, of pass type `{}`", kind.value)),
         };
         if let Some(help) = &error.help {
-            told = told.note(help.clone());
+            diagnostic = diagnostic.note(help.clone());
         }
-        self.errors.push(told);
+        self.errors.push(diagnostic);
     }
 
     /// Returns the settings of a use, checked and complete.
@@ -273,8 +274,8 @@ impl<'a> Linker<'a> {
         set: &crate::description::Set,
     ) {
         let mut error = Diagnostic::new(code, message).label(self.span(place), "");
-        if let Some(told) = set.value.told() {
-            error.labels[0].message = told;
+        if let Some(source) = set.value.explained() {
+            error.labels[0].message = source;
             for (_, _, origin) in set.value.origins() {
                 error = error.label(self.span(origin), "given here");
             }

@@ -28,15 +28,15 @@ pub(super) enum Found {
     /// To a node that is off and has nothing in its place.
     Nothing(u32),
     /// Nowhere: an error, already reported.
-    Told,
+    Reported,
 }
 
-/// The sub-graph whose inputs a target names: `""` for the file itself.
+/// Returns the sub-graph whose inputs a target names: `""` for the file itself.
 fn border(pass: &str) -> Option<&str> {
     if pass == "in" { Some("") } else { pass.strip_suffix("/in") }
 }
 
-/// Whether an input sees one resource without the name of its member.
+/// Returns whether an input sees one resource without the name of its member.
 pub(super) fn is_bare(wanted: &str, end: &End) -> bool {
     end.member.is_some() || matches!(wanted, "Texture" | "Buffer")
 }
@@ -51,7 +51,7 @@ impl<'a> Linker<'a> {
         self.interfaces.iter().find(|interface| interface.name == name)
     }
 
-    /// The interface of the port at an end.
+    /// Returns the interface of the port at an end.
     pub(super) fn interface_of(&self, end: &End) -> Name {
         let used = self.uses[end.node as usize].as_ref();
         used.map_or_else(Name::default, |used| used.names.outputs[end.port as usize].1.clone())
@@ -82,7 +82,7 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// The link into an input of a pass or sub-graph.
+    /// Returns the link into an input of a pass or sub-graph.
     pub(super) fn link_into(&self, node: usize, input: &str) -> Option<&'a Link> {
         self.nodes[node].decl.links.iter().find(|link| link.port.value == input)
     }
@@ -105,7 +105,7 @@ impl<'a> Linker<'a> {
                         .label(self.span(link.place), "one `prev` too many")
                         .note("only the last frame is kept: let a pass hand on what it needs of older ones");
                 self.errors.push(error);
-                return Found::Told;
+                return Found::Reported;
             }
             past |= link.past;
             let target = &link.target;
@@ -121,7 +121,7 @@ impl<'a> Linker<'a> {
             }
             let Some(&node) = self.resolved.index.get(&target.pass) else {
                 self.unknown_pass(link);
-                return Found::Told;
+                return Found::Reported;
             };
             let decl = &*nodes[node as usize].decl;
             let off = live && !self.is_on(node as usize);
@@ -129,7 +129,7 @@ impl<'a> Linker<'a> {
                 Body::Removed | Body::Sub(_) => return Found::Nothing(node),
                 Body::Group(group) => {
                     let Some((inner, chosen)) = self.output_of(node, group, link, wanted.as_ref()) else {
-                        return Found::Told;
+                        return Found::Reported;
                     };
                     member = chosen.or(member);
                     link = match &decl.off {
@@ -137,7 +137,7 @@ impl<'a> Linker<'a> {
                         None => return Found::Nothing(node),
                         Some(At { value, place }) => {
                             let Some(next) = self.stand_in(node, value, &mut crossed) else {
-                                return Found::Told;
+                                return Found::Reported;
                             };
                             if let Some(interface) = self.offered(inner, wanted.as_ref()) {
                                 instead = Some((interface.clone(), *place));
@@ -150,7 +150,7 @@ impl<'a> Linker<'a> {
                 }
                 Body::Pass { .. } => match self.select(node, link, member.as_ref(), wanted.as_ref()) {
                     Some(found) => found,
-                    None => return Found::Told,
+                    None => return Found::Reported,
                 },
             };
             let end = End { node, port, member: chosen, past };
@@ -162,13 +162,13 @@ impl<'a> Linker<'a> {
                     .label(self.span(*place), format!("this is {}", self.offer_text(&end)))
                     .label(self.span(nodes[node as usize].place), "from this pass");
                 self.errors.push(error);
-                return Found::Told;
+                return Found::Reported;
             }
             match &decl.off {
                 _ if !off => return Found::End(end),
                 None => return Found::Nothing(node),
                 Some(At { value, place }) => {
-                    let Some(next) = self.stand_in(node, value, &mut crossed) else { return Found::Told };
+                    let Some(next) = self.stand_in(node, value, &mut crossed) else { return Found::Reported };
                     let interface = self.interface_of(&end);
                     // By name: the port at the other end has the same interface.
                     let members = self.interface(&interface).map_or(&[][..], |i| i.members);
@@ -183,11 +183,11 @@ impl<'a> Linker<'a> {
             format!("this link leads back to itself, or across more than {MAX_HOPS} borders of sub-graphs");
         let error = Diagnostic::new(&codes::CYCLE, message).label(self.span(link.place), "");
         self.errors.push(error);
-        Found::Told
+        Found::Reported
     }
 
-    /// The link that stands in place of the outputs of a node that is off; `None`, after reporting an error, where such
-    /// links lead back to the node, or to none.
+    /// Returns the link that stands in place of the outputs of a node that is off; `None`, after reporting an error,
+    /// where such links lead back to the node, or to none.
     fn stand_in(&mut self, node: u32, off: &'a Off, crossed: &mut SmallVec<[u32; 4]>) -> Option<&'a Link> {
         if let Some(at) = crossed.iter().position(|other| *other == node) {
             self.off_loop(&crossed[at..]);
@@ -200,9 +200,9 @@ impl<'a> Linker<'a> {
         }
     }
 
-    /// Tells that nodes that are off stand in place of each other.
+    /// Reports that nodes that are off stand in place of each other.
     fn off_loop(&mut self, found: &[u32]) {
-        // From whatever reader the loop was entered, it is told alike, and so once.
+        // From whatever reader the loop was entered, it is reported alike, and so once.
         let start = (0..found.len()).min_by_key(|at| found[*at]).unwrap_or(0);
         let mut ring: Vec<u32> = found[start..].iter().chain(&found[..start]).copied().collect();
         let name = |node: &u32| &*self.nodes[*node as usize].name;
@@ -224,24 +224,21 @@ impl<'a> Linker<'a> {
         self.errors.push(error.note(format!("the loop: {}", path.join(" → "))));
     }
 
-    /// The interface of what a link brings with everything on; `None` where it brings a member, or nothing.
+    /// Returns the interface of what a link brings with everything on; `None` where it brings a member, or nothing.
     pub(super) fn offered(&mut self, link: &'a Link, wanted: Option<&Name>) -> Option<Name> {
-        let told = self.errors.len();
-        let found = self.follow(link, wanted, false);
-        self.errors.truncate(told);
-        match found {
+        match self.silently(|linker| linker.follow(link, wanted, false)) {
             Found::End(end) if end.member.is_none() => Some(self.interface_of(&end)),
             _ => None,
         }
     }
 
-    /// Whether what is at an end can stand in place of an output of this interface.
+    /// Returns whether what is at an end can stand in place of an output of this interface.
     pub(super) fn stands_for(&self, interface: &Name, end: &End) -> bool {
         let single = matches!(interface.as_str(), "Texture" | "Buffer");
         self.interface_of(end) == *interface || (single && end.member.is_some())
     }
 
-    /// The link outside a sub-graph into the input that a link inside it names.
+    /// Returns the link outside a sub-graph into the input that a link inside it names.
     fn input_of(&mut self, part: &str, link: &'a Link) -> Result<(&'a Link, Name), Found> {
         let nodes = self.nodes;
         let node = self.resolved.index.get(part).map(|i| *i as usize);
@@ -252,7 +249,7 @@ impl<'a> Linker<'a> {
             None if part.is_empty() => &self.resolved.inputs,
             None => {
                 self.unknown_pass(link);
-                return Err(Found::Told);
+                return Err(Found::Reported);
             }
         };
         let port = link.target.port.as_ref();
@@ -266,18 +263,18 @@ impl<'a> Linker<'a> {
                 .label(self.span(link.port_place()), "")
                 .suggest("inputs", port, inputs.iter().map(|i| &*i.name.value));
             self.errors.push(error);
-            return Err(Found::Told);
+            return Err(Found::Reported);
         };
         let outer = node.and_then(|node| self.link_into(node, &input.name.value));
-        let Some(outer) = outer else { return Err(Found::Told) };
+        let Some(outer) = outer else { return Err(Found::Reported) };
         if self.bad_borders.contains(&outer.place) {
-            return Err(Found::Told);
+            return Err(Found::Reported);
         }
         let interface = self.interface(&input.interface.value).map(|i| Name::new(i.name));
         Ok((outer, interface.unwrap_or_else(|| input.interface.value.clone())))
     }
 
-    /// The link inside a sub-graph to the output that a link outside names, and the member that it names.
+    /// Returns the link inside a sub-graph to the output that a link outside names, and the member that it names.
     fn output_of(
         &mut self,
         node: u32,
@@ -295,15 +292,15 @@ impl<'a> Linker<'a> {
             (Some(port), [only]) if target.member.is_none() => return Some((&only.link, Some(port.clone()))),
             (None, [only]) => return Some((&only.link, None)),
             (None, outputs) => {
-                let told = self.errors.len();
+                // What is wrong inside is reported when the sub-graph itself is checked.
                 let fits = |linker: &mut Self, link: &'a Link| match linker.follow(link, None, false) {
                     Found::End(end) => wanted == Some(&linker.interface_of(&end)),
                     _ => false,
                 };
-                let mut fitting = outputs.iter().filter(|output| fits(self, &output.link));
-                let found = (fitting.next(), fitting.next());
-                // What is wrong inside is reported when the sub-graph itself is checked.
-                self.errors.truncate(told);
+                let found = self.silently(|linker| {
+                    let mut fitting = outputs.iter().filter(|output| fits(linker, &output.link));
+                    (fitting.next(), fitting.next())
+                });
                 if let (Some(output), None) = found {
                     return Some((&output.link, None));
                 }
@@ -352,7 +349,7 @@ impl<'a> Linker<'a> {
         self.errors.push(error);
     }
 
-    /// The output port of a pass that a link means, and the member of it.
+    /// Returns the output port of a pass that a link means, and the member of it.
     fn select(
         &mut self,
         node: u32,

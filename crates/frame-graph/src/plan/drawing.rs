@@ -110,7 +110,7 @@ impl Tile {
         Tile { kind: Some(kind), lines, title, column: 0, row: 0.0, height: 1.0 }
     }
 
-    /// The upper left corner.
+    /// Returns the upper left corner.
     fn at(&self) -> (f32, f32) {
         (MARGIN + self.column as f32 * COLUMN, MARGIN + self.row * ROW)
     }
@@ -248,7 +248,7 @@ fn arrange(tiles: &mut [Tile], edges: &[Edge]) {
     }
 }
 
-/// The edges from box to box, by the columns that they pass.
+/// Returns the edges from box to box, by the columns that they pass.
 fn curves(tiles: &[Tile], edges: &[Edge]) -> Vec<DrawnEdge> {
     // Edges arrive at heights of their own, and leave by ports.
     let slot = |mine: usize, of: usize| BOX_HEIGHT * (mine as f32 + 1.0) / (of as f32 + 1.0);

@@ -5,7 +5,7 @@ use crate::port::SceneBindings;
 use data_file::{Name, Value};
 use serde_json::{Map, Value as Json, json};
 
-/// A value as JSON has it.
+/// Returns a value as JSON has it.
 pub(crate) fn value(value: &Value) -> Json {
     match value {
         Value::Bool(b) => json!(b),

@@ -5,7 +5,7 @@ use super::drawing::{BoxKind, CHARACTER, MARGIN};
 use crate::xml::escape;
 use std::fmt::Write as _;
 
-/// The text of a line that fits into a box.
+/// Returns the text of a line that fits into a box.
 fn short(text: &str, width: f32) -> String {
     let most = (width / CHARACTER) as usize - 2;
     if text.chars().count() <= most {

@@ -20,7 +20,7 @@ impl Plan {
     /// types are asked again of the passes whose settings differ, and of those that such a pass gives other facts. Where
     /// the ports and resources of these stay the same, so does everything else, and the result equals the plan that linking
     /// and compiling `new` in the same context gives. It must be linked where files, switches, sizes or resources differ,
-    /// where a pass with other settings is off or culled, and where something is wrong: linking then tells what.
+    /// where a pass with other settings is off or culled, and where something is wrong: linking then reports what.
     pub fn with_values(
         &self,
         old: &Resolved,
@@ -132,7 +132,7 @@ impl Exchange<'_> {
     }
 }
 
-/// An input as its pass type is asked with it.
+/// Returns an input as its pass type is asked with it.
 fn describe(plan: &Plan, input: &PlannedInput) -> InputDesc {
     let members = input.members.iter();
     InputDesc {
@@ -145,7 +145,7 @@ fn describe(plan: &Plan, input: &PlannedInput) -> InputDesc {
     }
 }
 
-/// Whether two passes of the same files differ in settings at most.
+/// Returns whether two passes of the same files differ in settings at most.
 fn same_but_settings(a: &PassDecl, b: &PassDecl) -> bool {
     // All else of a pass cannot hold a parameter.
     let values = |when: &Option<Formula>| {
@@ -167,13 +167,13 @@ fn same_but_facts(a: &OutputDesc, b: &OutputDesc) -> bool {
     (&a.port, a.scratch, &a.members, &a.handed) == (&b.port, b.scratch, &b.members, &b.handed)
 }
 
-/// Whether readers import the same module, with whatever options.
+/// Returns whether readers import the same module, with whatever options.
 fn same_code(a: &Facts, b: &Facts) -> bool {
     let code = |module: &Module| (module.path.clone(), module.scene_bindings);
     a.module().map(code) == b.module().map(code)
 }
 
-/// The defaults with the values that are given; `None` where one of these is wrong.
+/// Returns the defaults with the values that are given; `None` where one of these is wrong.
 pub(crate) fn complete(decl: &PassDecl, schema: &[Setting]) -> Option<Settings> {
     let defaults = schema.iter().map(|setting| (setting.name.clone(), setting.default.clone()));
     let mut settings = Settings(defaults.collect());

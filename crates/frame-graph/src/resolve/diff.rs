@@ -133,7 +133,7 @@ struct Valued {
     default: bool,
 }
 
-/// All settings of a pass; those that the file gives alone where the pass type cannot say which it has.
+/// Returns all settings of a pass; those that the file gives alone where the pass type cannot say which it has.
 fn settings(node: &Node, kinds: &dyn PassTypes) -> Vec<Valued> {
     let set = &node.decl.set;
     let schema = node.decl.use_of(&node.decl.link_names).and_then(|use_| kinds.settings(use_).ok());
@@ -153,7 +153,7 @@ fn settings(node: &Node, kinds: &dyn PassTypes) -> Vec<Valued> {
     known.chain(unknown).collect()
 }
 
-/// The settings of a pass that are no defaults.
+/// Returns the settings of a pass that are no defaults.
 fn given(node: &Node, kinds: &dyn PassTypes) -> Vec<(String, String)> {
     let settings = settings(node, kinds).into_iter().filter(|setting| !setting.default);
     settings.map(|setting| (setting.name, setting.value)).collect()

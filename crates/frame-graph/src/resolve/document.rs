@@ -145,7 +145,7 @@ impl Resolver<'_> {
         old.doc = new.doc.clone().or(old.doc.take());
     }
 
-    /// Tells where a name is taken.
+    /// Reports where a name is taken.
     fn is_free(&mut self, document: &Document, name: &At<Name>, advice: &str) -> bool {
         let Some(taken) = document.passes.iter().find(|entry| entry.name.value == name.value) else {
             return true;
@@ -331,7 +331,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Whether a pass of a document is a sub-graph.
+    /// Returns whether a pass of a document is a sub-graph.
     pub(super) fn is_sub(entry: &Entry) -> bool {
         matches!(entry.decl.body, Body::Sub(_))
     }

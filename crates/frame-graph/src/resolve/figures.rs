@@ -1,4 +1,4 @@
-//! The figures that the passes of a pipeline tell.
+//! The figures that the passes of a pipeline report.
 
 use super::Resolved;
 use crate::plan::values::complete;

@@ -79,7 +79,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The whole pipeline.
+    /// Returns the whole pipeline.
     pub(super) fn pipeline(
         mut self,
         path: &str,
@@ -267,7 +267,7 @@ impl<'a> Resolver<'a> {
         self.parts.pop();
     }
 
-    /// Takes in the document of a sub-graph, whose path is told with its place; returns its parameters.
+    /// Takes in the document of a sub-graph, whose path has a place; returns its parameters.
     #[expect(clippy::too_many_arguments, reason = "all that a sub-graph has")]
     fn inside(
         &mut self,
@@ -367,13 +367,13 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The value as the setting's type; tells what is wrong and takes the default where it does not fit.
-    fn checked(&mut self, setting: &Setting, value: Value, place: Place, told: Option<String>) -> Value {
+    /// Returns the value as the setting's type; reports where it does not fit, and then returns the default.
+    fn checked(&mut self, setting: &Setting, value: Value, place: Place, source: Option<String>) -> Value {
         match setting.check(value) {
             Ok(value) => value,
             Err(Misfit::Type(message) | Misfit::Range(message)) => {
                 let error = Diagnostic::new(&codes::PARAMETER, message)
-                    .label(self.sources.span(place), told.unwrap_or_default());
+                    .label(self.sources.span(place), source.unwrap_or_default());
                 self.errors.push(error);
                 setting.default.clone()
             }
@@ -398,8 +398,8 @@ impl<'a> Resolver<'a> {
                 Some(i) => {
                     // Without a value, it is that of a parameter that has no default itself.
                     if let Some(value) = value {
-                        let (setting, told) = (scope[i].setting.clone(), assignment.value.told());
-                        scope[i].value = Some(self.checked(&setting, value, assignment.place, told));
+                        let (setting, source) = (scope[i].setting.clone(), assignment.value.explained());
+                        scope[i].value = Some(self.checked(&setting, value, assignment.place, source));
                         scope[i].place = assignment.place;
                     }
                 }

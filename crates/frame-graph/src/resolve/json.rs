@@ -89,7 +89,7 @@ impl Resolved {
             json!({
                 "name": set.name.value.as_str(),
                 "value": set.value.get().map(value),
-                "expression": set.value.told(),
+                "expression": set.value.explained(),
                 "origin": self.origin(origin),
             })
         };

@@ -92,7 +92,7 @@ impl Resolver<'_> {
         whole
     }
 
-    /// Tells that a parameter has no value where one must be known.
+    /// Reports that a parameter has no value where one must be known.
     pub(super) fn no_default(&mut self, parameter: &Parameter, place: Place) {
         let name = &parameter.setting.name;
         let error =
@@ -103,16 +103,16 @@ impl Resolver<'_> {
         self.errors.push(error);
     }
 
-    /// The value of an expression; `None`, after reporting an error, where it has none.
+    /// Returns the value of an expression; `None`, after reporting an error, where it has none.
     fn evaluate(&mut self, formula: &mut Formula, scope: &Scope) -> Option<Value> {
         if !self.fill(formula, scope) {
             return None;
         }
-        formula.expr.value().map_err(|error| self.tell(formula, formula.error(error, &self.sources))).ok()
+        formula.expr.value().map_err(|error| self.report(formula, formula.error(error, &self.sources))).ok()
     }
 
-    /// Tells an error of an expression, with the places at which its parameters got their values.
-    fn tell(&mut self, formula: &Formula, mut error: Diagnostic) {
+    /// Reports an error of an expression, with the places at which its parameters got their values.
+    fn report(&mut self, formula: &Formula, mut error: Diagnostic) {
         let mut origins = Vec::new();
         formula.expr.origins(&mut origins);
         for (_, _, place) in origins {
@@ -130,13 +130,13 @@ impl Resolver<'_> {
             None => {
                 let what = match &formula.expr.kind {
                     ExprKind::Parameter(name, _) => format!("`{name}`"),
-                    _ => formula.expr.told(&()),
+                    _ => formula.expr.explained(&()),
                 };
                 let place = formula.text.within(formula.expr.start, formula.expr.end);
                 let message = format!("{what} is {value}: a size needs a whole number above zero");
                 let error =
                     Diagnostic::new(&codes::PARAMETER, message).label(self.sources.span(place), "used here");
-                self.tell(formula, error);
+                self.report(formula, error);
             }
         }
     }
@@ -158,7 +158,7 @@ impl Resolver<'_> {
     }
 }
 
-/// A link as seen from outside the sub-graph named `prefix`.
+/// Returns a link as seen from outside the sub-graph named `prefix`.
 pub(super) fn prefixed(target: &Target, prefix: &str) -> Target {
     Target { pass: Name::from(format!("{prefix}/{}", target.pass)), ..target.clone() }
 }

@@ -22,7 +22,7 @@ pub(super) enum Located {
 
 impl Resolver<'_> {
     /// Finds what a name at `place` means: a file beside the one that holds the name, or else one of a root. Of a file
-    /// beside, `in_roots` tells what else the name could mean.
+    /// beside, `in_roots` returns what else the name could mean.
     fn locate(
         &mut self,
         path: &str,
@@ -63,7 +63,7 @@ impl Resolver<'_> {
         found
     }
 
-    /// The name by which a pipeline file is known, that is named at `place`.
+    /// Returns the name by which a pipeline file is known, that is named at `place`.
     pub(super) fn located(&mut self, path: &str, place: Place) -> String {
         match self.locate(path, place, |resolver| resolver.files.read(path)) {
             Located::Beside(own) => own,

@@ -17,7 +17,7 @@ impl Resolved {
         Diagnostics(self.notes.iter().cloned().chain(lost).collect())
     }
 
-    /// Tells what is lost with a pass; `None` where that is nothing, or no patch removed it.
+    /// Returns a warning about what is lost with a pass; `None` where that is nothing, or no patch removed it.
     fn lost_with(&self, removed: &Node) -> Option<Diagnostic> {
         let place = removed.decl.removed?;
         let is_lost = |link: &Link| self.removed(link).is_some_and(|node| node.name == removed.name);
@@ -43,18 +43,18 @@ impl Resolved {
             _ => (Severity::Warning, format!("the outputs {} are lost with it", names.join(", "))),
         };
         let message = format!("`{}` was removed, and nothing stands in its place: {lost}", removed.name);
-        let told = Diagnostic::warning(&codes::REMOVED, severity, message)
+        let mut warning = Diagnostic::warning(&codes::REMOVED, severity, message)
             .label(self.sources.span(place), "removed");
-        let told = labels
-            .into_iter()
-            .fold(told, |told, (place, message)| told.label(self.sources.span(place), message));
-        Some(told.note(format!(
+        for (place, message) in labels {
+            warning = warning.label(self.sources.span(place), message);
+        }
+        Some(warning.note(format!(
             "to keep them, Replace(\"{}\", …), give the pass an `off:`, or let `outputs:` and `in:` name another source",
             removed.name
         )))
     }
 
-    /// The pass at which a link ends where a patch removed it and nothing stands in its place.
+    /// Returns the pass at which a link ends where a patch removed it and nothing stands in its place.
     pub(super) fn removed(&self, link: &Link) -> Option<&Node> {
         let node = |name: &str| self.index.get(name).map(|index| &self.nodes[*index as usize]);
         let mut link = link;

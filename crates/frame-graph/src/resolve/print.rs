@@ -17,7 +17,7 @@ struct Printer<'a> {
     text: String,
 }
 
-/// The file as text; with `origins`, comments tell where values came from that the file itself does not hold.
+/// Returns the file as text; with `origins`, comments state the origins of values that the file itself does not hold.
 pub(super) fn print(resolved: &Resolved, kinds: &dyn PassTypes, origins: bool) -> String {
     let taken = taken(resolved, kinds);
     let mut printer = Printer { resolved, taken, origins, text: String::from("Pipeline(\n") };
@@ -61,12 +61,12 @@ pub(super) fn off(off: &Off, scope: &str) -> String {
     }
 }
 
-/// The name of a node as the sub-graph `scope` knows it.
+/// Returns the name of a node as the sub-graph `scope` knows it.
 fn unprefixed<'n>(name: &'n str, scope: &str) -> &'n str {
     name.strip_prefix(scope).and_then(|rest| rest.strip_prefix('/')).unwrap_or(name)
 }
 
-/// A link as the sub-graph `scope` knows it.
+/// Returns a link as the sub-graph `scope` knows it.
 fn local(other: &Link, scope: &str) -> String {
     let pass = Name::from(unprefixed(&other.target.pass, scope));
     link(&Link { target: Target { pass, ..other.target.clone() }, ..other.clone() })

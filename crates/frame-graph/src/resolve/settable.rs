@@ -27,7 +27,7 @@ impl Resolved {
     ///
     /// A parameter that is the whole value of a setting, also of one within sub-graphs, inherits what it does not say
     /// itself: default, choices, unit and documentation of the first such setting. Its range ends where that of any
-    /// of them does. Passes whose pass types cannot say their settings are left out: linking tells why.
+    /// of them does. Passes whose pass types cannot say their settings are left out: linking reports why.
     pub fn settable(&self, kinds: &dyn PassTypes) -> Vec<Settable> {
         let (mut passes, mut heirs) = (Vec::new(), Heirs::default());
         self.settings(kinds, &mut heirs, &mut |node, setting, given| {
@@ -66,7 +66,7 @@ impl Resolved {
         }
     }
 
-    /// The parameters of all sub-graphs; notes which of the parameters around them are handed to them.
+    /// Returns the parameters of all sub-graphs; notes which of the parameters around them are handed to them.
     fn parts(&self, heirs: &mut Heirs) -> Vec<Settable> {
         let mut found = Vec::new();
         // What is within a sub-graph comes before the sub-graph.
@@ -84,7 +84,7 @@ impl Resolved {
         found
     }
 
-    /// Tells which parameters have no default and can inherit none.
+    /// Reports which parameters have no default and can inherit none.
     pub(crate) fn check_defaults(&self, kinds: &dyn PassTypes) -> Vec<Diagnostic> {
         let parts = self.part_parameters.iter().map(|(part, parameters)| (part.clone(), parameters));
         let all = parts.chain([(Name::default(), &self.parameters)]);
@@ -132,7 +132,8 @@ impl Resolved {
         errors
     }
 
-    /// The parameter of the pipeline itself that a value within a sub-graph comes from, where all of it is handed on.
+    /// Returns the parameter of the pipeline itself that a value within a sub-graph comes from, where all of it is
+    /// handed on.
     pub(super) fn root(&self, node: usize, name: &Name) -> Option<Name> {
         let (mut scope, mut name) = (self.scope(node), name.clone());
         while !scope.is_empty() {
@@ -144,12 +145,12 @@ impl Resolved {
         Some(name)
     }
 
-    /// The sub-graph around a sub-graph.
+    /// Returns the sub-graph around a sub-graph.
     fn around(&self, part: &Name) -> Name {
         self.index.get(part).map_or_else(Name::default, |node| self.scope(*node as usize))
     }
 
-    /// The sub-graph whose parameters the values of a node may name.
+    /// Returns the sub-graph whose parameters the values of a node may name.
     fn scope(&self, node: usize) -> Name {
         let mut at = self.nodes[node].parent;
         while let Some(part) = at.map(|at| &self.nodes[at as usize]) {
@@ -163,7 +164,7 @@ impl Resolved {
 }
 
 impl Set {
-    /// The parameter that the file gives the setting as it is.
+    /// Returns the parameter that the file gives the setting as it is.
     fn parameter(&self) -> Option<&Name> {
         match &self.value {
             SetValue::Parameter(name, _) if !self.foreign => Some(name),
@@ -172,7 +173,7 @@ impl Set {
     }
 }
 
-/// A parameter with what it inherits.
+/// Returns a parameter with what it inherits.
 fn inherit(heirs: &Heirs, part: &Name, parameter: &Parameter, prefix: &str) -> Settable {
     let mut setting = parameter.setting.clone();
     let key = (part.clone(), Name::from(setting.name.as_str()));

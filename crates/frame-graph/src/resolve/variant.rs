@@ -40,7 +40,7 @@ pub fn variant(
     text + ")\n"
 }
 
-/// The last override of each path, without those that change nothing.
+/// Returns the last override of each path, without those that change nothing.
 fn changed<'o>(
     resolved: &Resolved,
     kinds: &dyn PassTypes,
@@ -90,7 +90,7 @@ impl Resolved {
         }
     }
 
-    /// Whether a value that is the base's may not stay so where nothing sets it, given what else is overridden.
+    /// Returns whether a value that is the base's may not stay so where nothing sets it, given what else is overridden.
     fn is_open(&self, path: &str, others: &[Reach]) -> bool {
         let Some((owner, setting)) = path.rsplit_once('.') else { return false };
         match self.reach(path) {

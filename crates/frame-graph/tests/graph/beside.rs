@@ -60,15 +60,18 @@ fn a_folder_can_be_handed_on() {
 }
 
 #[test]
-fn what_is_beside_comes_first_and_that_is_told() {
+fn what_is_beside_comes_first_and_that_is_reported() {
     let mine =
         "Pipeline(about: \"mine\", passes: { \"a\": Pass(kind: \"noise\") }, outputs: { \"a\": \"a\" })";
     let text = "Pipeline(extends: \"base.ron\")";
     let found = resolved("mine/x.ron", text, &[("mine/base.ron", mine)]).unwrap();
     assert_eq!(found.about(), Some("mine"));
-    let told = found.warnings().to_string();
-    assert!(told.starts_with("note[W002]: `base.ron` means `mine/base.ron`"), "{told}");
-    assert!(told.contains("there is `pipelines/base.ron` too") && told.contains("mine/x.ron:1:"), "{told}");
+    let reported = found.warnings().to_string();
+    assert!(reported.starts_with("note[W002]: `base.ron` means `mine/base.ron`"), "{reported}");
+    assert!(
+        reported.contains("there is `pipelines/base.ron` too") && reported.contains("mine/x.ron:1:"),
+        "{reported}"
+    );
     // By its own name, a file means the one of the roots that it extends.
     let named_alike =
         resolved("mine/base.ron", "Pipeline(extends: \"base.ron\", about: \"mine\")", &[]).unwrap();
@@ -78,14 +81,14 @@ fn what_is_beside_comes_first_and_that_is_told() {
 
 #[test]
 fn a_path_from_the_own_folder_means_nothing_else() {
-    let told = resolved("mine/x.ron", "Pipeline(extends: \"./base.ron\")", &[]).unwrap_err();
-    assert!(told.contains("there is no pipeline file `./base.ron`"), "{told}");
+    let reported = resolved("mine/x.ron", "Pipeline(extends: \"./base.ron\")", &[]).unwrap_err();
+    assert!(reported.contains("there is no pipeline file `./base.ron`"), "{reported}");
     let itself = resolved("mine/x.ron", "Pipeline(extends: \"./x.ron\")", &[]).unwrap_err();
     assert!(itself.contains("E011"), "{itself}");
 }
 
 #[test]
-fn a_name_from_outside_has_no_place_and_the_nearest_is_told() {
+fn a_name_from_outside_has_no_place_and_the_nearest_is_reported() {
     let tree = Tree(BTreeMap::from([("ism.ron", BASE), ("acrsm.ron", BASE), ("parts/isn.ron", BASE)]));
     for name in ["ims", "imsl", "ims.ron"] {
         let errors = resolve(name, &tree, &Overrides::default()).unwrap_err();

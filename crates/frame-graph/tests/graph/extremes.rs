@@ -44,7 +44,7 @@ fn large_files_of_one_piece_are_refused_fast() {
 }
 
 #[test]
-fn many_of_everything_are_told_fast() {
+fn many_of_everything_are_reported_fast() {
     let passes: String = (0..20_000)
         .map(|i| format!("\"p{i}\": Pass(kind: \"no{i}\", in: {{\"a\": \"q{i}.x\"}}),\n"))
         .collect();
@@ -86,15 +86,18 @@ fn pipelines_name_no_files_outside_of_their_folders() {
     ];
     for case in cases {
         for file in ["/etc/passwd", "../b.ron", "../../../../etc/passwd", "parts/../../x"] {
-            let told = shown(case.replace("FILE", file));
-            assert!(told.contains("error[E010]: the file `") && told.contains("`--root`"), "{case}: {told}");
+            let reported = shown(case.replace("FILE", file));
             assert!(
-                told.contains("x.ron:1:") && !told.contains("there is no pipeline file"),
-                "{case}: {told}"
+                reported.contains("error[E010]: the file `") && reported.contains("`--root`"),
+                "{case}: {reported}"
+            );
+            assert!(
+                reported.contains("x.ron:1:") && !reported.contains("there is no pipeline file"),
+                "{case}: {reported}"
             );
         }
-        let told = shown(case.replace("FILE", "parts/../b.ron"));
-        assert!(!told.contains("`--root`"), "{case}: {told}");
+        let reported = shown(case.replace("FILE", "parts/../b.ron"));
+        assert!(!reported.contains("`--root`"), "{case}: {reported}");
     }
 }
 
@@ -114,11 +117,11 @@ proptest! {
 
     #[test]
     fn pipelines_with_edits(text in mutation::texts(good())) {
-        let told = mutation::within(LIMIT, move || {
+        let reported = mutation::within(LIMIT, move || {
             let all = files("../../pipelines");
             errors(text, all).map(|errors| (errors.to_string(), errors))
         });
-        if let Some((text, errors)) = told {
+        if let Some((text, errors)) = reported {
             prop_assert!(!text.is_empty());
             for error in &errors.0 {
                 for label in &error.labels {

@@ -82,7 +82,7 @@ fn what_a_parameter_does_not_say_is_that_of_its_setting() {
 }
 
 #[test]
-fn values_out_of_an_inherited_range_are_told_where_they_are_given() {
+fn values_out_of_an_inherited_range_are_reported_where_they_are_given() {
     let error = id(&resolved(MAIN, &[("many", Value::U32(70_000))]).unwrap()).unwrap_err();
     let text = error.to_string();
     assert_eq!(error.0[0].code, "E024");

@@ -316,9 +316,9 @@ proptest! {
                 }
             }
             revisions.scene_bindings[3] = frame;
-            let told = step.pass.map(|index| index.index(plan.passes.len().max(1)) as u32);
-            let told: Vec<_> = told.into_iter().filter(|_| !plan.passes.is_empty()).collect();
-            for pass in &told {
+            let reported = step.pass.map(|index| index.index(plan.passes.len().max(1)) as u32);
+            let reported: Vec<_> = reported.into_iter().filter(|_| !plan.passes.is_empty()).collect();
+            for pass in &reported {
                 revisions.passes.insert(*pass, frame);
             }
             let all = [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
@@ -329,13 +329,13 @@ proptest! {
                 _ => (SceneBindings::NONE, SceneBindings(step.scene_bindings)),
             };
             // Every way to name a pass makes it run.
-            let told: Vec<_> = told.into_iter().map(frame_graph::plan::PassId).collect();
+            let reported: Vec<_> = reported.into_iter().map(frame_graph::plan::PassId).collect();
             let change = Change {
                 scene_bindings: moved,
                 resampled,
-                passes: if number % 3 == 0 { told.clone() } else { Vec::new() },
-                values: if number % 3 == 1 { told.clone() } else { Vec::new() },
-                again: if number % 3 == 2 { told } else { Vec::new() },
+                passes: if number % 3 == 0 { reported.clone() } else { Vec::new() },
+                values: if number % 3 == 1 { reported.clone() } else { Vec::new() },
+                again: if number % 3 == 2 { reported } else { Vec::new() },
                 events: events.clone(),
                 all: false,
             };

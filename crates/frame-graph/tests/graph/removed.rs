@@ -1,4 +1,4 @@
-//! What is lost with a pass that a patch removes, and what a comparison tells of it.
+//! What is lost with a pass that a patch removes, and what a comparison reports of it.
 
 use super::kinds::{MemoryFiles, TestPassTypes};
 use super::whole::{BASE, SHADOWS};
@@ -23,7 +23,7 @@ fn differences(variant: &str) -> Vec<String> {
 }
 
 #[test]
-fn links_and_outputs_that_are_lost_are_told() {
+fn links_and_outputs_that_are_lost_are_reported() {
     let removed = resolved(r#"patch: [ Remove("filter") ]"#);
     let warnings = removed.warnings();
     let [warning] = &warnings.0[..] else { panic!("one warning: {warnings}") };
@@ -47,7 +47,7 @@ fn links_and_outputs_that_are_lost_are_told() {
 }
 
 #[test]
-fn what_is_lost_through_a_sub_graph_is_told_and_what_is_replaced_is_not() {
+fn what_is_lost_through_a_sub_graph_is_reported_and_what_is_replaced_is_not() {
     let part = resolved(
         r#"patch: [ Replace("shadows", Sub(file: "parts/empty.ron", in: { "lights": "lights" })) ]"#,
     );
@@ -92,7 +92,7 @@ fn a_setting_at_its_default_is_no_difference() {
 }
 
 #[test]
-fn differences_and_the_flattened_pipeline_are_told_to_programs() {
+fn differences_and_the_flattened_pipeline_are_reported_to_programs() {
     let (base, other) = (resolved("patch: []"), resolved(r#"patch: [ Set("filter.radius", 2) ]"#));
     let difference = diff(&base, &other, &TestPassTypes::new())[0].to_json();
     let expected = r#"{"kind":"setting","path":"filter.radius","before":"4.0","after":"2.0"}"#;

@@ -80,15 +80,16 @@ fn a_value_ends_only_the_pasts_that_follow_from_it() {
     // The same in a plan that goes on: without another plan in between.
     let mut state = FrameState::new(&base);
     state.begin(&base, &Change::default());
-    let told = |pass: &str| Change { passes: vec![base.pass(pass).unwrap()], ..Change::default() };
-    assert_eq!(state.begin(&base, &told("image")).histories[0].reset, None);
-    assert_eq!(state.begin(&base, &told("lights")).histories[0].reset, reload);
+    let reported = |pass: &str| Change { passes: vec![base.pass(pass).unwrap()], ..Change::default() };
+    assert_eq!(state.begin(&base, &reported("image")).histories[0].reset, None);
+    assert_eq!(state.begin(&base, &reported("lights")).histories[0].reset, reload);
     assert_eq!(
-        state.begin(&base, &Change { again: told("lights").passes, ..Change::default() }).histories[0].reset,
+        state.begin(&base, &Change { again: reported("lights").passes, ..Change::default() }).histories[0]
+            .reset,
         None
     );
     // A value that is set between frames ends only what says so.
-    let set = |pass: &str| Change { values: told(pass).passes, ..Change::default() };
+    let set = |pass: &str| Change { values: reported(pass).passes, ..Change::default() };
     let schedule = state.begin(&base, &set("lights"));
     assert_eq!(schedule.histories[0].reset, None);
     assert!(schedule.runs[base.pass("lights").unwrap().0 as usize]);
@@ -96,7 +97,7 @@ fn a_value_ends_only_the_pasts_that_follow_from_it() {
     let asks = plan_of(&asks, &[], (64, 64), &CompileOptions::default());
     let mut state = FrameState::new(&asks);
     state.begin(&asks, &Change::default());
-    assert_eq!(state.begin(&asks, &told("lights")).histories[0].reset, None);
+    assert_eq!(state.begin(&asks, &reported("lights")).histories[0].reset, None);
     assert_eq!(state.begin(&asks, &set("image")).histories[0].reset, None);
     assert_eq!(state.begin(&asks, &set("lights")).histories[0].reset, Some(ResetCause::Setting));
 }

@@ -287,7 +287,7 @@ fn origins_stand_behind_what_came_from_elsewhere() {
 }
 
 #[test]
-fn differences_are_told_one_by_one() {
+fn differences_are_reported_one_by_one() {
     let base = resolve("base.ron", &files(""), &Overrides::default()).unwrap();
     let other = resolved(
         r#"parameters: { "map": U32(default: 32) },

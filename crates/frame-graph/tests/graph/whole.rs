@@ -69,7 +69,7 @@ fn a_whole_pipeline_compiles_and_runs() {
 
 /// Parameters, those of sub-graphs, and settings of passes: each path is taken back with the value that it has.
 #[test]
-fn what_can_be_set_is_told_by_its_path() {
+fn what_can_be_set_is_reported_by_its_path() {
     let files = MemoryFiles::new(&[("base.ron", BASE), ("parts/shadows.ron", SHADOWS)]);
     let base = resolve("base.ron", &files, &Overrides(vec![("map".into(), Value::U32(128))])).unwrap();
     let settable = base.settable(&TestPassTypes::new());

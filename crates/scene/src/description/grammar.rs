@@ -28,9 +28,7 @@ pub(crate) fn parse(
     folder: Option<(&Path, &[PathBuf])>,
     origin: DVec3,
 ) -> Result<Description, Diagnostics> {
-    read(source, 0, |reader, file| {
-        Checks { reader, folder, origin, objects: BTreeMap::new() }.scene(file)
-    })
+    read(source, 0, |reader, file| Checks { reader, folder, origin, objects: BTreeMap::new() }.scene(file))
 }
 
 #[derive(Deserialize)]
@@ -190,7 +188,7 @@ impl Checks<'_, '_> {
                     let error = Diagnostic::new(&codes::NAME, message)
                         .label(self.reader.span(name.place), "not built in")
                         .suggest("built-in geometries", &name, built_in::names());
-                    self.reader.tell(error);
+                    self.reader.report(error);
                 }
                 Geometry::BuiltIn(name)
             }
@@ -211,7 +209,7 @@ impl Checks<'_, '_> {
         if !may_name(&scene, &path, roots) {
             let error = Diagnostic::new(&codes::NAME, format!("the file {} {OUTSIDE}", path.display()))
                 .label(self.reader.span(file.place), "outside");
-            self.reader.tell(error);
+            self.reader.report(error);
             return;
         }
         if path.exists() {
@@ -227,7 +225,7 @@ impl Checks<'_, '_> {
         } else {
             error.suggest("glTF files there", &file.value, known.iter().map(String::as_str))
         };
-        self.reader.tell(error);
+        self.reader.report(error);
     }
 
     fn object(&mut self, file: ObjectFile, origin: DVec3) -> Object {
@@ -258,7 +256,7 @@ impl Checks<'_, '_> {
         if position == target && exact(&file.position) == exact(&file.target) {
             let message = "the camera's position and target are the same point";
             let place = self.reader.span(file.target.place);
-            self.reader.tell(Diagnostic::new(&codes::CONFLICT, message).label(place, "it looks nowhere"));
+            self.reader.report(Diagnostic::new(&codes::CONFLICT, message).label(place, "it looks nowhere"));
         }
         let fov: Rule = ("degrees between 0 and 180", |x| x > 0.0 && x < 180.0);
         let near: Rule = ("a distance in metres, above 0", |x| x.is_finite() && x > 0.0);
@@ -303,7 +301,7 @@ impl Checks<'_, '_> {
             let error = Diagnostic::new(&codes::CONFLICT, message)
                 .label(self.reader.span(inner_deg.place), "at most `outer_deg`")
                 .label(self.reader.span(outer_deg.place), "the outer cone");
-            self.reader.tell(error);
+            self.reader.report(error);
         }
         LightKind::Spot { inner: inner.to_radians(), outer: outer.to_radians() }
     }
@@ -325,7 +323,7 @@ impl Checks<'_, '_> {
                 let error = Diagnostic::new(&codes::NAME, message)
                     .label(self.reader.span(name.place), "no such object")
                     .suggest("objects", &name, self.objects.keys().map(String::as_str));
-                self.reader.tell(error);
+                self.reader.report(error);
             }
             let origin = self.objects.get(&name.value).map_or(DVec3::ZERO, |(_, origin)| *origin);
             objects.push((name, self.object_keys(&keys, origin, &mut end)));
@@ -394,7 +392,7 @@ impl Checks<'_, '_> {
                 let error = Diagnostic::new(&codes::CONFLICT, message)
                     .label(self.reader.span(time.place), "not later")
                     .label(self.reader.span(last.place), "than the key before it");
-                self.reader.tell(error);
+                self.reader.report(error);
             }
             last = Some(*time);
             found.push((time.value, read(self, value)));

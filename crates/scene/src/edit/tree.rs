@@ -144,7 +144,7 @@ fn edit_lights(reader: &mut Reader<'_>, tree: Node<'_>, patches: &mut Patches<'_
             .note("it belongs to the geometry, a glTF file, which is not written to")
             .note("`lights_from_file: false` leaves out the lights of that file; those in `lights` can be edited")
             .suggest("lights of this file", &light.name, names.iter().map(String::as_str));
-            reader.tell(error);
+            reader.report(error);
             continue;
         };
         match node.shape() {
@@ -158,7 +158,7 @@ fn edit_lights(reader: &mut Reader<'_>, tree: Node<'_>, patches: &mut Patches<'_
                     reader.span(reader.head(reader.place(*node))),
                     "another kind of light in the file",
                 );
-                reader.tell(error);
+                reader.report(error);
             }
         }
     }

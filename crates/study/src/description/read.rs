@@ -356,7 +356,7 @@ impl Checks<'_, '_> {
                 Diagnostic::new(&codes::PAIRED, "axes that are paired need the same number of values")
                     .label(other.path.span.clone(), values(other))
                     .label(first.path.span.clone(), values(first));
-            self.reader.tell(error);
+            self.reader.report(error);
         }
         Group::Paired(axes)
     }
@@ -372,7 +372,7 @@ impl Checks<'_, '_> {
             let error = Diagnostic::new(&codes::PATH, "the seed is no axis")
                 .label(self.reader.span(path.place), "")
                 .note("write `seeds: 5` or `seeds: [1, 2, 3]`");
-            self.reader.tell(error);
+            self.reader.report(error);
         }
         let values = values.value.into_iter().map(|value| self.value(value, is_size)).collect();
         Vary { path: self.at(path), values, optional }
@@ -424,7 +424,7 @@ impl Checks<'_, '_> {
 
     fn twice(&mut self, what: &str, again: Place, first: Place) {
         let error = twice(what, &self.reader.span(again), &self.reader.span(first));
-        self.reader.tell(error);
+        self.reader.report(error);
     }
 
     fn measures(&mut self, names: Names) -> Vec<At<Measure>> {
@@ -436,7 +436,7 @@ impl Checks<'_, '_> {
                     .label(self.reader.span(name.place), "")
                     .suggest("measures", &name, Measure::all().map(Measure::key))
                     .note("`lightloom measures` says what each of them is");
-                self.reader.tell(error);
+                self.reader.report(error);
                 continue;
             };
             match found.iter().find(|at| at.value == measure) {

@@ -112,7 +112,7 @@ impl Checks<'_, '_> {
         match (least, most) {
             (None, None) => {
                 let error = self.reader.at(&codes::CLAIM, place, missing);
-                self.reader.tell(error.note(note));
+                self.reader.report(error.note(note));
             }
             (Some(least), Some(most)) if least > most => {
                 let message = format!("nothing is at least {least} and at most {most}");
@@ -120,7 +120,7 @@ impl Checks<'_, '_> {
                 for bound in [at_most, at_least].into_iter().flatten() {
                     error = error.label(self.reader.span(bound.place), "");
                 }
-                self.reader.tell(error);
+                self.reader.report(error);
             }
             _ => {}
         }
