@@ -57,7 +57,6 @@ pub(super) struct InterfaceName(pub(super) Text);
 pub(super) struct LinkText(pub(super) Text);
 
 #[derive(Deserialize)]
-#[expect(clippy::large_enum_variant, reason = "each is converted at once")]
 pub(super) enum PassFile {
     Pass {
         kind: PassType,
@@ -191,7 +190,6 @@ pub(super) enum SizeFile {
 #[serde(
     expecting = "`Replace(\"pass\", Pass(…))`, `Insert(name: \"pass\", pass: Pass(…), between: (\"a.port\", \"b.port\"))`, `Set(\"pass.setting\", value)` or `Remove(\"pass\")`"
 )]
-#[expect(clippy::large_enum_variant, reason = "each is converted at once")]
 pub(super) enum PatchFile {
     Replace(Text, Spanned<PassFile>),
     Insert { name: Text, pass: Spanned<PassFile>, between: Between },
