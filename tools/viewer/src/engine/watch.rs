@@ -113,10 +113,14 @@ impl Files {
             return None;
         }
         let begun = Instant::now();
+        let mut checkout = false;
         loop {
-            std::thread::sleep(if files.len() > MANY { QUIET_OF_MANY } else { QUIET });
+            // The last files are reported after git has ended.
+            let locked = self.git_writes();
+            checkout |= locked;
+            std::thread::sleep(if checkout || files.len() > MANY { QUIET_OF_MANY } else { QUIET });
             let more = self.changed();
-            let done = more.is_empty() && !self.git_writes();
+            let done = more.is_empty() && !locked && !self.git_writes();
             files.extend(more);
             if done || begun.elapsed() > PATIENCE {
                 break;
