@@ -1,9 +1,9 @@
 //! Reads data files in RON into types that serde derives, with the place of every value, and reports what is wrong with
 //! them.
 //!
-//! Pipelines, scenes and studies are read by [`grammar`], and their errors have one form: a stable code (see [`codes`]),
-//! the file, line and column, the text with a caret, what was expected, and the nearest known name. The types of each
-//! grammar are in the crate that owns the files.
+//! Pipelines, scenes and studies are read by [`grammar`], and their errors have one form: a stable code (see
+//! [`codes`](mod@codes)), the file, line and column, the text with a caret, what was expected, and the nearest known name.
+//! The types of each grammar are in the crate that owns the files.
 
 pub mod codes;
 pub mod diagnostic;
