@@ -1,3 +1,5 @@
+use serde::{Deserialize, Serialize};
+
 use crate::ImageError;
 
 /// Linear Rec. 709 color with alpha, row by row from the top left.
@@ -12,7 +14,7 @@ pub struct Image {
 }
 
 /// Mean and counts of a picture.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Glance {
     /// Mean luminance over the pixels whose color is finite; 0 where there is none.
     pub mean: f64,

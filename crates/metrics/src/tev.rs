@@ -1,9 +1,7 @@
 //! Sends pictures to tev, a viewer of pictures in high dynamic range (<https://github.com/Tom94/tev>), while it runs.
 //!
-//! tev listens on TCP port 14158 for packets. A packet is its own length in bytes (`u32`), its type (`u8`) and its
-//! fields, all in little-endian order; a text ends with a zero byte. A picture is one packet `CreateImage` (type 4), and
-//! packets `UpdateImageV3` (type 6) that fill bands of its rows. They are as in `include/tev/Ipc.h` of tev 2; other
-//! versions know them if their `Ipc.h` lists `UpdateImageV3`.
+//! tev listens on TCP port 14158 for packets, which `tev_client` writes. A picture is one packet `CreateImage`, and packets
+//! `UpdateImageV3` that fill bands of its rows: a version of tev must list these in its `Ipc.h`, as tev 2 does.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), metrics::tev::TevError> {
@@ -15,14 +13,15 @@
 //! ```
 
 use crate::Image;
-use std::io::{self, Write as _};
+use std::io;
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::time::Duration;
+use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
-/// Where tev listens if nothing else is asked of it.
+/// The default address of tev.
 pub const ADDRESS: &str = "127.0.0.1:14158";
 
-/// On one machine an answer takes no time; a viewer must not wait for what is not there.
+/// On one machine an answer takes no time; the window must not wait for a program that does not run.
 const CONNECT_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// tev reads between the frames that it draws, so a large picture can take a while.
@@ -34,10 +33,7 @@ const FLOATS_PER_PACKET: usize = 1 << 17;
 /// The most values in a row, so that the length of a packet fits.
 const ROW_LIMIT: usize = 1 << 28;
 
-const CREATE_IMAGE: u8 = 4;
-const UPDATE_IMAGE_V3: u8 = 6;
-
-/// Why a picture was not sent.
+/// An error of a picture that was not sent.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TevError {
@@ -86,12 +82,10 @@ pub enum TevError {
 
 /// A connection to a running tev.
 #[derive(Debug)]
-pub struct Tev {
-    stream: TcpStream,
-}
+pub struct Tev(TevClient);
 
 impl Tev {
-    /// Connects to an address, as `host:port`: usually [`ADDRESS`]. Fails within a second where nobody listens.
+    /// Connects to an address, as `host:port`: usually [`ADDRESS`]. Fails within a second if nobody listens.
     ///
     /// # Errors
     /// [`TevError::NotThere`].
@@ -110,7 +104,7 @@ impl Tev {
             Err(last)
         };
         let stream = connect().map_err(|source| TevError::NotThere { address: address.into(), source })?;
-        Ok(Self { stream })
+        Ok(Self(TevClient::wrap(stream)))
     }
 
     /// Shows a picture with the channels R, G, B and A, unchanged, in place of one with the same name.
@@ -144,68 +138,37 @@ impl Tev {
             let (channels, found) = (channels.len(), values.len());
             return Err(TevError::ValueCount { size, channels, expected, found });
         }
-        let fits = |number: usize| i32::try_from(number).ok();
-        let (Some(width), Some(height), Some(count), true) =
-            (fits(width), fits(height), fits(channels.len()), row <= ROW_LIMIT)
-        else {
+        let fits = |number: usize| i32::try_from(number).ok().map(i32::cast_unsigned);
+        let (Some(width), Some(height), true) = (fits(width), fits(height), row <= ROW_LIMIT) else {
             return Err(TevError::TooLarge { size, channels: channels.len() });
         };
         if let Some(name) = [name].iter().chain(channels).find(|name| name.contains('\0')) {
             return Err(TevError::ZeroInName((*name).to_owned()));
         }
 
-        let mut create = Packet::new(CREATE_IMAGE, true, name);
-        create.numbers(&[width, height, count]);
-        channels.iter().for_each(|channel| create.text(channel));
-        self.stream.write_all(&create.finish())?;
+        let create =
+            PacketCreateImage { image_name: name, grab_focus: true, width, height, channel_names: channels };
+        self.0.send(create)?;
+        let count = channels.len() as u64;
+        let (offsets, strides): (Vec<u64>, Vec<u64>) = (0..count).map(|channel| (channel, count)).unzip();
         // No row is past the height, which fits.
         let mut y = 0;
         for band in values.chunks((FLOATS_PER_PACKET / row).max(1) * row) {
-            let rows = (band.len() / row) as i32;
-            let mut update = Packet::new(UPDATE_IMAGE_V3, false, name);
-            update.numbers(&[count]);
-            channels.iter().for_each(|channel| update.text(channel));
-            update.numbers(&[0, y, width, rows]);
-            // Where the first value of each channel is, and how far it is to the next.
-            (0..count).for_each(|channel| update.long(channel));
-            (0..count).for_each(|_| update.long(count));
-            band.iter().for_each(|value| update.0.extend(value.to_le_bytes()));
-            self.stream.write_all(&update.finish())?;
+            let rows = (band.len() / row) as u32;
+            self.0.send(PacketUpdateImage {
+                image_name: name,
+                grab_focus: false,
+                channel_names: channels,
+                channel_offsets: &offsets,
+                channel_strides: &strides,
+                x: 0,
+                y,
+                width,
+                height: rows,
+                data: band,
+            })?;
             y += rows;
         }
         Ok(())
-    }
-}
-
-/// A packet that is being written.
-struct Packet(Vec<u8>);
-
-impl Packet {
-    /// Begins a packet about a picture; `select` says that tev shows the picture at once.
-    fn new(kind: u8, select: bool, name: &str) -> Self {
-        let mut packet = Self(vec![0, 0, 0, 0, kind, select.into()]);
-        packet.text(name);
-        packet
-    }
-
-    fn text(&mut self, text: &str) {
-        self.0.extend(text.as_bytes());
-        self.0.push(0);
-    }
-
-    fn numbers(&mut self, numbers: &[i32]) {
-        numbers.iter().for_each(|number| self.0.extend(number.to_le_bytes()));
-    }
-
-    fn long(&mut self, number: i32) {
-        self.0.extend(i64::from(number).to_le_bytes());
-    }
-
-    /// Puts the length, which counts itself, in front.
-    fn finish(mut self) -> Vec<u8> {
-        // A band is a packet's worth of floats, or one row.
-        let length = self.0.len() as u32;
-        self.0[..4].copy_from_slice(&length.to_le_bytes());
-        self.0
     }
 }
