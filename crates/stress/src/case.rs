@@ -1,9 +1,10 @@
 //! One extreme.
 
 use crate::long::Steady;
+use serde::Deserialize;
 
 /// The indirect light that is expected of a case.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub enum Expect {
     /// The light of the plain scene by the same pipeline, times a factor: only units or the place differ.
     Plain(f64),
@@ -16,6 +17,7 @@ pub enum Expect {
     /// No picture: the program reports the reason.
     Refused,
     /// A long run that neither drifts nor grows.
+    #[serde(skip)]
     Steady(Steady),
 }
 
@@ -25,7 +27,7 @@ pub struct Case {
     /// A name in kebab-case, unique in the table; the name of its scene file.
     pub name: String,
     /// The quantity that is extreme, as a heading.
-    pub group: &'static str,
+    pub group: String,
     /// A description, in a sentence.
     pub about: String,
     /// The text of its scene file.
@@ -43,17 +45,12 @@ pub struct Case {
 }
 
 impl Case {
-    /// A case of the plain scene, of one frame.
-    pub(crate) fn new(
-        group: &'static str,
-        name: impl Into<String>,
-        about: impl Into<String>,
-        expect: Expect,
-    ) -> Case {
+    /// Creates a case of the plain scene, of one frame.
+    pub(crate) fn new(group: &str, name: &str, about: String, expect: Expect) -> Case {
         Case {
-            name: name.into(),
-            group,
-            about: about.into(),
+            name: name.to_owned(),
+            group: group.to_owned(),
+            about,
             scene: crate::room::Room::default().text(),
             files: Vec::new(),
             size: None,
@@ -61,30 +58,5 @@ impl Case {
             set: Vec::new(),
             expect,
         }
-    }
-
-    pub(crate) fn scene(mut self, text: String) -> Case {
-        self.scene = text;
-        self
-    }
-
-    pub(crate) fn file(mut self, name: &str, text: String) -> Case {
-        self.files.push((name.to_owned(), text));
-        self
-    }
-
-    pub(crate) fn size(mut self, width: u32, height: u32) -> Case {
-        self.size = Some((width, height));
-        self
-    }
-
-    pub(crate) fn frames(mut self, frames: u32) -> Case {
-        self.frames = frames;
-        self
-    }
-
-    pub(crate) fn set(mut self, path: &str, value: impl ToString) -> Case {
-        self.set.push((path.to_owned(), value.to_string()));
-        self
     }
 }

@@ -114,19 +114,14 @@ impl Cell {
 pub struct Picture {
     /// The picture.
     pub image: Image,
-    /// Mean luminance over the finite pixels; 0 where there is none.
-    pub mean: f64,
-    /// Number of pixels with a value that is not finite.
-    pub not_finite: usize,
-    /// Number of pixels with a negative value.
-    pub negative: usize,
+    /// Mean and counts.
+    pub glance: Glance,
 }
 
 impl Picture {
     /// Measures a picture.
     pub fn new(image: Image) -> Picture {
-        let Glance { mean, not_finite, negative } = image.glance();
-        Picture { image, mean, not_finite, negative }
+        Picture { glance: image.glance(), image }
     }
 
     /// Returns the picture times a factor.
@@ -178,7 +173,7 @@ pub fn evaluate(
     };
     let is_written = |(indirect, whole): &(&Picture, &Picture)| {
         ran.ended == Ended::Exit(0)
-            || (ran.ended == Ended::Exit(1) && indirect.not_finite + whole.not_finite > 0)
+            || (ran.ended == Ended::Exit(1) && indirect.glance.not_finite + whole.glance.not_finite > 0)
     };
     let Some((indirect, whole)) = pictures.filter(is_written) else {
         cell.verdict = match ran.ended {
@@ -191,34 +186,33 @@ pub fn evaluate(
         };
         return cell;
     };
-    cell.mean = Some(indirect.mean);
-    cell.not_finite = indirect.not_finite.max(whole.not_finite);
-    cell.negative = indirect.negative.max(whole.negative);
+    cell.mean = Some(indirect.glance.mean);
+    cell.not_finite = indirect.glance.not_finite.max(whole.glance.not_finite);
+    cell.negative = indirect.glance.negative.max(whole.glance.negative);
     let measure = |expected: &Image| {
         let pair = Pair::new(&indirect.image, expected).ok();
         pair.and_then(|pair| pair.rel_mse(Epsilon::default()))
     };
-    let share = |of: &Picture, to: &Picture| (to.mean > 0.0).then(|| of.mean / to.mean);
+    let share = |of: &Picture, mean: f64| (mean > 0.0).then(|| of.glance.mean / mean);
     let near = match expect {
         Expect::Plain(factor) => {
-            cell.energy =
-                known.plain.filter(|p| p.mean * factor > 0.0).map(|p| indirect.mean / (p.mean * factor));
+            cell.energy = known.plain.and_then(|plain| share(indirect, plain.glance.mean * factor));
             cell.error = known.plain.and_then(|plain| measure(&plain.times(factor)));
             cell.energy.is_none_or(|energy| (energy - 1.0).abs() <= SAME)
         }
         Expect::Truth => {
             cell.energy = known.truth.and_then(|truth| {
-                let plain = known.plain.zip(known.plain_truth).and_then(|(p, t)| share(p, t));
-                Some(share(indirect, truth)? / plain.unwrap_or(1.0))
+                let plain = known.plain.zip(known.plain_truth).and_then(|(p, t)| share(p, t.glance.mean));
+                Some(share(indirect, truth.glance.mean)? / plain.unwrap_or(1.0))
             });
             cell.error = known.truth.and_then(|truth| measure(&truth.image));
             // Without light in the reference there is no ratio.
-            match known.truth.map_or(0.0, |truth| truth.mean) {
-                0.0 => indirect.mean == 0.0,
+            match known.truth.map_or(0.0, |truth| truth.glance.mean) {
+                0.0 => indirect.glance.mean == 0.0,
                 _ => cell.energy.is_some_and(|energy| ALIKE.contains(&energy)),
             }
         }
-        Expect::Black => indirect.mean <= NOTHING * known.plain.map_or(1.0, |plain| plain.mean),
+        Expect::Black => indirect.glance.mean <= NOTHING * known.plain.map_or(1.0, |plain| plain.glance.mean),
         Expect::Finite => true,
         Expect::Refused => false,
         Expect::Steady(steady) => {
@@ -226,8 +220,8 @@ pub fn evaluate(
                 let of_line = |line: &Line| of(&line.outputs.indirect).max(of(&line.outputs.image));
                 known.lines.iter().map(of_line).max().unwrap_or(0)
             };
-            cell.not_finite = cell.not_finite.max(most(|seen| seen.not_finite));
-            cell.negative = cell.negative.max(most(|seen| seen.negative));
+            cell.not_finite = cell.not_finite.max(most(|seen| seen.glance.not_finite));
+            cell.negative = cell.negative.max(most(|seen| seen.glance.negative));
             cell.long = long::evaluate(steady, known.lines);
             cell.energy = cell.long.as_ref().map(|long| long.energy);
             cell.message = cell.long.as_ref().map_or_else(

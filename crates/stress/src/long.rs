@@ -2,6 +2,7 @@
 
 use crate::case::{Case, Expect};
 use crate::room::Room;
+use metrics::Glance;
 use serde::{Deserialize, Serialize};
 
 /// Frames of a period of the light.
@@ -66,12 +67,9 @@ pub struct Outputs {
 pub struct Seen {
     /// Hash of its bits.
     pub hash: String,
-    /// Mean luminance of its finite pixels.
-    pub mean: f64,
-    /// Number of pixels with a value that is not finite.
-    pub not_finite: usize,
-    /// Number of pixels with a negative value.
-    pub negative: usize,
+    /// Mean and counts.
+    #[serde(flatten)]
+    pub glance: Glance,
 }
 
 /// The result of a long run: the last tenth against the second. The first may begin without history.
@@ -113,14 +111,13 @@ pub fn long(frames: u32, sampled: bool) -> [Case; 2] {
     };
     let still = if sampled { Steady::Sampled } else { Steady::Still };
     let case = |name: &str, about: &str, steady| {
-        let case = Case::new("long", name, format!("{frames} frames{about}"), Expect::Steady(steady));
+        let case =
+            Case::new("long", name, format!("{frames} frames, in which {about}."), Expect::Steady(steady));
         // A picture that is the mean of several frames is rendered as such in each of them.
-        case.frames(frames).set("frames", 2)
+        Case { frames, set: vec![("frames".to_owned(), "2".to_owned())], ..case }
     };
-    [
-        case("long-moving", ", in which the light goes to and fro.", Steady::Moving).scene(room.text()),
-        case("long-still", ", in which nothing moves.", still),
-    ]
+    let moving = case("long-moving", "the light goes to and fro", Steady::Moving);
+    [Case { scene: room.text(), ..moving }, case("long-still", "nothing moves", still)]
 }
 
 /// Reads the lines of `render --log`, up to the first incomplete one.
@@ -137,8 +134,9 @@ pub(crate) fn evaluate(steady: Steady, lines: &[Line]) -> Option<Long> {
     let tenth = rounds / 10 * PERIOD as usize;
     let early = &lines[tenth..2 * tenth];
     let late = &lines[lines.len() - tenth..];
-    let mean =
-        |part: &[Line]| part.iter().map(|line| line.outputs.indirect.mean).sum::<f64>() / part.len() as f64;
+    let mean = |part: &[Line]| {
+        part.iter().map(|line| line.outputs.indirect.glance.mean).sum::<f64>() / part.len() as f64
+    };
     let most = |part: &[Line], of: fn(&Line) -> Option<u64>| {
         part.iter().filter_map(of).max().map(|most| most as f64)
     };
@@ -191,7 +189,7 @@ pub(crate) fn evaluate(steady: Steady, lines: &[Line]) -> Option<Long> {
 }
 
 fn mean(lines: &[Line]) -> f64 {
-    lines.iter().map(|line| line.outputs.indirect.mean).sum::<f64>() / lines.len() as f64
+    lines.iter().map(|line| line.outputs.indirect.glance.mean).sum::<f64>() / lines.len() as f64
 }
 
 /// Returns the standard error of the ratio of the means of two parts of `part` lines, from the differences of successive
@@ -213,7 +211,8 @@ mod tests {
     fn run(count: usize, of: impl Fn(usize) -> (f64, u64, u64, f64)) -> Vec<Line> {
         let line = |i| {
             let (mean, memory, objects, seconds) = of(i);
-            let seen = Seen { hash: format!("{mean}"), mean, not_finite: 0, negative: 0 };
+            let glance = Glance { mean, not_finite: 0, negative: 0 };
+            let seen = Seen { hash: format!("{mean}"), glance };
             let outputs = Outputs { indirect: seen.clone(), image: seen };
             Line { seconds, memory: Some(memory), objects: Some(objects), outputs }
         };

@@ -94,7 +94,7 @@ fn by_case(cells: &[Cell], cases: &[Case], pipelines: &[&str]) -> Vec<Vec<Entry>
     let mut group = "";
     for case in cases {
         if case.group != group {
-            group = case.group;
+            group = &case.group;
             rows.push(vec![Entry::Heading(group.to_owned())]);
         }
         let found = |pipeline: &&str| {

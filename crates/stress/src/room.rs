@@ -1,11 +1,14 @@
 //! The scene that most cases change: the Cornell box with a spot, written as a scene file.
 
+use serde::Deserialize;
 use std::fmt::Write as _;
 
 /// The Cornell box, scaled and moved, with a camera and lights.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub(crate) struct Room {
     /// The description.
+    #[serde(skip)]
     pub(crate) about: String,
     /// Geometry in place of the box: a value of the grammar.
     pub(crate) geometry: String,
@@ -23,12 +26,14 @@ pub(crate) struct Room {
     pub(crate) near: Option<f64>,
     /// The lights.
     pub(crate) lights: Vec<Lamp>,
+    /// Number of lights over which each of `lights` is split.
+    pub(crate) light_count: u32,
     /// Keyframes, as a value of the grammar; in world space.
     pub(crate) keyframes: Option<String>,
 }
 
 /// A light in the space of the box.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
 pub(crate) enum Lamp {
     /// Position, direction, intensity \[W/sr\] and half the angle of the cone in degrees.
     Spot([f64; 3], [f64; 3], f64, f64),
@@ -39,7 +44,7 @@ pub(crate) enum Lamp {
 }
 
 /// The spot of `cornell-box`.
-pub(crate) const SPOT: Lamp = Lamp::Spot([0.13, 0.5, 0.1], [1.0, -0.75, 0.55], 0.8, 30.0);
+const SPOT: Lamp = Lamp::Spot([0.13, 0.5, 0.1], [1.0, -0.75, 0.55], 0.8, 30.0);
 
 impl Default for Room {
     fn default() -> Room {
@@ -53,6 +58,7 @@ impl Default for Room {
             fov: 39.3077,
             near: None,
             lights: vec![SPOT],
+            light_count: 1,
             keyframes: None,
         }
     }
@@ -64,12 +70,24 @@ fn vector([x, y, z]: [f64; 3]) -> String {
 }
 
 impl Room {
-    /// A point of the box in world space.
-    pub(crate) fn world(&self, at: [f64; 3]) -> [f64; 3] {
+    /// Returns a room with a file in place of the Cornell box: a box from the origin to (1, 1, 1).
+    pub(crate) fn of_file(file: &str, about: String) -> Room {
+        Room {
+            about,
+            geometry: format!("File({file:?})"),
+            scale: 0.55,
+            camera: [[0.5, 0.5, -1.4], [0.5, 0.5, 0.0]],
+            lights: vec![Lamp::Spot([0.25, 0.9, 0.2], [1.0, -0.75, 0.55], 2.6, 30.0)],
+            ..Room::default()
+        }
+    }
+
+    /// Returns a point of the box in world space.
+    fn world(&self, at: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|i| at[i] * self.scale + self.place[i])
     }
 
-    /// The scene file.
+    /// Returns the text of the scene file.
     pub(crate) fn text(&self) -> String {
         let mut out = format!("// Written by `lightloom stress`.\nScene(\n    about: {:?},\n", self.about);
         let plain = self.scale == 1.0 && self.place == [0.0; 3] && self.objects.is_empty();
@@ -98,8 +116,11 @@ impl Room {
         let _ = writeln!(out, "    lights: [");
         // Irradiance stays where lengths grow, if intensities grow with their square.
         let area = self.scale * self.scale;
-        for (i, light) in self.lights.iter().enumerate() {
-            let grey = |value: f64| vector([value; 3]);
+        let count = f64::from(self.light_count);
+        let lights =
+            self.lights.iter().flat_map(|light| std::iter::repeat_n(light, self.light_count as usize));
+        for (i, light) in lights.enumerate() {
+            let grey = |value: f64| vector([value / count; 3]);
             let light = match light {
                 Lamp::Spot(at, direction, intensity, outer) => format!(
                     "Spot(name: \"light {i}\", position: {}, direction: {}, intensity: {}, outer_deg: {outer:?})",

@@ -264,7 +264,7 @@ impl Bench<'_> {
         let still = Case { frames: 1, ..case.clone() };
         let given = own.iter().chain(set).map(to_set);
         let (_, pictures) = self.picture(REFERENCE, &still, OF_REFERENCE, given)?;
-        let picture = pictures.map(|(indirect, _)| indirect).filter(|picture| picture.not_finite == 0);
+        let picture = pictures.map(|(indirect, _)| indirect).filter(|picture| picture.glance.not_finite == 0);
         self.references.insert(key, picture.clone());
         Ok(picture)
     }

@@ -66,9 +66,9 @@ fn one(values: &[(String, Value)]) -> Case {
     let texts: Vec<String> =
         values.iter().map(|(path, value)| format!("{path}={}", value.to_argument())).collect();
     let group = if values.len() > 1 { "pairs of settings" } else { "settings" };
-    let mut case = Case::new(group, texts.join(","), format!("`{}`.", texts.join("`, `")), Expect::Finite);
-    case.set = values.iter().map(|(path, value)| (path.clone(), value.to_argument())).collect();
-    case
+    let set = values.iter().map(|(path, value)| (path.clone(), value.to_argument())).collect();
+    let about = format!("`{}`.", texts.join("`, `"));
+    Case { set, ..Case::new(group, &texts.join(","), about, Expect::Finite) }
 }
 
 /// SplitMix64.

@@ -2,6 +2,7 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 /// A texture of one white texel, as PNG.
@@ -12,27 +13,76 @@ const WHITE_TEXEL: &str =
 const FLOAT: u32 = 5126;
 const UNSIGNED: u32 = 5125;
 
-/// The material of a surface.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Look {
-    /// Share of light that is reflected.
-    pub(crate) albedo: f64,
-    /// Whether it has a texture of one white texel.
-    pub(crate) texel: bool,
+/// The mesh of a file of the table, seen from both sides.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub(crate) enum Mesh {
+    /// One triangle.
+    OneTriangle,
+    /// A box without its front, from the origin to (1, 1, 1): open towards −z.
+    OpenBox {
+        /// Share of light that is reflected.
+        albedo: f64,
+        /// Whether it has a texture of one white texel.
+        #[serde(default)]
+        texel: bool,
+    },
+    /// Triangles without area and slivers within the Cornell box: points, lines, and needles a ten-millionth as wide as long.
+    Degenerate,
+    /// A sheet of `2 side²` triangles, `count` times on the floor of the Cornell box.
+    Sheets {
+        /// Squares along a side of the sheet.
+        side: u32,
+        /// Number of sheets.
+        count: u32,
+    },
+    /// A textured sheet over the floor of the Cornell box, whose normals and texture coordinates are NaN.
+    NotANumber,
 }
 
-/// A mesh with its material.
-struct Mesh {
+/// What a glTF file holds of a mesh.
+struct Data {
     positions: Vec<[f32; 3]>,
     /// Other attributes of the corners: name, type, and numbers.
     attributes: Vec<(&'static str, &'static str, Vec<f32>)>,
     /// Three to a triangle; empty where corners come in order.
     indices: Vec<u32>,
-    look: Look,
+    albedo: f64,
+    /// Whether it has a texture of one white texel.
+    texel: bool,
 }
 
+type Triangle = [[f32; 3]; 3];
+
 impl Mesh {
-    /// Returns a glTF file that has it at these nodes, seen from both sides.
+    /// Returns whether it stands in the place of the Cornell box.
+    pub(crate) fn replaces_box(self) -> bool {
+        matches!(self, Mesh::OneTriangle | Mesh::OpenBox { .. })
+    }
+
+    /// Returns the text of the file.
+    pub(crate) fn gltf(self) -> String {
+        let one = [json!({ "mesh": 0 })];
+        match self {
+            Mesh::OneTriangle => {
+                Data::of(&[[[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.5, 1.0, 1.0]]], 0.5, false).file(&one)
+            }
+            Mesh::OpenBox { albedo, texel } => Data::of(&open_box(), albedo, texel).file(&one),
+            Mesh::Degenerate => Data::of(&degenerate(), 0.5, false).file(&one),
+            Mesh::Sheets { side, count } => sheets(side, count),
+            Mesh::NotANumber => not_a_number().file(&one),
+        }
+    }
+}
+
+impl Data {
+    fn of(triangles: &[Triangle], albedo: f64, texel: bool) -> Data {
+        let positions: Vec<[f32; 3]> = triangles.iter().flatten().copied().collect();
+        let uvs = positions.iter().flat_map(|[x, y, _]| [*x, *y]).collect();
+        let attributes = vec![("TEXCOORD_0", "VEC2", uvs)];
+        Data { positions, attributes, indices: Vec::new(), albedo, texel }
+    }
+
+    /// Returns the text of a file that has it at these nodes, seen from both sides.
     fn file(&self, nodes: &[Value]) -> String {
         let (mut views, mut accessors, mut bytes) = (Vec::new(), Vec::new(), Vec::new());
         let mut add = |added: Vec<u8>, accessor: Value| {
@@ -63,7 +113,7 @@ impl Mesh {
                 json!({ "componentType": UNSIGNED, "count": self.indices.len(), "type": "SCALAR" });
             primitive["indices"] = json!(add(indices, accessor));
         }
-        let albedo = self.look.albedo;
+        let albedo = self.albedo;
         let mut surface = json!({
             "baseColorFactor": [albedo, albedo, albedo, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0,
         });
@@ -80,7 +130,7 @@ impl Mesh {
                 "uri": format!("data:application/octet-stream;base64,{}", STANDARD.encode(&bytes)),
             }],
         });
-        if self.look.texel {
+        if self.texel {
             surface["baseColorTexture"] = json!({ "index": 0 });
             file["textures"] = json!([{ "source": 0 }]);
             file["images"] = json!([{ "uri": format!("data:image/png;base64,{WHITE_TEXEL}") }]);
@@ -94,16 +144,7 @@ fn floats<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Vec<u8> {
     numbers.into_iter().flat_map(|number| number.to_le_bytes()).collect()
 }
 
-/// Returns a glTF file of triangles.
-pub(crate) fn gltf(triangles: &[[[f32; 3]; 3]], look: Look) -> String {
-    let positions: Vec<[f32; 3]> = triangles.iter().flatten().copied().collect();
-    let uvs = positions.iter().flat_map(|[x, y, _]| [*x, *y]).collect();
-    let mesh = Mesh { positions, attributes: vec![("TEXCOORD_0", "VEC2", uvs)], indices: Vec::new(), look };
-    mesh.file(&[json!({ "mesh": 0 })])
-}
-
-/// Returns a glTF file of a sheet of `2 side²` triangles, `count` times on the floor of the Cornell box.
-pub(crate) fn sheets(side: u32, count: u32) -> String {
+fn sheets(side: u32, count: u32) -> String {
     let across = side + 1;
     let at = |n: u32| n as f32 / side as f32;
     let positions = (0..across * across).map(|i| [at(i % across), 0.0, at(i / across)]).collect();
@@ -121,22 +162,20 @@ pub(crate) fn sheets(side: u32, count: u32) -> String {
         json!({ "mesh": 0, "translation": [at(i % rows), height, at(i / rows)], "scale": [0.8 * step, 1.0, 0.8 * step] })
     };
     let nodes: Vec<Value> = (0..count).map(node).collect();
-    Mesh { positions, attributes: Vec::new(), indices, look: Look { albedo: 0.5, texel: false } }.file(&nodes)
+    Data { positions, attributes: Vec::new(), indices, albedo: 0.5, texel: false }.file(&nodes)
 }
 
-/// Returns a glTF file of a textured sheet over the floor of the Cornell box, whose normals and texture coordinates are NaN.
-pub(crate) fn not_a_number() -> String {
-    let mesh = Mesh {
+fn not_a_number() -> Data {
+    Data {
         positions: vec![[0.1, 0.01, 0.05], [0.5, 0.01, 0.05], [0.5, 0.01, 0.3], [0.1, 0.01, 0.3]],
         attributes: vec![("NORMAL", "VEC3", vec![f32::NAN; 12]), ("TEXCOORD_0", "VEC2", vec![f32::NAN; 8])],
         indices: vec![0, 2, 1, 0, 3, 2],
-        look: Look { albedo: 0.5, texel: true },
-    };
-    mesh.file(&[json!({ "mesh": 0 })])
+        albedo: 0.5,
+        texel: true,
+    }
 }
 
-/// A box without its front, from the origin to (1, 1, 1), as triangles: open towards −z.
-pub(crate) fn open_box() -> Vec<[[f32; 3]; 3]> {
+fn open_box() -> Vec<Triangle> {
     let quad = |a: [f32; 3], b, c: [f32; 3], d| [[a, b, c], [a, c, d]];
     [
         quad([0., 0., 0.], [1., 0., 0.], [1., 0., 1.], [0., 0., 1.]),
@@ -148,8 +187,7 @@ pub(crate) fn open_box() -> Vec<[[f32; 3]; 3]> {
     .concat()
 }
 
-/// Triangles without area and slivers within the Cornell box: points, lines, and needles a ten-millionth as wide as long.
-pub(crate) fn degenerate() -> Vec<[[f32; 3]; 3]> {
+fn degenerate() -> Vec<Triangle> {
     let mut all = Vec::new();
     for i in 0..16 {
         let x = 0.05 + 0.028 * i as f32;
