@@ -2,7 +2,7 @@
 
 use crate::measure::{Errors, Measured, Point, ROUNDING};
 use report::escape::html as escape;
-use report::{AxisKind, Band, Column, Entry, Line, Page, Series, Table, XyAxis, XyChart};
+use report::{Band, Column, Entry, Line, Page, Series, Table, XyAxis, XyChart};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -86,10 +86,8 @@ fn chart(measured: &Measured) -> XyChart {
         let point = |point: &Point| report::Point {
             x: point.magnitude,
             y: error(point),
-            x_half: 0.0,
-            y_half: 0.0,
-            label: String::new(),
             tip: format!("{name}: {:.1e} at {:.1e}", error(point), point.magnitude),
+            ..report::Point::default()
         };
         let points = measured.points.iter().map(point).collect();
         Series { name: name.to_owned(), index, lines: vec![Line { points, dashes }] }
@@ -97,8 +95,8 @@ fn chart(measured: &Measured) -> XyChart {
     let band = measured.points.iter().map(|point| (point.magnitude, point.errors.median, point.errors.most));
     XyChart {
         about: format!("Errors of {} by magnitude", measured.probe.name),
-        x: XyAxis { title: measured.probe.magnitude.clone(), kind: AxisKind::Quantity },
-        y: XyAxis { title: "relative error".to_owned(), kind: AxisKind::Quantity },
+        x: XyAxis::quantity(&measured.probe.magnitude),
+        y: XyAxis::quantity("relative error"),
         series: vec![
             series("error in f32, 99 % of the samples", 0, 0, &|point| point.errors.most),
             series("median", 5, 0, &|point| point.errors.median),
@@ -106,9 +104,6 @@ fn chart(measured: &Measured) -> XyChart {
             series("demanded", 1, 2, &|point| measured.demanded(point)),
         ],
         bands: vec![Band { index: 0, points: band.collect() }],
-        front: Vec::new(),
-        front_rises: false,
-        dashes: Vec::new(),
-        floor: None,
+        ..XyChart::default()
     }
 }

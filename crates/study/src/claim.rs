@@ -3,7 +3,7 @@
 use crate::description::{Claim, Pick, Pins, Relation, TRIANGLES, place_of};
 use crate::growth::Exponents;
 use crate::interval::Interval;
-use crate::record::{AxisValue, Cell, ClaimRecord, Outcome, PickRecord, RelationRecord, Results};
+use crate::record::{Cell, Outcome, Results};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -23,11 +23,11 @@ pub enum Verdict {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding<'a> {
     /// The claim.
-    pub claim: &'a ClaimRecord,
+    pub claim: &'a Claim,
     /// The scenes, in the order of the study.
     pub scenes: Vec<&'a str>,
     /// Means over the seeds, with their intervals: of the measure over the cells of each pick, in the order of
-    /// [`RelationRecord::picks`]; for a growth, of the exponent in the upper half of the axis, and of that over
+    /// [`Relation::picks`]; for a growth, of the exponent in the upper half of the axis, and of that over
     /// the whole axis. `None` if no cell has the measure.
     pub means: Vec<Option<Interval>>,
     /// The verdict; `None` without measurements.
@@ -38,7 +38,7 @@ impl Finding<'_> {
     /// Returns the ratio of the two means; `None` for other relations, and if the denominator is not above 0.
     pub fn ratio(&self) -> Option<f64> {
         match (&self.claim.relation, self.means.as_slice()) {
-            (RelationRecord::Ratio { .. }, [Some(of), Some(to)]) if to.mean > 0.0 => Some(of.mean / to.mean),
+            (Relation::Ratio { .. }, [Some(of), Some(to)]) if to.mean > 0.0 => Some(of.mean / to.mean),
             _ => None,
         }
     }
@@ -53,10 +53,10 @@ impl Results {
         for claim in &self.study.claims {
             let scenes = self.study.scenes.iter().map(|scene| scene.name.as_str());
             let about: Vec<&str> = scenes
-                .filter(|name| claim.scenes.is_empty() || claim.scenes.iter().any(|s| s == name))
+                .filter(|name| claim.scenes.is_empty() || claim.scenes.iter().any(|s| s.value == *name))
                 .collect();
             match &claim.relation {
-                RelationRecord::Growth { over, .. } if over == TRIANGLES => {
+                Relation::Growth { over, .. } if over.value == TRIANGLES => {
                     findings.extend((!about.is_empty()).then(|| self.finding(claim, about)));
                 }
                 _ => findings.extend(about.into_iter().map(|scene| self.finding(claim, vec![scene]))),
@@ -65,15 +65,15 @@ impl Results {
         findings
     }
 
-    fn finding<'a>(&'a self, claim: &'a ClaimRecord, scenes: Vec<&'a str>) -> Finding<'a> {
+    fn finding<'a>(&'a self, claim: &'a Claim, scenes: Vec<&'a str>) -> Finding<'a> {
         let seeds = match &claim.relation {
-            RelationRecord::Growth { of, over, .. } => self.exponents(claim, of, over, &scenes),
+            Relation::Growth { of, over, .. } => self.exponents(claim, of, &over.value, &scenes),
             relation => relation.picks().into_iter().map(|pick| self.seeds(claim, pick, &scenes)).collect(),
         };
         let mean = |seeds: &Seeds| Interval::of(&seeds.values().copied().collect::<Vec<f64>>());
         // An exponent is no error.
-        let is_growth = matches!(claim.relation, RelationRecord::Growth { .. });
-        let noise = scenes.iter().filter_map(|scene| self.study.noise(scene, &claim.measure));
+        let is_growth = matches!(claim.relation, Relation::Growth { .. });
+        let noise = scenes.iter().filter_map(|scene| self.study.noise(scene, &claim.measure.value));
         let floor = noise.reduce(f64::max).filter(|_| !is_growth);
         Finding {
             claim,
@@ -86,21 +86,21 @@ impl Results {
     /// Returns the finished cells of a pick that have the measure, with its value.
     fn values<'a>(
         &'a self,
-        claim: &'a ClaimRecord,
-        pick: &'a PickRecord,
+        claim: &'a Claim,
+        pick: &'a Pick,
         scenes: &'a [&str],
     ) -> impl Iterator<Item = (&'a Cell, f64)> {
         let cells = self.cells.iter().filter(|cell| {
             cell.outcome == Outcome::Done
                 && scenes.contains(&cell.scene.as_str())
-                && cell.pipeline == pick.pipeline
+                && cell.pipeline == pick.pipeline.value
                 && lies_at(cell, &claim.at)
                 && lies_at(cell, &pick.at)
         });
-        cells.filter_map(|cell| Some((cell, cell.measures.get(&claim.measure).copied().flatten()?)))
+        cells.filter_map(|cell| Some((cell, cell.measures.get(&claim.measure.value).copied().flatten()?)))
     }
 
-    fn seeds(&self, claim: &ClaimRecord, pick: &PickRecord, scenes: &[&str]) -> Seeds {
+    fn seeds(&self, claim: &Claim, pick: &Pick, scenes: &[&str]) -> Seeds {
         let mut values: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
         for (cell, value) in self.values(claim, pick, scenes) {
             values.entry(cell.seed).or_default().push(value);
@@ -112,7 +112,7 @@ impl Results {
     }
 
     /// Returns the exponents of a growth: in the upper half of the axis, and over all of it.
-    fn exponents(&self, claim: &ClaimRecord, of: &PickRecord, over: &str, scenes: &[&str]) -> Vec<Seeds> {
+    fn exponents(&self, claim: &Claim, of: &Pick, over: &str, scenes: &[&str]) -> Vec<Seeds> {
         let mut points: BTreeMap<u32, Vec<(f64, f64)>> = BTreeMap::new();
         for (cell, value) in self.values(claim, of, scenes) {
             if let Some(place) = self.place(cell, over) {
@@ -142,7 +142,7 @@ type Seeds = BTreeMap<u32, f64>;
 
 /// Decides a claim by what it says must be above 0: the difference of two means, seed by seed, since the same seed gives
 /// pipelines the same random numbers. Errors that are both below `floor`, that of the reference itself, decide nothing.
-fn verdict(relation: &RelationRecord, seeds: &[Seeds], floor: Option<f64>) -> Option<Verdict> {
+fn verdict(relation: &Relation, seeds: &[Seeds], floor: Option<f64>) -> Option<Verdict> {
     let margin = |a: &Seeds, b: &Seeds, f: &dyn Fn(f64, f64) -> f64| {
         let found = margin(a, b, f)?;
         let is_below = |seeds: &Seeds| {
@@ -153,24 +153,24 @@ fn verdict(relation: &RelationRecord, seeds: &[Seeds], floor: Option<f64>) -> Op
         Some(if is_below(a) && is_below(b) { alike } else { found })
     };
     let margins: Option<Vec<Interval>> = match (relation, seeds) {
-        (RelationRecord::Order(_), seeds) => {
+        (Relation::Order(_), seeds) => {
             seeds.windows(2).map(|pair| margin(&pair[0], &pair[1], &|less, more| more - less)).collect()
         }
-        (RelationRecord::Ratio { at_least, at_most, .. }, [of, to]) => {
+        (Relation::Ratio { at_least, at_most, .. }, [of, to]) => {
             margin(of, to, &|_, to| to).filter(|to| to.mean > 0.0)?;
             let least = at_least.map(|least| margin(of, to, &|of, to| of - least * to));
             let most = at_most.map(|most| margin(of, to, &|of, to| most * to - of));
             least.into_iter().chain(most).collect()
         }
-        (RelationRecord::Growth { at_least, at_most, .. }, [upper, ..]) => {
+        (Relation::Growth { at_least, at_most, .. }, [upper, ..]) => {
             let least = at_least.map(|least| margin(upper, upper, &|exponent, _| exponent - least));
             let most = at_most.map(|most| margin(upper, upper, &|exponent, _| most - exponent));
             least.into_iter().chain(most).collect()
         }
-        (RelationRecord::Ratio { .. } | RelationRecord::Growth { .. }, _) => None,
+        (Relation::Ratio { .. } | Relation::Growth { .. }, _) => None,
     };
     // An order is strict, a bound is not.
-    let strict = matches!(relation, RelationRecord::Order(_));
+    let strict = matches!(relation, Relation::Order(_));
     let verdicts: Vec<Verdict> = margins?.iter().map(|margin| above_zero(margin, strict)).collect();
     Some(if verdicts.contains(&Verdict::Fails) {
         Verdict::Fails
@@ -204,62 +204,22 @@ fn above_zero(margin: &Interval, strict: bool) -> Verdict {
 }
 
 /// Returns whether a cell has these values; an axis that its pipeline does not have matches any value.
-fn lies_at(cell: &Cell, at: &BTreeMap<String, AxisValue>) -> bool {
-    at.iter().all(|(axis, value)| cell.axes.get(axis).is_none_or(|own| own == value))
-}
-
-impl RelationRecord {
-    /// Returns the picks that it is about, in the order of the text.
-    pub fn picks(&self) -> Vec<&PickRecord> {
-        match self {
-            RelationRecord::Order(rising) => rising.iter().collect(),
-            RelationRecord::Ratio { of, to, .. } => vec![of, to],
-            RelationRecord::Growth { of, .. } => vec![of],
-        }
-    }
-}
-
-impl Claim {
-    /// Converts the claim to its form in the study's record.
-    pub(crate) fn record(&self) -> ClaimRecord {
-        let values =
-            |at: &Pins| at.iter().map(|(axis, value)| (axis.value.clone(), value.value.clone())).collect();
-        let pick = |pick: &Pick| PickRecord { pipeline: pick.pipeline.value.clone(), at: values(&pick.at) };
-        let relation = match &self.relation {
-            Relation::Order(rising) => RelationRecord::Order(rising.iter().map(pick).collect()),
-            Relation::Ratio { of, to, at_least, at_most } => {
-                RelationRecord::Ratio { of: pick(of), to: pick(to), at_least: *at_least, at_most: *at_most }
-            }
-            Relation::Growth { of, over, at_least, at_most } => RelationRecord::Growth {
-                of: pick(of),
-                over: over.value.clone(),
-                at_least: *at_least,
-                at_most: *at_most,
-            },
-        };
-        ClaimRecord {
-            measure: self.measure.value.clone(),
-            relation,
-            at: values(&self.at),
-            scenes: self.scenes.iter().map(|at| at.value.clone()).collect(),
-            says: self.says.clone(),
-        }
-    }
+fn lies_at(cell: &Cell, at: &Pins) -> bool {
+    at.iter().all(|(axis, value)| cell.axes.get(&axis.value).is_none_or(|own| *own == value.value))
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Seeds, Verdict, verdict};
-    use crate::record::{PickRecord, RelationRecord};
-    use std::collections::BTreeMap;
+    use crate::description::{Pick, Relation};
 
-    fn pick() -> PickRecord {
-        PickRecord { pipeline: String::new(), at: BTreeMap::new() }
+    fn pick() -> Pick {
+        Pick { pipeline: String::new().into(), at: Vec::new() }
     }
 
     fn order(less: &[f64], more: &[f64]) -> Option<Verdict> {
         let seeds = |values: &[f64]| -> Seeds { (1..).zip(values.iter().copied()).collect() };
-        verdict(&RelationRecord::Order(vec![pick(), pick()]), &[seeds(less), seeds(more)], None)
+        verdict(&Relation::Order(vec![pick(), pick()]), &[seeds(less), seeds(more)], None)
     }
 
     #[test]
@@ -278,8 +238,7 @@ mod tests {
     fn a_bound_is_of_the_numerator() {
         let ratio = |of: &[f64], most: f64| {
             let seeds = |values: &[f64]| -> Seeds { (1..).zip(values.iter().copied()).collect() };
-            let relation =
-                RelationRecord::Ratio { of: pick(), to: pick(), at_least: None, at_most: Some(most) };
+            let relation = Relation::Ratio { of: pick(), to: pick(), at_least: None, at_most: Some(most) };
             verdict(&relation, &[seeds(of), seeds(&[4.0, 4.5, 3.5])], None)
         };
         assert_eq!(ratio(&[2.0, 2.25, 1.75], 0.5), Some(Verdict::Holds), "half of each");
@@ -292,7 +251,7 @@ mod tests {
     fn errors_below_that_of_the_reference_decide_nothing() {
         let order = |less: f64, more: f64| {
             let seeds = |value: f64| Seeds::from([(1, value), (2, 1.01 * value)]);
-            let relation = RelationRecord::Order(vec![pick(), pick()]);
+            let relation = Relation::Order(vec![pick(), pick()]);
             verdict(&relation, &[seeds(less), seeds(more)], Some(0.03))
         };
         assert_eq!(order(0.01, 0.02), Some(Verdict::Undecided));

@@ -6,18 +6,65 @@ mod read;
 
 use crate::measure::Measure;
 use crate::record::AxisValue;
-use data_file::{Diagnostics, Source, Span};
+use data_file::codes::Code;
+use data_file::{Diagnostic, Diagnostics, Source, Span};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::Arc;
 
 pub use claim::{Claim, Pick, Pins, Relation};
 
-/// A value and its place in the file.
+/// A value and its place in the file. Records hold the value alone; values are compared without their places.
 #[derive(Clone, Debug)]
 pub struct At<T> {
     /// The value.
     pub value: T,
     /// Its place in the file.
     pub span: Span,
+}
+
+impl<T> At<T> {
+    /// Begins an error about the value.
+    pub(crate) fn error(&self, code: &'static Code, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(code, message).label(self.span.clone(), "")
+    }
+}
+
+impl At<String> {
+    /// Begins the error that there is nothing of this name, with the nearest of `known`, which are called `what`.
+    pub(crate) fn unknown<'a>(
+        &self,
+        code: &'static Code,
+        message: impl Into<String>,
+        what: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Diagnostic {
+        self.error(code, message).suggest(what, &self.value, known)
+    }
+}
+
+impl<T> From<T> for At<T> {
+    /// Wraps a value that is in no file.
+    fn from(value: T) -> At<T> {
+        At { value, span: Span { source: Source::new("", ""), start: 0, end: 0 } }
+    }
+}
+
+impl<T: PartialEq> PartialEq for At<T> {
+    fn eq(&self, other: &At<T>) -> bool {
+        self.value == other.value
+    }
+}
+
+impl<T: Serialize> Serialize for At<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.value.serialize(serializer)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for At<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<At<T>, D::Error> {
+        T::deserialize(deserializer).map(At::from)
+    }
 }
 
 /// A study file.

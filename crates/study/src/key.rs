@@ -90,7 +90,7 @@ pub(crate) fn of_reference(origin: &Origin, lab: &mut dyn Laboratory) -> Result<
 }
 
 fn identity(request: &RunRequest, lab: &mut dyn Laboratory) -> Result<String, Failure> {
-    Ok(format!("{:032x}", lab.identity(request)?.hash))
+    Ok(format!("{:032x}", lab.identity(request)?))
 }
 
 #[cfg(test)]

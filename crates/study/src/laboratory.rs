@@ -6,7 +6,6 @@ use frame_graph::{Settable, Value};
 use metrics::Image;
 use metrics::temporal::Pinhole;
 use metrics::virtual_lights::VirtualLight;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Describes the scenes and pipelines that can be studied, before anything runs. It needs no GPU.
@@ -105,11 +104,12 @@ pub trait Laboratory {
     /// Returns adapter and driver as text; they are part of every cell's key.
     fn adapter(&self) -> String;
 
-    /// Returns the identity of what a request depends on, without running it: its plan, shaders and scene.
+    /// Returns a hash of plan, shaders, scene and version of a request, without running it: equal hashes give equal
+    /// pictures.
     ///
     /// # Errors
     /// The error of the pipeline, its values or the scene, for the user to read.
-    fn identity(&mut self, request: &RunRequest) -> Result<Identity, Failure>;
+    fn identity(&mut self, request: &RunRequest) -> Result<u128, Failure>;
 
     /// Runs a request, and passes every measured frame to `observe`, in order. A pipeline that accumulates reports its
     /// progress to `step` after each frame.
@@ -169,13 +169,6 @@ pub struct RunRequest {
     pub until_done: bool,
 }
 
-/// Identifies what a request depends on.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Identity {
-    /// A hash of plan, shaders, scene and version: equal hashes give equal pictures.
-    pub hash: u128,
-}
-
 /// The progress of a pipeline with an output `progress`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
@@ -218,8 +211,6 @@ pub struct CellRun {
     pub memory: Memory,
     /// Provenance, as stored in pictures.
     pub provenance: String,
-    /// The values of the parameters in this run, for the record.
-    pub parameters: BTreeMap<String, AxisValue>,
     /// Estimated relMSE of the pipeline's own picture, if it has an output `progress`.
     pub noise: Option<f64>,
 }

@@ -127,22 +127,20 @@ mod seeds;
 mod table;
 
 pub use claim::{Finding, Verdict};
-pub use description::{Study, parse};
+pub use description::{Claim, Pick, Relation, Study, parse};
 pub use edit::Edits;
 pub use error::{Failure, StudyError};
 pub use interval::Interval;
 pub use laboratory::{
-    CellRun, Identity, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts, Step,
-    Values,
+    CellRun, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts, Step, Values,
 };
 pub use measure::Measure;
 pub use merge::merge;
 pub use page::publish;
 pub use plan::{Plan, PlannedCell};
 pub use record::{
-    Axis, AxisValue, Better, Cell, CellImages, ClaimRecord, Difference, FrameSeries, MeasureInfo, Memory,
-    Outcome, PassTime, PickRecord, PipelineRecord, ReferenceRecord, RelationRecord, Results, SceneRecord,
-    StudyRecord,
+    Axis, AxisValue, Better, Cell, CellImages, Difference, FrameSeries, MeasureInfo, Memory, Outcome,
+    PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
 };
 pub use report::report;
 pub use run::{Event, Ran, RunOptions, Shard, ShardError, name_of, run};

@@ -5,6 +5,7 @@ use crate::error::{StudyError, io};
 use crate::folder::write;
 use crate::record::{Outcome, Results};
 use crate::report;
+use crate::report::distinct;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -36,26 +37,27 @@ pub fn publish(folders: &[PathBuf], pages: &Path) -> Result<Vec<PathBuf>, StudyE
                 tables.push(std::fs::read_to_string(&file).map_err(io(&file, "cannot read"))?);
             }
         }
-        let text = replaced(&text, &results.study.name, &section(&results, &tables))
-            .map_err(|reason| StudyError::Damaged { path: page.clone(), reason })?;
+        let name = &results.study.name;
+        let text = replaced(&text, name, &section(&results, &tables)).ok_or_else(|| {
+            let reason = format!("`{}` has no `{END}`", begin(name));
+            StudyError::Damaged { path: page.clone(), reason }
+        })?;
         write(&page, text.as_bytes())?;
         Ok(page)
     };
     folders.iter().map(one).collect()
 }
 
-/// Returns the page with the content of the section `name` replaced.
-fn replaced(page: &str, name: &str, section: &str) -> Result<String, String> {
+/// Returns the page with the content of the section `name` replaced; `None` if that section has no end.
+fn replaced(page: &str, name: &str, section: &str) -> Option<String> {
     let begin = begin(name);
     let Some((before, rest)) = page.split_once(&begin) else {
         let gap = if page.is_empty() || page.ends_with("\n\n") { "" } else { "\n" };
-        return Ok(format!("{page}{gap}{begin}\n{section}{END}\n"));
+        return Some(format!("{page}{gap}{begin}\n{section}{END}\n"));
     };
     let next = rest.find("<!-- study: ");
-    match rest.find(END).filter(|end| next.is_none_or(|next| *end < next)) {
-        Some(end) => Ok(format!("{before}{begin}\n{section}{}", &rest[end..])),
-        None => Err(format!("`{begin}` has no `{END}`")),
-    }
+    let end = rest.find(END).filter(|end| next.is_none_or(|next| *end < next))?;
+    Some(format!("{before}{begin}\n{section}{}", &rest[end..]))
 }
 
 fn section(results: &Results, tables: &[String]) -> String {
@@ -95,18 +97,13 @@ fn section(results: &Results, tables: &[String]) -> String {
     if missing > 0 {
         let _ = write!(text, "\n{missing} of {} cells have not been run.\n", study.cell_count);
     }
-    let mut notes: Vec<&str> = Vec::new();
-    for cell in &results.cells {
+    let notes = distinct(results.cells.iter().flat_map(|cell| {
         let failure = match &cell.outcome {
-            Outcome::Failed { error } => Some(error.as_str()),
+            Outcome::Failed { error } => Some(error),
             Outcome::Done => None,
         };
-        for note in cell.notes.iter().map(String::as_str).chain(failure) {
-            if !notes.contains(&note) {
-                notes.push(note);
-            }
-        }
-    }
+        cell.notes.iter().chain(failure)
+    }));
     if !notes.is_empty() {
         text.push('\n');
     }
@@ -133,6 +130,6 @@ mod tests {
         let added = replaced("By hand.\n", "c", "new\n").unwrap();
         assert_eq!(added, "By hand.\n\n<!-- study: c -->\nnew\n<!-- end -->\n");
         let open = "<!-- study: a -->\n<!-- study: b -->\n<!-- end -->\n";
-        assert!(replaced(open, "a", "").unwrap_err().contains("<!-- study: a -->"));
+        assert_eq!(replaced(open, "a", ""), None);
     }
 }

@@ -112,8 +112,7 @@ impl Plan {
         checker.sets(&pipelines);
         let reference = checker.reference(&scenes);
         checker.budget(&scenes, &pipelines);
-        checker.phases(&pipelines);
-        checker.figures(&pipelines);
+        checker.phases_and_figures(&pipelines);
         checker.claims(&pipelines);
         let combinations =
             checker.combinations(MOST_CELLS, scenes.len() * pipelines.len() * study.seeds.len());

@@ -1,6 +1,7 @@
 //! The results of a study: plain data, stored in `study.json` and `cells/*.json`, from which tables and the
 //! report are generated.
 
+use crate::description::Claim;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -60,7 +61,7 @@ pub struct StudyRecord {
     pub command: String,
     /// The claims of the paper, in order.
     #[serde(default)]
-    pub claims: Vec<ClaimRecord>,
+    pub claims: Vec<Claim>,
     /// Parts of pictures that the report enlarges, in shares of the sides: left, top, width, height.
     #[serde(default)]
     pub crops: Vec<[f64; 4]>,
@@ -213,61 +214,6 @@ pub struct Difference {
     pub to: String,
     /// Lines of `lightloom diff`; empty if the pipelines are the same.
     pub lines: Vec<String>,
-}
-
-/// A claim of a paper about a measure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ClaimRecord {
-    /// Key of the measure.
-    pub measure: String,
-    /// The relation that should hold.
-    pub relation: RelationRecord,
-    /// Values of axes: cells with other values are left out, but those without the axis count.
-    pub at: BTreeMap<String, AxisValue>,
-    /// Names of the scenes that it is about, each checked separately, except where a growth is over their
-    /// triangles; all if empty.
-    pub scenes: Vec<String>,
-    /// The place in the paper; may be empty.
-    pub says: String,
-}
-
-/// A relation between means over cells, or of them to an axis.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RelationRecord {
-    /// Each mean is less than the next.
-    Order(Vec<PickRecord>),
-    /// The ratio of two means lies within bounds.
-    Ratio {
-        /// The numerator.
-        of: PickRecord,
-        /// The denominator.
-        to: PickRecord,
-        /// The least ratio.
-        at_least: Option<f64>,
-        /// The greatest ratio.
-        at_most: Option<f64>,
-    },
-    /// The exponent with which a measure grows over an axis lies within bounds.
-    Growth {
-        /// The cells whose measure grows.
-        of: PickRecord,
-        /// The axis; `triangles` for those of the scenes.
-        over: String,
-        /// The least exponent.
-        at_least: Option<f64>,
-        /// The greatest exponent.
-        at_most: Option<f64>,
-    },
-}
-
-/// The cells of a pipeline that a claim is about.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PickRecord {
-    /// Its name in the study.
-    pub pipeline: String,
-    /// Values of axes, in addition to those of the claim.
-    pub at: BTreeMap<String, AxisValue>,
 }
 
 /// One cell: one pipeline with one set of values on one scene with one seed. `cells/KEY.json`.

@@ -1,7 +1,7 @@
 //! Runs the cells of a study that are not finished.
 
 use crate::budget::{Domain, search};
-use crate::description::{Budget, Claim};
+use crate::description::Budget;
 use crate::error::{Failure, StudyError};
 use crate::evaluator::{Evaluator, Measurements};
 use crate::folder::{Folder, IMAGES, Index, now, read_study};
@@ -231,7 +231,7 @@ impl Session<'_> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             started: begun.unwrap_or_else(now),
             command: options.command.clone(),
-            claims: study.claims.iter().map(Claim::record).collect(),
+            claims: study.claims.clone(),
             crops: study.crops.clone(),
         }
     }

@@ -18,6 +18,7 @@ const SMALL_RADIUS: f64 = 2.4;
 const MOST_MARKED: usize = 256;
 
 /// A chart over two axes.
+#[derive(Default)]
 pub struct XyChart {
     /// A text alternative for readers who cannot see the chart.
     pub about: String,
@@ -48,6 +49,7 @@ pub struct Band {
 }
 
 /// Title and type of an axis.
+#[derive(Default)]
 pub struct XyAxis {
     /// The title, with its unit.
     pub title: String,
@@ -56,8 +58,10 @@ pub struct XyAxis {
 }
 
 /// The type of the values on an axis.
+#[derive(Default)]
 pub enum AxisKind {
     /// A quantity.
+    #[default]
     Quantity,
     /// Whole numbers, one after another.
     Count,
@@ -86,7 +90,7 @@ pub struct Line {
 }
 
 /// A point with its intervals.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Point {
     /// Position on the x axis.
     pub x: f64,
@@ -100,6 +104,13 @@ pub struct Point {
     pub label: String,
     /// Text that is shown when the pointer is over the point.
     pub tip: String,
+}
+
+impl XyAxis {
+    /// Creates the axis of a quantity.
+    pub fn quantity(title: impl Into<String>) -> XyAxis {
+        XyAxis { title: title.into(), kind: AxisKind::Quantity }
+    }
 }
 
 impl XyChart {

@@ -2,27 +2,31 @@
 
 use super::At;
 use crate::record::AxisValue;
+use serde::{Deserialize, Serialize};
 
 /// Values of axes, by name.
 pub type Pins = Vec<(At<String>, At<AxisValue>)>;
 
 /// A statement about the means of a measure, checked for each scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
     /// Key of a measure or of a phase.
     pub measure: At<String>,
     /// The relation that should hold.
     pub relation: Relation,
-    /// Values of axes: cells with other values are left out.
+    /// Values of axes: cells with other values are left out, but those without the axis count.
+    #[serde(with = "pins")]
     pub at: Pins,
-    /// The scenes that it is about; all if empty.
+    /// The scenes that it is about, each checked separately, except where a growth is over their triangles; all if
+    /// empty.
     pub scenes: Vec<At<String>>,
     /// Where the paper makes the claim; may be empty.
     pub says: String,
 }
 
-/// A relation between means.
-#[derive(Clone, Debug)]
+/// A relation between means over cells, or of them to an axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Relation {
     /// Each mean is less than the next; at least two means.
     Order(Vec<Pick>),
@@ -51,11 +55,12 @@ pub enum Relation {
 }
 
 /// The cells of a pipeline that a claim is about.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pick {
     /// Name of the pipeline in the study.
     pub pipeline: At<String>,
     /// Values of axes, in addition to those of the claim.
+    #[serde(with = "pins")]
     pub at: Pins,
 }
 
@@ -67,5 +72,23 @@ impl Relation {
             Relation::Ratio { of, to, .. } => vec![of, to],
             Relation::Growth { of, .. } => vec![of],
         }
+    }
+}
+
+/// Values of axes in records: a map.
+mod pins {
+    use super::{At, AxisValue, Pins};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::collections::BTreeMap;
+
+    pub(super) fn serialize<S: Serializer>(pins: &Pins, serializer: S) -> Result<S::Ok, S::Error> {
+        let map: BTreeMap<&str, &AxisValue> =
+            pins.iter().map(|(axis, value)| (axis.value.as_str(), &value.value)).collect();
+        map.serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Pins, D::Error> {
+        let map = BTreeMap::<String, At<AxisValue>>::deserialize(deserializer)?;
+        Ok(map.into_iter().map(|(axis, value)| (axis.into(), value)).collect())
     }
 }

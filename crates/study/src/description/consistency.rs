@@ -14,7 +14,7 @@ use frame_graph::{Diagnostic, Diagnostics, Span};
 impl Study {
     /// Reports contradictions, entries that are given twice, and measures that lack what they need.
     pub(crate) fn consistent(&self) -> Result<(), Diagnostics> {
-        told(errors(self))
+        result(errors(self))
     }
 
     /// Checks the same for a file as it is written, and also the scenes and values of axes that claims name.
@@ -28,14 +28,13 @@ impl Study {
             let scenes: Vec<&str> = self.scenes.iter().map(|at| at.value.as_str()).collect();
             for scene in claim.scenes.iter().filter(|at| !scenes.contains(&at.value.as_str())) {
                 let message = format!("`{}` is no scene of this study", scene.value);
-                let error = Diagnostic::new(&codes::CLAIM, message).label(scene.span.clone(), "");
-                errors.push(error.suggest("scenes", &scene.value, scenes.iter().copied()));
+                errors.push(scene.unknown(&codes::CLAIM, message, "scenes", scenes.iter().copied()));
             }
             if let Relation::Growth { over, .. } = &claim.relation {
                 errors.extend(self.unfit_axis(claim, over));
             }
         }
-        told(errors)
+        result(errors)
     }
 
     /// Returns what is wrong with a value of an axis in a claim.
@@ -44,16 +43,14 @@ impl Study {
         let Some(axis) = axes.iter().find(|axis| axis.path.value == name.value) else {
             let names = axes.iter().map(|axis| axis.path.value.as_str());
             let message = format!("a claim is made at `{}`, which is no axis", name.value);
-            let error = Diagnostic::new(&codes::CLAIM, message).label(name.span.clone(), "");
-            return Some(error.suggest("axes", &name.value, names));
+            return Some(name.unknown(&codes::CLAIM, message, "axes", names));
         };
         if axis.values.iter().any(|at| at.value == value.value) {
             return None;
         }
         let values: Vec<String> = axis.values.iter().map(|at| at.value.to_string()).collect();
         let message = format!("the axis `{}` never is {}", name.value, value.value);
-        let error = Diagnostic::new(&codes::CLAIM, message).label(value.span.clone(), "");
-        Some(error.note(format!("it is {}", values.join(", "))))
+        Some(value.error(&codes::CLAIM, message).note(format!("it is {}", values.join(", "))))
     }
 }
 
@@ -61,7 +58,7 @@ impl Study {
     /// Returns what is wrong with the axis over which a claim says that a measure grows.
     fn unfit_axis(&self, claim: &Claim, over: &At<String>) -> Option<Diagnostic> {
         let name = &over.value;
-        let error = |message: String| Diagnostic::new(&codes::CLAIM, message).label(over.span.clone(), "");
+        let error = |message: String| over.error(&codes::CLAIM, message);
         if let Some((pinned, _)) = claim.pins().find(|(axis, _)| axis.value == *name) {
             let message = format!("an exponent over `{name}` needs all its values");
             return Some(error(message).label(pinned.span.clone(), "leaves one of them"));
@@ -79,8 +76,8 @@ impl Study {
         let axes: Vec<&Vary> = self.vary.iter().flat_map(Group::axes).collect();
         let Some(axis) = axes.iter().find(|axis| axis.path.value == *name) else {
             let names = axes.iter().map(|axis| axis.path.value.as_str()).chain([TRIANGLES]);
-            let error = error(format!("a measure cannot grow over `{name}`, which is no axis"));
-            return Some(error.suggest("axes", name, names));
+            let message = format!("a measure cannot grow over `{name}`, which is no axis");
+            return Some(over.unknown(&codes::CLAIM, message, "axes", names));
         };
         let mut places = Vec::new();
         for at in &axis.values {
@@ -106,7 +103,7 @@ impl Claim {
     }
 }
 
-fn told(errors: Vec<Diagnostic>) -> Result<(), Diagnostics> {
+fn result(errors: Vec<Diagnostic>) -> Result<(), Diagnostics> {
     if errors.is_empty() { Ok(()) } else { Err(Diagnostics::sorted(errors)) }
 }
 
@@ -149,13 +146,8 @@ fn errors(study: &Study) -> Vec<Diagnostic> {
         for name in follow {
             let known: Vec<&str> = axes().map(|axis| axis.path.value.as_str()).chain([SEED]).collect();
             if !known.contains(&name.value.as_str()) {
-                let error = Diagnostic::new(
-                    &codes::REFERENCE,
-                    format!("the reference cannot follow `{}`: it is no axis", name.value),
-                )
-                .label(name.span.clone(), "")
-                .suggest("axes", &name.value, known);
-                errors.push(error);
+                let message = format!("the reference cannot follow `{}`: it is no axis", name.value);
+                errors.push(name.unknown(&codes::REFERENCE, message, "axes", known));
             }
         }
     }
@@ -179,10 +171,8 @@ fn measured(study: &Study, claim: &Claim, errors: &mut Vec<Diagnostic>) {
     let taken: Vec<&str> = taken.collect();
     let name = &claim.measure;
     if !taken.contains(&name.value.as_str()) {
-        let error = Diagnostic::new(&codes::CLAIM, format!("`{}` is claimed, and not measured", name.value))
-            .label(name.span.clone(), "")
-            .suggest("measures of this study", &name.value, taken);
-        errors.push(error);
+        let message = format!("the claim needs the measure `{}`, which is not measured", name.value);
+        errors.push(name.unknown(&codes::CLAIM, message, "measures of this study", taken));
     }
     once(errors, "the scene", claim.scenes.iter().map(|at| (at.value.as_str(), &at.span)));
     for pick in claim.relation.picks() {
@@ -195,10 +185,8 @@ fn measured(study: &Study, claim: &Claim, errors: &mut Vec<Diagnostic>) {
 fn needs(study: &Study, at: &At<Measure>, errors: &mut Vec<Diagnostic>) {
     let (measure, needs) = (at.value, at.value.needs());
     let mut lacks = |what: String, note: &str| {
-        let error = Diagnostic::new(&codes::NEEDS, format!("`{}` needs {what}", measure.key()))
-            .label(at.span.clone(), "")
-            .note(note);
-        errors.push(error);
+        let message = format!("`{}` needs {what}", measure.key());
+        errors.push(at.error(&codes::NEEDS, message).note(note));
     };
     if needs.reference && matches!(study.reference, Reference::None) {
         lacks("a reference".to_owned(), "add `reference: Pipeline(pipeline: \"reference\")`");

@@ -7,6 +7,7 @@ use crate::description::{
     At, Budget, Group, Pipelines, Reference, Relation, SEED, SIZE, Set, Study, StudyFigure, TRIANGLES,
     Variant,
 };
+use crate::error::Failure;
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
 use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
@@ -52,8 +53,7 @@ impl<'a> Checker<'a> {
                 }
                 Err(why) => {
                     let known = self.registry.scenes();
-                    let error = refused(&codes::SCENE, ("scene", "scenes"), scene, &why.to_string(), &known);
-                    self.errors.push(error);
+                    self.errors.push(refused(&codes::SCENE, ("scene", "scenes"), scene, Some(&why), &known));
                 }
             }
         }
@@ -69,9 +69,13 @@ impl<'a> Checker<'a> {
             Ok(facts) => Some(facts),
             Err(why) => {
                 let known = self.registry.pipelines();
-                let error =
-                    refused(&codes::PIPELINE, ("pipeline", "pipelines"), name, &why.to_string(), &known);
-                self.errors.push(error);
+                self.errors.push(refused(
+                    &codes::PIPELINE,
+                    ("pipeline", "pipelines"),
+                    name,
+                    Some(&why),
+                    &known,
+                ));
                 None
             }
         }
@@ -84,11 +88,13 @@ impl<'a> Checker<'a> {
             Pipelines::All { except, span } => {
                 let names = self.registry.pipelines();
                 for name in except.iter().filter(|name| !names.contains(&name.value)) {
-                    let error =
-                        Diagnostic::new(&codes::PIPELINE, format!("there is no pipeline `{}`", name.value))
-                            .label(name.span.clone(), "")
-                            .suggest("pipelines", &name.value, names.iter().map(String::as_str));
-                    self.errors.push(error);
+                    self.errors.push(refused(
+                        &codes::PIPELINE,
+                        ("pipeline", "pipelines"),
+                        name,
+                        None,
+                        &names,
+                    ));
                 }
                 let wanted =
                     names.into_iter().filter(|name| !except.iter().any(|other| other.value == *name));
@@ -164,8 +170,7 @@ impl<'a> Checker<'a> {
             if shared.is_empty() { ("outputs", known) } else { ("outputs of all pipelines here", shared) };
         let verb = if lacking.len() == 1 { "has" } else { "have" };
         let message = format!("{} {verb} no output `{}`", lacking.join(", "), output.value);
-        let error = Diagnostic::new(&codes::OUTPUT, message).label(output.span.clone(), "");
-        let error = error.suggest(what, &output.value, names);
+        let error = output.unknown(&codes::OUTPUT, message, what, names);
         let text = output.span.source.text.get(output.span.start as usize..output.span.end as usize);
         let is_stated = text.is_some_and(|text| text.contains('"'));
         Some(if is_stated { error } else { error.note("a study without `output:` measures `indirect`") })
@@ -187,7 +192,7 @@ impl<'a> Checker<'a> {
         else {
             return;
         };
-        let error = Diagnostic::new(&codes::VALUE, message).label(value.span.clone(), "");
+        let error = value.error(&codes::VALUE, message);
         // Pipelines that share a declaration give the same error, which is reported once.
         if !self.errors.iter().any(|other| other.message == error.message && other.labels == error.labels) {
             self.errors.push(error.note(format!("in the pipeline `{pipeline}`")));
@@ -199,12 +204,7 @@ impl<'a> Checker<'a> {
         let verb = if names.len() == 1 { "has" } else { "have" };
         let message = format!("{} {verb} no parameter or setting `{}`", names.join(", "), path.value);
         let known = facts.settings.iter().map(|settable| settable.path.as_str());
-        let error = Diagnostic::new(&codes::PATH, message).label(path.span.clone(), "").suggest(
-            "there are",
-            &path.value,
-            known,
-        );
-        self.errors.push(error);
+        self.errors.push(path.unknown(&codes::PATH, message, "there are", known));
     }
 
     /// Checks a path that several pipelines are given: reports those that lack it, unless it is optional.
@@ -273,28 +273,16 @@ impl<'a> Checker<'a> {
                 for (name, _) in scenes {
                     let of = |at: &Option<At<String>>| at.as_ref().is_none_or(|scene| scene.value == *name);
                     if !files.iter().any(|(scene, _)| of(scene)) {
-                        let span =
-                            self.study.scenes.iter().find(|at| at.value == *name).map(|at| at.span.clone());
-                        let error = Diagnostic::new(
-                            &codes::REFERENCE,
-                            format!("there is no picture for the scene `{name}`"),
-                        );
-                        self.errors.push(match span {
-                            Some(span) => error.label(span, ""),
-                            None => error,
-                        });
+                        let scene = self.study.scenes.iter().find(|at| at.value == *name);
+                        let message = format!("there is no picture for the scene `{name}`");
+                        self.errors.extend(scene.map(|scene| scene.error(&codes::REFERENCE, message)));
                     }
                 }
                 for scene in files.iter().filter_map(|(scene, _)| scene.as_ref()) {
                     let known: Vec<&str> = self.study.scenes.iter().map(|at| at.value.as_str()).collect();
                     if !known.contains(&scene.value.as_str()) {
-                        let error = Diagnostic::new(
-                            &codes::REFERENCE,
-                            format!("`{}` is no scene of this study", scene.value),
-                        )
-                        .label(scene.span.clone(), "")
-                        .suggest("scenes", &scene.value, known);
-                        self.errors.push(error);
+                        let message = format!("`{}` is no scene of this study", scene.value);
+                        self.errors.push(scene.unknown(&codes::REFERENCE, message, "scenes", known));
                     }
                 }
                 None
@@ -321,13 +309,9 @@ impl<'a> Checker<'a> {
             && let Some((name, _)) = scenes.iter().find(|(_, facts)| facts.moves)
             && let Some(at) = self.study.scenes.iter().find(|at| at.value == *name)
         {
-            let error = Diagnostic::new(
-                &codes::BUDGET,
-                format!("time cannot be spent over frames of `{name}`, which moves"),
-            )
-            .label(at.span.clone(), "")
-            .note("`Time(ms: …, by: \"lights\")` gives each frame its time");
-            self.errors.push(error);
+            let message = format!("time cannot be spent over frames of `{name}`, which moves");
+            let note = "`Time(ms: …, by: \"lights\")` gives each frame its time";
+            self.errors.push(at.error(&codes::BUDGET, message).note(note));
         }
         let Some(by) = self.study.budget.by() else { return };
         self.path(by, false, None, pipelines);
@@ -339,49 +323,33 @@ impl<'a> Checker<'a> {
             } else if !matches!(setting.ty, ValueType::U32 | ValueType::I32) {
                 let message =
                     format!("a budget sets whole numbers, and `{}` is of type {}", by.value, setting.ty);
-                self.errors.push(
-                    Diagnostic::new(&codes::BUDGET, message)
-                        .label(by.span.clone(), "")
-                        .note(format!("in the pipeline `{}`", pipeline.record.name)),
-                );
+                let note = format!("in the pipeline `{}`", pipeline.record.name);
+                self.errors.push(by.error(&codes::BUDGET, message).note(note));
             }
         }
     }
 
-    /// Checks that each pass of a phase exists in some pipeline. The passes of a pipeline that cannot be used
-    /// are unknown.
-    pub(super) fn phases(&mut self, pipelines: &[Resolved]) {
+    /// Checks that each pass of a phase and each figure exists in some pipeline. Those of a pipeline that cannot be
+    /// used are unknown.
+    pub(super) fn phases_and_figures(&mut self, pipelines: &[Resolved]) {
         if self.errors.iter().any(|error| error.code == codes::PIPELINE.code) {
             return;
         }
         let passes = pipelines.iter().flat_map(|pipeline| &pipeline.facts.passes);
-        let known = all_names(passes.map(String::as_str));
+        let passes = all_names(passes.map(String::as_str));
+        let figures = pipelines.iter().flat_map(|pipeline| &pipeline.facts.figures);
+        let figures: Vec<&str> = figures.map(String::as_str).collect();
+        let mut check = |name: &At<String>, code, (one, many): (&str, &str), known: &[&str]| {
+            if !known.contains(&name.value.as_str()) {
+                let message = format!("no pipeline has a {one} `{}`", name.value);
+                self.errors.push(name.unknown(code, message, many, known.iter().copied()));
+            }
+        };
         for pass in self.study.phases.iter().flat_map(|phase| &phase.passes) {
-            if !known.contains(&pass.value.as_str()) {
-                let error = Diagnostic::new(
-                    &codes::PHASE,
-                    format!("no pipeline has a pass or sub-graph `{}`", pass.value),
-                )
-                .label(pass.span.clone(), "")
-                .suggest("passes and sub-graphs", &pass.value, known.iter().copied());
-                self.errors.push(error);
-            }
+            check(pass, &codes::PHASE, ("pass or sub-graph", "passes and sub-graphs"), &passes);
         }
-    }
-
-    /// Checks that each figure is one of some pipeline.
-    pub(super) fn figures(&mut self, pipelines: &[Resolved]) {
-        if self.errors.iter().any(|error| error.code == codes::PIPELINE.code) {
-            return;
-        }
-        let known: Vec<&str> =
-            pipelines.iter().flat_map(|pipeline| &pipeline.facts.figures).map(String::as_str).collect();
         for StudyFigure { of, .. } in &self.study.figures {
-            if !known.contains(&of.value.as_str()) {
-                let message = format!("no pipeline has a figure `{}`", of.value);
-                let error = Diagnostic::new(&codes::FIGURE, message).label(of.span.clone(), "");
-                self.errors.push(error.suggest("figures", &of.value, known.iter().copied()));
-            }
+            check(of, &codes::FIGURE, ("figure", "figures"), &figures);
         }
     }
 
@@ -405,8 +373,7 @@ impl<'a> Checker<'a> {
             let name = &pick.pipeline;
             if !known.contains(&name.value.as_str()) {
                 let message = format!("no pipeline of this study is named `{}`", name.value);
-                let error = Diagnostic::new(&codes::CLAIM, message).label(name.span.clone(), "");
-                self.errors.push(error.suggest("pipelines", &name.value, known.iter().copied()));
+                self.errors.push(name.unknown(&codes::CLAIM, message, "pipelines", known.iter().copied()));
             }
             let Some(found) = pipelines.iter().find(|pipeline| pipeline.record.name == name.value) else {
                 continue;
@@ -414,7 +381,7 @@ impl<'a> Checker<'a> {
             let axes = pick.at.iter().map(|(axis, _)| axis).chain(over);
             for axis in axes.filter(|axis| axis.value != SIZE && !found.has(&axis.value)) {
                 let message = format!("`{}` has no axis `{}`, and so no cells there", name.value, axis.value);
-                self.errors.push(Diagnostic::new(&codes::CLAIM, message).label(axis.span.clone(), ""));
+                self.errors.push(axis.error(&codes::CLAIM, message));
             }
         }
     }
@@ -452,17 +419,13 @@ fn refused(
     code: &'static Code,
     (one, many): (&str, &str),
     name: &At<String>,
-    why: &str,
+    why: Option<&Failure>,
     known: &[String],
 ) -> Diagnostic {
     let is_file = name.value.contains(['/', '\\', '.']);
-    if is_file || known.contains(&name.value) {
-        let message = format!("the {one} `{}` cannot be used", name.value);
-        return Diagnostic::new(code, message).label(name.span.clone(), "").note(why);
+    if let Some(why) = why.filter(|_| is_file || known.contains(&name.value)) {
+        return name.error(code, format!("the {one} `{}` cannot be used", name.value)).note(why.to_string());
     }
-    Diagnostic::new(code, format!("there is no {one} `{}`", name.value)).label(name.span.clone(), "").suggest(
-        many,
-        &name.value,
-        known.iter().map(String::as_str),
-    )
+    let message = format!("there is no {one} `{}`", name.value);
+    name.unknown(code, message, many, known.iter().map(String::as_str))
 }

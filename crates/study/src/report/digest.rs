@@ -37,14 +37,11 @@ pub(super) struct Row<'a> {
 impl<'a> Digest<'a> {
     pub(super) fn new(results: &'a Results) -> Digest<'a> {
         let study = &results.study;
-        let scenes = names(
-            study.scenes.iter().map(|scene| &*scene.name),
-            results.cells.iter().map(|cell| &*cell.scene),
-        );
-        let pipelines = names(
-            study.pipelines.iter().map(|pipeline| &*pipeline.name),
-            results.cells.iter().map(|cell| &*cell.pipeline),
-        );
+        let cells = || results.cells.iter();
+        let scenes = study.scenes.iter().map(|scene| &*scene.name);
+        let scenes = distinct(scenes.chain(cells().map(|cell| &*cell.scene)));
+        let pipelines = study.pipelines.iter().map(|pipeline| &*pipeline.name);
+        let pipelines = distinct(pipelines.chain(cells().map(|cell| &*cell.pipeline)));
         let mut rows: Vec<Row<'_>> = Vec::new();
         for cell in &results.cells {
             let scene = position(&scenes, &cell.scene);
@@ -210,12 +207,7 @@ impl Row<'_> {
 
     /// Formats the value that the budget determined: `lights = 480`; a range if the seeds differ.
     pub(super) fn chosen(&self, name: &str) -> Option<String> {
-        let mut values: Vec<&AxisValue> = Vec::new();
-        for value in self.done().filter_map(|cell| cell.chosen.get(name)) {
-            if !values.contains(&value) {
-                values.push(value);
-            }
-        }
+        let values = distinct(self.done().filter_map(|cell| cell.chosen.get(name)));
         let numbers: Option<Vec<f64>> = values
             .iter()
             .map(|value| if let AxisValue::Number(number) = value { Some(*number) } else { None })
@@ -238,12 +230,6 @@ impl Row<'_> {
     }
 }
 
-/// Formats values: `lights = 64, map = 32`.
-pub(super) fn values_text(values: &BTreeMap<String, AxisValue>) -> String {
-    let texts: Vec<String> = values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-    texts.join(", ")
-}
-
 /// Formats a label with its unit: `relMSE`, `GPU time [ms]`.
 pub(super) fn label_with_unit(measure: &MeasureInfo) -> String {
     if measure.unit.is_empty() {
@@ -255,25 +241,21 @@ pub(super) fn label_with_unit(measure: &MeasureInfo) -> String {
 
 /// Returns the values of an axis that rows have: first those that it declares, then others.
 fn taken<'a>(declared: &'a Axis, axis: usize, rows: &[Row<'a>]) -> Vec<&'a AxisValue> {
-    let mut found: Vec<&AxisValue> = Vec::new();
-    for value in rows.iter().filter_map(|row| row.values[axis]) {
-        if !found.contains(&value) {
-            found.push(value);
-        }
-    }
+    let mut found = distinct(rows.iter().filter_map(|row| row.values[axis]));
     let place = |value: &&AxisValue| declared.values.iter().position(|v| v == *value).unwrap_or(usize::MAX);
     found.sort_by_key(place);
     found
 }
 
-fn names<'a>(declared: impl Iterator<Item = &'a str>, used: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut names: Vec<&str> = Vec::new();
-    for name in declared.chain(used) {
-        if !names.contains(&name) {
-            names.push(name);
+/// Returns each element once, in the order of its first place.
+pub(crate) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for one in all {
+        if !found.contains(&one) {
+            found.push(one);
         }
     }
-    names
+    found
 }
 
 fn position(names: &[&str], name: &str) -> usize {

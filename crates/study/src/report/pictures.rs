@@ -13,7 +13,7 @@ use serde::Serialize;
 use encoded::{Encoded, diverging, step, white};
 use linear::Linear;
 
-use super::digest::{Digest, Row};
+use super::digest::{Digest, Row, distinct};
 use crate::Cell;
 use report::Measured;
 
@@ -157,14 +157,8 @@ impl Pictures {
 
 /// Returns the references of cells, and a stand-in for each scene that has none.
 fn truths(digest: &Digest<'_>, folder: &Path, notes: &mut Vec<String>) -> Vec<Truth> {
-    let mut paths: Vec<(usize, &str)> = Vec::new();
-    for row in &digest.rows {
-        for path in row.cells.iter().filter_map(|cell| reference_of(digest, row.scene, cell)) {
-            if !paths.contains(&(row.scene, path)) {
-                paths.push((row.scene, path));
-            }
-        }
-    }
+    let cells = digest.rows.iter().flat_map(|row| row.cells.iter().map(|cell| (row.scene, *cell)));
+    let paths = distinct(cells.filter_map(|(scene, cell)| Some((scene, reference_of(digest, scene, cell)?))));
     let mut truths: Vec<Truth> = Vec::new();
     for (scene, path) in paths {
         match Image::read(folder.join(path)) {

@@ -3,7 +3,7 @@
 mod claims;
 
 use super::best::Best;
-use super::digest::{Digest, Row, label_with_unit};
+use super::digest::{Digest, Row, distinct, label_with_unit};
 use crate::{Interval, MeasureInfo};
 pub(super) use claims::of_claims;
 use report::{Column, Entry, Table, number};
@@ -13,12 +13,7 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
     let study = &digest.results.study;
     let varied = digest.varied();
     let rows: Vec<&Row<'_>> = digest.of_scene(scene).collect();
-    let mut chosen: Vec<&str> = Vec::new();
-    for name in rows.iter().flat_map(|row| row.done()).flat_map(|cell| cell.chosen.keys()) {
-        if !chosen.contains(&&**name) {
-            chosen.push(name);
-        }
-    }
+    let chosen = distinct(rows.iter().flat_map(|row| row.done()).flat_map(|cell| cell.chosen.keys()));
     let measures: Vec<&MeasureInfo> = digest.measured().collect();
     let best_of = |measure: &&MeasureInfo| {
         let values: Vec<Interval> = rows.iter().filter_map(|row| row.summary(&measure.key)).collect();

@@ -4,10 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use metrics::{Display, Image, PIXELS_PER_DEGREE, Pair, flip};
-use study::{
-    Axis, AxisValue, Better, Cell, CellImages, Difference, FrameSeries, MeasureInfo, Memory, Outcome,
-    PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
-};
+use study::{AxisValue, Cell, CellImages, FrameSeries, Memory, Outcome, PassTime, Results, StudyRecord};
 
 pub(super) const SCENES: [&str; 2] = ["cornell-box", "hall of <b>mirrors</b> & \"smoke\""];
 pub(super) const PIPELINES: [&str; 3] = ["imperfect maps", "RSM & clusters <v2>", "sequential"];
@@ -134,90 +131,8 @@ fn cell(
 }
 
 fn study(cell_count: usize) -> StudyRecord {
-    let info = |key: &str, label: &str, unit: &str, better, is_error, doc: &str| MeasureInfo {
-        key: key.to_owned(),
-        label: label.to_owned(),
-        unit: unit.to_owned(),
-        better,
-        doc: doc.to_owned(),
-        is_error,
-    };
-    let scene = |name: &&str| SceneRecord {
-        name: (*name).to_owned(),
-        about: "A box with two blocks".to_owned(),
-        hash: "0123456789abcdef".to_owned(),
-        triangles: 34,
-    };
-    let pipeline = |name: &&str| PipelineRecord {
-        name: (*name).to_owned(),
-        pipeline: "pipelines/ism.ron".to_owned(),
-        about: "One-bounce diffuse light".to_owned(),
-        paper: "Ritschel et al. 2008".to_owned(),
-        set: BTreeMap::from([("gather.clamp".to_owned(), AxisValue::Number(0.1))]),
-    };
-    let difference = |to: &&str| Difference {
-        from: PIPELINES[0].to_owned(),
-        to: (*to).to_owned(),
-        lines: vec![
-            "- visibility: imperfect-shadow-maps".to_owned(),
-            "+ visibility: rays <exact>".to_owned(),
-        ],
-    };
-    StudyRecord {
-        name: "many-lights".to_owned(),
-        about: "What visibility by imperfect maps costs and loses".to_owned(),
-        paper: "ISM, Fig. 7".to_owned(),
-        source: "(\n    scenes: [\"cornell-box\"], // <one> & another\n    seeds: 3,\n)\n".to_owned(),
-        size: (SIZE.0 as u32, SIZE.1 as u32),
-        output: "indirect".to_owned(),
-        budget: "8 frames".to_owned(),
-        warm_up: 2,
-        seeds: SEEDS.to_vec(),
-        scenes: SCENES.iter().map(scene).collect(),
-        pipelines: PIPELINES.iter().map(pipeline).collect(),
-        axes: vec![
-            Axis {
-                name: "lights".to_owned(),
-                doc: "Virtual lights".to_owned(),
-                unit: String::new(),
-                values: LIGHTS.map(AxisValue::Number).to_vec(),
-            },
-            Axis {
-                name: "gather.filter".to_owned(),
-                doc: "Whether the gathered light is filtered".to_owned(),
-                unit: String::new(),
-                values: vec![AxisValue::Bool(false), AxisValue::Bool(true)],
-            },
-        ],
-        measures: vec![
-            info("rel-mse", "relMSE", "", Better::Lower, true, "Relative mean squared error"),
-            info("flip", "ꟻLIP", "", Better::Lower, true, "Mean perceived difference"),
-            info("ssim", "SSIM", "", Better::Higher, true, "Structural similarity"),
-            info("energy", "energy", "", Better::One, false, "Mean over that of the reference"),
-            info("gpu-ms", "GPU time", "ms", Better::Lower, false, "GPU time of a frame"),
-            info("tid", "TID", "", Better::Lower, true, "Temporal image difference"),
-        ],
-        references: SCENES
-            .iter()
-            .map(|name| ReferenceRecord {
-                scene: (*name).to_owned(),
-                from: "pipeline reference, 4096 samples".to_owned(),
-                image: None,
-                seconds: 12.5,
-                noise: Some(0.0007),
-                error: String::new(),
-                provenance: "{\"version\":\"0.1.0\"}".to_owned(),
-            })
-            .collect(),
-        differences: PIPELINES[1..].iter().map(difference).collect(),
-        cell_count,
-        adapter: "llvmpipe (LLVM 15.0.6, 256 bits), Mesa 22.3.6".to_owned(),
-        version: "0.1.0".to_owned(),
-        started: "2026-11-21T12:00:00Z".to_owned(),
-        command: "lightloom study many-lights.ron".to_owned(),
-        claims: Vec::new(),
-        crops: vec![[0.25, 0.25, 0.125, 0.25], [0.5, 0.5, 0.5, 0.5]],
-    }
+    let study: StudyRecord = serde_json::from_str(include_str!("sample.json")).expect("a record");
+    StudyRecord { cell_count, ..study }
 }
 
 /// Two lit discs over a gradient, the scenes mirrored, with relative noise.

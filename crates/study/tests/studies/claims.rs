@@ -105,7 +105,8 @@ fn other_claims_run_nothing() {
     // `nan` fails each time.
     assert_eq!(begin(CLAIMS), "begin 20 12 0");
     let claims = Results::read(folder.path()).unwrap().study.claims;
-    assert_eq!((claims.len(), claims[5].at["map"].clone()), (9, AxisValue::Number(32.0)));
+    let (_, map) = claims[5].at.iter().find(|(axis, _)| axis.value == "map").unwrap();
+    assert_eq!((claims.len(), &map.value), (9, &AxisValue::Number(32.0)));
 }
 
 /// A run with other values leaves claims about those of the file unmeasured.

@@ -7,8 +7,8 @@ use metrics::virtual_lights::VirtualLight;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use study::{
-    AxisValue, CellRun, Event, Failure, Identity, Laboratory, Memory, Observed, Occluded, PipelineFacts,
-    Plan, Ran, Registry, RunOptions, RunRequest, SceneFacts, SceneRecord, Step, Study, StudyError, Values,
+    AxisValue, CellRun, Event, Failure, Laboratory, Memory, Observed, Occluded, PipelineFacts, Plan, Ran,
+    Registry, RunOptions, RunRequest, SceneFacts, SceneRecord, Step, Study, StudyError, Values,
 };
 
 /// What there is: `box` stands still, `walk` moves, and `grid-N` has N triangles, which add to the time of `exact` as
@@ -142,9 +142,8 @@ impl Laboratory for Fake {
         "paper and pencil".to_owned()
     }
 
-    fn identity(&mut self, request: &RunRequest) -> Result<Identity, Failure> {
-        let shader = self.shaders.get(&request.pipeline).copied().unwrap_or_default();
-        Ok(Identity { hash: shader })
+    fn identity(&mut self, request: &RunRequest) -> Result<u128, Failure> {
+        Ok(self.shaders.get(&request.pipeline).copied().unwrap_or_default())
     }
 
     fn run(
@@ -215,7 +214,6 @@ impl Laboratory for Fake {
         Ok(CellRun {
             memory: Memory { unshared: 4 << 20, shared: 3 << 20, bound: 2 << 20, held: 3 << 20 },
             provenance: format!("{{\"pipeline\":\"{}\"}}", request.pipeline),
-            parameters: BTreeMap::new(),
             noise: (request.pipeline == "truth").then_some(1e-6),
         })
     }

@@ -2,7 +2,7 @@
 
 use super::{Figure, Kind, file};
 use crate::Interval;
-use crate::report::digest::{Digest, Row, label_with_unit};
+use crate::report::digest::{Digest, Row, distinct, label_with_unit};
 use crate::{AxisValue, Better, MeasureInfo};
 use report::{AxisKind, Line, MOST_DASHES, Point, Series, XyAxis, XyChart, number};
 
@@ -91,12 +91,12 @@ fn time_chart(
         about,
         dashes: names.collect(),
         floor,
-        x: XyAxis { title: digest.time_label(), kind: AxisKind::Quantity },
-        y: XyAxis { title: label_with_unit(measure), kind: AxisKind::Quantity },
-        bands: Vec::new(),
+        x: XyAxis::quantity(digest.time_label()),
+        y: XyAxis::quantity(label_with_unit(measure)),
         front_rises: measure.better == Better::Higher,
         front,
         series,
+        ..XyChart::default()
     };
     Some(Figure {
         kind: Kind::ErrorTime,
@@ -149,10 +149,9 @@ fn axis_chart(
         Some(Point {
             x,
             y: error.mean,
-            x_half: 0.0,
             y_half: error.half.unwrap_or(0.0),
-            label: String::new(),
             tip: tip(digest, row, &[(measure.label.as_str(), &measure.unit, &error)]),
+            ..Point::default()
         })
     };
     let series = series(digest, scene, &(Some(axis), rest), &|_| 0, &point);
@@ -177,13 +176,10 @@ fn axis_chart(
     let chart = XyChart {
         about,
         x: XyAxis { title: format!("{}{unit}", info.name), kind },
-        y: XyAxis { title: label_with_unit(measure), kind: AxisKind::Quantity },
+        y: XyAxis::quantity(label_with_unit(measure)),
         series,
-        bands: Vec::new(),
-        front: Vec::new(),
-        front_rises: false,
-        dashes: Vec::new(),
         floor: digest.noise(scene, measure),
+        ..XyChart::default()
     };
     Some(Figure {
         kind: Kind::ErrorAxis,
@@ -270,14 +266,7 @@ pub(super) fn combinations<'a: 'b, 'b>(
     rows: impl Iterator<Item = &'b Row<'a>>,
     axes: &[usize],
 ) -> Vec<Combination<'a>> {
-    let mut combinations = Vec::new();
-    for row in rows {
-        let combination = group(row, axes);
-        if !combinations.contains(&combination) {
-            combinations.push(combination);
-        }
-    }
-    combinations
+    distinct(rows.map(|row| group(row, axes)))
 }
 
 fn points(series: &[Series]) -> Vec<&Point> {

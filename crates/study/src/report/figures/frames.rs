@@ -68,13 +68,10 @@ impl<'a> Walk<'a> {
         let chart = XyChart {
             about: about.clone(),
             x: XyAxis { title: "frame".to_owned(), kind: AxisKind::Count },
-            y: XyAxis { title: label_with_unit(measure), kind: AxisKind::Quantity },
+            y: XyAxis::quantity(label_with_unit(measure)),
             series: if only.is_some() { self.by_combination(shown) } else { self.by_pipeline(shown) },
-            bands: Vec::new(),
-            front: Vec::new(),
-            front_rises: false,
             dashes,
-            floor: None,
+            ..XyChart::default()
         };
         Figure {
             kind: Kind::Frames,
@@ -124,11 +121,9 @@ impl<'a> Walk<'a> {
             Point {
                 x: f64::from(*frame),
                 y: value.mean,
-                x_half: 0.0,
-                // Whiskers at every frame would hide the curves.
-                y_half: 0.0,
-                label: String::new(),
                 tip: format!("frame {frame}: {}", tip(self.digest, row, &values)),
+                // Whiskers at every frame would hide the curves.
+                ..Point::default()
             }
         };
         let runs = frames.chunk_by(|(before, _), (frame, _)| before + 1 == *frame);

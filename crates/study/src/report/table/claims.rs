@@ -1,8 +1,9 @@
 //! The table of claims: a row for each claim and scene.
 
+use crate::description::{Claim, Pick, Pins, Relation};
 use crate::interval::Interval;
-use crate::report::digest::{Digest, values_text};
-use crate::{ClaimRecord, Finding, MeasureInfo, PickRecord, RelationRecord, Verdict};
+use crate::report::digest::Digest;
+use crate::{Finding, MeasureInfo, Verdict};
 use report::{Column, Entry, Measured, Table, number};
 
 /// Returns the table; `None` for a study without claims.
@@ -19,7 +20,7 @@ pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
         Column::text("Result", ""),
     ];
     let row = |finding: &Finding<'_>| {
-        let info = digest.results.study.measures.iter().find(|info| info.key == finding.claim.measure);
+        let info = digest.results.study.measures.iter().find(|info| info.key == finding.claim.measure.value);
         vec![
             Entry::Text(claim_text(finding.claim, info)),
             Entry::Text(finding.claim.says.clone()),
@@ -39,12 +40,12 @@ pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
                 the difference, seed by seed, is on one side.";
     let noise = |finding: &Finding<'_>| {
         let study = &digest.results.study;
-        finding.scenes.iter().any(|scene| study.noise(scene, &finding.claim.measure).is_some())
+        finding.scenes.iter().any(|scene| study.noise(scene, &finding.claim.measure.value).is_some())
     };
     if findings.iter().any(noise) {
         caption += " Errors that are both below that of the reference itself decide nothing.";
     }
-    if findings.iter().any(|finding| matches!(finding.claim.relation, RelationRecord::Growth { .. })) {
+    if findings.iter().any(|finding| matches!(finding.claim.relation, Relation::Growth { .. })) {
         caption += " An exponent is that of the upper half of its axis, where fixed costs matter least; that over the \
                     whole axis follows.";
     }
@@ -63,11 +64,11 @@ fn verdict_entry(verdict: Option<Verdict>) -> Entry {
 }
 
 /// Formats a claim: `TID: ism < tcas, lights = 256`.
-fn claim_text(claim: &ClaimRecord, info: Option<&MeasureInfo>) -> String {
-    let label = info.map_or(&claim.measure, |info| &info.label);
+fn claim_text(claim: &Claim, info: Option<&MeasureInfo>) -> String {
+    let label = info.map_or(&claim.measure.value, |info| &info.label);
     let relation = match &claim.relation {
-        RelationRecord::Order(rising) => rising.iter().map(pick_text).collect::<Vec<_>>().join(" < "),
-        RelationRecord::Ratio { of, to, at_least, at_most } => {
+        Relation::Order(rising) => rising.iter().map(pick_text).collect::<Vec<_>>().join(" < "),
+        Relation::Ratio { of, to, at_least, at_most } => {
             let (of, to) = (pick_text(of), pick_text(to));
             let bound = |bound: f64| match bound {
                 1.0 => to.clone(),
@@ -80,10 +81,10 @@ fn claim_text(claim: &ClaimRecord, info: Option<&MeasureInfo>) -> String {
                 (None, None) => format!("{of} / {to}"),
             }
         }
-        RelationRecord::Growth { of, over, at_least, at_most } => {
+        Relation::Growth { of, over, at_least, at_most } => {
             let least = at_least.map(|least| format!("{} ≤ ", number::plain(least))).unwrap_or_default();
             let most = at_most.map(|most| format!(" ≤ {}", number::plain(most))).unwrap_or_default();
-            format!("{least}exponent of {} over {over}{most}", pick_text(of))
+            format!("{least}exponent of {} over {}{most}", pick_text(of), over.value)
         }
     };
     let at = if claim.at.is_empty() { String::new() } else { format!(", {}", values_text(&claim.at)) };
@@ -98,9 +99,9 @@ fn scenes_text(scenes: &[&str]) -> String {
     }
 }
 
-fn pick_text(pick: &PickRecord) -> String {
+fn pick_text(pick: &Pick) -> String {
     let at = if pick.at.is_empty() { String::new() } else { format!(" ({})", values_text(&pick.at)) };
-    format!("{}{at}", pick.pipeline)
+    format!("{}{at}", pick.pipeline.value)
 }
 
 /// Formats measurements: `0.012, 0.02 W/(m² sr)`, `1 / 4 ms = 0.25`, `0.9; whole 0.6`; `–` if there are none.
@@ -114,11 +115,18 @@ fn measured_text(finding: &Finding<'_>, info: Option<&MeasureInfo>) -> String {
     let unit = info.map_or("", |info| &info.unit);
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     match &finding.claim.relation {
-        RelationRecord::Order(_) => means.join(", ") + &unit,
-        RelationRecord::Ratio { .. } => {
+        Relation::Order(_) => means.join(", ") + &unit,
+        Relation::Ratio { .. } => {
             let ratio = finding.ratio().map(|ratio| format!(" = {}", Measured::new(ratio, None).text()));
             format!("{}{unit}{}", means.join(" / "), ratio.unwrap_or_default())
         }
-        RelationRecord::Growth { .. } => means.join("; whole "),
+        Relation::Growth { .. } => means.join("; whole "),
     }
+}
+
+/// Formats values of axes: `lights = 64, map = 32`.
+fn values_text(pins: &Pins) -> String {
+    let texts: Vec<String> =
+        pins.iter().map(|(axis, value)| format!("{} = {}", axis.value, value.value)).collect();
+    texts.join(", ")
 }

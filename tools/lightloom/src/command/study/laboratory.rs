@@ -15,9 +15,7 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use study::{
-    AxisValue, CellRun, Failure, Identity, Laboratory, Memory, Observed, Occluded, RunRequest, Step,
-};
+use study::{CellRun, Failure, Laboratory, Memory, Observed, Occluded, RunRequest, Step};
 use xxhash_rust::xxh3::xxh3_128;
 
 /// Gap between a ray and the surfaces at its ends, as a share of its length.
@@ -78,13 +76,7 @@ impl GpuLaboratory {
         };
         let provenance =
             Provenance::new(&renderer, &request.scene, (&request.output, 0), request.first_frame).to_json();
-        let parameters = renderer.compiled().map_or_else(Default::default, |compiled| {
-            // The parameters of the pipeline itself are named by no path.
-            let settable = compiled.resolved.settable(&*self.catalog).into_iter();
-            let parameters = settable.filter(|settable| !settable.path.contains('.'));
-            parameters.map(|p| (p.path, AxisValue::from_value(&p.value))).collect()
-        });
-        Ok(CellRun { memory, provenance, parameters, noise })
+        Ok(CellRun { memory, provenance, noise })
     }
 }
 
@@ -97,7 +89,7 @@ impl Laboratory for GpuLaboratory {
         self.gpu.describe()
     }
 
-    fn identity(&mut self, request: &RunRequest) -> Result<Identity, Failure> {
+    fn identity(&mut self, request: &RunRequest) -> Result<u128, Failure> {
         let scene = self.scene(&request.scene)?;
         let (context, scene) = (LinkContext { frame: request.size, traits: scene.traits() }, scene.hash);
         let values = overrides(&request.set);
@@ -108,7 +100,7 @@ impl Laboratory for GpuLaboratory {
         for step in compiled.steps.iter().flatten() {
             let _ = write!(text, " {:032x}", step.shader.hash);
         }
-        Ok(Identity { hash: xxh3_128(text.as_bytes()) })
+        Ok(xxh3_128(text.as_bytes()))
     }
 
     fn run(
