@@ -21,6 +21,7 @@ pub use error::ExecutorError;
 pub use format::texture_format;
 pub use gpu::Gpu;
 pub use object::{Object, ObjectUsage, SceneBinding};
+pub use readback::map as map_buffer;
 pub use run::{Executor, FrameOptions, FrameReport, LoadReport};
 pub use step::Dispatch;
 pub use timing::Timings;

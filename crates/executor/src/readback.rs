@@ -5,8 +5,11 @@ use crate::gpu::Gpu;
 use crate::object::Object;
 use frame_graph::ResourceDesc;
 
-/// Maps a buffer, waits, and copies its bytes.
-pub(crate) fn map(gpu: &Gpu, buffer: &wgpu::Buffer, name: &str) -> Result<Vec<u8>, ExecutorError> {
+/// Maps a buffer of usage `MAP_READ`, waits for the GPU, and copies its bytes. `name` is that in errors.
+///
+/// # Errors
+/// [`ExecutorError::ReadBack`], and those of [`Gpu::wait`].
+pub fn map(gpu: &Gpu, buffer: &wgpu::Buffer, name: &str) -> Result<Vec<u8>, ExecutorError> {
     let error = |message: String| ExecutorError::ReadBack { resource: name.to_owned(), message };
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {

@@ -1,61 +1,74 @@
-//! What every command starts from.
+//! The context of all commands, and arguments that several of them take.
 
 use crate::start::Phases;
-use anyhow::{Result, bail};
-use frame_graph::{Overrides, Traits};
+use anyhow::{Result, anyhow};
+use frame_graph::{Overrides, Traits, Value, nearest};
 use renderer::{Assets, Catalog, parse_value};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Files, and how to print.
+/// The files, and the output format.
 pub(crate) struct Context {
     pub(crate) catalog: Arc<Catalog>,
     pub(crate) json: bool,
-    /// Where the time has gone since the process started.
+    /// The times of phases since the process started.
     pub(crate) phases: Phases,
 }
 
 impl Context {
-    /// With the folder given, or the tree that the working folder is in, or the files built in alone.
+    /// Creates the context with the given folder, or the tree around the working folder, or the built-in files alone.
     pub(crate) fn new(root: Option<PathBuf>, json: bool, phases: Phases) -> Context {
         let root = root.or_else(|| Assets::find_root(&std::env::current_dir().ok()?));
         let root = root.map(|root| std::path::absolute(&root).unwrap_or(root));
         Context { catalog: Arc::new(Catalog::new(Assets::new(root))), json, phases }
     }
 
-    /// What a scene holds; of all scenes the plainest where none is named.
+    /// Returns the traits of a scene; those of the plainest scene if none is named.
     pub(crate) fn traits(&self, scene: Option<&str>) -> Result<Traits> {
         Ok(renderer::load_scene(&self.catalog, scene.unwrap_or("cornell-box"))?.traits())
     }
 }
 
-/// Values from `--set name=value`, any number of times.
-pub(crate) fn overrides(given: &[String]) -> Result<Overrides> {
-    let mut overrides = Overrides::default();
-    for text in given {
-        let Some((name, value)) = text.split_once('=') else {
-            bail!("`--set {text}`: expected `parameter=value` or `pass.setting=value`");
-        };
-        overrides.0.push((name.trim().to_owned(), parse_value(value)));
-    }
-    Ok(overrides)
+// No doc comment: clap would take it for that of the command.
+#[derive(clap::Args)]
+pub(crate) struct Values {
+    /// A value for a parameter or a pass's setting. May be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_set)]
+    set: Vec<(String, Value)>,
 }
 
-/// A `name=value` as [`overrides`] takes it.
-pub(crate) fn parse_set(text: &str) -> Result<String, String> {
-    match text.contains('=') {
-        true => Ok(text.to_owned()),
-        false => Err("expected `parameter=value` or `pass.setting=value`".to_owned()),
+impl Values {
+    pub(crate) fn overrides(&self) -> Overrides {
+        Overrides(self.set.clone())
     }
 }
 
-/// `640x480`.
+/// Parses `name=value`.
+pub(crate) fn parse_set(text: &str) -> Result<(String, Value), String> {
+    let (name, value) = text.split_once('=').ok_or("expected `parameter=value` or `pass.setting=value`")?;
+    Ok((name.trim().to_owned(), parse_value(value)))
+}
+
+/// Formats a value as `--set` takes it.
+pub(crate) fn set_text((name, value): &(String, Value)) -> String {
+    format!("{name}={}", value.to_argument())
+}
+
+/// Returns the error for a name that is none of `known`, which `lightloom LIST` lists.
+pub(crate) fn unknown(what: &str, name: &str, known: &[String], list: &str) -> anyhow::Error {
+    match nearest(name, known.iter().map(String::as_str)) {
+        Some(near) => anyhow!("there is no {what} `{name}`; did you mean `{near}`?"),
+        None => anyhow!("there is no {what} `{name}`; `lightloom {list}` lists all"),
+    }
+}
+
+/// Parses a size: `640x480`.
 pub(crate) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', '×']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     match sides {
         Some((w @ 1..=16384, h @ 1..=16384)) => Ok((w, h)),
         _ => Err(format!(
-            "`{text}` is no size: expected WIDTHxHEIGHT in pixels, such as 640x480, of 1 to 16384 each"
+            "must be WIDTHxHEIGHT in pixels, of 1 to 16384 each, such as 640x480; found `{text}`"
         )),
     }
 }

@@ -29,7 +29,7 @@ struct Cli {
     /// Print JSON on standard output, for other programs
     #[arg(long, global = true)]
     json: bool,
-    /// Write to FILE what the program does over time, in Chrome's trace format, for ui.perfetto.dev
+    /// Write a trace of the program to FILE, in Chrome's format, for ui.perfetto.dev
     #[arg(long, global = true, value_name = "FILE")]
     trace: Option<PathBuf>,
     #[command(subcommand)]
@@ -38,28 +38,28 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Open a window: fly through a scene, edit shaders and pipelines while they run, compare, look inside
+    /// Open a window: fly through a scene, edit shaders and pipelines while they run, compare, inspect
     #[cfg(feature = "window")]
     View(command::view::Args),
     /// Render a scene by a pipeline into a picture, or a sequence of them
     Render(command::render::Args),
     /// Check pipelines, their shaders, scenes and studies, without a GPU
     Check(command::check::Args),
-    /// Draw the compiled graph of a pipeline: order, sizes, memory, and why each pass is there or not
+    /// Draw the compiled graph of a pipeline: order, sizes, memory, and the reason for each pass
     Graph(command::graph::Args),
     /// Print a pipeline as one file, each value with its origin
     Resolve(command::resolve::Args),
     /// Print the differences between two pipelines
     Diff(command::diff::Args),
-    /// Render a picture again from the record inside its file, and say what differs
+    /// Render a picture again from the record inside its file, and print the differences
     Rerun(command::rerun::Args),
     /// Compare two pictures: RMSE, relMSE, MAPE, SSIM, ꟻLIP
     Compare(command::compare::Args),
     /// Run an ablation study: pipelines, scenes and values against time and error
     Study(command::study::Args),
-    /// Render extremes by every pipeline: is the picture finite, and is its energy right?
+    /// Render extreme cases by every pipeline, and check that pictures are finite and their energy is right
     Stress(command::stress::Args),
-    /// Compare shader functions in f32 with the same in f64: where is precision lost?
+    /// Compare shader functions in f32 with the same in f64, and report where precision is lost
     Precision(command::precision::Args),
     /// Measure what rays, shadow maps, frames and the frame graph cost on this machine
     Bench(command::bench::Args),
@@ -71,7 +71,7 @@ enum Command {
     Scenes(command::lists::Args),
     /// List the measures of studies
     Measures(command::lists::Args),
-    /// List the graphics adapters; fails where there is none
+    /// List the graphics adapters; fails if there is none
     Adapters(command::lists::Args),
 }
 
@@ -80,7 +80,7 @@ fn folder(text: &str) -> Result<PathBuf, String> {
     if path.is_dir() { Ok(path) } else { Err("there is no such folder".to_owned()) }
 }
 
-/// Mesa's layer that chooses a device asks the desktop, and complains on stderr where there is none.
+/// Switches off Mesa's layer that chooses a device, which prints an error if there is no desktop.
 fn quieten_mesa() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         #[expect(unsafe_code, reason = "no other thread runs yet that could read the environment")]
@@ -91,8 +91,8 @@ fn quieten_mesa() {
     }
 }
 
-/// A write beyond the limit on the size of files is an error like any other, of which a message tells, and does not end the
-/// program with half a file.
+/// Makes a write beyond the limit on the size of files an error like any other, which does not end the program with half a
+/// file.
 #[cfg(unix)]
 fn survive_large_files() {
     #[expect(unsafe_code, reason = "the standard library has no signals")]
@@ -106,7 +106,7 @@ fn survive_large_files() {
 fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<Trace>> {
     let logged = EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into());
     let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
-    // It would be told by `eprintln!`, which panics where standard error is what cannot be written.
+    // `eprintln!` would print it, which panics if standard error cannot be written.
     let print = print.log_internal_errors(false).with_filter(logged);
     let of_phases = Targets::new().with_target(start::TARGET, LevelFilter::INFO);
     let (file, trace) = trace.map(trace::to_file).transpose()?.unzip();

@@ -1,4 +1,4 @@
-//! How results and failures are printed.
+//! Prints results and failures.
 
 use anyhow::{Context as _, Result};
 use data_file::codes::SHADOWED;
@@ -10,9 +10,8 @@ use serde_json::{Value, json};
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
-/// Prints a line on standard output. Where its reader has gone (`lightloom check | head`), nobody is left to be told, and
-/// the exit code is still that of what was done. Where it cannot be written for another reason, such as a full disk, the
-/// program has failed.
+/// Prints a line on standard output. If its reader has gone (`lightloom check | head`), the line is dropped, and the exit
+/// code stays that of the command. If it cannot be written for another reason, such as a full disk, the program fails.
 pub(crate) fn line(text: std::fmt::Arguments<'_>) {
     match writeln!(std::io::stdout(), "{text}") {
         Ok(()) => {}
@@ -24,60 +23,58 @@ pub(crate) fn line(text: std::fmt::Arguments<'_>) {
     }
 }
 
-/// Prints a line on standard error. Where that cannot be written, nobody is left to be told.
+/// Prints a line on standard error; drops it if that cannot be written.
 pub(crate) fn error_line(text: std::fmt::Arguments<'_>) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
 /// As `eprintln!`, by [`error_line()`].
-macro_rules! tell {
+macro_rules! stderr {
     ($($text:tt)*) => { $crate::output::error_line(format_args!($($text)*)) };
 }
-pub(crate) use tell;
+pub(crate) use stderr;
 
 /// As `println!`, by [`line()`].
-macro_rules! say {
+macro_rules! stdout {
     ($($text:tt)*) => { $crate::output::line(format_args!($($text)*)) };
 }
-pub(crate) use say;
+pub(crate) use stdout;
 
-/// Prints what is no error of a pipeline that is run, on standard error: warnings, and names that could mean two files; as
-/// JSON, `{ "warnings": [ … ] }`. That an input which may be left out was left out is for `check` to tell.
+/// Prints the warnings of a pipeline that is run, and names that could mean two files, on standard error; as JSON,
+/// `{ "warnings": [ … ] }`. Other notes are printed by `check` alone.
 pub(crate) fn warn(of: &Diagnostics, as_json: bool) {
-    let is_told = |told: &&Diagnostic| told.severity > Severity::Note || told.code == SHADOWED.code;
-    let told: Vec<Diagnostic> = of.0.iter().filter(is_told).cloned().collect();
-    match Diagnostics(told) {
-        told if told.0.is_empty() => {}
-        told if as_json => tell!("{:#}", json!({ "warnings": told.to_json() })),
-        told => tell!("{told}"),
+    let is_printed = |one: &&Diagnostic| one.severity > Severity::Note || one.code == SHADOWED.code;
+    match Diagnostics(of.0.iter().filter(is_printed).cloned().collect()) {
+        none if none.0.is_empty() => {}
+        warnings if as_json => stderr!("{:#}", json!({ "warnings": warnings.to_json() })),
+        warnings => stderr!("{warnings}"),
     }
 }
 
-/// Prints an error with its causes, each said once; as JSON, `{ "errors": [ … ] }` on standard error.
+/// Prints an error with its causes, each once; as JSON, `{ "errors": [ … ] }` on standard error.
 pub(crate) fn failure(error: &anyhow::Error, as_json: bool) {
     if as_json {
-        tell!("{:#}", json!({ "errors": errors(error) }));
+        stderr!("{:#}", json!({ "errors": errors(error) }));
         return;
     }
     let text = error.to_string();
     // Diagnostics begin with their own word.
     if text.starts_with("error") {
-        tell!("{}", text.trim_end());
+        stderr!("{}", text.trim_end());
     } else {
-        tell!("error: {text}");
+        stderr!("error: {text}");
     }
     let mut said = text;
     for cause in error.chain().skip(1) {
         let cause = cause.to_string();
         if !said.contains(&cause) {
-            tell!("  because: {cause}");
+            stderr!("  because: {cause}");
         }
         said = cause;
     }
 }
 
-/// Returns an error for programs, as a list: what is wrong with files has a code and places, all else a message and its
-/// causes.
+/// Returns an error as a list for programs: errors in files have a code and places, others a message and its causes.
 pub(crate) fn errors(error: &anyhow::Error) -> Value {
     if let Some(diagnostics) = error.chain().find_map(diagnostics) {
         return diagnostics.to_json();
@@ -96,7 +93,7 @@ pub(crate) fn errors(error: &anyhow::Error) -> Value {
     }])
 }
 
-/// What is wrong with files, where an error is that.
+/// Returns the errors in files, if an error is about files.
 fn diagnostics<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e Diagnostics> {
     let of_scene = |error: &'e SceneError| match error {
         SceneError::Description(diagnostics) => Some(diagnostics),
@@ -112,7 +109,7 @@ fn diagnostics<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e D
     error.downcast_ref::<SceneError>().and_then(of_scene).or_else(|| error.downcast_ref())
 }
 
-/// A bar for work of this many parts, on a terminal; for one part, none.
+/// Creates a progress bar for work of this many parts, on a terminal; for one part, none.
 pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
     if parts <= 1 {
         return ProgressBar::hidden();
@@ -123,12 +120,12 @@ pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
         .with_message(what.to_owned())
 }
 
-/// Writes a file, whole or not at all.
+/// Writes a file, which is complete or absent.
 pub(crate) fn write(path: &Path, text: &str) -> Result<()> {
     whole_file::write(path, text).with_context(|| format!("{} was not written", path.display()))
 }
 
 /// Prints JSON.
 pub(crate) fn json(value: &serde_json::Value) {
-    say!("{value:#}");
+    stdout!("{value:#}");
 }

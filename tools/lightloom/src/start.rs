@@ -1,9 +1,9 @@
-//! Where the time goes from the start of the process to its first picture.
+//! The times of phases from the start of the process to its first picture.
 //!
 //! A phase is a span of `tracing` whose target is `phase`, in whatever crate it happens. Phases that run side by side
 //! on several threads overlap.
 
-use crate::output::say;
+use crate::output::stdout;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -65,12 +65,12 @@ impl Phases {
 
     /// Prints the phases in the order in which they began; `whole` is the time to the first picture.
     pub(crate) fn print(&self, whole: Duration) {
-        say!("{:<40} {:>10} {:>10} {:>10}", "start", "from ms", "to ms", "busy ms");
+        stdout!("{:<40} {:>10} {:>10} {:>10}", "start", "from ms", "to ms", "busy ms");
         for (name, phase) in self.in_order() {
             let [from, to, busy] = [phase.from, phase.to, phase.busy].map(ms);
-            say!("{name:<40} {from:>10.1} {to:>10.1} {busy:>10.1}");
+            stdout!("{name:<40} {from:>10.1} {to:>10.1} {busy:>10.1}");
         }
-        say!("{:<40} {:>10} {:>10.1}", "first picture", "", ms(whole));
+        stdout!("{:<40} {:>10} {:>10.1}", "first picture", "", ms(whole));
     }
 
     /// Returns the same for programs.

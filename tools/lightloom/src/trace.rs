@@ -1,5 +1,4 @@
-//! What the program does over time, for programs that draw it: a file in Chrome's trace format (`--trace`), and Tracy
-//! (feature `tracy`).
+//! Traces what the program does over time: into a file in Chrome's trace format (`--trace`), and to Tracy (feature `tracy`).
 //!
 //! Spans of two targets are traced: phases of the start (`start.rs`), and `frame`: frames, and the passes that each
 //! encodes.
@@ -34,7 +33,7 @@ pub(crate) struct Trace {
 /// The first error of the thread that writes.
 type FirstError = Arc<Mutex<Option<io::Error>>>;
 
-/// What the layer writes into: it panics where a writer fails, so that an error is kept, and what follows is dropped.
+/// The writer of the layer, which panics if a writer fails: so the first error is kept, and what follows is dropped.
 struct Writer {
     file: File,
     error: FirstError,
@@ -58,7 +57,7 @@ impl Trace {
     /// Writes what is left, and gives the file its name.
     ///
     /// # Errors
-    /// Where it could not be written; there is no file then.
+    /// Fails if the file could not be written; there is no file then.
     pub(crate) fn finish(self) -> Result<()> {
         let Trace { guard, part, path, error } = self;
         // Waits for the thread that writes.
@@ -75,7 +74,7 @@ fn unwritten(path: &Path) -> String {
 /// Begins the file, and creates the layer that writes into it.
 ///
 /// # Errors
-/// Where the file cannot be made.
+/// Fails if the file cannot be created.
 pub(crate) fn to_file<S>(path: &Path) -> Result<(impl Layer<S> + use<S>, Trace)>
 where
     S: Subscriber + for<'a> LookupSpan<'a> + Send + Sync,
@@ -100,7 +99,7 @@ where
     Ok((PassNames.and_then(layer).with_filter(traced()), trace))
 }
 
-/// The layer that sends to Tracy's profiler, where that is connected.
+/// Creates the layer that sends to Tracy's profiler, if that is connected.
 #[cfg(feature = "tracy")]
 pub(crate) fn to_tracy<S>() -> impl Layer<S>
 where
@@ -109,7 +108,7 @@ where
     tracing_tracy::TracyLayer::default().with_filter(traced())
 }
 
-/// Which spans are traced.
+/// Returns the filter of the spans that are traced.
 fn traced() -> FilterFn<fn(&Metadata<'_>) -> bool> {
     filter_fn(|metadata| metadata.is_span() && [crate::start::TARGET, FRAME].contains(&metadata.target()))
 }

@@ -20,10 +20,10 @@ use std::path::Path;
 use std::sync::Arc;
 use table::{Section, Table};
 
-/// Measure what Lightloom costs on this machine.
+/// Measure the costs of Lightloom on this machine.
 ///
 /// Each figure is the median of several runs after the first, in which drivers compile shaders, with the least and the
-/// greatest. A goal that is not met is a fact, and no failure.
+/// greatest. A goal that is not met is no failure.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   lightloom bench
@@ -31,16 +31,16 @@ use table::{Section, Table};
   lightloom bench --markdown
   lightloom bench --roofline")]
 pub(crate) struct Args {
-    /// Measure this alone; any number of times
+    /// Measure this figure only. May be repeated
     #[arg(long, value_name = "NAME")]
     only: Vec<Figure>,
-    /// Measure in place of the figures what the adapter can do at most (copies, loads, stores, atomics, threads,
+    /// Measure the limits of the adapter instead of the figures (copies, loads, stores, atomics, threads,
     /// barriers, arithmetic, dispatches, fragments, triangles), beside what each pass of three frames must move and do:
     /// those of `ism-frame` and `shadow-maps`
     #[arg(long, conflicts_with = "only")]
     roofline: bool,
     /// A scene by name or file: rays are traced in it too, and frames are of the first that is
-    /// given in place of the atrium. Any number of times
+    /// given in place of the atrium. May be repeated
     #[arg(long)]
     scene: Vec<String>,
     /// Number of measured runs
@@ -54,18 +54,18 @@ pub(crate) struct Args {
     markdown: bool,
 }
 
-/// What can be measured.
+/// The figures that can be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Figure {
     /// Rays per second: closest hit and any hit; camera rays, and rays that leave what the camera sees over the
     /// cosine; by the hierarchy, and by ray queries where the adapter has them
     Rays,
-    /// How much faster 256 imperfect shadow maps of 256² are made than classic ones (points, splats and pull-push
-    /// against triangles), and how much faster the frame is
+    /// The speed-up of 256 imperfect shadow maps of 256² over classic ones (points, splats and pull-push against
+    /// triangles), and that of the frame
     ShadowMaps,
-    /// How much faster 1,024 lights are sampled by Metropolis-Hastings chains of 5 steps than by the inverse transform
+    /// The speed-up of sampling 1,024 lights by Metropolis-Hastings chains of 5 steps over the inverse transform
     Samplers,
-    /// How much faster 4 million points generated on the fly are splatted than as many stored ones
+    /// The speed-up of splatting 4 million points generated on the fly over stored ones
     Points,
     /// GPU time of a frame of `ism`: 1,024 lights, maps of 64², 256² pixels, everything run again
     IsmFrame,
@@ -87,7 +87,7 @@ enum Figure {
     Start,
 }
 
-/// What figures are measured with.
+/// The device and the options of a measurement.
 struct Bench<'a> {
     catalog: &'a Arc<Catalog>,
     args: &'a Args,
@@ -95,7 +95,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// The device, opened for the first figure that needs one.
+    /// Returns the device, opened for the first figure that needs one.
     fn gpu(&self) -> Result<Gpu> {
         if let Some(gpu) = self.gpu.get() {
             return Ok(gpu.clone());
@@ -104,7 +104,7 @@ impl Bench<'_> {
         Ok(self.gpu.get_or_init(|| gpu).clone())
     }
 
-    /// The device, where it can time passes.
+    /// Returns the device, if it can time passes.
     fn timing_gpu(&self) -> Result<Gpu> {
         let gpu = self.gpu()?;
         if !gpu.has_timestamps() {
@@ -113,7 +113,7 @@ impl Bench<'_> {
         Ok(gpu)
     }
 
-    /// One size, or that of a quick look.
+    /// Returns a size, or that of a quick preview.
     fn size(&self, whole: u32, quick: u32) -> u32 {
         if self.args.quick { quick } else { whole }
     }
@@ -165,7 +165,7 @@ fn measure(bench: &Bench<'_>, figure: Figure) -> Result<Section> {
     }
 }
 
-/// A scene by its name, or that of its file.
+/// Returns the name of a scene, or that of its file.
 fn label(scene: &str) -> &str {
     Path::new(scene).file_stem().and_then(|stem| stem.to_str()).unwrap_or(scene)
 }

@@ -2,7 +2,7 @@
 
 use crate::command::study::{self, CatalogRegistry, overrides};
 use crate::context::Context;
-use crate::output::{self, say};
+use crate::output::{self, stdout};
 use ::study::Plan;
 use anyhow::{Result, anyhow, bail};
 use frame_graph::resolve::Files;
@@ -32,11 +32,11 @@ pub(crate) struct Args {
 /// The most runs of a study that are compiled.
 const MOST_RUNS: usize = 1000;
 
-/// What is told of something that was checked.
+/// The result of a check.
 struct Checked {
-    /// What it is, or what is wrong.
+    /// A description, or the errors.
     result: Result<String>,
-    /// What is no error.
+    /// Warnings and notes.
     warnings: Diagnostics,
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             check_pipeline(catalog, name, &judged, &traits, &mut warnings).map_err(Into::into)
         };
         if args.names.is_empty() {
-            // Of all that there is, what is only worth a note is meant.
+            // Among all files, notes are about what is meant.
             warnings.0.retain(|warning| warning.severity > Severity::Note);
         }
         results.push((name.clone(), Checked { result, warnings }));
@@ -91,11 +91,11 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     } else {
         for (name, Checked { result, warnings }) in &results {
             match result {
-                Ok(what) => say!("ok      {name}: {what}"),
-                Err(errors) => say!("failed  {name}\n{}", errors.to_string().trim_end()),
+                Ok(what) => stdout!("ok      {name}: {what}"),
+                Err(errors) => stdout!("failed  {name}\n{}", errors.to_string().trim_end()),
             }
             if !warnings.0.is_empty() {
-                say!("{warnings}");
+                stdout!("{warnings}");
             }
         }
     }
@@ -105,7 +105,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// What was checked, for programs.
+/// Returns a result for programs.
 fn row(name: &str, checked: &Checked) -> Value {
     let what = checked.result.as_ref().ok();
     let errors = checked.result.as_ref().err().map_or_else(|| json!([]), output::errors);
@@ -174,7 +174,7 @@ fn check_study(
     Ok(format!("study of {} cells, {} pipelines compiled{left}", plan.cells.len(), runs.len().min(MOST_RUNS)))
 }
 
-/// The error that a name is that of nothing that can be checked.
+/// Returns the error for a name that is no pipeline, scene or study.
 fn not_there(name: &str, known: [&Vec<String>; 3]) -> anyhow::Error {
     if Path::new(name).is_dir() {
         return anyhow!("`{name}` is a folder: name the files in it");
@@ -189,7 +189,7 @@ fn not_there(name: &str, known: [&Vec<String>; 3]) -> anyhow::Error {
     }
 }
 
-/// Whether a `.ron` file describes a scene or a study: its first word says so.
+/// Returns whether a `.ron` file describes a scene or a study, by its first word.
 fn is_file_of(catalog: &Catalog, name: &str, what: &str) -> bool {
     let text = catalog.assets().text(name).unwrap_or_default();
     let code = text

@@ -1,7 +1,7 @@
 //! `lightloom compare`: how far two pictures are apart.
 
 use crate::context::Context;
-use crate::output::say;
+use crate::output::stdout;
 use anyhow::Result;
 use metrics::{Comparison, ComparisonOptions, Display, FileFormat, Image, Pair, flip};
 use std::path::PathBuf;
@@ -32,9 +32,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let comparison =
         Comparison::new(&picture, &reference, ComparisonOptions { display, ..ComparisonOptions::default() })?;
     if context.json {
-        say!("{}", serde_json::to_string_pretty(&comparison)?);
+        stdout!("{}", serde_json::to_string_pretty(&comparison)?);
     } else {
-        say!("{comparison}");
+        stdout!("{comparison}");
     }
     if let Some(out) = &args.out {
         let pair = Pair::new(&picture, &reference)?;
@@ -45,7 +45,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             flip(&pair, display.unwrap_or(Display::AS_IS), metrics::PIXELS_PER_DEGREE).to_image()
         };
         shown.write(out, Display::AS_IS, None)?;
-        say!("{}", out.display());
+        stdout!("{}", out.display());
     }
     Ok(())
 }

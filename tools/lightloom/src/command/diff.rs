@@ -1,13 +1,13 @@
-//! `lightloom diff`: what two pipelines differ in.
+//! `lightloom diff`: the differences between two pipelines.
 
-use crate::context::{Context, overrides};
-use crate::output::{self, say};
+use crate::context::{Context, parse_set};
+use crate::output::{self, stdout};
 use anyhow::Result;
 use frame_graph::resolve::diff;
-use frame_graph::{Difference, resolve};
+use frame_graph::{Difference, Overrides, Value, resolve};
 use serde_json::json;
 
-/// Print what two pipelines differ in.
+/// Print the differences between two pipelines.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  lightloom diff ism ism-invtm\n  lightloom diff ism ism-invtm --set lights=64"
@@ -17,27 +17,27 @@ pub(crate) struct Args {
     a: String,
     /// Another
     b: String,
-    /// A value for a parameter or a pass's setting, in both pipelines; any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
-    set: Vec<String>,
-    /// A value in the second pipeline alone; any number of times
-    #[arg(long, value_name = "NAME=VALUE")]
-    set_second: Vec<String>,
+    /// A value for a parameter or a pass's setting, in both pipelines. May be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_set)]
+    set: Vec<(String, Value)>,
+    /// A value in the second pipeline alone. May be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_set)]
+    set_second: Vec<(String, Value)>,
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let files = context.catalog.pipelines();
-    let (both, mut second) = (overrides(&args.set)?, overrides(&args.set)?);
-    second.0.extend(overrides(&args.set_second)?.0);
+    let both = Overrides(args.set.clone());
+    let second = Overrides([&args.set[..], &args.set_second].concat());
     let (a, b) = (resolve(&args.a, files, &both)?, resolve(&args.b, files, &second)?);
     let differences = diff(&a, &b, &*context.catalog);
     if context.json {
         let differences: Vec<_> = differences.iter().map(Difference::to_json).collect();
         output::json(&json!({ "a": args.a, "b": args.b, "differences": differences }));
     } else if differences.is_empty() {
-        say!("no difference");
+        stdout!("no difference");
     } else {
-        differences.iter().for_each(|difference| say!("{difference}"));
+        differences.iter().for_each(|difference| stdout!("{difference}"));
     }
     Ok(())
 }

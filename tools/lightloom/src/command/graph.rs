@@ -1,7 +1,7 @@
 //! `lightloom graph`: the compiled graph as text, SVG, DOT or JSON.
 
-use crate::context::{Context, overrides, parse_size};
-use crate::output::{say, warn};
+use crate::context::{Context, Values, parse_size};
+use crate::output::{stdout, warn};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{CompileOptions, LinkContext, compile, link, resolve};
 use std::path::PathBuf;
@@ -22,9 +22,8 @@ pub(crate) struct Args {
     /// Size of the frame in pixels
     #[arg(long, default_value = "512x512", value_parser = parse_size)]
     size: (u32, u32),
-    /// A value for a parameter or a pass's setting; any number of times
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
-    set: Vec<String>,
+    #[command(flatten)]
+    values: Values,
     /// Give every resource an object of its own
     #[arg(long)]
     no_sharing: bool,
@@ -33,12 +32,12 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let catalog = &context.catalog;
     let link_context = LinkContext { frame: args.size, traits: context.traits(args.scene.as_deref())? };
-    let resolved = resolve(&args.pipeline, catalog.pipelines(), &overrides(&args.set)?)?;
+    let resolved = resolve(&args.pipeline, catalog.pipelines(), &args.values.overrides())?;
     warn(&resolved.warnings(), context.json);
     let graph = link(&resolved, &**catalog, &link_context)?;
     let plan = compile(&graph, &CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() })?;
     let Some(out) = &args.out else {
-        say!("{}", if context.json { format!("{:#}", plan.to_json()) } else { plan.to_text() });
+        stdout!("{}", if context.json { format!("{:#}", plan.to_json()) } else { plan.to_text() });
         return Ok(());
     };
     let text = match out.extension().and_then(|extension| extension.to_str()) {
@@ -49,6 +48,6 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         _ => bail!("{}: expected a name that ends in .svg, .dot, .json or .txt", out.display()),
     };
     whole_file::write(out, text).with_context(|| format!("{} was not written", out.display()))?;
-    say!("{}", out.display());
+    stdout!("{}", out.display());
     Ok(())
 }

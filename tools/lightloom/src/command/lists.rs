@@ -1,15 +1,15 @@
-//! `lightloom pipelines`, `scenes`, `measures`, `adapters`: what there is.
+//! `lightloom pipelines`, `scenes`, `measures`, `adapters`: lists.
 
 use super::passes::{setting_json, setting_text};
 use crate::context::Context;
-use crate::output::{self, say};
+use crate::output::{self, stdout};
 use anyhow::{Result, bail};
 use frame_graph::{Overrides, resolve};
 use renderer::{Gpu, Named};
 use serde_json::{Value, json};
 use study::Measure;
 
-/// Takes nothing but the options of all commands.
+/// The options of all commands alone.
 #[derive(clap::Args)]
 pub(crate) struct Args {}
 
@@ -19,12 +19,12 @@ pub(crate) struct Args {}
 pub(crate) struct PipelinesArgs {
     /// A pipeline
     pipeline: Option<String>,
-    /// List the parts in place of the pipelines: what these use by `Sub(file: …)`
+    /// List the sub-graphs that pipelines use by `Sub(file: …)`, instead of the pipelines
     #[arg(long, conflicts_with = "pipeline")]
     parts: bool,
 }
 
-/// Names with a line about each.
+/// Prints names with a line about each.
 fn print(context: &Context, rows: &[(String, String)]) {
     if context.json {
         let rows: Vec<Value> =
@@ -32,13 +32,13 @@ fn print(context: &Context, rows: &[(String, String)]) {
         output::json(&Value::Array(rows));
     } else {
         let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or_default().max(26);
-        rows.iter().for_each(|(name, about)| say!("{name:<width$} {about}"));
+        rows.iter().for_each(|(name, about)| stdout!("{name:<width$} {about}"));
     }
 }
 
-/// Files with a line about each.
+/// Prints files with a line about each.
 fn print_named(context: &Context, all: Vec<Named>) {
-    let broken = || "broken: `lightloom check` says why".to_owned();
+    let broken = || "broken: `lightloom check` prints the errors".to_owned();
     let rows = all.into_iter().map(|named| (named.name, named.about.unwrap_or_else(broken)));
     print(context, &rows.collect::<Vec<_>>());
 }
@@ -52,7 +52,7 @@ pub(crate) fn pipelines(context: &Context, args: &PipelinesArgs) -> Result<()> {
     Ok(())
 }
 
-/// What a pipeline renders, its outputs, and the parameters that `--set` takes.
+/// Prints a pipeline's description, its outputs, and the parameters that `--set` takes.
 fn pipeline(context: &Context, name: &str) -> Result<()> {
     let resolved = resolve(name, context.catalog.pipelines(), &Overrides::default())?;
     let (about, paper) = (resolved.about().unwrap_or_default(), resolved.paper().unwrap_or_default());
@@ -68,12 +68,12 @@ fn pipeline(context: &Context, name: &str) -> Result<()> {
         }));
         return Ok(());
     }
-    say!("{name}: {about}");
+    stdout!("{name}: {about}");
     if !paper.is_empty() {
-        say!("paper: {paper}");
+        stdout!("paper: {paper}");
     }
-    say!("outputs: {}\nparameters", outputs.join(", "));
-    parameters.for_each(|p| say!("{}", setting_text(&p.path, &p.setting, &p.value)));
+    stdout!("outputs: {}\nparameters", outputs.join(", "));
+    parameters.for_each(|p| stdout!("{}", setting_text(&p.path, &p.setting, &p.value)));
     Ok(())
 }
 
@@ -95,12 +95,14 @@ pub(crate) fn measures(context: &Context) {
         output::json(&Value::Array(rows.map(row).collect()));
         return;
     }
-    say!("{:<18} {:<14} {:<12} {}", "name", "unit", "better", "what it is");
+    stdout!("{:<18} {:<14} {:<12} {}", "name", "unit", "better", "what it is");
     for (info, needed) in rows {
         let needs = if needed.is_empty() { String::new() } else { format!(" [needs {}]", needed.join(", ")) };
-        say!("{:<18} {:<14} {:<12} {}{needs}", info.key, info.unit, info.better.word(), info.doc);
+        stdout!("{:<18} {:<14} {:<12} {}{needs}", info.key, info.unit, info.better.word(), info.doc);
     }
-    say!("A study can also name groups of passes (`phases`) and figures of passes (`figures`) as measures.");
+    stdout!(
+        "A study can also name groups of passes (`phases`) and figures of passes (`figures`) as measures."
+    );
 }
 
 pub(crate) fn adapters(context: &Context) -> Result<()> {

@@ -1,10 +1,10 @@
-//! `lightloom passes`: the pass types there are.
+//! `lightloom passes`: the pass types.
 
-use crate::context::Context;
-use crate::output::{self, say};
-use anyhow::{Result, bail};
+use crate::context::{Context, unknown};
+use crate::output::{self, stdout};
+use anyhow::Result;
 use frame_graph::port::PassTypes;
-use frame_graph::{FactDecl, Interface, Ports, Setting, Settings, Use, nearest};
+use frame_graph::{FactDecl, Interface, Ports, Setting, Settings, Use};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -30,23 +30,20 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             for (kind, about) in all {
                 let paper =
                     if about.paper.is_empty() { String::new() } else { format!(" [{}]", about.paper) };
-                say!("{kind:<26} {}{paper}", about.about);
+                stdout!("{kind:<26} {}{paper}", about.about);
             }
         }
         return Ok(());
     };
     let Some(pass) = context.catalog.pass(name) else {
         let names = context.catalog.names();
-        match nearest(name, names.iter().map(String::as_str)) {
-            Some(near) => bail!("there is no pass type `{name}`; did you mean `{near}`?"),
-            None => bail!("there is no pass type `{name}`; there are {}", names.join(", ")),
-        }
+        return Err(unknown("pass type", name, &names, "passes"));
     };
     let (kind, about) = (pass.kind(), pass.about(shaders));
     let outputs = BTreeMap::new();
     let use_ = Use { kind, shader: None, inputs: &[], outputs: &outputs };
     if pass.takes_shader() {
-        say!(
+        stdout!(
             "{}: {}\nports and settings are those of the WGSL file that `shader:` names; an output has the facts of the\n\
              inputs of its interface, unless `Out(facts: …)` states others",
             kind,
@@ -61,7 +58,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     if context.json {
         output::json(&as_json(kind, &about, &settings, &ports, context.catalog.interfaces()));
     } else {
-        say!("{}", as_text(kind, &about, &settings, &ports, context.catalog.interfaces()));
+        stdout!("{}", as_text(kind, &about, &settings, &ports, context.catalog.interfaces()));
     }
     Ok(())
 }
@@ -78,7 +75,7 @@ fn range(setting: &Setting) -> String {
     }
 }
 
-/// The facts that an interface declares.
+/// Returns the facts that an interface declares.
 fn facts<'a>(interfaces: &'a [Interface], name: &str) -> &'a [FactDecl] {
     interfaces.iter().find(|interface| interface.name == name).map_or(&[][..], |interface| interface.facts)
 }
@@ -140,7 +137,7 @@ fn as_json(
     ports: &Ports,
     interfaces: &[Interface],
 ) -> Value {
-    let told = |name: &str| -> Vec<Value> {
+    let facts_of = |name: &str| -> Vec<Value> {
         let facts = facts(interfaces, name).iter();
         facts.map(|fact| json!({ "name": fact.name, "type": fact.ty.to_string(), "optional": fact.optional, "doc": fact.doc })).collect()
     };
@@ -150,7 +147,7 @@ fn as_json(
         "paper": about.paper,
         "shaders": about.shaders,
         "inputs": ports.inputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "optional": port.optional, "doc": port.doc })).collect::<Vec<_>>(),
-        "outputs": ports.outputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "facts": told(&port.interface), "doc": port.doc })).collect::<Vec<_>>(),
+        "outputs": ports.outputs.iter().map(|port| json!({ "name": port.name, "interface": port.interface, "facts": facts_of(&port.interface), "doc": port.doc })).collect::<Vec<_>>(),
         "settings": settings.iter().map(|setting| setting_json(&setting.name, setting, &setting.default)).collect::<Vec<_>>(),
     })
 }

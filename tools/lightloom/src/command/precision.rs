@@ -1,16 +1,14 @@
 //! `lightloom precision`: the error of single precision in shader functions.
 
-use crate::context::Context;
-use crate::output::{self, progress, say, write};
+use crate::context::{Context, unknown};
+use crate::output::{self, progress, stdout, write};
 use anyhow::{Context as _, Result, bail};
 use executor::wgpu::{self, BufferUsages};
 use executor::{ExecutorError, Gpu};
-use frame_graph::nearest;
 use precision::{Evaluator, Fault, GROUP, Interpreted, Kernel, Measured, Options, Probe, Value};
 use serde_json::json;
 use std::borrow::Cow;
 use std::path::PathBuf;
-use std::sync::mpsc;
 
 /// Compare shader functions in f32 with the same functions in f64, over ranges of magnitudes.
 ///
@@ -80,7 +78,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         output::json(&json!({ "report": page, "by": evaluator.name(), "probes": record }));
     } else {
         print(&all);
-        say!("{}", page.display());
+        stdout!("{}", page.display());
     }
     let exceeding = all.iter().filter(|measured| !measured.holds()).count();
     if exceeding > 0 {
@@ -102,9 +100,7 @@ fn chosen(context: &Context, names: &[String]) -> Result<Vec<Probe>> {
             paths.push(path.clone());
         } else {
             let stems: Vec<String> = all.iter().map(|path| stem(path)).collect();
-            let near = nearest(name, stems.iter().map(String::as_str));
-            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-            bail!("there is no probe `{name}`{near} `lightloom precision --list` lists all");
+            return Err(unknown("probe", name, &stems, "precision --list"));
         }
     }
     let paths = if names.is_empty() { all } else { paths };
@@ -121,15 +117,15 @@ fn list(context: &Context, probes: &[Probe]) {
         return;
     }
     for probe in probes {
-        say!("{:<24} {}", probe.name, probe.about);
+        stdout!("{:<24} {}", probe.name, probe.about);
     }
 }
 
 fn print(all: &[Measured]) {
-    say!("{:<24} {:>9} {:>9} {:>11} {:>7}", "probe", "worst at", "error", "unavoidable", "ratio");
+    stdout!("{:<24} {:>9} {:>9} {:>11} {:>7}", "probe", "worst at", "error", "unavoidable", "ratio");
     for measured in all {
         let Some(worst) = measured.worst() else { continue };
-        say!(
+        stdout!(
             "{:<24} {:>9.1e} {:>9.1e} {:>11.1e} {:>7.2}{}",
             measured.probe.name,
             worst.magnitude,
@@ -233,15 +229,7 @@ impl OnGpu {
         if let Some(fault) = self.0.take_fault() {
             bail!("the GPU did not compute it: {fault}");
         }
-        let (sender, receiver) = mpsc::channel();
-        readable.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver waits below; it cannot be gone.
-            let _ = sender.send(result);
-        });
-        self.0.wait()?;
-        receiver.recv().context("the device did not answer")??;
-        let bytes = readable.get_mapped_range(..).context("results cannot be read")?.to_vec();
-        readable.unmap();
+        let bytes = executor::map_buffer(&self.0, &readable, Kernel::ENTRY)?;
         let number = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().unwrap_or_default());
         let result = |bytes: &[u8]| std::array::from_fn(|i| number(&bytes[4 * i..4 * i + 4]));
         Ok(bytes.chunks_exact(RESULT).map(result).collect())

@@ -5,10 +5,10 @@ mod log;
 mod report;
 mod watch;
 
-use crate::context::{Context, overrides, parse_size};
-use crate::output::{progress, tell, warn};
+use crate::context::{Context, Values, parse_size};
+use crate::output::{progress, stderr, warn};
 use anyhow::{Context as _, Result, bail};
-use faults::tell_of_black;
+use faults::explain_black;
 use frame_graph::{CompileOptions, LinkContext, Overrides, Value};
 use metrics::{Display, FileFormat, Tonemap};
 use renderer::{Catalog, Compiled, FrameOptions, Gpu, Provenance, Renderer, compile_options};
@@ -37,10 +37,10 @@ pub(crate) struct Args {
     /// Size of the frame in pixels
     #[arg(long, default_value = "512x512", value_parser = parse_size)]
     size: (u32, u32),
-    /// How many frames to run; a pipeline with an output `progress` repeats each until it has converged
+    /// Number of frames; a pipeline with an output `progress` repeats each until it has converged
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
-    /// Number of the first frame: where in the animation to begin
+    /// Number of the first frame, and so the time of animations
     #[arg(long, default_value_t = 0)]
     first_frame: u32,
     /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
@@ -53,9 +53,8 @@ pub(crate) struct Args {
     /// Layer of a resource that is an array
     #[arg(long, default_value_t = 0)]
     layer: u32,
-    /// A value for a parameter or a pass's setting; any number of times
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
-    set: Vec<String>,
+    #[command(flatten)]
+    values: Values,
     /// Print the GPU time of each pass: the median of the frames after the first. Every pass runs in every frame. Also
     /// print where the time went from the start of the process to the first picture
     #[arg(long)]
@@ -100,21 +99,21 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         Some(seed) => Arc::new(Catalog::with_thread_order(context.catalog.assets().clone(), seed)),
         None => Arc::clone(&context.catalog),
     };
-    let overrides = overrides(&args.set)?;
+    let overrides = args.values.overrides();
     // The driver starts on another thread, while this one loads the scene and the shaders.
     let (gpu, scene) = std::thread::scope(|scope| {
         let gpu = scope.spawn(Gpu::open);
         let scene = renderer::load_scene(&catalog, &args.scene);
         if let Ok(scene) = &scene {
             let link_context = LinkContext { frame: args.size, traits: scene.traits() };
-            // The catalog keeps the shaders; whatever is wrong is told when the pipeline is set.
+            // The catalog keeps the shaders; errors are reported when the pipeline is set.
             let _ = Compiled::new(&catalog, &args.pipeline, &overrides, &link_context, &compile_options());
         }
         (gpu.join(), scene)
     });
     let (gpu, scene) = (gpu.unwrap_or_else(|panic| std::panic::resume_unwind(panic)), scene?);
     for repair in &scene.repairs {
-        tell!("note: {repair}");
+        stderr!("note: {repair}");
     }
     let mut renderer = Renderer::new(gpu?, catalog, scene, args.size)?;
     renderer.set_seed(args.seed);
@@ -143,7 +142,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     }
 }
 
-/// How light is shown on a screen: as the pipeline says, where nothing else is requested.
+/// Returns the curve from light to a screen: that of the pipeline, unless another is requested.
 fn shown(args: &Args, renderer: &Renderer) -> Display {
     let own = renderer.display().map_or_else(Display::default, |(_, display)| display);
     Display { tonemap: args.tonemap.unwrap_or(own.tonemap), exposure: args.exposure.unwrap_or(own.exposure) }
@@ -168,7 +167,7 @@ fn set_display(args: &Args, renderer: &mut Renderer, mut overrides: Overrides) -
     }
     let is_linear = FileFormat::of(&args.out) != Some(FileFormat::Png);
     if is_linear && !args.output.iter().any(|output| output == "display") {
-        tell!(
+        stderr!(
             "note: {} holds light as it is: --tonemap and --exposure change PNG files and the output `display`",
             args.out.display()
         );
@@ -191,7 +190,7 @@ fn parse_picture(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// Renders the frames that are requested, writes their pictures, and says what came of it.
+/// Renders the requested frames, writes their pictures, and reports the result.
 fn render(
     context: &Context,
     args: &Args,
@@ -236,7 +235,7 @@ fn render(
                 let path = out.path(args.first_frame + frame, (args.output.len() > 1).then_some(output));
                 done.broken.look(&picture, output, args.first_frame + frame);
                 if frame + 1 == frames {
-                    tell_of_black(renderer, &picture, output);
+                    explain_black(renderer, &picture, output);
                 }
                 let display = Display::of_output(output, display);
                 let record = Provenance::new(renderer, &args.scene, (output, args.layer), args.first_frame);
@@ -259,7 +258,7 @@ fn render(
     done.broken.result()
 }
 
-/// Where pictures go.
+/// The files of pictures.
 struct Sequence {
     pattern: PathBuf,
     numbered: bool,
@@ -273,13 +272,13 @@ impl Sequence {
         }
         let numbered = pattern.to_string_lossy().contains('#');
         if numbered && frames == 1 {
-            tell!(
+            stderr!(
                 "note: {} is numbered, and one frame is rendered; --frames N makes a sequence",
                 pattern.display()
             );
         }
         if !numbered && frames > 1 {
-            tell!(
+            stderr!(
                 "note: {} holds the last of {frames} frames; #### in the name keeps all",
                 pattern.display()
             );
@@ -287,12 +286,12 @@ impl Sequence {
         Ok(Sequence { pattern: pattern.to_owned(), numbered })
     }
 
-    /// A name without a number holds the last frame alone.
+    /// Returns whether a frame has a file: without a number in the name, only the last one has.
     fn wants(&self, frame: u32, frames: u32) -> bool {
         self.numbered || frame + 1 == frames
     }
 
-    /// The file of a frame; of one among several outputs, with its name before the ending.
+    /// Returns the file of a frame; for one of several outputs, with its name before the ending.
     fn path(&self, number: u32, output: Option<&str>) -> PathBuf {
         let text = self.pattern.to_string_lossy();
         let path = match text.find('#') {

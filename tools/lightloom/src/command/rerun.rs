@@ -1,7 +1,7 @@
-//! `lightloom rerun`: a picture again, from the record that it carries.
+//! `lightloom rerun`: renders a picture again from the record in its file.
 
 use crate::context::Context;
-use crate::output::{self, say, tell};
+use crate::output::{self, stderr, stdout};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{Overrides, Source, diff, parse, resolve_description};
 use metrics::{Display, Image, Pair, read_provenance};
@@ -10,17 +10,16 @@ use serde_json::json;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf, absolute};
 
-/// Make a picture again from its own record, and say what differs.
+/// Render a picture again from its own record, and print the differences.
 ///
 /// A pipeline or scene that was given as the path of a file is looked for from the working folder, then from the folder
-/// that the picture was rendered from, then from that of the picture. The first from which both are found is that from
-/// which the picture is made again.
+/// that the picture was rendered from, then from that of the picture. The first folder from which both are found is used.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  lightloom rerun box.exr -o again.exr")]
 pub(crate) struct Args {
     /// An .exr or .png that Lightloom made
     file: PathBuf,
-    /// Where to write the new picture; nowhere where not given
+    /// The file of the new picture; none by default
     #[arg(short, long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -70,15 +69,15 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     if context.json {
         output::json(&json!({ "differences": differences, "largest_difference": largest }));
     } else if differences.is_empty() {
-        say!("{same}");
+        stdout!("{same}");
     } else {
-        differences.iter().for_each(|line| say!("{line}"));
+        differences.iter().for_each(|line| stdout!("{line}"));
     }
     Ok(())
 }
 
-/// Goes to the first folder from which the pipeline and the scene of a record are found, where they are paths and not in
-/// the tree. What they name in turn is then found as it was.
+/// Changes to the first folder from which the pipeline and the scene of a record are found, if they are paths and not in
+/// the tree. Files that they name in turn are then found as before.
 fn go_to_files(assets: &Assets, record: &Provenance, picture: &Path) -> Result<()> {
     let is_path = |folder: &str, name: &str| {
         let known = ["", ".ron"].iter().any(|ending| assets.has(&format!("{folder}/{name}{ending}")));
@@ -92,7 +91,7 @@ fn go_to_files(assets: &Assets, record: &Provenance, picture: &Path) -> Result<(
         Some(0) => Ok(()),
         Some(index) => {
             let folder = folders[index].display();
-            tell!("note: made again from {folder}, where the files of the record are");
+            stderr!("note: made again from {folder}, where the files of the record are");
             std::env::set_current_dir(&folders[index]).with_context(|| format!("{folder} cannot be entered"))
         }
         None => {
@@ -107,7 +106,7 @@ fn go_to_files(assets: &Assets, record: &Provenance, picture: &Path) -> Result<(
     }
 }
 
-/// What the flattened pipeline of the record and that of now differ in.
+/// Returns the differences between the flattened pipeline of the record and that of now.
 fn pipeline_differences(context: &Context, before: &str, now: &str) -> Vec<String> {
     let flat = |name: &str, text: &str| {
         let description = parse(Source::new(name, text)).ok()?;
@@ -117,7 +116,7 @@ fn pipeline_differences(context: &Context, before: &str, now: &str) -> Vec<Strin
         (Some(before), Some(now)) => {
             diff(&before, &now, &*context.catalog).iter().map(|line| format!("pipeline: {line}")).collect()
         }
-        // A record of a version whose language was another is still told of by the plan's id.
+        // For a record of a version with another grammar, the plan's id still differs.
         _ => Vec::new(),
     }
 }

@@ -1,7 +1,7 @@
 //! `lightloom resolve`: a pipeline without its inheritance.
 
-use crate::context::{Context, overrides};
-use crate::output::say;
+use crate::context::{Context, Values};
+use crate::output::stdout;
 use anyhow::Result;
 use frame_graph::resolve;
 
@@ -11,17 +11,16 @@ use frame_graph::resolve;
 pub(crate) struct Args {
     /// A pipeline by name, or a .ron file
     pipeline: String,
-    /// A value for a parameter or a pass's setting; any number of times
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
-    set: Vec<String>,
+    #[command(flatten)]
+    values: Values,
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
-    let resolved = resolve(&args.pipeline, context.catalog.pipelines(), &overrides(&args.set)?)?;
+    let resolved = resolve(&args.pipeline, context.catalog.pipelines(), &args.values.overrides())?;
     if context.json {
         crate::output::json(&resolved.to_json(&*context.catalog));
     } else {
-        say!("{}", resolved.to_ron(&*context.catalog, true));
+        stdout!("{}", resolved.to_ron(&*context.catalog, true));
     }
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! `lightloom stress`: every pipeline at the extremes.
 
-use crate::context::{Context, parse_size};
-use crate::output::{self, progress, say, tell, write};
+use crate::context::{Context, parse_set, parse_size, set_text, unknown};
+use crate::output::{self, progress, stderr, stdout, write};
 use anyhow::{Context as _, Result, bail};
-use frame_graph::{LinkContext, Overrides, Value, nearest};
+use frame_graph::{LinkContext, Overrides, Value};
 use renderer::{Compiled, compile_options};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -55,8 +55,8 @@ pub(crate) struct Args {
     #[arg(long, default_value = "64x64", value_parser = parse_size)]
     size: (u32, u32),
     /// A value for all pipelines that have the name, unless a case sets it. May be repeated
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set, default_values = ["lights=256", "map=32", "rsm.size=64"])]
-    set: Vec<String>,
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_set, default_values = ["lights=256", "map=32", "rsm.size=64"])]
+    set: Vec<(String, Value)>,
     /// Samples per pixel of the path tracer; cases of fewer pixels have the same total
     #[arg(long, default_value_t = 256)]
     samples: u32,
@@ -71,14 +71,10 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         return list(context, &cases);
     }
     let subjects = subjects(context, args)?;
-    let values = |texts: &[String]| -> Result<Vec<(String, String)>> {
-        let values = crate::context::overrides(texts)?;
-        Ok(values.0.into_iter().map(|(path, value)| (path, value.to_argument())).collect())
-    };
     let options = Options {
         folder: args.out.clone(),
         size: args.size,
-        set: values(&args.set)?,
+        set: args.set.iter().map(|(path, value)| (path.clone(), value.to_argument())).collect(),
         // A pixel is what its centre sees, as in a G-buffer: in a frame of few pixels its mean is another thing.
         set_reference: vec![("filter".to_owned(), "centre".to_owned())],
         samples: args.samples,
@@ -99,12 +95,12 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             bar.set_message(format!("{} {}", cell.pipeline, cell.case));
             bar.inc(1);
             if cell.is_defect() && !context.json {
-                bar.suspend(|| say!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case));
+                bar.suspend(|| stdout!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case));
             }
             // A run that ends early leaves a report. A report that cannot be written is an error at the end.
             finished.push(cell.clone());
             if bar.is_hidden() {
-                tell!("{}/{count} {} · {}", finished.len(), cell.pipeline, cell.case);
+                stderr!("{}/{count} {} · {}", finished.len(), cell.pipeline, cell.case);
             }
             if written.elapsed() > BETWEEN_REPORTS {
                 let _ = report.write(&finished);
@@ -120,14 +116,14 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         output::json(&json!({ "report": page, "verdicts": record["verdicts"], "cells": record["cells"] }));
     } else {
         let count = |verdict| cells.iter().filter(|cell| cell.verdict == verdict).count();
-        say!(
+        stdout!(
             "{} of {} held, {} refused with a reason, {} took too long, {defects} did not hold",
             count(Verdict::Held),
             cells.len(),
             count(Verdict::Refused),
             count(Verdict::TimedOut)
         );
-        say!("{}", page.display());
+        stdout!("{}", page.display());
     }
     if defects > 0 {
         bail!("{defects} of {} cells did not hold; {} has the command for each", cells.len(), page.display());
@@ -150,7 +146,7 @@ impl<'a> Report<'a> {
             env!("CARGO_PKG_VERSION"),
             args.size.0,
             args.size.1,
-            args.set.join(", "),
+            args.set.iter().map(set_text).collect::<Vec<_>>().join(", "),
             args.samples
         );
         let cases = cases.iter().cloned().chain(long.into_iter().flatten()).collect();
@@ -175,9 +171,8 @@ fn chosen(names: &[String]) -> Result<Vec<Case>> {
     };
     for name in names {
         if !all.iter().any(|case| is(name, case)) {
-            let near = nearest(name, all.iter().map(|case| case.name.as_str()));
-            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-            bail!("there is no case `{name}`{near} `lightloom stress --list` lists all");
+            let known: Vec<String> = all.iter().map(|case| case.name.clone()).collect();
+            return Err(unknown("case", name, &known, "stress --list"));
         }
     }
     let wanted = |case: &Case| names.is_empty() || names.iter().any(|name| is(name, case));
@@ -194,7 +189,7 @@ fn list(context: &Context, cases: &[Case]) -> Result<()> {
         return Ok(());
     }
     for case in cases {
-        say!("{:<18} {:<10} {}", case.name, case.group, case.about);
+        stdout!("{:<18} {:<10} {}", case.name, case.group, case.about);
     }
     Ok(())
 }

@@ -4,14 +4,14 @@ mod laboratory;
 mod progress;
 mod registry;
 
-use crate::context::{Context, parse_size};
-use crate::output::{self, say, warn};
+use crate::context::{Context, parse_set, parse_size, set_text, unknown};
+use crate::output::{self, stdout, warn};
 use anyhow::{Context as _, Result, bail};
-use frame_graph::{Diagnostics, Overrides, Source, nearest, resolve};
+use frame_graph::{Diagnostics, Overrides, Source, Value, resolve};
 use laboratory::GpuLaboratory;
 use progress::Progress;
 pub(crate) use registry::{CatalogRegistry, overrides};
-use renderer::{Gpu, parse_value};
+use renderer::Gpu;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -48,11 +48,11 @@ pub(crate) struct Args {
     size: Option<(u32, u32)>,
     /// A value for all pipelines that have the name, instead of the study's; an axis of that name takes only this
     /// value. May be repeated
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
-    set: Vec<String>,
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_set)]
+    set: Vec<(String, Value)>,
     /// A value for the pipeline that renders references. May be repeated
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
-    set_reference: Vec<String>,
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_set)]
+    set_reference: Vec<(String, Value)>,
     /// A scene instead of the study's. May be repeated
     #[arg(long)]
     scene: Vec<String>,
@@ -111,7 +111,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             if context.json {
                 output::json(&json!({ "pages": pages }));
             } else {
-                pages.iter().for_each(|page| say!("{}", page.display()));
+                pages.iter().for_each(|page| stdout!("{}", page.display()));
             }
             Ok(())
         }
@@ -136,8 +136,8 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
     let edits = Edits {
         scenes: args.scene.clone(),
         size: args.size,
-        set: values("--set", &args.set)?,
-        set_reference: values("--set-reference", &args.set_reference)?,
+        set: values(&args.set),
+        set_reference: values(&args.set_reference),
         seeds: args.seeds,
         frames: args.frames,
         ms: args.ms,
@@ -198,10 +198,7 @@ pub(crate) fn source(context: &Context, name: &str) -> Result<Arc<Source>> {
         }
     }
     let known = names(context);
-    match nearest(name, known.iter().map(String::as_str)) {
-        Some(near) => bail!("there is no study `{name}`; did you mean `{near}`?"),
-        None => bail!("there is no study `{name}`; there are {}", known.join(", ")),
-    }
+    Err(unknown("study", name, &known, "check"))
 }
 
 /// Returns the names of all studies.
@@ -210,15 +207,8 @@ pub(crate) fn names(context: &Context) -> Vec<String> {
     paths.iter().map(|path| path.trim_start_matches("studies/").trim_end_matches(".ron").to_owned()).collect()
 }
 
-/// Parses `name=value`.
-fn values(option: &str, given: &[String]) -> Result<Vec<(String, AxisValue)>> {
-    given
-        .iter()
-        .map(|text| match text.split_once('=') {
-            Some((name, value)) => Ok((name.trim().to_owned(), AxisValue::from_value(&parse_value(value)))),
-            None => bail!("`{option} {text}`: expected `parameter=value` or `pass.setting=value`"),
-        })
-        .collect()
+fn values(given: &[(String, Value)]) -> Vec<(String, AxisValue)> {
+    given.iter().map(|(name, value)| (name.clone(), AxisValue::from_value(value))).collect()
 }
 
 /// Returns the command that repeats the run.
@@ -227,8 +217,8 @@ fn command(args: &Args, file: &str) -> String {
     if let Some((width, height)) = args.size {
         words.push(format!("--size {width}x{height}"));
     }
-    words.extend(args.set.iter().map(|set| format!("--set {set}")));
-    words.extend(args.set_reference.iter().map(|set| format!("--set-reference {set}")));
+    words.extend(args.set.iter().map(|set| format!("--set {}", set_text(set))));
+    words.extend(args.set_reference.iter().map(|set| format!("--set-reference {}", set_text(set))));
     words.extend(args.scene.iter().map(|scene| format!("--scene {scene}")));
     words.extend(args.seeds.map(|seeds| format!("--seeds {seeds}")));
     words.extend(args.frames.map(|frames| format!("--frames {frames}")));
@@ -273,19 +263,19 @@ fn report(context: &Context, results: &Results, folder: &Path, run: Option<usize
         return Ok(());
     }
     for (cell, error) in failures {
-        say!("failed  {cell}: {error}");
+        stdout!("failed  {cell}: {error}");
     }
     if missing > 0 {
-        say!("{missing} of {} cells are not here", results.study.cell_count);
+        stdout!("{missing} of {} cells are not here", results.study.cell_count);
     }
     if !findings.is_empty() {
-        say!(
+        stdout!(
             "claims  {hold} of {} hold, {fail} do not, {undecided} are not decided, {not_measured} not measured",
             findings.len()
         );
     }
     if let Some(page) = page {
-        say!("{}", page.display());
+        stdout!("{}", page.display());
     }
     Ok(())
 }

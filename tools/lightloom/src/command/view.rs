@@ -1,6 +1,6 @@
 //! `lightloom view`: the window.
 
-use crate::context::{Context, overrides};
+use crate::context::{Context, Values};
 use anyhow::{Result, bail};
 use frame_graph::resolve::Files as _;
 use scene::SceneError;
@@ -19,9 +19,8 @@ pub(crate) struct Args {
     pipeline: Option<String>,
     /// A scene by name, or a .ron, .glb or .gltf file [default: that of the last time]
     scene: Option<String>,
-    /// A value for a parameter or a pass's setting; any number of times
-    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::context::parse_set)]
-    set: Vec<String>,
+    #[command(flatten)]
+    values: Values,
     /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
     #[arg(long, default_value_t = 0)]
     seed: u32,
@@ -31,11 +30,11 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
-    // A name that no file has is told here; what is wrong inside a file is told in the window, and waited for.
+    // A name without a file is an error here; an error inside a file is shown in the window until it is corrected.
     if let Some(pipeline) = &args.pipeline
         && context.catalog.pipelines().read(pipeline).is_none()
     {
-        frame_graph::resolve(pipeline, context.catalog.pipelines(), &overrides(&args.set)?)?;
+        frame_graph::resolve(pipeline, context.catalog.pipelines(), &args.values.overrides())?;
     }
     if let Some(scene) = &args.scene {
         let files = catalog::SceneAssets(context.catalog.assets().clone());
@@ -50,7 +49,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         catalog: context.catalog.clone(),
         pipeline: args.pipeline.clone(),
         scene: args.scene.clone(),
-        overrides: overrides(&args.set)?,
+        overrides: args.values.overrides(),
         seed: args.seed,
         state: args.state.clone(),
     })?;

@@ -1,4 +1,4 @@
-//! What a frame costs on the CPU, beside the same calls of wgpu made by hand.
+//! The cost of a frame on the CPU, beside the same calls of wgpu made by hand.
 
 use super::graph::{chain, milliseconds};
 use super::table::{Goal, Row, Section, Spread};
@@ -12,14 +12,14 @@ use renderer::Compiled;
 use scene::{Pose, Scene};
 use scene_upload::{Frame, SceneView};
 
-/// Frames are short, and so are measured so many times as often as others; not more often, since lavapipe keeps some of the
+/// Factor of the number of runs, since frames are short; no greater one, since lavapipe keeps some of the
 /// memory of each dispatch.
 const REPEATS: u32 = 10;
 
 /// Passes of the chain before those that are dispatched here: G-buffer, reflective shadow map, lights.
 const BEFORE: u32 = 3;
 
-/// So few pixels that there is little to do but to encode.
+/// The size of frames: of few pixels, so that encoding takes most of the time.
 const SIZE: (u32, u32) = (8, 8);
 
 pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
@@ -118,7 +118,7 @@ fn measured(plan: &Plan) -> Option<Vec<PassId>> {
     Some((first.0..plan.passes.len() as u32).map(PassId).collect())
 }
 
-/// What a frame calls of wgpu, to be called without the framework.
+/// The calls of wgpu of a frame, without the framework.
 struct Hand {
     dispatches: Vec<(ComputePipeline, BindGroup, [u32; 3])>,
     /// In place of the buffer that holds the frame's number.

@@ -7,7 +7,7 @@ use frame_graph::{Overrides, Value};
 use renderer::{FrameOptions, Renderer};
 use std::sync::Arc;
 
-/// The first scene that is given, or the atrium, which has about the structure of Sponza.
+/// Returns the first scene that is given, or the atrium, which has about the structure of Sponza.
 pub(super) fn scene<'a>(bench: &'a Bench<'_>) -> &'a str {
     bench.args.scene.first().map_or("atrium", String::as_str)
 }
@@ -33,7 +33,7 @@ impl Timed {
         Ok(timed)
     }
 
-    /// Milliseconds of each pass.
+    /// Returns the milliseconds of each pass.
     pub(super) fn frame(&mut self) -> Result<Vec<f64>> {
         self.0.run_everything();
         Ok(self.0.frame()?.times.clone())
@@ -56,7 +56,7 @@ impl Timed {
 /// Passes that a figure takes together.
 type Phase = fn(&str) -> bool;
 
-/// The times of phases in two pipelines, frame after frame in turn, so that whatever else the machine does slows both.
+/// Returns the times of phases in two pipelines, whose frames run in turn, so that other work of the machine slows both.
 fn in_turn<const PHASES: usize>(
     bench: &Bench<'_>,
     pair: &mut [Timed; 2],
@@ -76,7 +76,7 @@ fn in_turn<const PHASES: usize>(
     Ok(times.map(|pair| pair.map(Spread::of)))
 }
 
-/// The pass `shadows`, or those of the sub-graph of that name.
+/// Returns whether a pass is `shadows`, or one of the sub-graph of that name.
 fn makes_maps(pass: &str) -> bool {
     pass == "shadows" || pass.starts_with("shadows/")
 }

@@ -1,4 +1,4 @@
-//! What the frame graph costs: compiling it, and the memory that its plans take.
+//! The cost of the frame graph: compiling it, and the memory of its plans.
 
 use super::table::{Goal, Row, Section, Spread};
 use super::{Bench, Figure};
@@ -13,10 +13,10 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Passes of a microsecond or a millisecond are run so many times as often as whole frames.
+/// Factor of the number of runs: compiling takes less time than whole frames.
 const REPEATS: u32 = 20;
 
-/// The text of a pipeline of `count` passes: a short way to an irradiance, and blurs of it one after the other, each a
+/// Returns the text of a pipeline of `count` passes: a short way to an irradiance, and blurs of it one after the other, each a
 /// single dispatch.
 pub(super) fn chain(count: u32) -> String {
     let mut text = String::from(
@@ -42,7 +42,7 @@ pub(super) fn milliseconds(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 
-/// What a program keeps of a description.
+/// Returns what a program keeps of a description: plan, graph and resolved pipeline.
 fn plan(
     catalog: &Catalog,
     description: &Description,
@@ -121,7 +121,7 @@ pub(super) fn memory(bench: &Bench<'_>) -> Result<Section> {
     Ok(Section { figure: Figure::Memory, rows, note })
 }
 
-/// The largest sums alive at once, each of resources that can share an object at all: textures of one shape, or
+/// Returns the largest sums alive at once, each of resources that can share an object at all: textures of one shape, or
 /// buffers.
 fn reachable_bound(plan: &Plan) -> u64 {
     let mut alive = HashMap::new();

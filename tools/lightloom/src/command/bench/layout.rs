@@ -1,11 +1,11 @@
-//! How measurements are printed: in columns, with the machine.
+//! Prints measurements in columns, with the machine.
 
 use super::Args;
-use crate::output::say;
+use crate::output::stdout;
 use renderer::Gpu;
 use serde_json::{Value, json};
 
-/// What was measured on, and how often.
+/// The machine of a measurement, and the number of runs.
 pub(super) struct Machine {
     adapter: Option<String>,
     cores: usize,
@@ -26,11 +26,11 @@ impl Machine {
         }
     }
 
-    /// On what, and how.
+    /// Returns machine and runs as a line.
     pub(super) fn line(&self) -> String {
         let adapter = self.adapter.as_deref().unwrap_or("no adapter was requested");
         let build = if OPTIMISED { "" } else { ", built without full optimisation" };
-        let quick = if self.quick { "; a quick look, to which the goals do not apply" } else { "" };
+        let quick = if self.quick { "; a quick preview, to which the goals do not apply" } else { "" };
         format!(
             "Lightloom {}{build}; {adapter}, {} CPU cores. Medians (least–greatest); runs after the first: {}{quick}.",
             env!("CARGO_PKG_VERSION"),
@@ -39,7 +39,7 @@ impl Machine {
         )
     }
 
-    /// The same as an object, with further members.
+    /// Returns the same as an object, with further members.
     pub(super) fn json_with<const N: usize>(&self, members: [(&str, Value); N]) -> Value {
         let mut object = json!({
             "version": env!("CARGO_PKG_VERSION"),
@@ -63,9 +63,9 @@ pub(super) fn print_columns<const N: usize>(
     let rows: Vec<[String; N]> = std::iter::once(heads.map(str::to_owned)).chain(rows).collect();
     if markdown {
         for (i, cells) in rows.iter().enumerate() {
-            say!("| {} |", cells.join(" | "));
+            stdout!("| {} |", cells.join(" | "));
             if i == 0 {
-                say!("|{}", "---|".repeat(N));
+                stdout!("|{}", "---|".repeat(N));
             }
         }
         return;
@@ -75,11 +75,11 @@ pub(super) fn print_columns<const N: usize>(
     for cells in &rows {
         let line: Vec<String> =
             cells.iter().zip(widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
-        say!("{}", line.join("  ").trim_end());
+        stdout!("{}", line.join("  ").trim_end());
     }
 }
 
-/// Three digits that count.
+/// Formats a number with three significant digits.
 pub(super) fn digits(value: f64) -> String {
     let before = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     let behind = (2.0 - before).clamp(0.0, 6.0) as usize;

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Scenes that are always measured.
 const SCENES: [&str; 2] = ["cornell-box", "atrium"];
 
-/// The passes that are timed, and what they do.
+/// The timed passes with their descriptions.
 const TIMED: [(&str, &str); 4] = [
     ("camera-closest", "closest hit, camera rays"),
     ("camera-any", "any hit, camera rays"),
@@ -56,7 +56,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     Ok(Section { figure: Figure::Rays, rows, note })
 }
 
-/// The pipeline of this many rays.
+/// Returns the pipeline of this many rays.
 fn pipeline(rays: u32) -> String {
     let made = format!(
         r#"kind: "compute", shader: "shaders/bench/make-rays.wgsl", out: {{ "rays": Out(count: {rays}) }}"#
@@ -86,8 +86,7 @@ fn pipeline(rays: u32) -> String {
     )
 }
 
-/// A scene with the pipeline in it. The renderer does not let one choose the variant of a shader of the user's, so the
-/// executor is driven here.
+/// A scene with the pipeline. The renderer has no choice of variants of a user's shader, so the executor is driven here.
 struct RayBench<'a> {
     executor: Executor,
     view: SceneView,
@@ -119,7 +118,7 @@ impl RayBench<'_> {
         Ok(RayBench { executor, view, scene, plan: compiled.plan, side })
     }
 
-    /// Milliseconds of each pass.
+    /// Returns the milliseconds of each pass.
     fn frame(&mut self) -> Result<Vec<f64>> {
         let frame = Frame { index: 0, time: 0.0, step: 0.0, pad: 0.0 };
         let (pose, size) = (self.scene.at(0.0), (self.side, self.side));
@@ -163,14 +162,14 @@ impl RayBench<'_> {
         Ok(rows)
     }
 
-    /// The bytes of an output.
+    /// Returns the bytes of an output.
     fn read(&self, output: &str) -> Result<Vec<u8>> {
         let found = self.plan.output(output).and_then(|output| output.members.first());
         let (_, id) = found.with_context(|| format!("the plan has no output `{output}`"))?;
         Ok(self.executor.read(*id)?)
     }
 
-    /// How many rays a pass has traced, and how many of them hit something.
+    /// Returns the number of rays that a pass has traced, and of those that hit something.
     fn count(&self, pass: &str, any: bool) -> Result<(u64, u64)> {
         let bytes = self.read(pass)?;
         let words = |bytes: &[u8]| -> Vec<u32> {

@@ -1,4 +1,4 @@
-//! From the save of a shader to the next frame.
+//! The time from the save of a shader to the next frame.
 
 use super::table::{Goal, Row, Section, Spread};
 use super::{Bench, Figure};
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant, SystemTime};
 /// The shader that is saved: the last one of the frame, so that little else runs again.
 const SHADER: &str = "passes/composite/composite.wgsl";
 
-/// What is changed in it so that the driver has to compile it.
+/// The text in it that is changed so that the driver has to compile it.
 const CONSTANT: &str = "select(0.0, 1.0,";
 
 /// Saves that are not counted: the first reload finds a cold driver.
@@ -68,7 +68,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     Ok(Section { figure: Figure::Reload, rows, note })
 }
 
-/// As editors save: a new file beside the old, renamed over it.
+/// Saves as editors do: a new file beside the old, renamed over it.
 fn save(path: &Path, text: &str) -> Result<()> {
     let beside = path.with_extension("new");
     std::fs::write(&beside, text)?;
@@ -86,5 +86,5 @@ fn take_in(renderer: &mut Renderer, watcher: &mut Watcher) -> Result<()> {
             Reload::Failed(error) => return Err(error.into()),
         }
     }
-    bail!("{SHADER} was saved, and the system told of no change in 20 s")
+    bail!("{SHADER} was saved, and the system reported no change in 20 s")
 }

@@ -1,4 +1,4 @@
-//! What the adapter can do at most, beside what each pass of three frames must move and do.
+//! The limits of the adapter, beside what each pass of three frames must move and do.
 
 mod ceiling;
 mod clock;
@@ -22,10 +22,10 @@ use work::{Quantity, Work};
 /// Milliseconds for which a kernel is repeated.
 const MEASURED_MS: f64 = 20.0;
 
-/// The same in a quick look.
+/// The same in a quick preview.
 const QUICK_MS: f64 = 0.5;
 
-/// A pass with its times, and what it must move and do.
+/// A pass with its times and its work.
 struct Pass {
     name: String,
     kind: String,
@@ -89,7 +89,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Roofline> {
     })
 }
 
-/// The frames of the figures `ism-frame` and `shadow-maps`.
+/// Returns the frames of the figures `ism-frame` and `shadow-maps`.
 fn frames(bench: &Bench<'_>) -> Result<Vec<(String, Timed)>> {
     let side = bench.size(256, 32);
     let (lights, map) = (bench.size(1024, 32), bench.size(64, 16));
@@ -102,14 +102,14 @@ fn frames(bench: &Bench<'_>) -> Result<Vec<(String, Timed)>> {
         for (_, name, _) in marked(timed.renderer()) {
             timed.renderer().keep(&name)?;
         }
-        // What is kept has been made anew.
+        // What is kept was made again.
         timed.frame()?;
         Ok((format!("{pipeline}, {lights} maps of {map}², {}×{} pixels", size.0, size.1), timed))
     });
     frames.collect()
 }
 
-/// The passes whose atomics are counted in what they leave: index, name of the resource, and the word for none.
+/// Returns the passes whose atomics are counted in what they leave: index, name of the resource, and the word for none.
 fn marked(renderer: &Renderer) -> Vec<(usize, String, u32)> {
     let passes = renderer.plan().map_or(&[][..], |plan| &plan.passes);
     let found = passes.iter().enumerate().filter_map(|(i, pass)| {
@@ -119,7 +119,7 @@ fn marked(renderer: &Renderer) -> Vec<(usize, String, u32)> {
     found.collect()
 }
 
-/// A frame with what its passes must do.
+/// Returns a frame with the work of its passes.
 fn frame(name: &str, timed: &mut Timed, times: &[Vec<f64>]) -> Result<Frame> {
     let triangles = timed.triangles() as u64;
     let renderer = timed.renderer();

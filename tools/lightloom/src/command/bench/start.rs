@@ -1,4 +1,4 @@
-//! From the start of a process to its first picture.
+//! The time from the start of a process to its first picture.
 
 use super::table::{Goal, Row, Section, Spread};
 use super::{Bench, Figure};
@@ -31,8 +31,8 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         row("start to the first picture, the driver's cache empty", cold),
     ];
     let note = "A process that renders `ism-invtm` in the Cornell box at 64², from its start to its end, in turns with \
-                its driver's cache filled by the one before and with an empty one. Only Mesa is told where its cache \
-                is: with other drivers the two rows mean the same. `lightloom render --time` prints where the time goes."
+                its driver's cache filled by the one before and with an empty one. The folder of the cache is set for Mesa \
+                only: with other drivers the two rows mean the same. `lightloom render --time` prints where the time goes."
         .to_owned();
     Ok(Section { figure: Figure::Start, rows, note })
 }

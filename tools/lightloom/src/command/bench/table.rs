@@ -2,7 +2,7 @@
 
 use super::layout::{Machine, digits, print_columns};
 use super::{Args, Figure};
-use crate::output::say;
+use crate::output::stdout;
 use clap::ValueEnum as _;
 use metrics::statistics::median;
 use renderer::Gpu;
@@ -17,19 +17,19 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    /// Of at least one value; of two in the middle, their mean.
+    /// Summarizes at least one value.
     pub(super) fn of(mut values: Vec<f64>) -> Spread {
         // Sorted by it.
         let median = median(&mut values).unwrap_or(f64::NAN);
         Spread { median, least: values[0], greatest: values[values.len() - 1] }
     }
 
-    /// Something that is no matter of chance.
+    /// Creates the spread of a value without chance.
     pub(super) fn exact(value: f64) -> Spread {
         Spread { median: value, least: value, greatest: value }
     }
 
-    /// The median with its unit, and with the least and the greatest where these differ.
+    /// Formats the median with its unit, and with the least and the greatest if these differ.
     pub(super) fn with_unit(self, unit: &str) -> String {
         let Spread { median, least, greatest } = self;
         if least == greatest {
@@ -38,12 +38,12 @@ impl Spread {
         format!("{} {unit} ({}–{})", digits(median), digits(least), digits(greatest))
     }
 
-    /// `amount` over each value: a rate from times.
+    /// Returns `amount` over each value: a rate from times.
     pub(super) fn under(self, amount: f64) -> Spread {
         Spread { median: amount / self.median, least: amount / self.greatest, greatest: amount / self.least }
     }
 
-    /// The ratio of the medians, with the least and the greatest that two runs could give.
+    /// Returns the ratio of the medians, with the least and the greatest that two runs could give.
     pub(super) fn over(self, other: Spread) -> Spread {
         Spread {
             median: self.median / other.median,
@@ -53,7 +53,7 @@ impl Spread {
     }
 }
 
-/// What the design asks for.
+/// A goal of the design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Goal {
     AtLeast(f64),
@@ -85,14 +85,14 @@ pub(super) struct Row {
     pub(super) measured: Spread,
     pub(super) unit: &'static str,
     pub(super) goal: Option<Goal>,
-    /// Where the goal comes from.
+    /// The source of the goal.
     pub(super) from: &'static str,
-    /// What was counted, for programs.
+    /// Counts, for programs.
     pub(super) counts: Vec<(&'static str, u64)>,
 }
 
 impl Row {
-    /// A figure without a goal.
+    /// Creates a figure without a goal.
     pub(super) fn new(name: impl Into<String>, measured: Spread, unit: &'static str) -> Row {
         Row { name: name.into(), measured, unit, goal: None, from: "", counts: Vec::new() }
     }
@@ -107,7 +107,7 @@ impl Row {
         self
     }
 
-    /// As the table has it.
+    /// Returns the row of the table.
     fn cells(&self) -> [String; 5] {
         let median = self.measured.median;
         let (goal, met) = match self.goal {
@@ -143,14 +143,14 @@ impl Row {
     }
 }
 
-/// The rows of a figure, and how they were measured.
+/// The rows of a figure, and a note on their measurement.
 pub(super) struct Section {
     pub(super) figure: Figure,
     pub(super) rows: Vec<Row>,
     pub(super) note: String,
 }
 
-/// All that was measured, with the machine.
+/// All measurements, with the machine.
 pub(super) struct Table {
     sections: Vec<Section>,
     machine: Machine,
@@ -169,17 +169,17 @@ impl Table {
 
     pub(super) fn print(&self, markdown: bool) {
         if markdown {
-            say!("{}\n", self.machine.line());
+            stdout!("{}\n", self.machine.line());
         }
         let rows = self.sections.iter().flat_map(|section| &section.rows).map(Row::cells);
         print_columns(["what", "measured", "goal", "met", "from"], rows, markdown);
-        say!("");
+        stdout!("");
         if markdown {
-            self.notes().for_each(|(name, note)| say!("- `{name}`: {note}"));
+            self.notes().for_each(|(name, note)| stdout!("- `{name}`: {note}"));
             return;
         }
-        self.notes().for_each(|(name, note)| say!("{name}: {note}"));
-        say!("{}", self.machine.line());
+        self.notes().for_each(|(name, note)| stdout!("{name}: {note}"));
+        stdout!("{}", self.machine.line());
     }
 
     pub(super) fn to_json(&self) -> Value {
@@ -197,12 +197,12 @@ impl Table {
     }
 }
 
-/// As `--only` takes it.
+/// Returns the name that `--only` takes.
 fn name(figure: Figure) -> String {
     figure.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// A number as one writes a goal.
+/// Formats a number as a goal states it.
 fn short(value: f64) -> String {
     format!("{value}")
 }

@@ -1,4 +1,4 @@
-//! From a value that a slider sets to the next frame.
+//! The time from a value that a slider sets to the next frame.
 
 use super::graph::milliseconds;
 use super::table::{Goal, Row, Section, Spread};
@@ -11,10 +11,10 @@ use std::time::Instant;
 
 const PIPELINE: &str = "ism-invtm";
 
-/// Values are set so many times as often as whole frames are run.
+/// Factor of the number of runs.
 const REPEATS: u32 = 20;
 
-/// Settings of [`PIPELINE`], two values of each, how far these reach, and whether sizes stay the same.
+/// Settings of [`PIPELINE`], two values of each, the extent of their effect, and whether sizes stay the same.
 const SETTINGS: [(&str, [Value; 2], &str, bool); 3] = [
     ("image.exposure", [Value::F32(0.0), Value::F32(1.0)], "read by one pass", true),
     ("shadows/splat.depth_bias", [Value::F32(1.0), Value::F32(2.0)], "a fact of the maps", true),

@@ -1,6 +1,6 @@
-//! What is wrong with pictures that were rendered: values that are not finite, and that nothing is seen.
+//! Faults of rendered pictures: values that are not finite, and pictures in which nothing is seen.
 
-use crate::output::tell;
+use crate::output::stderr;
 use anyhow::{Result, bail};
 use metrics::Image;
 use renderer::Renderer;
@@ -10,14 +10,14 @@ use renderer::Renderer;
 pub(super) struct Broken {
     /// The first of them, in words.
     first: Option<String>,
-    /// How many there are.
+    /// The number of them.
     pub(super) pixels: usize,
-    /// In how many pictures.
+    /// The number of pictures that have them.
     pictures: usize,
 }
 
 impl Broken {
-    /// Looks at a picture of an output.
+    /// Adds those of a picture of an output.
     pub(super) fn look(&mut self, picture: &Image, output: &str, frame: u32) {
         let is_broken = |pixel: &[f32; 4]| !pixel.iter().all(|value| value.is_finite());
         let count = picture.pixels().iter().filter(|pixel| is_broken(pixel)).count();
@@ -31,7 +31,7 @@ impl Broken {
         self.pictures += 1;
     }
 
-    /// Fails where there are such pixels. The pictures have been written: they show where.
+    /// Fails if there are such pixels. The pictures have been written: they show where.
     pub(super) fn result(&self) -> Result<()> {
         let Some(first) = &self.first else { return Ok(()) };
         let pixels = if self.pixels == 1 { "1 pixel is" } else { "pixels are" };
@@ -41,8 +41,8 @@ impl Broken {
     }
 }
 
-/// Says why a picture of light is black, where that is known.
-pub(super) fn tell_of_black(renderer: &Renderer, picture: &Image, output: &str) {
+/// Prints why a picture of light is black, if that is known.
+pub(super) fn explain_black(renderer: &Renderer, picture: &Image, output: &str) {
     let is_black = picture.pixels().iter().all(|pixel| pixel[..3] == [0.0; 3]);
     if !is_black || !["image", "display"].contains(&output) {
         return;
@@ -68,9 +68,9 @@ pub(super) fn tell_of_black(renderer: &Renderer, picture: &Image, output: &str) 
         !corners.iter().any(far)
     });
     if !is_small && scene.is_in_view(pose, width as f32 / height as f32) {
-        tell!("note: the picture is black: no light reaches what is seen");
+        stderr!("note: the picture is black: no light reaches what is seen");
     } else {
-        tell!(
+        stderr!(
             "note: nothing is seen: the camera at {} looks at {}, and the scene lies within {} to {} m{}",
             point(pose.camera.position),
             point(pose.camera.target),

@@ -1,4 +1,4 @@
-//! `render --log`: what each frame gave and what the program holds after it, as a line of JSON.
+//! `render --log`: a line of JSON for each frame, with its pictures and the memory of the program.
 
 use anyhow::{Context as _, Result};
 use metrics::{Glance, Image};
@@ -21,7 +21,7 @@ impl FrameLog {
         Ok(FrameLog { file, path: path.to_owned() })
     }
 
-    /// Adds the line of the frame that was just rendered, in so many seconds.
+    /// Adds the line of the frame that was just rendered in `seconds`.
     pub(super) fn add(
         &mut self,
         renderer: &Renderer,
@@ -31,7 +31,7 @@ impl FrameLog {
     ) -> Result<()> {
         let mut pictures = serde_json::Map::new();
         for output in outputs {
-            pictures.insert(output.clone(), told(&renderer.picture(output, 0)?));
+            pictures.insert(output.clone(), entry(&renderer.picture(output, 0)?));
         }
         let line = json!({
             "frame": frame,
@@ -47,8 +47,8 @@ impl FrameLog {
     }
 }
 
-/// What is told of a picture: a hash of its bits, and the mean luminance of its finite pixels.
-fn told(picture: &Image) -> Value {
+/// Returns the line's entry for a picture: a hash of its bits, and the mean luminance of its finite pixels.
+fn entry(picture: &Image) -> Value {
     let bytes: Vec<u8> = picture.pixels().iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
     let Glance { mean, not_finite, negative } = picture.glance();
     json!({
@@ -59,7 +59,7 @@ fn told(picture: &Image) -> Value {
     })
 }
 
-/// The memory that the program holds in RAM \[bytes\]; `None` where the system has no `/proc`.
+/// Returns the memory that the program holds in RAM \[bytes\]; `None` if the system has no `/proc`.
 fn memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

@@ -1,9 +1,9 @@
-//! What `render` says of what it made.
+//! The report of `render`.
 
 use super::Args;
 use super::faults::Broken;
 use crate::context::Context;
-use crate::output::{self, say};
+use crate::output::{self, stdout};
 use anyhow::Result;
 use frame_graph::{Figure, human_bytes};
 use metrics::statistics::median;
@@ -12,22 +12,22 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// What was rendered.
+/// The result of a rendering.
 #[derive(Default)]
 pub(super) struct Rendered {
     /// The pictures that were written, in order.
     pub(super) written: Vec<PathBuf>,
     /// The GPU time of each pass in each frame \[ms\].
     pub(super) times: Vec<Vec<f64>>,
-    /// How long it took \[s\].
+    /// The time that it took \[s\].
     pub(super) seconds: f64,
     /// The pixels that are not finite.
     pub(super) broken: Broken,
-    /// When the first picture was there, from the start of the process.
+    /// The time of the first picture, from the start of the process.
     pub(super) first_picture: Option<Duration>,
 }
 
-/// Says what was rendered, and what the pipeline tells of it.
+/// Prints the result, and the figures that the pipeline reports.
 pub(super) fn report(context: &Context, args: &Args, renderer: &Renderer, done: &Rendered) -> Result<()> {
     let Rendered { written, times, seconds, broken, first_picture } = done;
     let first_picture = first_picture.filter(|_| args.time);
@@ -64,12 +64,12 @@ pub(super) fn report(context: &Context, args: &Args, renderer: &Renderer, done: 
         } else {
             "GPU ms of the first frame, with what the driver compiles"
         };
-        say!("{:<40} {:>10}", "pass", frames);
+        stdout!("{:<40} {:>10}", "pass", frames);
         for (name, ms) in &rows {
-            say!("{name:<40} {ms:>10.3}");
+            stdout!("{name:<40} {ms:>10.3}");
         }
-        say!("{:<40} {:>10.3}", "all", rows.iter().map(|(_, ms)| ms).sum::<f64>());
-        say!(
+        stdout!("{:<40} {:>10.3}", "all", rows.iter().map(|(_, ms)| ms).sum::<f64>());
+        stdout!(
             "on {}; transients {} (unshared {}, bound {})",
             renderer.gpu().describe(),
             human_bytes(plan.memory.shared),
@@ -81,12 +81,12 @@ pub(super) fn report(context: &Context, args: &Args, renderer: &Renderer, done: 
         context.phases.print(whole);
     }
     if let Some(share) = clamped.filter(|share| *share > 0.0) {
-        say!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
+        stdout!("clamping removed {:.2} % of the indirect irradiance", share * 100.0);
     }
-    for port in worth_telling(&figures) {
-        let told =
+    for port in worth_printing(&figures) {
+        let values =
             port.values.iter().map(|(figure, value)| format!("{} {value}{}", figure.name, unit(figure)));
-        say!("{}: {}", port.port, told.collect::<Vec<_>>().join(", "));
+        stdout!("{}: {}", port.port, values.collect::<Vec<_>>().join(", "));
     }
     if let Some(progress) = progress {
         let state = if progress.is_done() { "converged" } else { "not converged" };
@@ -96,21 +96,21 @@ pub(super) fn report(context: &Context, args: &Args, renderer: &Renderer, done: 
         } else {
             String::new()
         };
-        say!("{state} after {} of at most {} steps{error}", progress.step, progress.steps);
+        stdout!("{state} after {} of at most {} steps{error}", progress.step, progress.steps);
     }
     if let Some(path) = written.last() {
         let shown = path.canonicalize().unwrap_or_else(|_| path.clone());
         match written.len() {
-            1 => say!("{}", shown.display()),
-            n => say!("{n} pictures, the last {}", shown.display()),
+            1 => stdout!("{}", shown.display()),
+            n => stdout!("{n} pictures, the last {}", shown.display()),
         }
     }
     Ok(())
 }
 
-/// The figures that say something to a reader: not those of counters that produced all that was requested, and of passes of
-/// a sub-graph that hand on one interface those of the last.
-fn worth_telling(all: &[PortFigures]) -> impl Iterator<Item = &PortFigures> {
+/// Returns the figures that are worth printing: not those of counters that produced all that was requested, and of passes
+/// of a sub-graph that hand on one interface those of the last.
+fn worth_printing(all: &[PortFigures]) -> impl Iterator<Item = &PortFigures> {
     let complete = |port: &PortFigures| {
         port.value("requested").is_some_and(|requested| port.value("produced") == Some(requested))
     };
@@ -122,12 +122,12 @@ fn worth_telling(all: &[PortFigures]) -> impl Iterator<Item = &PortFigures> {
     })
 }
 
-/// A figure's unit, after a space.
+/// Returns a figure's unit, after a space.
 fn unit(figure: &Figure) -> String {
     if figure.unit.is_empty() { String::new() } else { format!(" {}", figure.unit) }
 }
 
-/// The figures of a port as an object: the port as `of`, then each figure by its name.
+/// Returns the figures of a port as an object: the port as `of`, then each figure by its name.
 fn figures_to_json(port: &PortFigures) -> serde_json::Value {
     let mut object = serde_json::Map::new();
     object.insert("of".to_owned(), json!(port.port.as_str()));
@@ -135,14 +135,14 @@ fn figures_to_json(port: &PortFigures) -> serde_json::Value {
     object.into()
 }
 
-/// The median of a pass's times over the frames after the first, in which drivers compile shaders.
+/// Returns the median of a pass's times over the frames after the first, in which drivers compile shaders.
 fn median_after_the_first(times: &[Vec<f64>], pass: usize) -> f64 {
     let skip = usize::from(times.len() > 1);
     let mut column: Vec<f64> = times.iter().skip(skip).filter_map(|row| row.get(pass).copied()).collect();
     median(&mut column).unwrap_or(0.0)
 }
 
-/// The share of the irradiance that clamping removed, where the pipeline has an output `irradiance`.
+/// Returns the share of the irradiance that clamping removed, if the pipeline has an output `irradiance`.
 fn clamped_share(renderer: &Renderer) -> Option<f64> {
     metrics::virtual_lights::clamped_share(&renderer.output("irradiance").ok()?)
 }

@@ -1,6 +1,6 @@
-//! Rendering again at every save.
+//! Renders again at every save.
 
-use crate::output::tell;
+use crate::output::stderr;
 use anyhow::{Context as _, Result};
 use renderer::{Reload, Renderer};
 use shader_library::Watcher;
@@ -8,11 +8,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How often files are asked about: short enough not to be felt.
+/// The interval at which files are polled, too short to be noticed.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-/// Calls `render` whenever files that take part have changed and can be taken in, until Ctrl-C. What is wrong is printed,
-/// and the last good state stays.
+/// Calls `render` whenever files of the pipeline, its shaders or the scene have changed and are valid, until Ctrl-C. Errors
+/// are printed, and the last good state stays.
 pub(super) fn watch(
     renderer: &mut Renderer,
     mut render: impl FnMut(&mut Renderer) -> Result<()>,
@@ -22,7 +22,7 @@ pub(super) fn watch(
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).context("Ctrl-C cannot be taken")?;
     let mut folders = renderer.watched_folders();
     let mut watcher = Watcher::new(&folders)?;
-    tell!("watching; Ctrl-C ends it");
+    stderr!("watching; Ctrl-C ends it");
     while !ended.load(Ordering::Relaxed) {
         std::thread::sleep(INTERVAL);
         let changed = watcher.changed();
@@ -33,10 +33,10 @@ pub(super) fn watch(
             Reload::Nothing => {}
             Reload::Done(_) => {
                 if let Err(error) = render(renderer) {
-                    tell!("error: {error:#}");
+                    stderr!("error: {error:#}");
                 }
             }
-            Reload::Failed(error) => tell!("{error}"),
+            Reload::Failed(error) => stderr!("{error}"),
         }
         // Another text may take files of other folders.
         let now = renderer.watched_folders();

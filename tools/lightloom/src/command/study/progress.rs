@@ -1,8 +1,8 @@
 //! The progress of a study, on standard error: a bar on a terminal, lines elsewhere.
 
-use crate::output::tell;
+use crate::output::stderr;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal as _, stderr};
+use std::io::IsTerminal as _;
 use study::{Event, Outcome, Step, name_of};
 
 pub(crate) struct Progress {
@@ -15,7 +15,7 @@ pub(crate) struct Progress {
 
 impl Progress {
     pub(crate) fn new() -> Progress {
-        let bar = stderr().is_terminal().then(|| {
+        let bar = std::io::stderr().is_terminal().then(|| {
             let style = ProgressStyle::with_template("{pos}/{len} {bar:24} {msg}");
             ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
@@ -40,7 +40,7 @@ impl Progress {
             }
             Event::Reference { name } => match &self.bar {
                 Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
-                None => tell!("reference of {name}"),
+                None => stderr!("reference of {name}"),
             },
             Event::Step { name, frame, frames, step } => {
                 // Lines would depend on how fast the machine is.
@@ -71,7 +71,7 @@ impl Progress {
                         self.left = format!("{left}: ");
                     }
                     None => {
-                        tell!("{ended}/{} {} in {:.1} s, {left}", self.cells, name_of(cell), cell.seconds);
+                        stderr!("{ended}/{} {} in {:.1} s, {left}", self.cells, name_of(cell), cell.seconds);
                     }
                 }
             }
@@ -85,11 +85,11 @@ impl Progress {
         }
     }
 
-    /// A line that stays.
+    /// Prints a line that stays.
     fn line(&self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| tell!("{text}")),
-            None => tell!("{text}"),
+            Some(bar) => bar.suspend(|| stderr!("{text}")),
+            None => stderr!("{text}"),
         }
     }
 }

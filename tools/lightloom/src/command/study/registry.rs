@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use study::{Failure, PipelineFacts, Registry, SceneFacts, SceneRecord, Values};
 
-/// The part of a scene's extent by which a virtual light may be elsewhere without having moved.
+/// The share of a scene's extent by which a virtual light may be displaced and still counts as unmoved.
 const SMALL: f32 = 1e-5;
 
 pub(crate) struct CatalogRegistry {
@@ -22,7 +22,7 @@ impl CatalogRegistry {
     }
 }
 
-/// Values as the frame graph takes them.
+/// Converts values to those of the frame graph.
 pub(crate) fn overrides(values: &Values) -> Overrides {
     Overrides(values.iter().map(|(path, value)| (path.clone(), value.to_value())).collect())
 }

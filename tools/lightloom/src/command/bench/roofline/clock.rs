@@ -1,11 +1,11 @@
-//! The time of commands on the GPU, and how often a kernel is repeated to take long enough.
+//! Times commands on the GPU, and repeats kernels that are too short to be timed.
 
 use super::ceiling::Ceiling;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 use executor::Gpu;
 use executor::wgpu::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassDescriptor,
-    ComputePassTimestampWrites, DeviceType, MapMode, QuerySet, QuerySetDescriptor, QueryType,
+    ComputePassTimestampWrites, DeviceType, QuerySet, QuerySetDescriptor, QueryType,
 };
 
 /// Stamps before and after commands. As the executor does for passes, each is the end of an empty pass, and on a CPU
@@ -56,15 +56,7 @@ impl Clock {
         if let Some(fault) = self.gpu.take_fault() {
             bail!("a ceiling could not be measured: {fault}");
         }
-        let (sender, receiver) = std::sync::mpsc::channel();
-        self.readable.map_async(MapMode::Read, .., move |result| {
-            // The receiver waits below; it cannot be gone.
-            let _ = sender.send(result);
-        });
-        self.gpu.wait()?;
-        receiver.recv().context("the device did not answer")??;
-        let bytes = self.readable.get_mapped_range(..).context("stamps cannot be read")?.to_vec();
-        self.readable.unmap();
+        let bytes = executor::map_buffer(&self.gpu, &self.readable, "stamps")?;
         let ticks: Vec<u64> =
             bytes.chunks_exact(8).map(|b| u64::from_le_bytes(b.try_into().unwrap_or_default())).collect();
         Ok(ticks[1].saturating_sub(ticks[0]) as f64 * self.period)
@@ -85,16 +77,16 @@ impl Clock {
     }
 }
 
-/// Records a kernel so many times.
+/// Records a kernel a number of times.
 pub(super) type Record = Box<dyn Fn(&mut CommandEncoder, u32)>;
 
-/// A kernel, with how much of its work it does.
+/// A kernel with the amount of its work.
 pub(super) struct Probe {
     pub(super) ceiling: Ceiling,
     /// Bytes, operations or pieces each time.
     amount: f64,
     record: Record,
-    /// Times that take long enough.
+    /// Number of repetitions that take long enough.
     repeats: u32,
 }
 
@@ -121,7 +113,7 @@ impl Probe {
         }
     }
 
-    /// What is done in a second.
+    /// Returns the rate of its work per second.
     pub(super) fn rate(&self, clock: &Clock) -> Result<f64> {
         let time = self.time(clock)?;
         Ok(self.amount * f64::from(self.repeats) / (1e-3 * time.max(1e-6)))

@@ -21,7 +21,7 @@ const NEAR_BYTES: u64 = 1 << 20;
 /// Bytes of a vector of four.
 const VECTOR: f64 = 16.0;
 
-/// What the kernels need, and how large they are.
+/// The resources of the kernels, with their sizes.
 pub(super) struct Kernels {
     gpu: Gpu,
     shader: Arc<Shader>,
@@ -38,7 +38,7 @@ pub(super) struct Kernels {
     image: TextureView,
     image_side: u32,
     target_side: u32,
-    /// A quick look has less of everything.
+    /// Whether all sizes are smaller, for a quick preview.
     quick: bool,
     /// Workgroups of GPUs over those of CPUs, which a few fill.
     wide: u32,
@@ -78,7 +78,7 @@ impl Kernels {
         })
     }
 
-    /// All probes, in the order of tables.
+    /// Returns all probes, in the order of tables.
     pub(super) fn probes(&self) -> Result<Vec<Probe>> {
         let constant = |name: &str| self.shader.interface.constant(name).and_then(|value| value.as_u32());
         let each = |name: &str| f64::from(constant(name).unwrap_or(1));
@@ -150,7 +150,7 @@ impl Kernels {
         )
     }
 
-    /// Dispatches of an entry point in one compute pass, in which globals of buffers are all bound to the same one.
+    /// Records dispatches of an entry point in one compute pass, in which globals of buffers are all bound to the same one.
     fn dispatches(&self, entry: &str, buffer: Option<&Buffer>, groups: [u32; 3]) -> Result<Record> {
         let pipeline = self.gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry),
@@ -192,7 +192,7 @@ impl Kernels {
         }))
     }
 
-    /// Draws of so many vertices, each in a pass of its own. Two targets take turns: a driver may leave out what is
+    /// Records draws of `vertices` vertices, each in a pass of its own. Two targets take turns: a driver may leave out what is
     /// drawn over in the same one.
     fn draws(&self, vertex: &str, format: TextureFormat, side: u32, vertices: u32) -> Record {
         let pipeline = self.gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -248,7 +248,7 @@ fn buffer(gpu: &Gpu, size: u64) -> Buffer {
     })
 }
 
-/// A texture of which only the view is needed: it keeps the texture.
+/// Creates a texture, and returns its view, which keeps it.
 fn texture(gpu: &Gpu, side: u32, format: TextureFormat, usage: wgpu::TextureUsages) -> TextureView {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("ceilings"),

@@ -1,5 +1,5 @@
-//! What the graph cannot know of a pass: how often its shader loads, meets a barrier or draws over a texel. One entry for
-//! each pass type of the frames that are measured, with the reason; whatever has none counts by the plan alone.
+//! Counts that the graph does not know: loads of a shader, barriers, texels that are drawn several times. There is one
+//! entry for each pass type of the measured frames, with the reason; other passes are counted by the plan alone.
 
 use super::work::{Quantity, Work, texels_of_layer, threads};
 use frame_graph::plan::{Plan, PlannedPass};
@@ -7,12 +7,12 @@ use frame_graph::{TextureDesc, Value};
 use pass::{LinkedStep, LinkedSteps};
 use std::sync::Arc;
 
-/// What is known of a pass type.
+/// The counts of a pass type.
 struct Known {
     kind: &'static str,
     /// Inputs of which it reads some elements.
     sparse: &'static [&'static str],
-    /// Adds what the plan does not tell.
+    /// Adds the counts that the plan does not give.
     count: fn(&Pass<'_>, &mut Work),
 }
 
@@ -110,7 +110,7 @@ const KNOWN: [Known; 8] = [
     Known { kind: "direct-light", sparse: &["rsm"], count: |_, _| {} },
 ];
 
-/// A word that a pass leaves in a buffer where it has done no atomic: the others tell how many there were at least.
+/// A word that a pass leaves in a buffer where it has done no atomic: the number of others is the least number of atomics.
 pub(super) struct Marked {
     /// The output port.
     pub(super) port: &'static str,
@@ -121,12 +121,12 @@ pub(super) struct Marked {
 /// Pass types whose atomics are counted in what they leave.
 const MARKED: [(&str, Marked); 1] = [("splat", Marked { port: "depth", empty: f32::INFINITY.to_bits() })];
 
-/// Where the atomics of a pass are counted.
+/// Returns where the atomics of a pass are counted.
 pub(super) fn marked(kind: &str) -> Option<&'static Marked> {
     MARKED.iter().find(|(known, _)| *known == kind).map(|(_, marked)| marked)
 }
 
-/// What a pass must move and do at least. `triangles` are the scene's.
+/// Returns the least that a pass must move and do. `triangles` are the scene's.
 pub(super) fn work(plan: &Plan, planned: &PlannedPass, steps: &LinkedSteps, triangles: u64) -> Work {
     let known = KNOWN.iter().find(|known| *known.kind == *planned.kind);
     let mut work = Work::of(plan, planned, steps, triangles, known.map_or(&[], |known| known.sparse));
@@ -144,7 +144,7 @@ struct Pass<'a> {
 }
 
 impl Pass<'_> {
-    /// Threads of all dispatches of an entry point.
+    /// Returns the threads of all dispatches of an entry point.
     fn threads(&self, entry: &str) -> u64 {
         let of_entry = |step: &&Arc<LinkedStep>| step.shader.interface.entries[step.entries[0]].name == entry;
         self.steps.iter().filter(of_entry).map(|step| threads(step)).sum()
@@ -171,14 +171,14 @@ impl Pass<'_> {
         number(output.and_then(|output| output.facts.get(name)))
     }
 
-    /// Bytes of all resources of an input.
+    /// Returns the bytes of all resources of an input.
     fn input_bytes(&self, port: &str) -> u64 {
         let input = self.planned.inputs.iter().find(|input| *input.port == *port);
         let members = input.into_iter().flat_map(|input| &input.members);
         members.map(|(_, id)| self.plan.resources[id.0 as usize].desc.bytes()).sum()
     }
 
-    /// The first texture of an input, an output or scratch.
+    /// Returns the first texture of an input, an output or scratch.
     fn size(&self, port: &str) -> Option<&TextureDesc<(u32, u32)>> {
         let inputs = self.planned.inputs.iter().map(|input| (&input.port, &input.members));
         let outputs = self.planned.outputs.iter().map(|output| (&output.port, &output.members));

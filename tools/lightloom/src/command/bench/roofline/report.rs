@@ -1,27 +1,27 @@
-//! How a roofline is printed.
+//! Prints a roofline.
 
 use super::work::{Quantity, Work};
 use super::{Frame, Pass, Roofline};
 use crate::command::bench::layout::{digits, print_columns};
-use crate::output::say;
+use crate::output::stdout;
 use serde_json::{Map, Value, json};
 
 impl Roofline {
     pub(in crate::command::bench) fn print(&self, markdown: bool) {
         if markdown {
-            say!("{}\n", self.machine.line());
+            stdout!("{}\n", self.machine.line());
         }
         print_columns(["ceiling", "measured"], self.ceilings.0.iter().map(|c| c.cells()), markdown);
         for frame in &self.frames {
-            say!("\n{}\n", frame.name);
+            stdout!("\n{}\n", frame.name);
             let heads = ["pass", "measured", "at least", "bound by", "over that", "what it must move and do"];
             let passes = frame.passes.iter().map(|pass| self.cells(pass));
             print_columns(heads, passes.chain([self.sums(frame)]), markdown);
         }
-        say!("");
-        say!("{}{}", if markdown { "- " } else { "" }, self.note);
+        stdout!("");
+        stdout!("{}{}", if markdown { "- " } else { "" }, self.note);
         if !markdown {
-            say!("{}", self.machine.line());
+            stdout!("{}", self.machine.line());
         }
     }
 
@@ -40,7 +40,7 @@ impl Roofline {
         ]
     }
 
-    /// The last row of a frame: all its passes.
+    /// Returns the last row of a frame: all its passes.
     fn sums(&self, frame: &Frame) -> [String; 6] {
         let least = self.least(frame);
         [
@@ -53,7 +53,7 @@ impl Roofline {
         ]
     }
 
-    /// The least milliseconds of a frame, whose passes run one after the other.
+    /// Returns the least milliseconds of a frame, whose passes run one after the other.
     fn least(&self, frame: &Frame) -> f64 {
         frame.passes.iter().filter_map(|pass| pass.work.bound(&self.ceilings)).map(|(_, least)| least).sum()
     }
@@ -101,16 +101,17 @@ impl Roofline {
     }
 }
 
-/// What is counted of a pass, in words.
+/// Formats the counts of a pass.
 fn described(work: &Work) -> String {
     // Bytes of buffers are among all that are moved.
-    let told = work.counts().filter(|(quantity, _)| !matches!(quantity, Quantity::Read | Quantity::Written));
+    let counts =
+        work.counts().filter(|(quantity, _)| !matches!(quantity, Quantity::Read | Quantity::Written));
     let texts: Vec<String> =
-        told.map(|(quantity, count)| format!("{} {}", rounded(count), quantity.names().1)).collect();
+        counts.map(|(quantity, count)| format!("{} {}", rounded(count), quantity.names().1)).collect();
     texts.join(", ")
 }
 
-/// A count with three digits that count.
+/// Formats a count with three significant digits.
 fn rounded(count: u64) -> String {
     match count {
         0..1_000 => count.to_string(),
@@ -125,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_are_told_with_prefixes() {
+    fn counts_have_prefixes() {
         let mut work = Work::default();
         work.add(Quantity::Bytes, 67_108_864);
         work.add(Quantity::Read, 67_108_864);

@@ -1,4 +1,4 @@
-//! What a pass must move and do at least, and how long that takes at the adapter's ceilings.
+//! The least that a pass must move and do, and the time that it takes at the adapter's ceilings.
 
 use super::ceiling::{Ceiling, Ceilings};
 use frame_graph::plan::{Plan, PlannedPass, ResourceId};
@@ -8,107 +8,68 @@ use serde_json::{Map, Value, json};
 use shader_library::{Access, GlobalKind};
 use std::collections::BTreeSet;
 
-/// What is counted of a pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Quantity {
-    /// Bytes of all that it reads and writes, each once.
-    Bytes,
-    /// Bytes of buffers that it reads.
-    Read,
-    /// Bytes of buffers that it writes.
-    Written,
-    /// Loads from buffers, of any size.
-    Loads,
-    /// Texels that it loads.
-    TexelLoads,
-    /// Texels that it stores.
-    TexelStores,
-    /// Atomics.
-    Atomics,
-    /// Threads of its dispatches, of whole workgroups.
-    Threads,
-    /// Threads at a barrier, for each of its barriers.
-    Barriers,
-    /// Operations of floating point.
-    Operations,
-    /// Dispatches.
-    Dispatches,
-    /// Texels that it draws.
-    Fragments,
-    /// Triangles that it draws.
-    Triangles,
-}
-
-impl Quantity {
-    pub(super) const ALL: [Quantity; 13] = [
-        Quantity::Bytes,
-        Quantity::Read,
-        Quantity::Written,
-        Quantity::Loads,
-        Quantity::TexelLoads,
-        Quantity::TexelStores,
-        Quantity::Atomics,
-        Quantity::Threads,
-        Quantity::Barriers,
-        Quantity::Operations,
-        Quantity::Dispatches,
-        Quantity::Fragments,
-        Quantity::Triangles,
-    ];
-
-    /// In JSON, and for people.
-    pub(super) fn names(self) -> (&'static str, &'static str) {
-        match self {
-            Quantity::Bytes => ("bytes", "bytes moved"),
-            Quantity::Read => ("read", "bytes read from buffers"),
-            Quantity::Written => ("written", "bytes written to buffers"),
-            Quantity::Loads => ("loads", "loads"),
-            Quantity::TexelLoads => ("texel_loads", "texels loaded"),
-            Quantity::TexelStores => ("texel_stores", "texels stored"),
-            Quantity::Atomics => ("atomics", "atomics"),
-            Quantity::Threads => ("threads", "threads"),
-            Quantity::Barriers => ("barriers", "threads at barriers"),
-            Quantity::Operations => ("operations", "operations"),
-            Quantity::Dispatches => ("dispatches", "dispatches"),
-            Quantity::Fragments => ("fragments", "fragments"),
-            Quantity::Triangles => ("triangles", "triangles"),
+/// Defines the quantities: name in JSON, name for readers, and the ceilings of which the fastest bounds it, since what a
+/// pass moves may be in caches or not.
+macro_rules! quantities {
+    ($($(#[$doc:meta])* $name:ident $key:literal $label:literal [$($ceiling:ident)*])*) => {
+        /// A quantity that is counted of a pass.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(super) enum Quantity {
+            $($(#[$doc])* $name,)*
         }
-    }
 
-    /// The ceilings of which the fastest bounds it: what a pass moves may be in caches or not.
-    fn ceilings(self) -> &'static [Ceiling] {
-        match self {
-            Quantity::Bytes => {
-                &[Ceiling::Copy, Ceiling::Load, Ceiling::LoadNear, Ceiling::Store, Ceiling::StoreNear]
+        impl Quantity {
+            pub(super) const ALL: [Quantity; [$($key),*].len()] = [$(Quantity::$name),*];
+
+            /// Returns its name in JSON, and that for readers.
+            pub(super) fn names(self) -> (&'static str, &'static str) {
+                match self {
+                    $(Quantity::$name => ($key, $label),)*
+                }
             }
-            Quantity::Read => &[Ceiling::Load, Ceiling::LoadNear],
-            Quantity::Written => &[Ceiling::Store, Ceiling::StoreNear],
-            Quantity::Loads => &[
-                Ceiling::LoadWordsInOrder,
-                Ceiling::LoadWords,
-                Ceiling::LoadWordsNear,
-                Ceiling::LoadVectors,
-                Ceiling::LoadVectorsNear,
-            ],
-            Quantity::TexelLoads => &[Ceiling::LoadTexels],
-            Quantity::TexelStores => &[Ceiling::StoreTexels],
-            Quantity::Atomics => &[Ceiling::Atomics, Ceiling::AtomicsNear],
-            Quantity::Threads => &[Ceiling::Threads],
-            Quantity::Barriers => &[Ceiling::Barriers],
-            Quantity::Operations => &[Ceiling::Multiplications],
-            Quantity::Dispatches => &[Ceiling::Dispatches],
-            Quantity::Fragments => &[Ceiling::Fragments, Ceiling::FragmentsOfFour],
-            Quantity::Triangles => &[Ceiling::Triangles, Ceiling::TrianglesOutOfView],
+
+            fn ceilings(self) -> &'static [Ceiling] {
+                match self {
+                    $(Quantity::$name => &[$(Ceiling::$ceiling),*],)*
+                }
+            }
         }
-    }
+    };
 }
 
-/// How much of each quantity a pass has.
+quantities! {
+    /// Bytes of all that it reads and writes, each once.
+    Bytes "bytes" "bytes moved" [Copy Load LoadNear Store StoreNear]
+    /// Bytes of buffers that it reads.
+    Read "read" "bytes read from buffers" [Load LoadNear]
+    /// Bytes of buffers that it writes.
+    Written "written" "bytes written to buffers" [Store StoreNear]
+    /// Loads from buffers, of any size.
+    Loads "loads" "loads" [LoadWordsInOrder LoadWords LoadWordsNear LoadVectors LoadVectorsNear]
+    /// Texels that it loads.
+    TexelLoads "texel_loads" "texels loaded" [LoadTexels]
+    /// Texels that it stores.
+    TexelStores "texel_stores" "texels stored" [StoreTexels]
+    Atomics "atomics" "atomics" [Atomics AtomicsNear]
+    /// Threads of its dispatches, of whole workgroups.
+    Threads "threads" "threads" [Threads]
+    /// Threads at a barrier, for each of its barriers.
+    Barriers "barriers" "threads at barriers" [Barriers]
+    /// Operations of floating point.
+    Operations "operations" "operations" [Multiplications]
+    Dispatches "dispatches" "dispatches" [Dispatches]
+    /// Texels that it draws.
+    Fragments "fragments" "fragments" [Fragments FragmentsOfFour]
+    /// Triangles that it draws.
+    Triangles "triangles" "triangles" [Triangles TrianglesOutOfView]
+}
+
+/// The amount of each quantity of a pass.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Work([u64; Quantity::ALL.len()]);
 
 impl Work {
-    /// Counts what the plan and the steps of a pass tell: sizes of what is bound, each resource once however many steps
+    /// Counts what the plan and the steps of a pass declare: sizes of what is bound, each resource once however many steps
     /// bind it; threads, dispatches and draws. Inputs whose ports are `sparse` are read here and there, and not counted. A
     /// draw counts as one that covers its target once. The scene's own buffers and textures are not counted, nor draws
     /// and dispatches whose size is on the GPU.
@@ -185,7 +146,7 @@ impl Work {
         self.0[quantity as usize]
     }
 
-    /// The least milliseconds that each quantity takes.
+    /// Returns the least milliseconds that each quantity takes.
     pub(super) fn least(&self, ceilings: &Ceilings) -> impl Iterator<Item = (Quantity, f64)> {
         Quantity::ALL.into_iter().filter_map(|quantity| {
             let count = self.get(quantity);
@@ -194,12 +155,12 @@ impl Work {
         })
     }
 
-    /// The least milliseconds that all of it takes, where everything overlaps: those of the quantity that takes longest.
+    /// Returns the least milliseconds that all of it takes, where everything overlaps: those of the quantity that takes longest.
     pub(super) fn bound(&self, ceilings: &Ceilings) -> Option<(Quantity, f64)> {
         self.least(ceilings).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The counts that are not zero.
+    /// Returns the counts that are not zero.
     pub(super) fn counts(&self) -> impl Iterator<Item = (Quantity, u64)> {
         Quantity::ALL
             .into_iter()
@@ -214,7 +175,7 @@ impl Work {
     }
 }
 
-/// The threads of a dispatch, of whole workgroups; 0 where its size is on the GPU.
+/// Returns the threads of a dispatch, of whole workgroups; 0 where its size is on the GPU.
 pub(super) fn threads(step: &LinkedStep) -> u64 {
     let Step::Compute(compute) = &step.step else { return 0 };
     let size = step.shader.interface.entries[step.entries[0]].workgroup_size.map(|side| side.max(1));
@@ -242,7 +203,7 @@ enum Move {
     Drawn,
 }
 
-/// What a step moves, and how. A buffer that a shader may write counts as written alone: whether it reads it, too, is not
+/// Returns what a step moves, and how. A buffer that a shader may write counts as written alone: whether it reads it, too, is not
 /// declared.
 fn moves(plan: &Plan, step: &LinkedStep) -> impl Iterator<Item = (ResourceId, Move)> {
     let globals = &step.shader.interface.globals;
@@ -265,7 +226,7 @@ fn moves(plan: &Plan, step: &LinkedStep) -> impl Iterator<Item = (ResourceId, Mo
     bound.chain(step.targets.iter().chain(&step.depth).map(|id| (*id, Move::Drawn)))
 }
 
-/// Texels of one layer of a texture.
+/// Returns the number of texels of one layer of a texture.
 pub(super) fn texels_of_layer(texture: &TextureDesc<(u32, u32)>) -> u64 {
     u64::from(texture.size.0) * u64::from(texture.size.1)
 }
