@@ -204,7 +204,7 @@ fn paths_make_irradiance_too() {
         passes: { "lit": Pass(kind: "composite", in: { "view": "view", "indirect": "path.irradiance" }) },
         outputs: { "indirect": "lit.indirect_radiance", "radiance": "path.indirect" },
     )"#;
-    folder.write("pipelines/mixed.ron", &text);
+    folder.write("pipelines/mixed.ron", text);
     let values = ["samples=32", "samples_per_frame=32", "filter=centre"];
     let Some(mut mixed) = crate::adapter::renderer_in(&folder, "mixed", "cornell-box", (24, 24), &values)
     else {

@@ -38,14 +38,14 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Open a window: fly through a scene, edit shaders and pipelines while they run, compare, inspect
+    /// Open a window: fly through a scene, edit shaders and pipelines, compare, inspect
     #[cfg(feature = "window")]
     View(command::view::Args),
     /// Render a scene by a pipeline into a picture, or a sequence of them
     Render(command::render::Args),
     /// Check pipelines, their shaders, scenes and studies, without a GPU
     Check(command::check::Args),
-    /// Draw the compiled graph of a pipeline: order, sizes, memory, and the reason for each pass
+    /// Draw the compiled graph of a pipeline: order, sizes, memory, reason for each pass
     Graph(command::graph::Args),
     /// Print a pipeline as one file, each value with its origin
     Resolve(command::resolve::Args),
@@ -57,9 +57,9 @@ enum Command {
     Compare(command::compare::Args),
     /// Run an ablation study: pipelines, scenes and values against time and error
     Study(command::study::Args),
-    /// Render extreme cases by every pipeline, and check that pictures are finite and their energy is right
+    /// Render extreme cases by every pipeline, and check pictures for NaN and wrong energy
     Stress(command::stress::Args),
-    /// Compare shader functions in f32 with the same in f64, and report where precision is lost
+    /// Compare shader functions in f32 with the same in f64: the precision that is lost
     Precision(command::precision::Args),
     /// Measure what rays, shadow maps, frames and the frame graph cost on this machine
     Bench(command::bench::Args),

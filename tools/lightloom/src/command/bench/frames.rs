@@ -81,6 +81,15 @@ fn makes_maps(pass: &str) -> bool {
     pass == "shadows" || pass.starts_with("shadows/")
 }
 
+fn time(name: String, time: Spread) -> Row {
+    Row::new(name, time, "ms")
+}
+
+/// Returns the ratio of two times.
+fn ratio(name: String, [over, under]: [Spread; 2]) -> Row {
+    Row::new(name, over.over(under), "×")
+}
+
 pub(super) fn shadow_maps(bench: &Bench<'_>) -> Result<Section> {
     let (lights, map) = (bench.size(256, 8), bench.size(256, 32));
     let frame = (bench.size(640, 40), bench.size(480, 30));
@@ -91,18 +100,14 @@ pub(super) fn shadow_maps(bench: &Bench<'_>) -> Result<Section> {
         in_turn(bench, &mut pair, [makes_maps, |_| true])?;
     let what = format!("{lights} maps of {map}²");
     let rows = vec![
-        Row::new(format!("imperfect against classic, {what}: maps"), classic.over(imperfect), "×")
+        ratio(format!("imperfect against classic, {what}: maps"), [classic, imperfect])
             .goal(Goal::AtLeast(30.0), "ISM §5"),
-        Row::new(
-            format!("imperfect against classic, {what}: frame"),
-            classic_frame.over(imperfect_frame),
-            "×",
-        )
-        .goal(Goal::AtLeast(10.0), "ISM §5"),
-        Row::new(format!("{what}, classic"), classic, "ms"),
-        Row::new(format!("{what}, imperfect"), imperfect, "ms"),
-        Row::new(format!("frame with {what}, classic"), classic_frame, "ms"),
-        Row::new(format!("frame with {what}, imperfect"), imperfect_frame, "ms"),
+        ratio(format!("imperfect against classic, {what}: frame"), [classic_frame, imperfect_frame])
+            .goal(Goal::AtLeast(10.0), "ISM §5"),
+        time(format!("{what}, classic"), classic),
+        time(format!("{what}, imperfect"), imperfect),
+        time(format!("frame with {what}, classic"), classic_frame),
+        time(format!("frame with {what}, imperfect"), imperfect_frame),
     ];
     let note = format!(
         "`ism-classic` against `ism` on {} ({} triangles), {}×{} pixels; imperfect maps with their points, splats and pull-push. Ratios of medians, frames in turn.",
@@ -123,10 +128,10 @@ pub(super) fn samplers(bench: &Bench<'_>) -> Result<Section> {
     let [[inverse, chains]] = in_turn(bench, &mut pair, [|pass| pass == "lights"])?;
     let what = format!("{lights} lights from {side}² texels");
     let rows = vec![
-        Row::new(format!("chains of 5 steps against inverse transform, {what}"), inverse.over(chains), "×")
+        ratio(format!("chains of 5 steps against inverse transform, {what}"), [inverse, chains])
             .goal(Goal::AtLeast(2.0), "TCAS Tab. 2"),
-        Row::new(format!("{what}, inverse transform"), inverse, "ms"),
-        Row::new(format!("{what}, chains of 5 steps"), chains, "ms"),
+        time(format!("{what}, inverse transform"), inverse),
+        time(format!("{what}, chains of 5 steps"), chains),
     ];
     let note = format!(
         "the pass `lights` of `ism-invtm` against that of `tcas` on {}; the sums over the importance map are part of the \
@@ -150,16 +155,15 @@ pub(super) fn points(bench: &Bench<'_>) -> Result<Section> {
     let [[stored, fly], [made_and_stored, made_on_the_fly]] = in_turn(bench, &mut pair, phases)?;
     let what = format!("{:.1} M splats", f64::from(all) * 1e-6);
     let rows = vec![
-        Row::new(format!("points on the fly against stored, {what}"), stored.over(made_on_the_fly), "×")
+        ratio(format!("points on the fly against stored, {what}"), [stored, made_on_the_fly])
             .goal(Goal::AtLeast(2.5), "TCAS Tab. 3, on a GPU"),
-        Row::new(
+        ratio(
             format!("the same where stored ones are made again, {what}"),
-            made_and_stored.over(made_on_the_fly),
-            "×",
+            [made_and_stored, made_on_the_fly],
         ),
-        Row::new(format!("{what}, stored points"), stored, "ms"),
-        Row::new(format!("{what}, points on the fly"), fly, "ms"),
-        Row::new(format!("{what}, points on the fly with the shares of triangles"), made_on_the_fly, "ms"),
+        time(format!("{what}, stored points"), stored),
+        time(format!("{what}, points on the fly"), fly),
+        time(format!("{what}, points on the fly with the shares of triangles"), made_on_the_fly),
     ];
     let note = format!(
         "`shadows/splat` of `tcas-stored` against `shadows/points` and `shadows/splat` of `tcas` on {} ({} triangles), {maps} \
@@ -181,22 +185,14 @@ pub(super) fn ism_frame(bench: &Bench<'_>) -> Result<Section> {
         kept.map(|(_, time)| time).sum()
     };
     let name = format!("ism, {lights} lights, maps of {map}², {side}² pixels");
+    let spread = |of: &dyn Fn(&Vec<f64>) -> f64| Spread::of(frames.iter().map(of).collect());
     let mut rows = vec![
-        Row::new(
-            format!("{name}: stored points kept"),
-            Spread::of(frames.iter().map(without_points).collect()),
-            "ms",
-        )
-        .goal(Goal::Below(90.0), "own, two cores, Sponza"),
-        Row::new(
-            format!("{name}: stored points made again"),
-            Spread::of(frames.iter().map(|times| times.iter().sum()).collect()),
-            "ms",
-        ),
+        time(format!("{name}: stored points kept"), spread(&without_points))
+            .goal(Goal::Below(90.0), "own, two cores, Sponza"),
+        time(format!("{name}: stored points made again"), spread(&|times| times.iter().sum())),
     ];
     for (i, pass) in passes.iter().enumerate() {
-        let times = Spread::of(frames.iter().map(|times| times[i]).collect());
-        rows.push(Row::new(format!("ism: {pass}"), times, "ms"));
+        rows.push(time(format!("ism: {pass}"), spread(&|times| times[i])));
     }
     let note = format!(
         "on {} ({} triangles); GPU time, every pass run again in each frame. Points are stored once, as ISM §3.1 has it, and \
