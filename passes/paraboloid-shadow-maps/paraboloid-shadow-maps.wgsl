@@ -15,12 +15,14 @@
     // `visibility`, reset by `Scene`, `Reload`, `Setting` and `Moved`.
 #input rendered: Stands optional // `prev` of the output `stands`, reset by the same; needed with `past`.
 #output visibility: Visibility(
+    size: (atlas_width, atlas_height),
+    layers: atlas_layers,
     tile: settings.map,
     columns: atlas_columns,
     rows: atlas_rows,
     depth_bias: 0.2 * settings.depth_bias,
     slope_bias: 0.0,
-) module "visibility-atlas.wgsl" // The maps.
+) continues past module "visibility-atlas.wgsl" // The maps.
 #output stands: Stands(count: lights.count) cleared // Where the lights stand whose maps these are; zero where maps are not
     // kept.
 

@@ -189,8 +189,8 @@ impl Reflected {
             Ok::<_, PassTypeError>(Loaded { shader, attributes })
         };
         let mut files = vec![load(request)?];
-        for other in options::others(library, main).iter() {
-            files.push(load(options::stand_in(cx, main, &Request::new(other.path.as_str()), &declared)?.0)?);
+        for other in options::others(cx, main, &declared)? {
+            files.push(load(other)?);
         }
         let shader = &files[0].shader;
         let of_stage = |entry: &&Entry| is_run(entry, main.stage);

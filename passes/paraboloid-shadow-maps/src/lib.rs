@@ -4,8 +4,8 @@ use interfaces::virtual_lights;
 use interfaces::visibility::AtlasLayout;
 use pass::{
     Compute, DepthTarget, Draw, Format, Load, OutputContext, OutputDesc, Pass, PassTypeError, Raster,
-    ReadSettings, RecordContext, Recording, Request, ResourceDesc, Step, Struct, Target, Threads, Usage,
-    UseContext, reflected,
+    ReadSettings, RecordContext, Recording, Request, ResourceDesc, Step, Struct, Target, Threads, UseContext,
+    reflected,
 };
 
 /// The pass type `paraboloid-shadow-maps`.
@@ -46,24 +46,18 @@ impl Pass for ParaboloidShadowMaps {
         };
         let main = self.main_shader(&cx.use_)?;
         let mut outputs = reflected::outputs_with(use_cx, &main, cx, &layout.values())?;
-        let usage = match [cx.input("past"), cx.input("rendered")].map(|input| input.is_some()) {
-            [true, true] => {
-                let draws = use_cx.buffer(LAYER_DRAWS, layout.layers().into())?;
-                outputs.extend([
-                    OutputDesc::scratch_u32("moved", count),
-                    OutputDesc::scratch_u32("begins", layout.layers()),
-                    OutputDesc::scratch("draws", draws),
-                ]);
-                Usage::Continue { input: "past".into(), member: "atlas".into() }
-            }
-            [false, false] => Usage::Overwrites,
+        match [cx.input("past"), cx.input("rendered")].map(|input| input.is_some()) {
+            [true, true] => outputs.extend([
+                OutputDesc::scratch_u32("moved", count),
+                OutputDesc::scratch_u32("begins", layout.layers()),
+                OutputDesc::scratch("draws", use_cx.buffer(LAYER_DRAWS, layout.layers().into())?),
+            ]),
+            [false, false] => {}
             _ => {
                 let said = "maps are kept by two links, `past` and `rendered`: one of them is missing";
                 return Err(PassTypeError::new(said));
             }
-        };
-        // Of what is drawn, the directives know neither layers nor depth.
-        outputs[0].members = vec![("atlas".into(), layout.texture(Format::R32Float), usage)];
+        }
         let nearness = ResourceDesc::texture_2d(Format::Depth32Float, layout.layer_size());
         outputs.push(OutputDesc::scratch("nearness", nearness));
         Ok(outputs)

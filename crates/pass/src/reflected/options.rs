@@ -7,7 +7,7 @@ use crate::{
     request, scene_bindings,
 };
 use shader_library::codes::MISSING_FILE;
-use shader_library::{DeclaredPort, FileInfo, Outline, ShaderOption};
+use shader_library::{DeclaredPort, Outline, ShaderOption};
 use std::sync::Arc;
 
 /// What decides the options of a pass's shaders.
@@ -126,15 +126,22 @@ pub(super) fn declared(cx: &UseContext<'_>, main: &MainShader) -> Result<Arc<Out
 
 /// Returns the shaders of a pass beside the main one: the files of its folder that have entry points, of their own or of an
 /// algorithm that they import.
-pub(super) fn others(library: &Library, main: &MainShader) -> Vec<FileInfo> {
-    let Some(folder) = &main.folder else { return Vec::new() };
-    let imports_entries = |file: &FileInfo| {
-        let shader = library.load(&Request::new(file.path.as_str()));
-        shader.is_ok_and(|shader| !shader.interface.entries.is_empty())
-    };
-    let all = library.folder(folder);
-    let others = all.iter().filter(|file| file.path != main.path);
-    others.filter(|file| file.has_entries || imports_entries(file)).cloned().collect()
+pub(super) fn others(
+    cx: &UseContext<'_>,
+    main: &MainShader,
+    declared: &Outline,
+) -> Result<Vec<Request>, PassTypeError> {
+    let Some(folder) = &main.folder else { return Ok(Vec::new()) };
+    let mut others = Vec::new();
+    for file in cx.shaders.folder(folder).iter().filter(|file| file.path != main.path) {
+        let (request, _) = stand_in(cx, main, &Request::new(file.path.as_str()), declared)?;
+        let has_entries =
+            || cx.shaders.load(&request).is_ok_and(|shader| !shader.interface.entries.is_empty());
+        if file.has_entries || has_entries() {
+            others.push(request);
+        }
+    }
+    Ok(others)
 }
 
 /// An `#import interface`, which is an input.

@@ -241,7 +241,8 @@ impl Reflected {
             let whole = |text: &FormulaText| {
                 scope.whole(&text.text).map_err(|wrong| wrong.at(&format!("{}: ", text.place)))
             };
-            let layers = argument("layers").transpose()?.map(&whole).transpose()?.unwrap_or(layers);
+            let said_layers = argument("layers").transpose()?.map(&whole).transpose()?;
+            let layers = said_layers.unwrap_or(layers);
             let said_count = match (said.and_then(|said| said.count), argument("count")) {
                 (Some(count), _) => Some(count),
                 (None, text) => text.transpose()?.map(&whole).transpose()?,
@@ -272,7 +273,11 @@ impl Reflected {
                 let resource = match &written.form {
                     Form::Target(ty) => {
                         let format = format.or_else(|| format_of(interface?, member));
-                        ResourceDesc::texture_2d(target_format(&written.name, ty, format)?, size.clone())
+                        let (format, size) = (target_format(&written.name, ty, format)?, size.clone());
+                        match said_layers {
+                            Some(layers) => ResourceDesc::texture_2d_array(format, size, layers),
+                            None => ResourceDesc::texture_2d(format, size),
+                        }
                     }
                     Form::Texture { format: declared, array } => {
                         let declared = storage_format(&written.name, declared, format)?;
@@ -624,8 +629,9 @@ fn check_like(declared: &DeclaredPort, outputs: &OutputContext<'_>) -> Result<()
         return Ok(());
     };
     let shape = |input: &frame_graph::port::InputDesc| {
-        let texture = input.members.iter().find_map(|(_, desc)| desc.texture());
-        let texture = texture.map(|texture| {
+        let textures = input.members.iter().filter_map(|(_, desc)| desc.texture());
+        // Some members have a texel for a block of those of others.
+        let texture = textures.max_by_key(|texture| texture.size).map(|texture| {
             let layers = if texture.array { format!("×{}", texture.layers) } else { String::new() };
             format!("{}×{}{layers}", texture.size.0, texture.size.1)
         });

@@ -1,6 +1,6 @@
 //! The steps of a pass: a dispatch or a draw for each of the entry points of its main shader.
 
-use super::outputs::{COUNT, Form};
+use super::outputs::COUNT;
 use super::scope::Scope;
 use super::{Reflected, begins, list};
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
     Step, Target, Threads, Value, split_count,
 };
 use frame_graph::nearest;
-use shader_library::{Amount, Entry, EntryAttributes, GlobalKind, Stage, ThreadCount};
+use shader_library::{Access, Amount, Entry, EntryAttributes, GlobalKind, Stage, ThreadCount};
 
 /// The most steps that one entry point makes.
 const MAX_REPEATS: u32 = 65_536;
@@ -260,9 +260,17 @@ impl Reflected {
     fn threads_of_outputs(&self, cx: &RecordContext<'_>, entry: &Entry) -> Threads {
         let writes = |port: &PortDesc| {
             let of_entry = |name: &str| {
-                let written =
-                    self.written.iter().any(|w| w.name == name && !matches!(w.form, Form::Target(_)));
-                written && entry.globals.iter().any(|&g| self.shader().interface.globals[g].name == name)
+                let mut globals =
+                    entry.globals.iter().map(|&global| &self.shader().interface.globals[global]);
+                // Another file of the pass may write what this entry point reads.
+                globals.any(|global| {
+                    global.name == name
+                        && match &global.kind {
+                            GlobalKind::StorageTexture { access, .. } => *access != Access::Read,
+                            GlobalKind::Storage { writable, .. } => *writable,
+                            _ => false,
+                        }
+                })
             };
             port.members.iter().any(|(member, _)| match &**member {
                 "" => of_entry(&port.name),
