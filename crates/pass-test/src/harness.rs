@@ -227,6 +227,17 @@ impl<'a> Harness<'a> {
         self
     }
 
+    /// Runs the pass, which must be refused, and returns the message; `None` without an adapter.
+    ///
+    /// # Panics
+    /// Where it runs.
+    pub fn refusal(self) -> Option<String> {
+        gpu()?;
+        let run = std::panic::AssertUnwindSafe(|| self.run().is_some());
+        let refused = std::panic::catch_unwind(run).expect_err("the pass is refused");
+        Some(refused.downcast_ref::<String>().cloned().unwrap_or_default())
+    }
+
     /// Sets the module of the input added last to that file.
     pub fn module(mut self, path: &str) -> Self {
         if let Some(input) = self.given.last_mut() {

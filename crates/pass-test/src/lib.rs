@@ -7,18 +7,19 @@
 //! let outputs = Harness::new(PASS)
 //!     .set("interleave_x", 1u32)
 //!     .frame(8, 8)
-//!     .input("lights", "VirtualLights", &[("count", 1)], vec![("", pass_test::buffer(64), vec![0; 64])])
+//!     .input("lights", "VirtualLights", &[("count", 1)], pass_test::elements(&[0u8; 64]))
 //!     .scene("plane")
 //!     .run();
 //! let Some(outputs) = outputs else { return }; // no adapter: see the note on stderr
 //! let irradiance: Vec<[f32; 4]> = outputs.read("irradiance");
 //! ```
 
-use bytemuck::Pod;
+use bytemuck::{NoUninit, Pod};
 use executor::{Executor, Gpu};
 use frame_graph::plan::{Plan, PlannedPass, ResourceId};
 use frame_graph::port::OutputOverride;
 use frame_graph::{InputPort, ResourceDesc, Settings, Source, Value};
+use half::f16;
 use interfaces::INTERFACES;
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Library, Pass, Use, UseContext};
@@ -62,6 +63,24 @@ pub struct Outputs {
 /// Describes a buffer of `bytes`.
 pub fn buffer(bytes: u64) -> ResourceDesc {
     ResourceDesc::buffer(bytes)
+}
+
+/// A member of an input: its name, its description and its bytes.
+pub type Member<'a> = (&'a str, ResourceDesc, Vec<u8>);
+
+/// Returns the member of an input that is one buffer with these elements.
+pub fn elements<T: NoUninit>(elements: &[T]) -> Vec<Member<'static>> {
+    vec![member("", buffer(size_of_val(elements) as u64), elements)]
+}
+
+/// Returns a texel of a format of half floats.
+pub fn halves(texel: [f64; 4]) -> [u16; 4] {
+    texel.map(|x| f16::from_f64(x).to_bits())
+}
+
+/// Returns a member with this content.
+pub fn member<'a, T: NoUninit>(name: &'a str, desc: ResourceDesc, content: &[T]) -> Member<'a> {
+    (name, desc, bytemuck::cast_slice(content).to_vec())
 }
 
 /// Returns the one device of a test process; `None`, with a note on stderr, where there is no adapter.

@@ -1,13 +1,12 @@
 //! Inputs and outputs of passes over points on surfaces.
 
-use crate::{Harness, Outputs, buffer};
+use crate::{Harness, Outputs, elements};
 use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader};
 
 impl Harness<'_> {
     /// Gives an input port these points.
     pub fn surface_points(self, port: &str, iteration: u32, points: &[SurfacePoint]) -> Self {
-        let bytes = surface_points::to_bytes(iteration, points);
-        let members = vec![("", buffer(bytes.len() as u64), bytes)];
+        let members = elements(&surface_points::to_bytes(iteration, points));
         self.input(port, "SurfacePoints", &[("count", points.len() as u32)], members)
     }
 }

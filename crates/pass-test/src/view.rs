@@ -1,8 +1,7 @@
 //! Inputs that functions of the pixel describe: what a camera sees, and light that was gathered there.
 
-use crate::Harness;
+use crate::{Harness, halves, member};
 use glam::{DVec3, dvec3};
-use half::f16;
 use pass::{Format, ResourceDesc};
 use scene::{Camera, Scene};
 
@@ -19,16 +18,22 @@ impl Harness<'_> {
     /// Gives the input port `view` a G-buffer of the frame's size, in which `see` says the depth \[m\] and the normal of
     /// each pixel, seen by [`CAMERA`].
     pub fn view(self, see: impl Fn(u32, u32) -> (f32, [f32; 3])) -> Self {
+        self.camera(CAMERA).seen(see)
+    }
+
+    /// Gives the input port `view` a G-buffer of the frame's size, in which `see` says the depth \[m\] and the normal of
+    /// each pixel.
+    pub fn seen(self, see: impl Fn(u32, u32) -> (f32, [f32; 3])) -> Self {
         let seen: Vec<(f32, [f32; 3])> = self.pixels().map(|(x, y)| see(x, y)).collect();
         let depth: Vec<f32> = seen.iter().map(|(depth, _)| *depth).collect();
-        let half = |v: f32| f16::from_f32(v).to_bits();
-        let normal: Vec<[u16; 4]> = seen.iter().map(|(_, [x, y, z])| [*x, *y, *z, 0.0].map(half)).collect();
+        let normal = |(_, [x, y, z]): &(f32, [f32; 3])| halves([*x, *y, *z, 0.0].map(f64::from));
+        let normal: Vec<[u16; 4]> = seen.iter().map(normal).collect();
         let picture = |format| ResourceDesc::texture_2d(format, self.size);
         let members = vec![
-            ("depth", picture(Format::R32Float), bytemuck::cast_slice(&depth).to_vec()),
-            ("normal", picture(Format::Rgba16Float), bytemuck::cast_slice(&normal).to_vec()),
+            member("depth", picture(Format::R32Float), &depth),
+            member("normal", picture(Format::Rgba16Float), &normal),
         ];
-        self.camera(CAMERA).input("view", "GBuffer", &[], members)
+        self.input("view", "GBuffer", &[], members)
     }
 
     /// Gives the input port `irradiance` a picture of the frame's size, interleaved by `n` × `m` sub-images, in which
@@ -36,7 +41,7 @@ impl Harness<'_> {
     pub fn irradiance(self, (n, m): (u32, u32), value: impl Fn(u32, u32) -> [f32; 4]) -> Self {
         let pixels: Vec<[f32; 4]> = self.pixels().map(|(x, y)| value(x, y)).collect();
         let picture = ResourceDesc::texture_2d(Format::Rgba32Float, self.size);
-        let members = vec![("", picture, bytemuck::cast_slice(&pixels).to_vec())];
+        let members = vec![member("", picture, &pixels)];
         self.input("irradiance", "Irradiance", &[("interleave_x", n), ("interleave_y", m)], members)
     }
 

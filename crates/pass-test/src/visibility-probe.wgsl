@@ -1,5 +1,10 @@
 // Writes what the module of a port Visibility returns, one thread per receiver.
 
+#input visibility: Visibility // The module.
+#input lights: VirtualLights // The lights that are looked up.
+#input receivers: Buffer // The points that look one up each.
+#output answers: Buffer(count: receivers.count) // What each finds.
+
 #import interface "visibility"
 
 struct Receiver {

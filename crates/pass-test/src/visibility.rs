@@ -1,15 +1,13 @@
 //! Lookups of visibility: what the module of a port `Visibility` returns at receivers, and maps whose shadows are known.
 
-use crate::{Harness, buffer};
+use crate::{Harness, Member, elements, member};
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use interfaces::virtual_lights::VirtualLight;
-use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext,
-};
+use pass::{FromWgsl, ResourceDesc};
 use std::f64::consts::{PI, TAU};
 
-const SHADER: &str = "crates/pass-test/src/visibility-probe.wgsl";
+/// Writes what the module of its input answers.
+const PROBE: FromWgsl = FromWgsl { kind: "visibility-probe", file: "crates/pass-test/src" };
 
 /// A point that looks a light up.
 #[derive(Clone, Copy, Debug)]
@@ -33,17 +31,16 @@ pub fn lookups(lights: &[VirtualLight], receivers: &[Receiver]) -> Harness<'stat
             [x, y, z, f32::from_bits(receiver.light), u, v, w, 0.0]
         })
         .collect();
-    let bytes: Vec<u8> = bytemuck::cast_slice(&given).to_vec();
-    let receivers = vec![("", buffer(bytes.len() as u64), bytes)];
-    Harness::new(&Probe).lights(lights).input("receivers", "Buffer", &[], receivers)
+    let count = ("count", receivers.len() as u32);
+    Harness::new(&PROBE).lights(lights).input("receivers", "Buffer", &[count], elements(&given))
 }
 
 /// Returns an atlas with one map a layer, of `tile` × `tile` distances \[m\] each: the member `atlas` of an input
 /// `Visibility`.
-pub fn atlas(tile: u32, maps: &[f32]) -> (&'static str, ResourceDesc, Vec<u8>) {
+pub fn atlas(tile: u32, maps: &[f32]) -> Member<'static> {
     let layers = maps.len() as u32 / (tile * tile);
     let desc = ResourceDesc::texture_2d_array(pass::Format::R32Float, (tile, tile), layers);
-    ("atlas", desc, bytemuck::cast_slice(maps).to_vec())
+    member("atlas", desc, maps)
 }
 
 /// Returns the distances that a paraboloid map has of what `along` meets in a direction \[m\], row by row.
@@ -224,39 +221,4 @@ pub fn direction(i: u32) -> DVec3 {
     let [u, v] = [0.754_877, 0.569_840].map(|step: f64| (f64::from(i) * step).fract());
     let (z, angle) = (0.02 + 0.97 * u, TAU * v);
     (dvec2(angle.cos(), angle.sin()) * (1.0 - z * z).sqrt()).extend(z)
-}
-
-struct Probe;
-
-impl Pass for Probe {
-    fn info(&self) -> Info {
-        Info { kind: "visibility-probe", about: "", paper: "", shaders: &[SHADER] }
-    }
-
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(Vec::new())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: vec![
-                pass::input("visibility", "Visibility", ""),
-                pass::input("lights", "VirtualLights", ""),
-                pass::input("receivers", "Buffer", ""),
-            ],
-            outputs: vec![pass::output("answers", "Buffer", "")],
-            scene_bindings: SceneBindings::NONE,
-        })
-    }
-
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let bytes = cx.input("receivers").and_then(|input| input.member("")).map_or(32, ResourceDesc::bytes);
-        Ok(vec![OutputDesc::one("answers", ResourceDesc::buffer(bytes / 8))])
-    }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let bytes = cx.port("answers").map_or(0, |port| port.members[0].1.bytes());
-        let threads = Threads::Grid([(bytes / 4) as u32, 1, 1]);
-        Ok(Recording::one(Compute::new(cx.shader(SHADER, &[]), "probe", threads)))
-    }
 }

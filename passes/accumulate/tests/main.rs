@@ -2,7 +2,7 @@
 
 use interfaces::progress::Progress;
 use pass::{Format, ResourceDesc};
-use pass_test::{Harness, Outputs};
+use pass_test::{Harness, Outputs, member};
 
 const PIXELS: [[f32; 4]; 3] = [[1.0, 2.0, 3.0, 1.0], [0.0; 4], [1e30, 4.0, 0.5, 1.0]];
 
@@ -13,7 +13,7 @@ fn after(count: u32, frames: u32, past: bool) -> Option<Outputs> {
         "radiance",
         "Radiance",
         &[],
-        vec![("", picture, bytemuck::cast_slice(&PIXELS).to_vec())],
+        vec![member("", picture, &PIXELS)],
     );
     let harness = if past { harness.feedback("past", "mean") } else { harness };
     harness.run()

@@ -3,7 +3,7 @@
 use interfaces::radiosity::PointRadiosity;
 use interfaces::surface_points::SurfacePoint;
 use lights_from_points::PASS;
-use pass_test::Harness;
+use pass_test::{Harness, elements};
 
 #[test]
 fn every_variant_is_valid() {
@@ -18,11 +18,10 @@ fn lights(
     let radiosity =
         vec![PointRadiosity { radiosity: [radiosity, 2.0 * radiosity, 0.0], key: 1 }; points.len()];
     let facts = &[("count", points.len() as u32)];
-    let with = |bytes: Vec<u8>| vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
     let outputs = Harness::new(PASS)
         .surface_points("points", 3, points)
-        .input("radiosity", "Radiosity", facts, with(bytemuck::cast_slice(&radiosity).to_vec()))
-        .input("density", "Density", facts, with(bytemuck::cast_slice(density).to_vec()))
+        .input("radiosity", "Radiosity", facts, elements(&radiosity))
+        .input("density", "Density", facts, elements(density))
         .run()?;
     Some(outputs.lights("lights"))
 }

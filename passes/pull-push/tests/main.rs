@@ -4,7 +4,7 @@ mod cpu_reference;
 
 use cpu_reference::{Level, pull_push, pull_push_by, pulled, pulled_median};
 use pass::LARGEST_WINDOW;
-use pass_test::Harness;
+use pass_test::{Harness, elements};
 
 const HOLE: f64 = f64::INFINITY;
 
@@ -167,19 +167,13 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         let maps: Vec<Level> = (0..3).map(|salt| rough(side, salt)).collect();
         let bits: Vec<u32> =
             maps.iter().flat_map(|map| &map.depth).map(|depth| (*depth as f32).to_bits()).collect();
-        let bytes = bytemuck::cast_slice(&bits).to_vec();
         let pass = pull_push::PullPush { side: layer, window: LARGEST_WINDOW };
         let outputs = Harness::new(&pass)
             .scene("plane")
             .set("levels", levels)
             .set("pull", by)
             .set("push_threshold", push)
-            .input(
-                "depth",
-                "DepthAtlas",
-                &[("tile", side as u32), ("count", 3)],
-                vec![("", pass_test::buffer(bytes.len() as u64), bytes)],
-            )
+            .input("depth", "DepthAtlas", &[("tile", side as u32), ("count", 3)], elements(&bits))
             .fact("depth_bias", 1.0)
             .fact("slope_bias", 0.0)
             .run();
@@ -210,17 +204,11 @@ fn maps_that_are_bound_in_parts_are_filled_as_in_one() {
     let bits: Vec<u32> =
         (0..130).flat_map(|salt| rough(8, salt).depth).map(|depth| (depth as f32).to_bits()).collect();
     let filled = |window| {
-        let bytes = bytemuck::cast_slice(&bits).to_vec();
         let pass = pull_push::PullPush { side: 40, window };
         let outputs = Harness::new(&pass)
             .scene("plane")
             .set("levels", 3)
-            .input(
-                "depth",
-                "DepthAtlas",
-                &[("tile", 8), ("count", 130)],
-                vec![("", pass_test::buffer(bytes.len() as u64), bytes)],
-            )
+            .input("depth", "DepthAtlas", &[("tile", 8), ("count", 130)], elements(&bits))
             .fact("depth_bias", 1.0)
             .fact("slope_bias", 0.0)
             .run()?;

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, vec3};
 use interfaces::radiosity::PointRadiosity;
 use interfaces::surface_points::SurfacePoint;
 use pass_test::rooms::{self, floor_and_wall, furnace, point_on};
-use pass_test::{Harness, scene};
+use pass_test::{Harness, elements, scene};
 use radiosity::PASS;
 use scene::Scene;
 use std::f64::consts::PI;
@@ -210,11 +210,9 @@ fn what_is_known_is_kept_and_nothing_else() {
     past[7].key ^= 1;
     past[8].key = 0;
     let with = |past: &[PointRadiosity], age: u32, paths: u32| {
-        let bytes: Vec<u8> = bytemuck::cast_slice(past).to_vec();
-        let members = vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
         run(harness(&scene, &points)
             .set("paths", paths)
-            .past("past", "Radiosity", age, members)
+            .past("past", "Radiosity", age, elements(past))
             .fact("count", past.len() as u32))
         .expect("the adapter is still there")
     };

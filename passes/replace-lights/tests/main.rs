@@ -2,13 +2,12 @@
 
 mod cpu_reference;
 
-use bytemuck::Pod;
 use cpu_reference::{Light, newcomers};
 use interfaces::radiosity::PointRadiosity;
 use interfaces::surface_points::SurfacePoint;
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass_test::random::hash;
-use pass_test::{Harness, Outputs};
+use pass_test::{Harness, Outputs, elements};
 use replace_lights::PASS;
 
 #[test]
@@ -27,10 +26,6 @@ struct Case {
 /// A point that is told by its seed.
 fn point(seed: u32, mark: u32) -> SurfacePoint {
     SurfacePoint { position: [seed as f32; 3], triangle: seed % 7, seed, mark, ..SurfacePoint::NONE }
-}
-
-fn bytes<T: Pod>(values: &[T]) -> Vec<u8> {
-    bytemuck::cast_slice(values).to_vec()
 }
 
 /// Seeds of lights, and of mailboxes, candidates and origins.
@@ -63,17 +58,16 @@ impl Case {
             .collect();
         let density: Vec<f32> = self.candidates.iter().map(|c| if c.is_some() { 2.0 } else { 0.0 }).collect();
         let facts = &[("count", count as u32)];
-        let with = |bytes: Vec<u8>| vec![("", pass_test::buffer(bytes.len() as u64), bytes)];
         let never = |_: usize| false;
         Harness::new(PASS)
             .set("moved", self.moved)
             .surface_points("lights", 41, &points(SEEDS[0], &light, &marked))
             .surface_points("mailboxes", 41, &points(SEEDS[1], &light, &never))
-            .input("intensities", "VirtualLights", facts, with(virtual_lights::to_bytes(&intensities)))
+            .input("intensities", "VirtualLights", facts, elements(&virtual_lights::to_bytes(&intensities)))
             .surface_points("candidates", 41, &points(SEEDS[2], &candidate, &never))
             .surface_points("origins", 41, &points(SEEDS[3], &candidate, &never))
-            .input("radiosity", "Radiosity", facts, with(bytes(&radiosity)))
-            .input("density", "Density", facts, with(bytes(&density)))
+            .input("radiosity", "Radiosity", facts, elements(&radiosity))
+            .input("density", "Density", facts, elements(&density))
             .run()
     }
 

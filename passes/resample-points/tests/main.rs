@@ -5,7 +5,7 @@ mod cpu_reference;
 use interfaces::surface_points::SurfacePoint;
 use pass_test::random::{hash2, unit_float};
 use pass_test::statistics::{assert_follows, chi_squared, chi_squared_limit};
-use pass_test::{Harness, buffer};
+use pass_test::{Harness, elements};
 use resample_points::PASS;
 use std::collections::HashSet;
 
@@ -44,16 +44,12 @@ trait Weights {
 
 impl Weights for Harness<'_> {
     fn density(self, density: &[f32]) -> Self {
-        let bytes: Vec<u8> = bytemuck::cast_slice(density).to_vec();
-        let members = vec![("", buffer(bytes.len() as u64), bytes)];
-        self.input("density", "Density", &[("count", density.len() as u32)], members)
+        self.input("density", "Density", &[("count", density.len() as u32)], elements(density))
     }
 
     fn radiosity(self, luminance: &[f32]) -> Self {
         let grey: Vec<[f32; 4]> = luminance.iter().map(|l| [*l, *l, *l, f32::NAN]).collect();
-        let bytes: Vec<u8> = bytemuck::cast_slice(&grey).to_vec();
-        let members = vec![("", buffer(bytes.len() as u64), bytes)];
-        self.input("radiosity", "Radiosity", &[("count", luminance.len() as u32)], members)
+        self.input("radiosity", "Radiosity", &[("count", luminance.len() as u32)], elements(&grey))
     }
 }
 

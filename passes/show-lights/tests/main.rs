@@ -1,11 +1,10 @@
 //! The picture of lights: dots against their discs on a floor, colors against their scale.
 
 use glam::{Vec3, vec3};
-use half::f16;
 use interfaces::virtual_lights::VirtualLight;
 use pass::{Format, ResourceDesc};
-use pass_test::Harness;
 use pass_test::view::floor_seen;
+use pass_test::{Harness, halves, member};
 use show_lights::PASS;
 
 const WIDTH: u32 = 80;
@@ -31,7 +30,7 @@ fn show(lights: &[VirtualLight], irradiance: Option<&[f32]>) -> Option<Vec<[u8; 
         .map(|i| floor_seen(&scene, (WIDTH, HEIGHT), i).map_or(0.0, |(depth, _)| depth))
         .collect();
     let picture = |format| ResourceDesc::texture_2d(format, (WIDTH, HEIGHT));
-    let view = vec![("depth", picture(Format::R32Float), bytemuck::cast_slice(&depth).to_vec())];
+    let view = vec![member("depth", picture(Format::R32Float), &depth)];
     let mut harness = Harness::new(PASS)
         .set("dot", DOT as f32)
         .set("middle", 2.0)
@@ -40,9 +39,8 @@ fn show(lights: &[VirtualLight], irradiance: Option<&[f32]>) -> Option<Vec<[u8; 
         .lights(lights)
         .input("view", "GBuffer", &[], view);
     if let Some(irradiance) = irradiance {
-        let halves: Vec<u16> =
-            irradiance.iter().flat_map(|&e| [e, e, e, 1.0].map(|x| f16::from_f32(x).to_bits())).collect();
-        let members = vec![("", picture(Format::Rgba16Float), bytemuck::cast_slice(&halves).to_vec())];
+        let pixels: Vec<_> = irradiance.iter().map(|e| halves([*e, *e, *e, 1.0].map(f64::from))).collect();
+        let members = vec![member("", picture(Format::Rgba16Float), &pixels)];
         harness = harness.input("irradiance", "Irradiance", &[], members);
     }
     Some(harness.run()?.read("display"))

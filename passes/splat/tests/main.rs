@@ -10,7 +10,7 @@ use gpu_algorithms::reference::paraboloid::{
 };
 use interfaces::virtual_lights::VirtualLight;
 use pass::LARGEST_WINDOW;
-use pass_test::Harness;
+use pass_test::{Harness, elements};
 use splat::points_of_map;
 use std::f64::consts::PI;
 
@@ -179,12 +179,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
             .set("map", tile)
             .set("points_per_map", per_map)
             .set("max_splat", max_splat as f32)
-            .input(
-                "points",
-                "Points",
-                &[("count", 900)],
-                vec![("", pass_test::buffer(900 * 32), bytemuck::cast_slice(&points).to_vec())],
-            )
+            .input("points", "Points", &[("count", 900)], elements(&points))
             .module(STORED)
             .lights(&given)
             .fact("count", 3_u32)
@@ -237,12 +232,7 @@ fn maps_that_are_bound_in_parts_are_splatted_as_in_one() {
             .scene("plane")
             .set("map", 16)
             .set("points_per_map", 50)
-            .input(
-                "points",
-                "Points",
-                &[("count", 900)],
-                vec![("", pass_test::buffer(900 * 32), bytemuck::cast_slice(&points).to_vec())],
-            )
+            .input("points", "Points", &[("count", 900)], elements(&points))
             .module(STORED)
             .lights(&lights)
             .run()?;
@@ -264,12 +254,7 @@ fn surfels_store_the_distance_of_their_plane() {
         .set("map", 32)
         .set("kernel", "surfel")
         .set("max_splat", 11.0)
-        .input(
-            "points",
-            "Points",
-            &[("count", 1)],
-            vec![("", pass_test::buffer(32), bytemuck::cast_slice(&points).to_vec())],
-        )
+        .input("points", "Points", &[("count", 1)], elements(&points))
         .module(STORED)
         .lights(&[light])
         .run();
@@ -286,11 +271,10 @@ fn surfels_store_the_distance_of_their_plane() {
 }
 
 /// Points that triangles ask for: 10 over the scene `plane`, whose second triangle has three quarters of them.
-fn ten_points() -> Vec<u8> {
+fn ten_points() -> [u32; 9] {
     let (requested, step) = (10_u32, (1_u64 << 63) / 10);
     // No guide: the only entry is the first triangle, and the last is the second.
-    let words = [requested, 0, (step >> 32) as u32, step as u32, 0, 1 << 29, 1 << 31, 0, 1];
-    bytemuck::cast_slice(&words).to_vec()
+    [requested, 0, (step >> 32) as u32, step as u32, 0, 1 << 29, 1 << 31, 0, 1]
 }
 
 #[test]
@@ -308,12 +292,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
             .set("map", 8)
             .set("points_per_map", per_map)
             .set("budget", budget)
-            .input(
-                "points",
-                "Points",
-                &[("count", u32::MAX)],
-                vec![("", pass_test::buffer(36), ten_points())],
-            )
+            .input("points", "Points", &[("count", u32::MAX)], elements(&ten_points()))
             .module("shaders/points-on-the-fly.wgsl")
             .lights(&[light; 2])
             .run();
@@ -327,7 +306,7 @@ fn without_triangles_the_maps_are_empty() {
     let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
     let outputs = Harness::new(splat::PASS)
         .set("map", 8)
-        .input("points", "Points", &[("count", 0)], vec![("", pass_test::buffer(32), Vec::new())])
+        .input("points", "Points", &[("count", 0)], elements(&[0_u32; 8]))
         .module("shaders/points-on-the-fly.wgsl")
         .lights(&[light])
         .run();

@@ -2,7 +2,7 @@
 
 use interfaces::areas::PointArea;
 use interfaces::surface_points::SurfacePoint;
-use pass_test::{Harness, Outputs};
+use pass_test::{Harness, Outputs, elements};
 use voronoi_areas::PASS;
 
 /// The area of the scene `plane` \[m²\].
@@ -35,19 +35,16 @@ fn run(
     past: Option<&[PointArea]>,
     frames: u32,
 ) -> Option<Outputs> {
-    let bytes = |bytes: &[u8]| vec![("", pass_test::buffer(bytes.len() as u64), bytes.to_vec())];
     let facts = &[("count", samples.points.len() as u32)];
     let mut harness = Harness::new(PASS)
         .scene("plane")
         .set("frames", frames)
         .surface_points("points", 3, points)
         .surface_points("samples", 3, &samples.points)
-        .input("sample_density", "Density", facts, bytes(bytemuck::cast_slice(&samples.density)))
-        .input("owners", "Owners", facts, bytes(bytemuck::cast_slice(&samples.owners)));
+        .input("sample_density", "Density", facts, elements(&samples.density))
+        .input("owners", "Owners", facts, elements(&samples.owners));
     if let Some(past) = past {
-        harness = harness
-            .past("past", "Areas", 1, bytes(bytemuck::cast_slice(past)))
-            .fact("count", past.len() as u32);
+        harness = harness.past("past", "Areas", 1, elements(past)).fact("count", past.len() as u32);
     }
     harness.run()
 }

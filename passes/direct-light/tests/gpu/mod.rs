@@ -3,9 +3,8 @@
 
 use super::cpu_reference::{Map, ggx};
 use glam::{DVec2, DVec3, Vec3, dvec3, uvec2, vec3};
-use half::f16;
 use pass::{Format, ResourceDesc};
-use pass_test::Harness;
+use pass_test::{Harness, halves, member};
 use scene::{Light, LightKind, Scene};
 use std::f64::consts::PI;
 
@@ -37,25 +36,27 @@ fn floor(scene: &Scene, pixel: u32) -> Option<(f64, DVec3)> {
 /// Direct light on the square. `distance` is what the maps hold; `specular` is reflectance and roughness.
 fn light(scene: &Scene, distance: impl Fn(u32) -> f32, specular: Option<[f32; 4]>) -> Option<Vec<[f32; 4]>> {
     let pixels = WIDTH * HEIGHT;
-    let depth = (0..pixels).map(|i| floor(scene, i).map_or(0.0, |(depth, _)| depth as f32));
+    let depth: Vec<f32> =
+        (0..pixels).map(|i| floor(scene, i).map_or(0.0, |(depth, _)| depth as f32)).collect();
     let texture = |format| ResourceDesc::texture_2d(format, (WIDTH, HEIGHT));
-    let same =
-        |texel: [f32; 4]| texel.map(|x| f16::from_f32(x).to_le_bytes()).concat().repeat(pixels as usize);
+    let same = |name, texel: [f32; 4]| {
+        let texels = vec![halves(texel.map(f64::from)); pixels as usize];
+        member(name, texture(Format::Rgba16Float), &texels)
+    };
     let mut view = vec![
-        ("depth", texture(Format::R32Float), depth.flat_map(f32::to_le_bytes).collect()),
-        ("normal", texture(Format::Rgba16Float), same([0.0, 1.0, 0.0, 0.0])),
-        ("albedo", texture(Format::Rgba16Float), same([0.5, 0.5, 0.5, 1.0])),
+        member("depth", texture(Format::R32Float), &depth),
+        same("normal", [0.0, 1.0, 0.0, 0.0]),
+        same("albedo", [0.5, 0.5, 0.5, 1.0]),
     ];
-    view.extend(specular.map(|specular| ("specular", texture(Format::Rgba16Float), same(specular))));
+    view.extend(specular.map(|specular| same("specular", specular)));
     let layers = scene.lights[0].layers();
     let maps = ResourceDesc::texture_2d_array(Format::Rgba32Float, (MAP, MAP), layers);
-    let texel = |i: u32| [0.0, 0.0, 0.0, distance(i)].map(f32::to_le_bytes).concat();
-    let position = (0..MAP * MAP * layers).flat_map(texel).collect();
+    let position: Vec<[f32; 4]> = (0..MAP * MAP * layers).map(|i| [0.0, 0.0, 0.0, distance(i)]).collect();
     let outputs = Harness::new(direct_light::PASS)
         .with_scene(scene.clone())
         .frame(WIDTH, HEIGHT)
         .input("view", "GBuffer", &[], view)
-        .input("rsm", "ReflectiveShadowMap", &[], vec![("position", maps, position)])
+        .input("rsm", "ReflectiveShadowMap", &[], vec![member("position", maps, &position)])
         .run()?;
     Some(outputs.read("direct"))
 }

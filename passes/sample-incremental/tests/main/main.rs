@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader};
 use interfaces::virtual_lights::VirtualLight;
 use pass_test::rooms::furnace;
-use pass_test::{Harness, Outputs, buffer};
+use pass_test::{Harness, Outputs, elements};
 use sample_incremental::PASS;
 use scene::{Light, LightKind, Scene};
 
@@ -62,10 +62,8 @@ impl Sampling {
     fn frame(self, scene: &Scene, past: Option<&[SurfacePoint]>) -> Option<Frame> {
         let mut harness = self.harness(scene);
         if let Some(points) = past {
-            let bytes = surface_points::to_bytes(7, points);
-            harness = harness
-                .past("past", "SurfacePoints", 1, vec![("", buffer(bytes.len() as u64), bytes)])
-                .fact("count", points.len() as u32);
+            let members = elements(&surface_points::to_bytes(7, points));
+            harness = harness.past("past", "SurfacePoints", 1, members).fact("count", points.len() as u32);
         }
         Some(Frame::of(&harness.run()?))
     }

@@ -4,8 +4,7 @@ mod cpu_reference;
 
 use glam::{Vec3, vec3};
 use interfaces::virtual_lights::VirtualLight;
-use pass::{Format, ResourceDesc};
-use pass_test::{Harness, random};
+use pass_test::{Harness, RsmTexel, random};
 use sample_uniform::PASS;
 use scene::{Light, LightKind};
 
@@ -60,19 +59,16 @@ fn virtual_lights_carry_the_flux_of_the_map() {
 
 /// Lights sampled from a map whose texel i lies at (i, 0, 0), is 2 m² and reflects (1, g(i), 0) W; every third saw nothing.
 fn draw(size: (u32, u32), layers: u32, count: u32, seed: u32) -> Option<Vec<VirtualLight>> {
-    let array = |format| ResourceDesc::texture_2d_array(format, size, layers);
-    let bytes = |texel: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
-        let seen = |i: u32| if i.is_multiple_of(3) { [0.0; 4] } else { texel(i) };
-        (0..size.0 * size.1 * layers).flat_map(|i| bytemuck::bytes_of(&seen(i)).to_vec()).collect()
+    let texel = |i: u32| match i % 3 {
+        0 => RsmTexel::default(),
+        _ => RsmTexel {
+            position: [i as f32, 0.0, 0.0, 1.0],
+            normal: [0.0, 0.6, 0.8],
+            flux: [1.0, green(i) as f32, 0.0, 2.0],
+        },
     };
-    let members = vec![
-        ("position", array(Format::Rgba32Float), bytes(&|i| [i as f32, 0.0, 0.0, 1.0])),
-        ("normal", array(Format::Rgba32Float), bytes(&|_| [0.0, 0.6, 0.8, 0.0])),
-        ("flux", array(Format::Rgba32Float), bytes(&|i| [1.0, green(i) as f32, 0.0, 2.0])),
-    ];
-    let harness =
-        Harness::new(PASS).set("count", count).seed(seed).input("rsm", "ReflectiveShadowMap", &[], members);
-    Some(harness.run()?.lights("lights"))
+    let texels: Vec<RsmTexel> = (0..size.0 * size.1 * layers).map(texel).collect();
+    Some(Harness::new(PASS).set("count", count).seed(seed).rsm(size, &texels).run()?.lights("lights"))
 }
 
 fn green(texel: u32) -> f64 {
@@ -157,18 +153,16 @@ fn what_several_lights_see_is_shared_by_radiosity() {
     let mut scene = pass_test::scene("plane");
     let point = |z| Light { kind: LightKind::Point, position: vec3(0.0, 0.0, z), ..scene.lights[0].clone() };
     scene.lights = [1.0, 2.0, 3.0].map(point).to_vec();
-    let bytes = |member: &dyn Fn(&Seen) -> [f32; 4]| -> Vec<u8> {
-        let of_texel = |i| SEEN.iter().find(|seen| seen.texel() == i).map_or([0.0; 4], member);
-        (0..size.0 * size.1 * layers).flat_map(|i| bytemuck::bytes_of(&of_texel(i)).to_vec()).collect()
-    };
-    let array = || ResourceDesc::texture_2d_array(Format::Rgba32Float, size, layers);
-    let members = vec![
-        ("position", array(), bytes(&|seen| seen.position.extend(1.0).to_array())),
-        ("normal", array(), bytes(&|_| [0.0, 0.0, 1.0, 0.0])),
-        ("flux", array(), bytes(&|seen| [seen.flux, seen.flux, seen.flux, seen.area])),
-    ];
+    let mut texels = vec![RsmTexel::default(); (size.0 * size.1 * layers) as usize];
+    for seen in &SEEN {
+        texels[seen.texel() as usize] = RsmTexel {
+            position: seen.position.extend(1.0).to_array(),
+            normal: [0.0, 0.0, 1.0],
+            flux: [seen.flux, seen.flux, seen.flux, seen.area],
+        };
+    }
     let harness = Harness::new(PASS).with_scene(scene).set("count", COUNT);
-    let Some(outputs) = harness.input("rsm", "ReflectiveShadowMap", &[], members).run() else { return };
+    let Some(outputs) = harness.rsm(size, &texels).run() else { return };
     let weight = cpu_reference::weight(size, layers, COUNT) as f32;
     for (seen, share) in SEEN.iter().zip([0.25, 0.75, 1.0]) {
         let lights = outputs.lights("lights");
