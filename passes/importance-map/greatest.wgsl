@@ -1,6 +1,6 @@
 // The greatest values of a map: of what texels reflect, and then of their importance, which needs the first.
 
-#option OF reflected one_of [reflected, importance]
+#option OF reflected one_of [reflected, importance] internal // the value
 
 #import "algorithms/reduce.wgsl"
 #import "reflectance-values.wgsl"

@@ -1,38 +1,110 @@
-// The importance of each texel of a reflective shadow map as a virtual light: what it contributes to samples of the view
-// without regard to visibility (TCAS Eq. 1-2), or its flux (ISM §4). With blocks, the response of the view to one texel of
-// each, from which shaders/importance-by-blocks.wgsl computes the importance of all.
+// Computes the importance of the texels of a reflective shadow map as virtual lights. [TCAS §4.1, Eq. 1-2; ISM §4; ACRSM §4.5]
+//
+// This file writes what is stored: what each texel contributes to samples of the view without regard to visibility; or its flux;
+// or, with blocks, the response of the view to one texel of each, from which shaders/importance-by-blocks.wgsl computes the
+// importance of all; or importance by reflectance, divided by its greatest value so that ACRSM Eq. 4.4 and 4.6 can add and compare
+// it with other values of at most 1. view-samples.wgsl picks the samples; reflectance.wgsl and greatest.wgsl prepare importance by
+// reflectance.
 
-/// What is stored: importance by contribution to the view, of each texel; the response of the view to a texel of each
-/// block; or importance by flux, of each texel.
-#option STORED contribution one_of [contribution, response, flux]
+#option MEASURE contribution one_of [contribution, flux, reflectance] // How importance is defined. contribution: what the texel
+    // contributes to samples of the view, without visibility (TCAS Eq. 1-2). flux: the luminance of the flux that it reflects,
+    // independent of the camera (ISM §4). reflectance: how the surface reflects, and how it lies to samples of the view; at most
+    // 1 (ACRSM Eq. 4.1-4.3).
+#option EVALUATE blocks one_of [texels, blocks, on-demand] // Where it is evaluated, for the measures contribution and reflectance.
+    // texels: at each texel, and stored. blocks: what the texel reflects at each, but what depends on the view at one texel of
+    // each block, which takes 1/stride² of the time. on-demand, for contribution alone: at the texels that the sampler asks for:
+    // of 512² texels, 1,024 Metropolis-Hastings chains of 5 steps ask for 5,120; the inverse transform asks for all, twice.
+
+#if MEASURE == reflectance
+#input rsm: ReflectiveShadowMap with albedo // Each texel is a potential virtual light.
+#else
+#input rsm: ReflectiveShadowMap // Each texel is a potential virtual light.
+#endif
+#if MEASURE != flux
+#input view: GBuffer // What the lights are to be important for.
+#input points: SurfacePoints optional // Samples of the view, in place of `view_samples` of its pixels.
+#endif
+#if MEASURE == contribution && EVALUATE == blocks
+#output importance: Importance(
+    size: like(rsm) / settings.stride,
+    stride: settings.stride,
+    defensive: settings.defensive,
+) module "importance-by-blocks.wgsl" // f(v) of each texel.
+#elif MEASURE == contribution && EVALUATE == on-demand
+#output importance: Importance(
+    view_samples: samples_count,
+    min_distance: settings.min_distance,
+    defensive: settings.defensive,
+) module "importance-on-demand.wgsl" // f(v) of each texel.
+#else
+#output importance: Importance module "importance-stored.wgsl" // f(v) of each texel.
+#endif
 
 #import "algorithms/scaled.wgsl"
 #import "color.wgsl"
-#if STORED != flux
+#if MEASURE == reflectance
+#import "reflectance-values.wgsl"
+#elif MEASURE == contribution
 #import "scene.wgsl"
 #import "view-sample.wgsl"
+#endif
 
 struct Settings {
+    // DEVIATION(sample-count): a number, not a share of the pixels.
+    /// Number P of samples of the view, for the measure contribution. Noise of the importance falls as P^-½; time rises with P ×
+    /// texels that are evaluated. TCAS §2 names 0.1 % of the pixels. [default: 256, min: 1, max: 65536]
     view_samples: u32,
+    // DEVIATION(min-distance): the paper does not bound the distance.
+    /// Lower bound on the distance between a texel and a sample of the view in the geometry term. Larger: fewer lights cluster
+    /// where a sample happens to lie near a lit surface. Too large: corners, which nearby lights illuminate, get too few lights.
+    /// [default: 0.01, min: 0.0001, max: 1.0, unit: "scene extents"]
     min_distance: f32,
+    // DEVIATION(defensive): the paper adds nothing.
+    /// Constant k in f = Φ (response + k), for the measure contribution: texels that no sample of the view saw are sampled too, in
+    /// proportion to their flux. It does not depend on the view, so a change in one place changes no importance elsewhere. Larger:
+    /// fewer bright outliers, but more lights out of sight. 0: as in the paper. [default: 0.02, min: 0.0, max: 1000.0, unit:
+    /// "1/extents²"]
     defensive: f32,
+    // DEVIATION(blocks): the texels of a block have one response, and one ρ_v.
+    /// Side of a block, for `evaluate: blocks`. Larger: less time, but the importance follows edges and contacts less closely, so
+    /// that lights differ more in brightness. [default: 4, min: 1, max: 64, unit: "texels"]
     stride: u32,
+    /// Weight w_v of how the texel lies to samples of the view against how it reflects, for the measure reflectance. 0:
+    /// independent of the camera. [default: 0.5, min: 0.0, max: 1.0]
+    view_weight: f32,
 }
 
+var<uniform> settings: Settings;
+#if MEASURE == contribution && EVALUATE == blocks
+var importance_response: texture_storage_2d_array<rgba32float, write>;
+#elif MEASURE != contribution || EVALUATE == texels
+var importance_map: texture_storage_2d_array<r32float, write>;
+#endif
+
+#if MEASURE == reflectance
+var<storage, read> values: array<ReflectanceValues>;
+var<storage, read> greatest: GreatestValues;
+
+@compute @workgroup_size(16, 16)
+fn normalise(@builtin(global_invocation_id) id: vec3<u32>) {
+    let size = textureDimensions(importance_map);
+    if any(id.xy >= size) {
+        return;
+    }
+    let value = values[(id.z * size.y + id.y) * size.x + id.x];
+    let importance = importance_by_reflectance(value, greatest.reflected, settings.view_weight);
+    textureStore(importance_map, id.xy, id.z, vec4(part_of(importance, greatest.importance)));
+}
+#elif MEASURE == flux || EVALUATE != on-demand
+#if MEASURE == contribution
 const TILE: u32 = 64u;
 
-var<uniform> settings: Settings;
 var<storage, read> samples: array<ViewSample>;
 var<workgroup> tile: array<ViewSample, TILE>;
 var rsm_position: texture_2d_array<f32>;
 var rsm_normal: texture_2d_array<f32>;
 #endif
 var rsm_flux: texture_2d_array<f32>;
-#if STORED == response
-var importance_response: texture_storage_2d_array<rgba32float, write>;
-#else
-var importance_map: texture_storage_2d_array<r32float, write>;
-#endif
 
 /// What a texel reflects [W]; 0 outside the map.
 fn flux_at(texel: vec2<u32>, layer: u32) -> vec3<f32> {
@@ -41,7 +113,7 @@ fn flux_at(texel: vec2<u32>, layer: u32) -> vec3<f32> {
     return select(vec3(0.0), flux, all(texel < textureDimensions(rsm_flux)));
 }
 
-#if STORED == response
+#if MEASURE == contribution && EVALUATE == blocks
 /// The texel that stands for a block: the one in the middle, or the brightest where that reflects nothing.
 fn texel_of_block(block: vec2<u32>, layer: u32) -> vec2<u32> {
     let first = block * settings.stride;
@@ -68,13 +140,13 @@ fn measure(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-#if STORED == response
+#if MEASURE == contribution && EVALUATE == blocks
     let texel = texel_of_block(id.xy, id.z);
 #else
     let texel = id.xy;
 #endif
     let flux = flux_at(texel, id.z);
-#if STORED != flux
+#if MEASURE == contribution
     let reflects = luminance(flux) > 0.0;
     let position = to_extents(textureLoad(rsm_position, texel, id.z, 0).xyz);
     let normal = textureLoad(rsm_normal, texel, id.z, 0).xyz;
@@ -94,13 +166,13 @@ fn measure(
     }
     response /= f32(settings.view_samples);
 #endif
-#if STORED == response
+#if MEASURE == contribution && EVALUATE == blocks
     if all(id.xy < textureDimensions(importance_response)) {
         textureStore(importance_response, id.xy, id.z, vec4(response, 0.0));
     }
 #else
     if all(id.xy < textureDimensions(importance_map)) {
-#if STORED == contribution
+#if MEASURE == contribution
         let value = importance_of(flux, response, settings.defensive);
 #else
         let value = weight_of(luminance(flux));
@@ -109,3 +181,4 @@ fn measure(
     }
 #endif
 }
+#endif

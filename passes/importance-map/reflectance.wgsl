@@ -1,6 +1,6 @@
 // What a texel of a reflective shadow map reflects, and how samples of the view lie to it. [ACRSM §4.5, Eq. 4.1-4.2, 5.1-5.2]
 
-#option SPECULAR false // whether the reflective shadow map has the member `specular`
+#option RSM_SPECULAR false // whether the reflective shadow map has the member `specular`
 
 #import "beam.wgsl"
 #import "reflectance-values.wgsl"
@@ -8,6 +8,8 @@
 
 struct Settings {
     view_samples: u32,
+    /// Weight w_d of diffuse against specular reflection, for the measure reflectance. 1: diffuse alone. [default: 0.5, min: 0.0,
+    /// max: 1.0]
     diffuse_weight: f32,
     /// Side of the blocks of which one texel is compared with the view [texels].
     block_side: u32,
@@ -20,7 +22,7 @@ var<storage, read> samples: array<ViewSample>;
 var<workgroup> tile: array<ViewSample, TILE>;
 var rsm_position: texture_2d_array<f32>;
 var rsm_albedo: texture_2d_array<f32>;
-#if SPECULAR
+#if RSM_SPECULAR
 var rsm_specular: texture_2d_array<f32>;
 #endif
 /// [layers][rows][columns] ρ_v of each block.
@@ -94,7 +96,7 @@ fn compare_with_view(
 fn reflected(texel: vec3<u32>) -> f32 {
     let beam = texel_beam(texel, textureDimensions(rsm_position)).flux;
     var sum = settings.diffuse_weight * greatest_of(textureLoad(rsm_albedo, texel.xy, texel.z, 0).rgb * beam);
-#if SPECULAR
+#if RSM_SPECULAR
     let specular = textureLoad(rsm_specular, texel.xy, texel.z, 0);
     // DEVIATION(specular-exponent): smoothness, which is at most 1, in place of the exponent of Blinn's model.
     sum += (1.0 - settings.diffuse_weight) * greatest_of(specular.rgb * beam) * (1.0 - specular.a);

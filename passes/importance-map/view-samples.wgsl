@@ -1,5 +1,5 @@
-// A random subset of what the camera sees, over which TCAS Eq. 1 estimates the importance of a virtual light.
-// It is the same pixels in every frame, stratified, or points that another pass gives.
+// Picks the samples of the view over which TCAS Eq. 1 estimates the importance of a virtual light: the same pixels in every
+// frame, stratified, or points that another pass gives.
 
 #option POINTS false // whether the samples are given
 

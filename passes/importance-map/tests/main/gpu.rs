@@ -1,12 +1,12 @@
 //! The shaders against the CPU reference, on a GPU.
 
+use crate::cpu_reference::{ViewSample, importance, luminance, pixel, response, view_response};
 use glam::{DVec3, Vec3};
 use importance_map::PASS;
-use importance_map::cpu_reference::{ViewSample, importance, luminance, pixel, response, view_response};
 use interfaces::surface_points::{SurfacePoint, packed_albedo};
 use pass::{Format, ResourceDesc, Value};
 use pass_test::random::{halton3, hash2, unit_float};
-use pass_test::{Harness, Outputs};
+use pass_test::{Harness, Outputs, RsmTexel, member};
 use scene::{Camera, Scene};
 
 const FRAME: (u32, u32) = (40, 30);
@@ -105,31 +105,20 @@ impl Room {
         set: &[(&str, Value)],
         change: impl Fn(Harness<'static>) -> Harness<'static>,
     ) -> Option<Outputs> {
-        let bytes = |count: u32, element: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
-            (0..count).flat_map(|i| bytemuck::bytes_of(&element(i)).to_vec()).collect()
+        let texel = |i| RsmTexel {
+            position: self.position(i).extend(1.0).to_array(),
+            normal: Room::normal(i).to_array(),
+            flux: self.flux(i).extend(0.0).to_array(),
         };
-        let array = || ResourceDesc::texture_2d_array(Format::Rgba32Float, self.size, self.layers);
-        let texels = |element: &dyn Fn(u32) -> [f32; 4]| bytes(self.texels(), element);
-        let rsm = vec![
-            ("position", array(), texels(&|i| self.position(i).extend(1.0).to_array())),
-            ("normal", array(), texels(&|i| Room::normal(i).extend(0.0).to_array())),
-            ("flux", array(), texels(&|i| self.flux(i).extend(0.0).to_array())),
-        ];
-        let image = |format| ResourceDesc::texture_2d(format, FRAME);
-        let pixels = FRAME.0 * FRAME.1;
-        let depth: Vec<f32> = (0..pixels).map(|i| self.depth(i)).collect();
+        let texels: Vec<RsmTexel> = (0..self.texels()).map(texel).collect();
+        let image = |name, of: &dyn Fn(u32) -> [f32; 4]| {
+            let pixels: Vec<[f32; 4]> = (0..FRAME.0 * FRAME.1).map(of).collect();
+            member(name, ResourceDesc::texture_2d(Format::Rgba32Float, FRAME), &pixels)
+        };
         let view = vec![
-            ("depth", image(Format::R32Float), bytemuck::cast_slice(&depth).to_vec()),
-            (
-                "normal",
-                image(Format::Rgba32Float),
-                bytes(pixels, &|i| Room::normal(!i).extend(0.0).to_array()),
-            ),
-            (
-                "albedo",
-                image(Format::Rgba32Float),
-                bytes(pixels, &|i| Room::albedo(i).extend(1.0).to_array()),
-            ),
+            image("depth", &|i| [self.depth(i); 4]),
+            image("normal", &|i| Room::normal(!i).extend(0.0).to_array()),
+            image("albedo", &|i| Room::albedo(i).extend(1.0).to_array()),
         ];
         let by_flux = set.contains(&("measure", Value::from("flux")));
         let harness = Harness::new(PASS);
@@ -140,7 +129,7 @@ impl Room {
             .frame(FRAME.0, FRAME.1)
             .with_scene(self.scene())
             .camera(self.camera())
-            .input("rsm", "ReflectiveShadowMap", &[], rsm);
+            .rsm(self.size, &texels);
         if by_flux { harness.run() } else { change(harness.input("view", "GBuffer", &[], view)).run() }
     }
 

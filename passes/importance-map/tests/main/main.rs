@@ -1,5 +1,6 @@
 //! Importance: closed forms, the mixture with flux, extremes.
 
+mod cpu_reference;
 mod gpu;
 mod measure;
 mod reflectance;

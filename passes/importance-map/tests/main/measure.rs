@@ -1,7 +1,5 @@
+use crate::cpu_reference::{ViewSample, geometry, importance, luminance, pixel, response, view_response};
 use glam::{DVec3, dvec3};
-use importance_map::cpu_reference::{
-    ViewSample, geometry, importance, luminance, pixel, response, view_response,
-};
 use std::f64::consts::PI;
 
 const UP: DVec3 = DVec3::Z;

@@ -1,11 +1,11 @@
 //! Importance by reflectance against the CPU reference, where one light sends the same into each texel: a directional one.
 
+use crate::cpu_reference::{ViewSample, by_reflectance, reflected, seen};
 use glam::{DVec3, Vec3};
 use importance_map::PASS;
-use importance_map::cpu_reference::{ViewSample, by_reflectance, reflected, seen};
 use pass::{Format, ResourceDesc};
-use pass_test::Harness;
 use pass_test::random::{halton3, hash2, unit_float};
+use pass_test::{Harness, member};
 use scene::{Camera, Scene};
 
 const SIZE: u32 = 24;
@@ -39,28 +39,28 @@ fn roughness(texel: u32) -> f32 {
 }
 
 fn importance(glossy: bool, weights: (f32, f32), stride: u32) -> Option<Vec<f32>> {
-    let texels = |value: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
-        (0..SIZE * SIZE).flat_map(|i| bytemuck::bytes_of(&value(i)).to_vec()).collect()
+    let array = |name, value: &dyn Fn(u32) -> [f32; 4]| {
+        let texels: Vec<[f32; 4]> = (0..SIZE * SIZE).map(value).collect();
+        member(name, ResourceDesc::texture_2d_array(Format::Rgba32Float, (SIZE, SIZE), 1), &texels)
     };
-    let array = || ResourceDesc::texture_2d_array(Format::Rgba32Float, (SIZE, SIZE), 1);
     let position = |i| vector(i, 10).extend(if lit(i) { 1.0 } else { 0.0 }).to_array();
     let mut rsm = vec![
-        ("position", array(), texels(&position)),
-        ("normal", array(), texels(&|_| [0.0, 1.0, 0.0, 0.0])),
-        ("flux", array(), texels(&|_| [1.0; 4])),
-        ("albedo", array(), texels(&|i| vector(i, 30).extend(1.0).to_array())),
+        array("position", &position),
+        array("normal", &|_| [0.0, 1.0, 0.0, 0.0]),
+        array("flux", &|_| [1.0; 4]),
+        array("albedo", &|i| vector(i, 30).extend(1.0).to_array()),
     ];
     if glossy {
-        rsm.push(("specular", array(), texels(&|i| vector(i, 60).extend(roughness(i)).to_array())));
+        rsm.push(array("specular", &|i| vector(i, 60).extend(roughness(i)).to_array()));
     }
-    let pixels = |value: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
-        (0..FRAME.0 * FRAME.1).flat_map(|i| bytemuck::bytes_of(&value(i)).to_vec()).collect()
+    let image = |name, value: &dyn Fn(u32) -> [f32; 4]| {
+        let pixels: Vec<[f32; 4]> = (0..FRAME.0 * FRAME.1).map(value).collect();
+        member(name, ResourceDesc::texture_2d(Format::Rgba32Float, FRAME), &pixels)
     };
-    let image = || ResourceDesc::texture_2d(Format::Rgba32Float, FRAME);
     let view = vec![
-        ("depth", image(), pixels(&|i| [depth(i); 4])),
-        ("normal", image(), pixels(&|i| normal(i).extend(0.0).to_array())),
-        ("albedo", image(), pixels(&|_| [0.5; 4])),
+        image("depth", &|i| [depth(i); 4]),
+        image("normal", &|i| normal(i).extend(0.0).to_array()),
+        image("albedo", &|_| [0.5; 4]),
     ];
     let outputs = Harness::new(PASS)
         .set("measure", "reflectance")
