@@ -1,9 +1,9 @@
 //! How many points a triangle has.
 
-use glam::DVec3;
-use points_on_the_fly::cpu_reference::{
+use crate::cpu_reference::{
     ANY_NUMBER, WHOLE, Wanted, level, place, starts, tessellated_points, triangle_at, weights,
 };
+use glam::DVec3;
 
 #[test]
 fn points_of_a_tessellator_are_those_of_opengl() {

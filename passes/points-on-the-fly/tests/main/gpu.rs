@@ -1,14 +1,12 @@
 //! The shaders against the CPU reference, on a GPU.
 
+use crate::cpu_reference::{ANY_NUMBER, WHOLE, place, sample, scramble, starts, triangle_at, weights};
 use crate::probe::Amplification;
 use glam::{DVec3, Vec3};
 use interfaces::points::SurfaceSample;
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use points_on_the_fly::PASS;
-use points_on_the_fly::cpu_reference::{
-    ANY_NUMBER, WHOLE, place, sample, scramble, starts, triangle_at, weights,
-};
 use scene::Scene;
 
 fn precise(v: [f32; 3]) -> DVec3 {

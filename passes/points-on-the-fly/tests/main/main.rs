@@ -1,6 +1,7 @@
 //! Triangles amplified into points: shares by hand, the GPU against the CPU reference, evenness.
 
 mod counts;
+mod cpu_reference;
 mod gpu;
 mod places;
 mod probe;

@@ -1,6 +1,6 @@
 //! Where samples lie.
 
-use points_on_the_fly::cpu_reference::{ANY_NUMBER, WHOLE, Wanted, place};
+use crate::cpu_reference::{ANY_NUMBER, WHOLE, Wanted, place};
 
 #[test]
 fn every_map_has_its_samples_spread_over_the_whole() {

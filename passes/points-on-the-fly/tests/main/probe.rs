@@ -1,63 +1,28 @@
 //! A pass that writes what the module of a port Points answers.
 
+use crate::cpu_reference::{BLOCK, Wanted};
 use interfaces::points::{SurfaceSample, SurfaceSamples};
-use pass::{
-    Compute, Info, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
-    ResourceDesc, SceneBindings, Setting, Settings, Threads, UseContext,
-};
+use pass::{Compute, Pass, PassTypeError, ReadSettings, RecordContext, Recording, Threads};
 use pass_test::{Harness, Outputs};
-use points_on_the_fly::BLOCK;
-use points_on_the_fly::cpu_reference::Wanted;
 use scene::Scene;
-
-pass::settings! {
-    struct ProbeSettings {
-        maps: u32 = 1;
-        per_map: u32 = 1;
-    }
-}
 
 struct Probe;
 
-const SHADER: &str = "passes/points-on-the-fly/tests/main/probe.wgsl";
-
 impl Pass for Probe {
-    fn info(&self) -> Info {
-        Info { kind: "probe", about: "", paper: "", shaders: &[SHADER] }
+    fn kind(&self) -> &'static str {
+        "probe"
     }
 
-    fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
-        Ok(ProbeSettings::schema())
-    }
-
-    fn ports(&self, _: &UseContext<'_>, _: &Settings) -> Result<Ports, PassTypeError> {
-        Ok(Ports {
-            inputs: vec![pass::input("points", "Points", "")],
-            outputs: vec![pass::output("samples", "Samples", "")],
-            scene_bindings: SceneBindings::SCENE,
-        })
-    }
-
-    fn outputs(&self, _: &UseContext<'_>, cx: &OutputContext<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let threads = wanted(cx.settings).threads();
-        Ok(vec![OutputDesc::one("samples", ResourceDesc::buffer(32 * u64::from(threads)))])
+    fn folder(&self) -> String {
+        "passes/points-on-the-fly/tests/main".to_owned()
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let settings = ProbeSettings::read(cx.settings);
-        let samples = SurfaceSamples::new(cx, settings.maps, settings.per_map)?;
-        let probe = Compute::new(
-            cx.shader(SHADER, &[]),
-            "probe",
-            Threads::Row(samples.of_maps(&(0..settings.maps)).end),
-        );
-        Ok(Recording::one(samples.fill(probe, "samples")))
+        let maps = cx.settings.u32("maps")?;
+        let samples = SurfaceSamples::new(cx, maps, cx.settings.u32("per_map")?)?;
+        let threads = Threads::Row(samples.of_maps(&(0..maps)).end);
+        Ok(Recording::one(samples.fill(Compute::new(cx.file("probe.wgsl"), "probe", threads), "wanted")))
     }
-}
-
-fn wanted(settings: &Settings) -> Wanted {
-    let ProbeSettings { maps, per_map } = ProbeSettings::read(settings);
-    Wanted::new(maps, per_map, u32::MAX)
 }
 
 /// struct Amplification.
@@ -96,6 +61,7 @@ impl Amplification {
             .time(time)
             .set("maps", maps)
             .set("per_map", per_map)
+            .set("threads", self.wanted(maps, per_map).threads())
             .input(
                 "points",
                 "Points",

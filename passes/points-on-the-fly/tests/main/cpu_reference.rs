@@ -1,28 +1,29 @@
 //! The WGSL of the pass and `shaders/points-on-the-fly.wgsl`, in double precision up to the same integers.
 
-pub use gpu_algorithms::reference::triangle_samples::{
+pub(crate) use gpu_algorithms::reference::triangle_samples::{
     normal_and_area, scramble, triangle_at, triangle_from_square,
 };
 
-use crate::BLOCK;
 use glam::DVec3;
 use gpu_algorithms::reference::triangle_samples::edges;
 
+/// The most maps that take turns: `BLOCK` of points-on-the-fly.wgsl.
+pub(crate) const BLOCK: u32 = 32;
 /// The sum of all shares.
-pub const WHOLE: u32 = 0x8000_0000;
+pub(crate) const WHOLE: u32 = 0x8000_0000;
 /// Stands for as many points as are requested.
-pub const ANY_NUMBER: u32 = u32::MAX;
+pub(crate) const ANY_NUMBER: u32 = u32::MAX;
 
 /// Returns the level of a tessellator for an edge \[m\] or an area \[m²\], given the least and the greatest
 /// value of the scene (ACRSM Eq. 5.3 and 5.4) and the range `factors`.
-pub fn level(bounds: [f64; 2], value: f64, factors: [u32; 2]) -> u32 {
+pub(crate) fn level(bounds: [f64; 2], value: f64, factors: [u32; 2]) -> u32 {
     let x = if bounds[1] > bounds[0] { (value - bounds[0]) / (bounds[1] - bounds[0]) } else { 1.0 };
     let x = x.clamp(0.0, 1.0);
     ((x * x * (3.0 - 2.0 * x) * f64::from(factors[1])).ceil() as u32).max(factors[0])
 }
 
 /// Returns the number of vertices of a triangle with these levels of its edges and inside.
-pub fn tessellated_points(edges: [u32; 3], inside: u32) -> u32 {
+pub(crate) fn tessellated_points(edges: [u32; 3], inside: u32) -> u32 {
     let around: u32 = edges.iter().sum();
     if inside == 1 && around == 3 {
         return 3;
@@ -34,7 +35,7 @@ pub fn tessellated_points(edges: [u32; 3], inside: u32) -> u32 {
 
 /// Returns the weight of each triangle: its area \[m²\]; if `factors` are given, the number of points of a
 /// tessellator.
-pub fn weights(triangles: &[[DVec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> {
+pub(crate) fn weights(triangles: &[[DVec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> {
     let measured: Vec<(f64, [f64; 3])> = triangles
         .iter()
         .map(|corners| {
@@ -63,7 +64,7 @@ pub fn weights(triangles: &[[DVec3; 3]], factors: Option<[u32; 2]>) -> Vec<f64> 
 
 /// Returns where the intervals of triangles with these weights begin, and where the last ends; `dither` in
 /// \[0, 1) decides the rounding.
-pub fn starts(weights: &[f64], dither: impl Fn(u32) -> f64) -> Vec<u32> {
+pub(crate) fn starts(weights: &[f64], dither: impl Fn(u32) -> f64) -> Vec<u32> {
     let whole: f64 = weights.iter().sum();
     let mut sum = 0_u32;
     let mut starts = vec![0];
@@ -81,44 +82,44 @@ pub fn starts(weights: &[f64], dither: impl Fn(u32) -> f64) -> Vec<u32> {
 
 /// The samples that a consumer requests.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted {
+pub(crate) struct Wanted {
     /// Number of maps.
-    pub maps: u32,
+    pub(crate) maps: u32,
     /// Samples per map.
-    pub per_map: u32,
+    pub(crate) per_map: u32,
     /// Number that the triangles ask for, or [`ANY_NUMBER`].
-    pub requested: u32,
+    pub(crate) requested: u32,
     /// Binary logarithm of the number of maps that take turns.
-    pub block_bits: u32,
+    pub(crate) block_bits: u32,
 }
 
 impl Wanted {
     /// Creates a request whose blocks are as large as they may be without being much larger than all maps.
-    pub fn new(maps: u32, per_map: u32, requested: u32) -> Wanted {
+    pub(crate) fn new(maps: u32, per_map: u32, requested: u32) -> Wanted {
         Wanted { maps, per_map, requested, block_bits: BLOCK.min(maps.next_power_of_two()).ilog2() }
     }
 
     /// Returns the samples of all maps, with their number padded to whole blocks.
-    pub fn threads(&self) -> u32 {
+    pub(crate) fn threads(&self) -> u32 {
         self.maps.next_multiple_of(1 << self.block_bits) * self.per_map
     }
 }
 
 /// The place of a sample in the sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub(crate) struct Place {
     /// The map that it belongs to.
-    pub map: u32,
+    pub(crate) map: u32,
     /// Its number among the samples of the map, in the order of the triangles.
-    pub stratum: u32,
+    pub(crate) stratum: u32,
     /// Its coordinate along the cumulated shares, in 0..2³¹.
-    pub number: u32,
+    pub(crate) number: u32,
     /// Number of samples that are produced, for all maps together.
-    pub made: u32,
+    pub(crate) made: u32,
 }
 
 /// Returns the place of sample `index`; `None` if there is no such sample.
-pub fn place(index: u32, wanted: &Wanted) -> Option<Place> {
+pub(crate) fn place(index: u32, wanted: &Wanted) -> Option<Place> {
     let turns = 1 << wanted.block_bits;
     let (row, turn) = (index / turns, index % turns);
     let (block, stratum) = (row / wanted.per_map, row % wanted.per_map);
@@ -138,19 +139,19 @@ pub fn place(index: u32, wanted: &Wanted) -> Option<Place> {
 
 /// A sample of the surface: struct SurfaceSample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// World space \[m\].
-    pub position: DVec3,
+    pub(crate) position: DVec3,
     /// Index of the triangle.
-    pub triangle: u32,
+    pub(crate) triangle: u32,
     /// Unit.
-    pub normal: DVec3,
+    pub(crate) normal: DVec3,
     /// The area that it stands for among the samples of its map \[m²\].
-    pub area: f64,
+    pub(crate) area: f64,
 }
 
 /// Returns the sample at a place; `second` in \[0, 1) is its other coordinate in the square.
-pub fn sample(
+pub(crate) fn sample(
     place: &Place,
     maps: u32,
     second: f64,
