@@ -1,14 +1,14 @@
 // Cumulative sums of TCAS §4.2, one workgroup per segment: first along the rows of all importance maps, then along the
 // last column of each map, then over the maps.
 
-/// Segments are the rows of the importance map; otherwise runs of `parts`.
-#option ROWS false
+#option ROWS true internal // whether segments are the rows of the importance map; otherwise runs of `parts`
 
 #import "algorithms/segmented-scan.wgsl"
 
 #if ROWS
 #import interface "importance"
 
+/// Sums along the rows of all maps. [scratch, size: like(rsm)]
 var row_cdf: texture_storage_2d_array<r32float, write>;
 
 fn segment_length() -> u32 {
@@ -52,7 +52,7 @@ fn segment_store(segment: vec3<u32>, i: u32, sum: f32) {
 }
 #endif
 
-/// [segments] Sum of each segment, whose exponent is the unit that the next stage counts in.
+/// By segment: its sum, whose exponent is the unit in which the next stage counts.
 var<storage, read_write> totals: array<Scaled>;
 
 fn segment_total(segment: vec3<u32>, sum: Scaled) {

@@ -1,4 +1,4 @@
-use sample_inverse_transform::cpu_reference::{Choice, choose, weight_of};
+use crate::cpu_reference::{Choice, choose, weight_of};
 
 #[test]
 fn choice_is_strict_and_never_of_a_zero() {

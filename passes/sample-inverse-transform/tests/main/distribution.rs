@@ -1,6 +1,6 @@
+use crate::cpu_reference::{Cdf, Texel};
 use pass_test::random::{halton3, hash, hash2, radical_inverse, unit_float};
 use pass_test::statistics;
-use sample_inverse_transform::cpu_reference::{Cdf, Texel};
 
 pub(crate) const SIZE: (u32, u32) = (12, 7);
 

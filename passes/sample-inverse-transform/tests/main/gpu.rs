@@ -1,13 +1,12 @@
 //! The shaders against the CPU reference, on a GPU.
 
+use crate::cpu_reference::Cdf;
 use crate::distribution::{SIZE, importance};
 use gpu_algorithms::reference::workgroup_prefix_sum;
 use interfaces::virtual_lights::VirtualLight;
-use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
-use pass_test::{Harness, Outputs};
+use pass_test::{Harness, Outputs, RsmTexel};
 use sample_inverse_transform::PASS;
-use sample_inverse_transform::cpu_reference::Cdf;
 
 /// Flux of a texel: 1 W in red, so that Φ is 1 / (N p) there, and some other in green.
 fn flux(texel: u32) -> [f32; 3] {
@@ -16,37 +15,17 @@ fn flux(texel: u32) -> [f32; 3] {
 
 /// Samples a reflective shadow map whose texel i lies at (i, 0, 0).
 fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Option<Outputs> {
-    let texels = map.len() as u32;
-    let layers = texels / (size.0 * size.1);
-    let array = |format| ResourceDesc::texture_2d_array(format, size, layers);
-    let bytes = |texel: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
-        (0..texels).flat_map(|i| bytemuck::bytes_of(&texel(i)).to_vec()).collect()
+    let texel = |i: u32| {
+        let [red, green, blue] = flux(i);
+        RsmTexel {
+            position: [i as f32, 0.0, 0.0, 1.0],
+            normal: [0.0, 1.2, 1.6],
+            flux: [red, green, blue, 0.0],
+        }
     };
-    let position = bytes(&|i| [i as f32, 0.0, 0.0, 1.0]);
-    let normal = bytes(&|_| [0.0, 1.2, 1.6, 0.0]);
-    let flux = bytes(&|i| [flux(i)[0], flux(i)[1], flux(i)[2], 0.0]);
-    Harness::new(PASS)
-        .set("count", settings.0)
-        .set("dimensions", settings.1)
-        .seed(seed)
-        .input(
-            "rsm",
-            "ReflectiveShadowMap",
-            &[],
-            vec![
-                ("position", array(Format::Rgba32Float), position),
-                ("normal", array(Format::Rgba32Float), normal),
-                ("flux", array(Format::Rgba32Float), flux),
-            ],
-        )
-        .input(
-            "importance",
-            "Importance",
-            &[],
-            vec![("map", array(Format::R32Float), bytemuck::cast_slice(map).to_vec())],
-        )
-        .module("shaders/importance-stored.wgsl")
-        .run()
+    let texels: Vec<RsmTexel> = (0..map.len() as u32).map(texel).collect();
+    let harness = Harness::new(PASS).set("count", settings.0).set("dimensions", settings.1).seed(seed);
+    harness.rsm(size, &texels).importance(size, map).run()
 }
 
 fn lights(outputs: &Outputs) -> Vec<VirtualLight> {

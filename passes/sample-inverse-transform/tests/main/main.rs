@@ -1,6 +1,7 @@
 //! The inverse transform method: sums, distribution, flux, extremes.
 
 mod choices;
+mod cpu_reference;
 mod distribution;
 mod gpu;
 

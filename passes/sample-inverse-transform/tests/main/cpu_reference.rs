@@ -1,52 +1,52 @@
-//! `cumulate.wgsl` and `draw.wgsl` in double precision, which needs no scaling by powers of two.
+//! `cumulate.wgsl` and `sample-inverse-transform.wgsl` in double precision, which needs no scaling by powers of two.
 
 use gpu_algorithms::reference::segmented_scan;
 
 /// The sums of TCAS §4.2: along rows, along the last column, over maps.
 #[derive(Clone, Debug)]
-pub struct Cdf {
+pub(crate) struct Cdf {
     /// Width and height of a map.
-    pub size: (u32, u32),
+    pub(crate) size: (u32, u32),
     /// `[layers][height][width]`
-    pub rows: Vec<f64>,
+    pub(crate) rows: Vec<f64>,
     /// `[layers][height]`
-    pub columns: Vec<f64>,
+    pub(crate) columns: Vec<f64>,
     /// `[layers]`
-    pub layers: Vec<f64>,
+    pub(crate) layers: Vec<f64>,
 }
 
 /// A texel with the probability of sampling it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Texel {
+pub(crate) struct Texel {
     /// Layer of the importance map.
-    pub layer: u32,
+    pub(crate) layer: u32,
     /// Row.
-    pub row: u32,
+    pub(crate) row: u32,
     /// Column.
-    pub column: u32,
+    pub(crate) column: u32,
     /// Product of the three stages.
-    pub probability: f64,
+    pub(crate) probability: f64,
 }
 
 /// One stage of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
+pub(crate) struct Choice {
     /// Which entry.
-    pub index: u32,
+    pub(crate) index: u32,
     /// Width of its interval over the total.
-    pub probability: f64,
+    pub(crate) probability: f64,
     /// Position of the number in the interval, in [0, 1).
-    pub rest: f64,
+    pub(crate) rest: f64,
 }
 
 /// Returns the value that counts as a weight: NaN and negative values become 0, infinity the greatest number.
-pub fn weight_of(x: f32) -> f64 {
+pub(crate) fn weight_of(x: f32) -> f64 {
     if x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 }
 }
 
 impl Cdf {
     /// Creates it from an importance map `[layers][height][width]`.
-    pub fn new(importance: &[f32], size: (u32, u32)) -> Cdf {
+    pub(crate) fn new(importance: &[f32], size: (u32, u32)) -> Cdf {
         let weights: Vec<f64> = importance.iter().map(|&f| weight_of(f)).collect();
         let (rows, totals) = segmented_scan(&weights, size.0 as usize);
         let (columns, totals) = segmented_scan(&totals, size.1 as usize);
@@ -56,7 +56,7 @@ impl Cdf {
 
     /// Returns the texel that these numbers select with 2 or 3 `dimensions`; `None` if the importance is 0
     /// everywhere.
-    pub fn draw(&self, numbers: [f64; 3], dimensions: u32) -> Option<Texel> {
+    pub(crate) fn draw(&self, numbers: [f64; 3], dimensions: u32) -> Option<Texel> {
         if self.layers.last().is_none_or(|total| *total == 0.0) {
             return None;
         }
@@ -78,7 +78,7 @@ impl Cdf {
 }
 
 /// Returns the first entry whose sum exceeds number · total; total must not be 0.
-pub fn choose(sums: &[f64], number: f64) -> Choice {
+pub(crate) fn choose(sums: &[f64], number: f64) -> Choice {
     let total = sums[sums.len() - 1];
     let sought = (number * total).min(total.next_down());
     let index = sums.partition_point(|sum| *sum <= sought);

@@ -1,11 +1,18 @@
-// Virtual lights sampled with probability proportional to the importance map by the inverse transform method:
-// TCAS §4.2, Fig. 2.
+// Samples virtual lights in proportion to an importance map by the inverse transform method. [TCAS §4.2, Fig. 2]
+//
+// cumulate.wgsl sums the importance; each light finds its texel in the sums by three binary searches.
+
+#input rsm: ReflectiveShadowMap // The texels to sample.
+#input importance: Importance like rsm // What the probability of a texel is proportional to.
+#output lights: VirtualLights(count: settings.count) // N lights; none where the importance is 0 everywhere.
 
 #import "dispatch.wgsl"
 #import "random.wgsl"
 #import "rsm-light.wgsl"
 
 struct Settings {
+    /// Number N of virtual lights. Error falls as N^-½; the time for shadows and gathering rises with N. [default: 1024,
+    /// min: 1, max: 2097152]
     count: u32,
     /// Random numbers per light. 3: layer, row and column have one each. 2: the number that picks the layer is
     /// renormalised and picks the row too (Shirley & Wang 1991); flicker between frames is higher (TCAS Fig. 8).
