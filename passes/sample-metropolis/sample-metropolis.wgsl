@@ -1,9 +1,18 @@
-// Virtual lights by independent Metropolis-Hastings chains, one light per chain: TCAS §4.3, Algorithm 1.
+// Samples virtual lights in proportion to an importance map by independent Metropolis-Hastings chains. [TCAS §4.3, Alg. 1]
 //
-// What is proposed does not depend on where a chain is, so the importance of all proposals is computed first, with a thread for
-// each: there are too few chains to keep a GPU busy. Then each chain is followed by a thread.
+// One light per chain. What is proposed does not depend on where a chain is, so the importance of all proposals is computed first,
+// with a thread for each: there are too few chains to keep a GPU busy. Then each chain is followed by a thread.
 
-#option WEIGHTS local-mean one_of [local-mean, single, none, reservoir] // what normalises f; with reservoir, also how one of the proposals is chosen
+#input rsm: ReflectiveShadowMap // The texels to sample.
+#input importance: Importance like rsm // What the probability of a texel tends to with M.
+#output lights: VirtualLights(count: settings.count) // N lights; those of chains that met no importance are dark.
+
+#option WEIGHTS local-mean one_of [local-mean, single, none, reservoir] // The estimate of the mean importance in a light's
+    // weight. local-mean: the mean over the chain's proposals, which removes most of the start-up bias. single: the importance of
+    // the first proposal, which is unbiased, but light intensities vary more (Veach & Guibas 1997). none: the mean over the
+    // proposals of all chains, which leaves the start-up bias. reservoir: as local-mean, but the light is one of the chain's
+    // proposals chosen in proportion to its importance instead of by Metropolis-Hastings (Talbot, Cline & Egbert 2005): unbiased,
+    // at the same cost.
 
 #import "dispatch.wgsl"
 #import "proposal.wgsl"
@@ -12,7 +21,12 @@
 #import "shuffle.wgsl"
 
 struct Settings {
+    /// Number N of virtual lights, one per chain. Error falls as N^-½; the time for shadows and gathering rises with N.
+    /// [default: 1024, min: 1, max: 2097152]
     count: u32,
+    // The N M elements of the sequence are numbered with 32 bits.
+    /// Number M of samples of a chain, of which the last is the light. Larger: lights follow the importance more closely; time
+    /// rises with N M. 1: uniform sampling. 5 suffices (TCAS §4.3.1). [default: 5, min: 1, max: 1024]
     steps: u32,
     seed: u32,
     /// The chains of this part: from `first`, `chains` of them.
@@ -51,7 +65,6 @@ fn propose(row: Row) {
 
 @compute @workgroup_size(64)
 fn sample(row: Row) {
-    let local = row.local;
     let place = index_in(row, 64u);
     if place >= settings.chains {
         return;

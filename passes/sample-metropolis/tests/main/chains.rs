@@ -1,8 +1,8 @@
 //! The distribution of the last sample, against the exact one of Metropolis-Hastings.
 
+use crate::cpu_reference::{self, Chain, importance_of};
 use pass_test::random::{halton3, hash, hash2, radical_inverse, shuffled, unit_float};
 use pass_test::statistics::{assert_follows, chi_squared, chi_squared_limit};
-use sample_metropolis::cpu_reference::{self, Chain, importance_of};
 
 pub(crate) const SIZE: (u32, u32) = (12, 7);
 

@@ -1,8 +1,8 @@
 //! The mean of the estimator, by all proposals and acceptances that a chain can meet.
 
 use crate::chains::{Map, SIZE, distribution, halton, importance, independent};
+use crate::cpu_reference::{Chain, Weights};
 use pass_test::random::{hash2, unit_float};
-use sample_metropolis::cpu_reference::{Chain, Weights};
 
 /// Expectation of flux · texels · w / f over all chains of this many samples, exactly.
 fn expectation(f: &[f64], flux: &[f64], steps: u32, weights: Weights) -> f64 {

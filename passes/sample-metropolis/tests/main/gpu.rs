@@ -1,13 +1,12 @@
 //! The shaders against the CPU reference, on a GPU.
 
 use crate::chains::{Map, SIZE, distribution, halton, histogram, importance, times};
+use crate::cpu_reference::{Chain, Weights};
 use interfaces::virtual_lights::VirtualLight;
-use pass::{Format, ResourceDesc};
 use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::statistics::assert_follows;
-use pass_test::{Harness, Outputs};
+use pass_test::{Harness, Outputs, RsmTexel};
 use sample_metropolis::PASS;
-use sample_metropolis::cpu_reference::{Chain, Weights};
 
 const WEIGHTS: [(&str, Weights); 4] = [
     ("local-mean", Weights::LocalMean),
@@ -28,26 +27,19 @@ struct Run {
 /// Samples a reflective shadow map whose texel i lies at (i, 0, 0) and reflects 1 W in red, so that the red of a
 /// light is texels / N · w / f.
 fn run(map: &[f32], size: (u32, u32), run: Run) -> Option<Outputs> {
-    let texels = map.len() as u32;
-    let layers = texels / (size.0 * size.1);
-    let array = |format| ResourceDesc::texture_2d_array(format, size, layers);
-    let bytes = |texel: &dyn Fn(u32) -> [f32; 4]| -> Vec<u8> {
-        (0..texels).flat_map(|i| bytemuck::bytes_of(&texel(i)).to_vec()).collect()
+    let texel = |i| RsmTexel {
+        position: [i as f32, 0.0, 0.0, 1.0],
+        normal: [0.0, 1.2, 1.6],
+        flux: [1.0, 0.0, 0.0, 0.0],
     };
-    let members = vec![
-        ("position", array(Format::Rgba32Float), bytes(&|i| [i as f32, 0.0, 0.0, 1.0])),
-        ("normal", array(Format::Rgba32Float), bytes(&|_| [0.0, 1.2, 1.6, 0.0])),
-        ("flux", array(Format::Rgba32Float), bytes(&|_| [1.0, 0.0, 0.0, 0.0])),
-    ];
-    let importance = ("map", array(Format::R32Float), bytemuck::cast_slice(map).to_vec());
+    let texels: Vec<RsmTexel> = (0..map.len()).map(texel).collect();
     Harness::new(PASS)
         .set("count", run.count)
         .set("steps", run.steps)
         .set("weights", run.weights)
         .seed(run.seed)
-        .input("rsm", "ReflectiveShadowMap", &[], members)
-        .input("importance", "Importance", &[], vec![importance])
-        .module("shaders/importance-stored.wgsl")
+        .rsm(size, &texels)
+        .importance(size, map)
         .run()
 }
 

@@ -1,6 +1,7 @@
 //! Independent Metropolis-Hastings: proposals, distribution, weights, the shader against its CPU reference, extremes.
 
 mod chains;
+mod cpu_reference;
 mod expectation;
 mod gpu;
 mod proposals;
