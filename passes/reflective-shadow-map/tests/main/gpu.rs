@@ -1,9 +1,9 @@
 //! The pass on a GPU, against closed forms and the CPU reference.
 
+use crate::cpu_reference::{Layer, incident_flux};
 use glam::{DVec2, UVec2, Vec3, Vec4, Vec4Swizzles, vec3};
 use half::f16;
 use pass_test::{Harness, Outputs};
-use reflective_shadow_map::cpu_reference::{Layer, incident_flux};
 use scene::{Light, LightKind, Scene};
 use std::f64::consts::PI;
 

@@ -1,9 +1,10 @@
 //! The shaders are valid; the CPU reference against closed forms.
 
+mod cpu_reference;
 mod gpu;
 
+use crate::cpu_reference::{Layer, incident_flux, rectangle_solid_angle};
 use glam::{DVec2, dvec2, uvec2};
-use reflective_shadow_map::cpu_reference::{Layer, incident_flux, rectangle_solid_angle};
 use std::f64::consts::PI;
 
 #[test]
