@@ -2,8 +2,8 @@
 
 use frame_graph::port::PassTypes;
 use pass::{
-    Info, Interface, Library, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
-    Recording, ResourceDesc, SceneBindings, Setting, Settings, Step, Use, UseContext,
+    Interface, Library, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext, Recording,
+    ResourceDesc, SceneBindings, Setting, Settings, Step, Use, UseContext, Value, ValueType,
 };
 use std::sync::Arc;
 
@@ -61,9 +61,19 @@ impl TestPass {
         self
     }
 
-    /// Adds a setting.
-    pub fn setting(mut self, setting: Setting) -> TestPass {
-        self.settings.push(setting);
+    /// Adds a setting that is a number of at most `max`.
+    pub fn number(mut self, name: &str, default: u32, max: u32) -> TestPass {
+        self.settings.push(Setting {
+            name: name.into(),
+            ty: ValueType::U32,
+            default: Value::U32(default),
+            min: None,
+            max: Some(f64::from(max)),
+            one_of: Vec::new(),
+            unit: String::new(),
+            doc: String::new(),
+            declared: String::new(),
+        });
         self
     }
 
@@ -84,8 +94,8 @@ impl TestPass {
 }
 
 impl Pass for TestPass {
-    fn info(&self) -> Info {
-        Info { kind: self.kind, about: "", paper: "", shaders: &[] }
+    fn kind(&self) -> &'static str {
+        self.kind
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {

@@ -17,7 +17,7 @@ mod link;
 mod record;
 pub mod reflected;
 pub mod scene_bindings;
-pub mod setting;
+mod settings;
 mod split;
 
 pub use frame_graph::{
@@ -34,23 +34,10 @@ pub use record::{
     Target, Threads, WINDOW_ALIGNMENT, request, request_of_module,
 };
 pub use reflected::MainShader;
-pub use setting::ReadSettings;
+pub use settings::ReadSettings;
 use shader_library::TypeLayout;
 pub use shader_library::{Define, Library, Request};
 pub use split::{most_items, split_count};
-
-/// The name and documentation of a pass type that declares them in Rust.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Info {
-    /// The name in RON, in kebab-case; also the name of the folder.
-    pub kind: &'static str,
-    /// What it computes, in one sentence.
-    pub about: &'static str,
-    /// The paper and section that it implements; empty for none.
-    pub paper: &'static str,
-    /// Its WGSL files, from the root of the tree: `passes/gather/gather.wgsl`.
-    pub shaders: &'static [&'static str],
-}
 
 /// The documentation of a pass type.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -71,15 +58,8 @@ pub struct About {
 /// Its WGSL declares it: see [`reflected`]. A pass type implements only the methods for what WGSL cannot say, and may call
 /// the functions of [`reflected`] there.
 pub trait Pass: Send + Sync {
-    /// Returns the name and documentation that are declared in Rust.
-    fn info(&self) -> Info {
-        Info { kind: self.kind(), ..Info::default() }
-    }
-
     /// Returns the name in RON, in kebab-case; also the name of the folder.
-    fn kind(&self) -> &'static str {
-        self.info().kind
-    }
+    fn kind(&self) -> &'static str;
 
     /// Returns whether a use names a WGSL file with `shader:`.
     fn takes_shader(&self) -> bool {
@@ -101,11 +81,6 @@ pub trait Pass: Send + Sync {
 
     /// Returns the documentation.
     fn about(&self, library: &Library) -> About {
-        let info = self.info();
-        if !info.about.is_empty() {
-            let shaders = info.shaders.iter().map(|path| (*path).to_owned()).collect();
-            return About { about: info.about.into(), paper: info.paper.into(), shaders };
-        }
         let files = library.folder(&self.folder());
         let main = format!("{}/{}.wgsl", self.folder(), self.kind());
         let header = files.iter().find(|file| file.path == main);
@@ -160,7 +135,7 @@ macro_rules! from_wgsl {
 pub struct FromWgsl {
     /// The name in RON.
     pub kind: &'static str,
-    /// The Rust file of the pass, `FOLDER/src/lib.rs`: its WGSL is in the folder.
+    /// The folder of its WGSL, or the Rust file of the pass in it: `FOLDER/src/lib.rs`.
     pub file: &'static str,
 }
 

@@ -114,14 +114,6 @@ impl<'a> RecordContext<'a> {
         self.with_modules(request(path, defines))
     }
 
-    /// Returns an option of a shader with the value of the setting that has its name in small letters: for settings
-    /// that a shader's options declare (see [`of_options`](crate::setting::of_options)). An option that is no setting
-    /// is reported when the shader is loaded.
-    pub fn option<'n>(&self, name: &'n str) -> (&'n str, Define) {
-        let value = crate::setting::value_of_option(self.settings, name);
-        (name, Define::try_from(&value).unwrap_or_else(|_| Define::Text(String::new())))
-    }
-
     /// Returns the request for a file of the pass's folder, with its options as their names decide (see
     /// [`reflected`](crate::reflected)) and the modules of the connected inputs. [`Request::define`] gives values to
     /// options that are internal to the pass.

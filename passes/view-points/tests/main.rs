@@ -1,14 +1,16 @@
 //! What the camera sees at each point's place of the image, by the scene itself.
 
-mod followed;
-
 use glam::{Vec2, Vec3};
 use interfaces::surface_points::{SurfacePoint, SurfacePointsHeader, packed_albedo};
+use pass::FromWgsl;
 use pass_test::{Harness, scene};
 use ray_tracing::Bvh;
 use scene::{Camera, Scene};
 use std::collections::HashSet;
 use view_points::PASS;
+
+/// Moves points to where their triangles are.
+const FOLLOWED: FromWgsl = FromWgsl { kind: "followed", file: "passes/view-points/tests" };
 
 type Points = (SurfacePointsHeader, Vec<SurfacePoint>);
 
@@ -220,8 +222,8 @@ fn points_follow_their_triangles() {
         point.normal = point.normal.map(|x| -x);
     }
     let follow = |time: f32| {
-        let harness = Harness::new(&followed::Followed).scene(name).time(time);
-        harness.surface_points("points", 0, &points).run().unwrap().surface_points("followed").1
+        let harness = Harness::new(&FOLLOWED).scene(name).time(time);
+        harness.surface_points("points", 0, &points).run().unwrap().surface_points("now").1
     };
     assert_eq!(follow(begin), points, "where nothing moves, no bit changes");
     let after = follow(end);

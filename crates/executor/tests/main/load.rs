@@ -3,26 +3,12 @@
 use crate::harness::{Running, TestPass, Workshop, every_frame, shader, texture, words};
 use executor::{ExecutorError, FrameOptions};
 use frame_graph::ResetCause;
-use pass::{Compute, Extent, Format, OutputDesc, ResourceDesc, Setting, Step, Threads, Value};
+use pass::{Compute, Extent, Format, OutputDesc, ResourceDesc, Step, Threads};
 
 const POISON: FrameOptions = FrameOptions { timed: false, monitored: false, poison: true };
 
 fn one(path: &str) -> Vec<Step> {
     vec![Step::Compute(Compute::new(shader(path), "main", Threads::Grid([1; 3])))]
-}
-
-fn number(name: &str) -> Setting {
-    Setting {
-        name: name.to_owned(),
-        ty: Value::U32(1).ty(),
-        default: Value::U32(1),
-        min: None,
-        max: None,
-        one_of: Vec::new(),
-        unit: String::new(),
-        doc: String::new(),
-        declared: String::new(),
-    }
 }
 
 const SHADERS: &[(&str, &str)] = &[
@@ -59,9 +45,9 @@ const SHADERS: &[(&str, &str)] = &[
 
 /// A counter that remembers, and what shows it.
 fn counter() -> Workshop {
-    let count = TestPass::new("count").optional("past", "Buffer").setting(number("step"));
+    let count = TestPass::new("count").optional("past", "Buffer").number("step", 1, u32::MAX);
     let count = every_frame(count.output(OutputDesc::one("sum", words(4)))).steps(|_| one("count.wgsl"));
-    let scale = TestPass::new("scale").optional("shown", "Buffer").setting(number("factor"));
+    let scale = TestPass::new("scale").optional("shown", "Buffer").number("factor", 1, u32::MAX);
     let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
     let sized = TestPass::new("sized").output(OutputDesc::one("image", texture(Format::Rgba32Float)));
     Workshop::new(vec![count, scale, sized], SHADERS)
@@ -197,7 +183,7 @@ fn continuing() -> Workshop {
     let state = OutputDesc::one("state", words(8)).continuing("past");
     let write_on = every_frame(TestPass::new("state").optional("past", "Buffer").output(state));
     let write_on = write_on.steps(|_| one("write-on.wgsl"));
-    let scale = TestPass::new("scale").optional("shown", "Buffer").setting(number("factor"));
+    let scale = TestPass::new("scale").optional("shown", "Buffer").number("factor", 1, u32::MAX);
     let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
     Workshop::new(vec![write_on, scale], SHADERS)
 }
@@ -246,9 +232,9 @@ fn state_goes_on_where_it_gets_another_reader() {
 /// A pass that only hands on has no steps and does not run; its readers read what was handed on.
 #[test]
 fn what_is_handed_on_is_the_resource_itself() {
-    let count = TestPass::new("count").optional("past", "Buffer").setting(number("step"));
+    let count = TestPass::new("count").optional("past", "Buffer").number("step", 1, u32::MAX);
     let count = every_frame(count.output(OutputDesc::one("sum", words(4)))).steps(|_| one("count.wgsl"));
-    let scale = TestPass::new("scale").optional("shown", "Buffer").setting(number("factor"));
+    let scale = TestPass::new("scale").optional("shown", "Buffer").number("factor", 1, u32::MAX);
     let scale = scale.output(OutputDesc::one("out", words(4))).steps(|_| one("scale.wgsl"));
     let relay = TestPass::new("relay")
         .optional("shown", "Buffer")

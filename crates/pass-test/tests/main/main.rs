@@ -6,36 +6,19 @@ use std::sync::LazyLock;
 
 const SHADER: &str = "crates/pass-test/tests/main/passes.wgsl";
 
-pass::settings! {
-    struct SmallSettings {
-        step: u32 = 1, max: 100;
-    }
-}
-
 /// Returns a pass of one entry point that writes one buffer.
 fn small(entry: &'static str, output: &str, bytes: u64, threads: [u32; 3]) -> TestPass {
     let step = move |cx: &RecordContext<'_>| {
         vec![Step::Compute(Compute::new(cx.shader(SHADER, &[]), entry, Threads::Grid(threads)))]
     };
     let output = OutputDesc::one(output, ResourceDesc::buffer(bytes)).cleared();
-    SmallSettings::schema()
-        .into_iter()
-        .fold(TestPass::new("small"), TestPass::setting)
-        .output(output)
-        .steps(step)
+    TestPass::new("small").number("step", 1, 100).output(output).steps(step)
 }
 
 /// Reads a history buffer, and the frame.
 static COUNT_ON: LazyLock<TestPass> = LazyLock::new(|| {
     small("count_on", "state", 16, [1, 1, 1]).input("past", "Buffer").reads(SceneBindings::FRAME)
 });
-
-/// Returns the message of a run that fails.
-fn refusal(harness: Harness<'_>) -> Option<String> {
-    pass_test::gpu()?;
-    let run = std::panic::AssertUnwindSafe(|| harness.run().is_some());
-    Some(*std::panic::catch_unwind(run).unwrap_err().downcast::<String>().unwrap())
-}
 
 /// `[sum, age, reset, index]` after the last frame.
 fn counted(harness: Harness<'_>) -> Option<[u32; 4]> {
@@ -49,17 +32,17 @@ fn state(sum: u32) -> Vec<(&'static str, ResourceDesc, Vec<u8>)> {
 #[test]
 fn what_a_pipeline_would_be_refused_for_is_refused() {
     let closed = || Harness::new(&*COUNT_ON).feedback("past", "state");
-    let Some(range) = refusal(closed().set("step", 101)) else { return };
+    let Some(range) = closed().set("step", 101).refusal() else { return };
     assert!(range.contains("at most 100"), "{range}");
-    let name = refusal(closed().set("stepp", 1)).unwrap();
+    let name = closed().set("stepp", 1).refusal().unwrap();
     assert!(name.contains("did you mean `step`"), "{name}");
-    let ty = refusal(closed().set("step", "one")).unwrap();
+    let ty = closed().set("step", "one").refusal().unwrap();
     assert!(ty.contains("u32"), "{ty}");
-    let unlinked = refusal(Harness::new(&*COUNT_ON)).unwrap();
+    let unlinked = Harness::new(&*COUNT_ON).refusal().unwrap();
     assert!(unlinked.contains("past"), "{unlinked}");
     let texture = ResourceDesc::texture_2d(pass::Format::R32Float, (1, 1));
     let input = Harness::new(&*COUNT_ON).input("past", "Radiance", &[], vec![("", texture, Vec::new())]);
-    let sort = refusal(input).unwrap();
+    let sort = input.refusal().unwrap();
     assert!(sort.contains("`small.past` takes a buffer, and this is a texture"), "{sort}");
 }
 
@@ -92,7 +75,7 @@ fn another_order_of_threads_does_the_same_work() {
 #[test]
 fn what_depends_on_the_order_of_threads_is_found() {
     let arrive = small("arrive", "arrivals", 16 + 4 * 256, [256, 1, 1]);
-    let Some(found) = refusal(Harness::new(&arrive)) else { return };
+    let Some(found) = Harness::new(&arrive).refusal() else { return };
     assert!(found.starts_with("`small.arrivals` depends on the order of threads"), "{found}");
     let reason = "the list is not in order";
     let outputs = Harness::new(&arrive).depends_on_thread_order(reason).run().unwrap();

@@ -4,8 +4,8 @@ use crate::pass_types::TestPassTypes;
 use frame_graph::plan::Plan;
 use pass::reflected::ShaderPass;
 use pass::{
-    Extent, Fact, Format, Info, Library, OutputContext, OutputDesc, Pass, PassTypeError, Ports,
-    RecordContext, Recording, ResourceDesc, Setting, Settings, UseContext, Value,
+    Extent, Fact, Format, Library, OutputContext, OutputDesc, Pass, PassTypeError, Ports, RecordContext,
+    Recording, ResourceDesc, Setting, Settings, UseContext, Value,
 };
 use shader_library::{MemoryFiles, Stage};
 use std::sync::Arc;
@@ -18,8 +18,8 @@ const BOUND: Fact<f32> = Fact::optional("bound", "");
 struct Maker;
 
 impl Pass for Maker {
-    fn info(&self) -> Info {
-        Info { kind: "maker", about: "", paper: "", shaders: &[] }
+    fn kind(&self) -> &'static str {
+        "maker"
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {

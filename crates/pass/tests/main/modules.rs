@@ -3,9 +3,9 @@
 use crate::pass_types::{TILE, TILES, TestPassTypes};
 use frame_graph::plan::Plan;
 use pass::{
-    Compute, Extent, Fact, Format, FromWgsl, Info, Library, LinkedSteps, Module, OutputContext, OutputDesc,
-    Pass, PassTypeError, Ports, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings,
-    Source, Threads, UseContext, Value,
+    Compute, Extent, Fact, Format, FromWgsl, Library, LinkedSteps, Module, OutputContext, OutputDesc, Pass,
+    PassTypeError, Ports, RecordContext, Recording, ResourceDesc, SceneBindings, Setting, Settings, Source,
+    Threads, UseContext, Value,
 };
 use shader_library::{GlobalKind, MemoryFiles};
 use std::sync::Arc;
@@ -16,8 +16,8 @@ struct Maps {
 }
 
 impl Pass for Maps {
-    fn info(&self) -> Info {
-        Info { kind: "maps", about: "", paper: "", shaders: &[] }
+    fn kind(&self) -> &'static str {
+        "maps"
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {
@@ -44,8 +44,8 @@ impl Pass for Maps {
 struct Reader;
 
 impl Pass for Reader {
-    fn info(&self) -> Info {
-        Info { kind: "reader", about: "", paper: "", shaders: &[] }
+    fn kind(&self) -> &'static str {
+        "reader"
     }
 
     fn settings(&self, _: &UseContext<'_>) -> Result<Vec<Setting>, PassTypeError> {

@@ -1,4 +1,7 @@
-// Points where their triangles are now.
+// Moves points to where their triangles are now: `followed` of shaders/surface-point.wgsl.
+
+#input points: SurfacePoints // The points.
+#output now: SurfacePoints(count: points.count) // The points now.
 
 #option TEXTURED false // whether any material of the scene has a texture
 
@@ -11,7 +14,7 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read> points: SurfacePoints;
-var<storage, read_write> followed_points: SurfacePoints;
+var<storage, read_write> now: SurfacePoints;
 
 @compute @workgroup_size(64)
 fn follow(row: Row) {
@@ -19,8 +22,8 @@ fn follow(row: Row) {
     if i >= settings.points_count {
         return;
     }
-    followed_points.points[i] = followed(points.points[i]);
+    now.points[i] = followed(points.points[i]);
     if i == 0u {
-        followed_points.header = points.header;
+        now.header = points.header;
     }
 }
