@@ -6,7 +6,7 @@
 #input clusters: Clusters // The clusters as their texels were mapped.
 #input map: ClusterMap like rsm // The cluster of each texel.
 #input rsm: ReflectiveShadowMap // What the texels hold.
-#input importance: Importance optional // Averaged too; without it, each texel has 1.
+#input importance: Importance optional like rsm // Averaged too; without it, each texel has 1.
 #output averaged: Clusters(count: clusters.count) // The clusters around the means of their texels.
 
 #option AREA texels one_of [texels, disk] // What the area of a cluster is. texels: the sum of the areas of its texels. disk: that

@@ -6,7 +6,7 @@
 
 #input clusters: Clusters // The clusters; only those that are alive take texels.
 #input rsm: ReflectiveShadowMap // The texels to assign.
-#input importance: Importance optional // In [0, 1]; without it, all texels have the same.
+#input importance: Importance optional like rsm // In [0, 1]; without it, all texels have the same.
 #output map: ClusterMap(count: clusters.count, window: settings.window) // The cluster of each texel.
 
 #option NORMAL_DISTANCE cosine one_of [cosine, angle] // What counts as the distance of two normals. cosine: 1 - |cos| (ACRSM Eq.

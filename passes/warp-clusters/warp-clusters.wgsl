@@ -7,7 +7,7 @@
 
 #input clusters: Clusters // Clusters, of which some are seeds or were placed by a split.
 #input rsm: ReflectiveShadowMap // The texels that clusters consist of.
-#input importance: Importance // What the number of seeds at a texel is proportional to.
+#input importance: Importance like rsm // What the number of seeds at a texel is proportional to.
 #output warped: Clusters(count: clusters.count) // The same, with seeds at texels and what lies there.
 
 #import "algorithms/scaled.wgsl"

@@ -1,6 +1,6 @@
 //! Importance of each texel of a reflective shadow map.
 
-use pass::{Content, Fact, Format, Interface, Member, OutputContext, PassTypeError, ResourceDesc, Struct};
+use pass::{Content, Fact, Format, Interface, Member, Struct};
 
 /// The side of a block of texels to which the view responds alike.
 pub const STRIDE: Fact<u32> = Fact::optional("stride", "side of a block with one response [texels]");
@@ -36,31 +36,3 @@ pub const INTERFACE: Interface = Interface::new(
 )
 .with_facts(&[STRIDE.decl(), VIEW_SAMPLES.decl(), MIN_DISTANCE.decl(), DEFENSIVE.decl()])
 .with_stand_in("shaders/importance-stored.wgsl");
-
-/// Returns the size and layers of the reflective shadow map that a sampler reads together with its importance: the inputs
-/// are `importance` and `rsm`.
-///
-/// # Errors
-/// Where the two differ in size or layers.
-pub fn shape(cx: &OutputContext<'_>) -> Result<((u32, u32), u32), PassTypeError> {
-    let shape = |input: &str, member: &str| {
-        let texture = cx.input(input)?.member(member).and_then(ResourceDesc::texture)?;
-        Some((texture.size, texture.layers))
-    };
-    let rsm = shape("rsm", "flux").ok_or_else(|| PassTypeError::input("rsm", "expected a member `flux`"))?;
-    let importance = shape("importance", "map").or_else(|| shape("importance", "flux"));
-    let importance = importance
-        .ok_or_else(|| PassTypeError::input("importance", "expected a member `map` or a member `flux`"))?;
-    if rsm != importance {
-        let (((width, height), layers), ((rsm_width, rsm_height), rsm_layers)) = (importance, rsm);
-        return Err(PassTypeError::input(
-            "importance",
-            format!(
-                "the importance map has {width}×{height} texels in {layers} layers, the reflective shadow map \
-                 {rsm_width}×{rsm_height} in {rsm_layers}"
-            ),
-        )
-        .help("both must come from the same lights: link the map that the importance was made from"));
-    }
-    Ok(rsm)
-}

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 use gpu_algorithms::reduce;
-use interfaces::{cluster_map, clusters, importance};
+use interfaces::{cluster_map, clusters};
 use pass::{
     Compute, OutputContext, OutputDesc, Pass, PassTypeError, RecordContext, Recording, Threads, UseContext,
     most_items, reflected,
@@ -33,9 +33,6 @@ impl Pass for AverageClusters {
         use_cx: &UseContext<'_>,
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        if cx.input("importance").is_some() {
-            importance::shape(cx)?;
-        }
         let mut outputs = reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)?;
         let rsm = cx.input("rsm").and_then(|rsm| rsm.member("flux")?.texture());
         let rsm = rsm.ok_or_else(|| PassTypeError::input("rsm", "expected a member `flux`"))?;

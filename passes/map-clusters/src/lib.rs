@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-use interfaces::importance;
 use pass::{
     OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording, Settings,
     UseContext, reflected,
@@ -38,11 +37,7 @@ impl Pass for MapClusters {
         use_cx: &UseContext<'_>,
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let has_importance = cx.input("importance").is_some();
-        if has_importance {
-            importance::shape(cx)?;
-        }
-        weights(cx.settings, has_importance)?;
+        weights(cx.settings, cx.input("importance").is_some())?;
         reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)
     }
 

@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
 
-use interfaces::{clusters, importance};
+use interfaces::clusters;
 use pass::{
     Compute, OutputContext, OutputDesc, Pass, PassTypeError, RecordContext, Recording, ResourceDesc, Struct,
     Threads, UseContext, reflected,
@@ -33,7 +33,8 @@ impl Pass for WarpClusters {
         use_cx: &UseContext<'_>,
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let (size, layers) = importance::shape(cx)?;
+        let rsm = cx.input("rsm").and_then(|rsm| rsm.member("flux")?.texture());
+        let (size, layers) = rsm.map_or(((1, 1), 1), |rsm| (rsm.size, rsm.layers));
         let squares: u64 = (1..=top(size))
             .map(|level| size_at(size, level))
             .map(|(columns, rows)| u64::from(columns) * u64::from(rows) * u64::from(layers))
