@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What is known when a pass records its steps: everything but the contents of resources.
+/// The context in which a pass records its steps: everything but the contents of resources.
 #[derive(Clone, Copy)]
 pub struct RecordContext<'a> {
     /// Name of the pass in the flattened pipeline.
@@ -193,7 +193,7 @@ pub struct Recording {
     pub steps: Vec<Step>,
 }
 
-/// What the first byte of a window of a buffer is a multiple of, on every adapter: WebGPU's default of
+/// The alignment of the first byte of a window of a buffer, on every adapter: WebGPU's default of
 /// `minStorageBufferOffsetAlignment`.
 pub const WINDOW_ALIGNMENT: u64 = 256;
 
@@ -226,7 +226,7 @@ pub struct Compute {
     pub shader: Request,
     /// The entry point.
     pub entry: String,
-    /// How many threads.
+    /// The number of threads.
     pub threads: Threads,
     /// Values for members of `settings`, before those of the pass.
     pub values: Vec<(String, Value)>,
@@ -237,7 +237,7 @@ pub struct Compute {
     pub windows: Vec<(String, Range<u64>)>,
 }
 
-/// How many threads a dispatch has. Workgroups are counted from the entry point's size.
+/// The number of threads of a dispatch. Workgroups are counted from the entry point's size.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Threads {
     /// At least this many in each dimension.
@@ -288,16 +288,16 @@ pub struct Target {
     pub resource: String,
     /// Layer of an array.
     pub layer: u32,
-    /// What the target holds when the draw begins.
+    /// The content of the target when the draw begins.
     pub load: Load,
 }
 
-/// What a target holds when a draw begins.
+/// The content of a target when a draw begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load {
     /// This value in every texel.
     Clear([f64; 4]),
-    /// What an earlier step of the same pass left.
+    /// The content that an earlier step of the same pass left.
     Keep,
 }
 
@@ -366,6 +366,35 @@ impl Target {
     /// Returns the whole of a port's texture, cleared to zero first.
     pub fn clear(resource: &str) -> Target {
         Target { resource: resource.into(), layer: 0, load: Load::Clear([0.0; 4]) }
+    }
+}
+
+impl Raster {
+    /// Creates a draw without depth whose globals are bound by name.
+    pub fn new(shader: Request, vertex: &str, fragment: &str, targets: Vec<Target>, draw: Draw) -> Raster {
+        Raster {
+            shader,
+            vertex: vertex.into(),
+            fragment: Some(fragment.into()),
+            targets,
+            depth: None,
+            draw,
+            values: Vec::new(),
+            bind: Vec::new(),
+            windows: Vec::new(),
+        }
+    }
+
+    /// Tests depth against a resource of one layer, which is cleared to the farthest depth.
+    pub fn depth(mut self, resource: &str) -> Raster {
+        self.depth = Some(DepthTarget { resource: resource.into(), layer: 0, clear: 0.0 });
+        self
+    }
+
+    /// Adds a value for a member of `settings`.
+    pub fn value(mut self, name: &str, value: impl Into<Value>) -> Raster {
+        self.values.push((name.into(), value.into()));
+        self
     }
 }
 

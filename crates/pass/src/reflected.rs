@@ -18,12 +18,14 @@
 //! The files of users may leave ports undeclared: a global `K`, or `K_member`, is the input `K` where `in:` links `K`, the
 //! module of `#import interface "K"` is the input `K`, and what is written is an output.
 
+mod checks;
 mod facts;
 mod options;
 mod outputs;
 mod scope;
 mod shader_pass;
 mod steps;
+mod written;
 
 use crate::{
     InputPort, OutputContext, OutputDesc, PassTypeError, Ports, RecordContext, Recording, Request,
@@ -31,10 +33,10 @@ use crate::{
 };
 use options::Imported;
 pub(crate) use options::Known;
-use outputs::Written;
 use shader_library::{Access, Attributes, Entry, GlobalKind, Outline, Shader, Stage};
 use std::fmt::Display;
 use std::sync::Arc;
+use written::Written;
 
 pub use shader_pass::ShaderPass;
 
@@ -74,7 +76,7 @@ struct Loaded {
 #[derive(Debug)]
 struct Reflected {
     main: MainShader,
-    /// What the main shader declares.
+    /// The declarations of the main shader.
     outline: Arc<Outline>,
     /// The main shader, then those of its folder that have entry points.
     files: Vec<Loaded>,
@@ -137,6 +139,15 @@ pub fn outputs_with(
     values: &[(&str, Value)],
 ) -> Result<Vec<OutputDesc>, PassTypeError> {
     with_known(outputs, |known| Reflected::new(cx, main, &known.of(main)))?.outputs(cx, outputs, values)
+}
+
+/// The help for a name that is not known: the nearest of those that are, or all of them.
+fn instead<'a>(name: &str, all: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let known: Vec<&str> = known.into_iter().collect();
+    match frame_graph::nearest(name, known.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("{all} {}", list(known)),
+    }
 }
 
 /// Calls `f` with what is known when outputs are described. All outputs count as read.
@@ -207,7 +218,7 @@ impl Reflected {
         for (index, file) in files.iter().enumerate() {
             let entries = if index == 0 { &entries[..] } else { &[] };
             let is_users = main.folder.is_none();
-            for one in outputs::written(&file.shader, &file.attributes, entries, &inputs, is_users)? {
+            for one in written::written(&file.shader, &file.attributes, entries, &inputs, is_users)? {
                 match written.iter_mut().find(|known| known.name == one.name) {
                     Some(known) => known.merge(one),
                     None => written.push(one),

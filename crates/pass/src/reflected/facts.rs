@@ -6,7 +6,7 @@ use frame_graph::port::{Facts, InputDesc, OutputOverride};
 
 /// Returns the facts of an output but for those that its directive gives. Of one that no directive declares and that is offered as an interface, each fact is that which the use says with
 /// `out:`; else that of the linked inputs of the same interface, which must agree on it. `count` is that of the buffers
-/// of the output, where something tells it.
+/// of the output, where it is known.
 ///
 /// # Errors
 /// Facts that the interface does not declare, and inputs that disagree.
@@ -57,7 +57,7 @@ pub(super) fn check_required(
     let missing = interface.facts.iter().find(|fact| !fact.optional && facts.get(fact.name).is_none());
     let Some(fact) = missing else { return Ok(()) };
     let (name, fact, doc) = (interface.name, fact.name, fact.doc);
-    let message = format!("`{port}` is offered as `{name}`, but nothing tells its fact `{fact}`, {doc}");
+    let message = format!("`{port}` is offered as `{name}`, but nothing gives its fact `{fact}`, {doc}");
     Err(PassTypeError::output(port, message).help(format!(
         "link an input that is a `{name}`, or say it: out: {{ \"{port}\": Out(facts: {{ \"{fact}\": … }}) }}"
     )))
@@ -72,11 +72,11 @@ fn check_said(interface: &Interface, port: &str, said: &OutputOverride) -> Resul
                 interface.name
             );
             let names = interface.facts.iter().map(|fact| fact.name);
-            let help = match frame_graph::nearest(name, names.clone()) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("it declares {}", super::list(names)),
-            };
-            return Err(PassTypeError::output(port, message).help(help));
+            return Err(PassTypeError::output(port, message).help(super::instead(
+                name,
+                "it declares",
+                names,
+            )));
         };
         if said.count.is_some() && *name == COUNT.name {
             let message = format!("`out:` says the count of `{port}` twice, as `count` and as a fact");
@@ -106,13 +106,13 @@ fn handed_on<'a>(
     let Some((first, others)) = inputs.split_first() else { return Ok(None) };
     let value = first.facts.get(fact);
     let Some(other) = others.iter().find(|other| other.facts.get(fact) != value) else { return Ok(value) };
-    let told = |value: Option<&Value>| value.map_or("none".to_owned(), ToString::to_string);
+    let shown = |value: Option<&Value>| value.map_or("none".to_owned(), ToString::to_string);
     let message = format!(
         "`{port}` is a `{interface}` as its inputs `{}` and `{}` are, which differ in the fact `{fact}`: {} and {}",
         first.name,
         other.name,
-        told(value),
-        told(other.facts.get(fact))
+        shown(value),
+        shown(other.facts.get(fact))
     );
     let example = value.or(other.facts.get(fact)).map_or("None".to_owned(), ToString::to_string);
     Err(PassTypeError::output(port, message).help(format!(

@@ -10,7 +10,7 @@ use shader_library::codes::MISSING_FILE;
 use shader_library::{DeclaredPort, Outline, ShaderOption};
 use std::sync::Arc;
 
-/// What decides the options of a pass's shaders.
+/// The values that decide the options of a pass's shaders.
 #[derive(Clone, Copy)]
 pub(crate) struct Known<'a> {
     /// The settings of the use.
@@ -27,7 +27,7 @@ pub(crate) struct Known<'a> {
     pub(crate) of_module: &'a dyn Fn(&str) -> Option<Define>,
 }
 
-/// What an option of a pass means, by its name.
+/// The meaning of an option of a pass, by its name.
 enum Meaning<'a> {
     /// Whether an input is linked.
     Linked(&'a str),
@@ -219,7 +219,7 @@ pub(super) fn stand_in(
 /// The error that there is no such file; `None` where there is one.
 fn not_there(library: &Library, path: &str) -> Option<PassTypeError> {
     let errors = library.outline(&crate::request(path, &[])).err()?;
-    // An import that is missing is told at its line; the file itself has none.
+    // A missing import is reported at its line; the file itself has none.
     let missing =
         errors.0.into_iter().find(|error| error.code == MISSING_FILE.code && error.labels.is_empty())?;
     let looked = |note: String| match note.strip_prefix("looked in ") {
@@ -252,7 +252,7 @@ pub(super) fn settings_of_file(
     let shader = library.load(&request).map_err(|errors| main.refused(errors))?;
     let mut options = settings_of_options(&shader.outline().options, &declared);
     let mut members = shader.settings().map_err(|errors| PassTypeError::new(errors.to_string()))?;
-    // What only other variants declare. Whatever else is wrong with them is reported where they are used.
+    // Settings that only other variants declare. Other errors in these are reported where they are used.
     let variants = if shader.outline().options.is_empty() {
         Vec::new()
     } else {

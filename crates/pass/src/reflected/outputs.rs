@@ -1,77 +1,26 @@
-//! What the shaders of a pass write: outputs, and scratch that its entry points share.
+//! Outputs, and scratch that the entry points of a pass share.
 
+use super::checks::{check_like, check_members, check_members_of_input, unknown_fact};
 use super::scope::{Scope, Wrong};
-use super::{Reflected, begins, facts, list, member_of};
+use super::written::{Form, Written, fixed_count, sort};
+use super::{Reflected, begins, facts, instead, list, member_of};
 use crate::{
     Clear, Content, Extent, Fact, Format, Interface, OutputContext, OutputDesc, OutputPort, PassTypeError,
     ResourceDesc, Usage, UseContext,
 };
-use shader_library::{
-    Access, Attributes, DeclaredPort, Dimension, Entry, FormulaText, GlobalKind, Shader, TypeLayout,
-};
-
-/// Something that the shader writes.
-#[derive(Clone, Debug)]
-pub(super) struct Written {
-    /// The global, or the result of a fragment shader.
-    pub(super) name: String,
-    /// What it is.
-    pub(super) form: Form,
-    /// Whether only the entry points see it.
-    pub(super) scratch: bool,
-    /// The size that its attributes say: of a texture as a directive has it, of a buffer its elements.
-    size: Option<SaidSize>,
-    /// Whether its attributes say that it is cleared first.
-    cleared: bool,
-    /// Of the result of a fragment shader, the position of its entry point.
-    pub(super) entry: Option<usize>,
-}
-
-/// The size of scratch as its attributes say it.
-#[derive(Clone, Debug)]
-struct SaidSize {
-    /// The expression.
-    text: String,
-    /// Where the attributes stand.
-    place: String,
-}
-
-impl Written {
-    /// Adds what another file says of the same.
-    pub(super) fn merge(&mut self, other: Written) {
-        self.scratch |= other.scratch;
-        self.cleared |= other.cleared;
-        self.size = self.size.take().or(other.size);
-    }
-}
-
-/// What a shader says of something that it writes.
-#[derive(Clone, Debug)]
-pub(super) enum Form {
-    /// A texture whose format the shader leaves open, but for the type of its texels.
-    Target(String),
-    /// A storage texture of a format, or of several layers.
-    Texture {
-        /// As WGSL writes it.
-        format: &'static str,
-        /// Of several layers.
-        array: bool,
-    },
-    /// A buffer.
-    Buffer(TypeLayout),
-}
+use shader_library::{DeclaredPort, FormulaText, GlobalKind, TypeLayout};
 
 /// An output port, with the member that each written thing is.
 struct Group<'a> {
     port: &'a str,
-    /// What the shader declares of it.
+    /// Its directive.
     declared: Option<&'a DeclaredPort>,
     interface: &'a str,
     scratch: bool,
     members: Vec<(&'a str, &'a Written)>,
 }
 
-/// How many elements a buffer has: what a pass in WGSL alone tells of one by itself, and reads of others.
+/// The number of elements of a buffer.
 pub(super) const COUNT: Fact<u32> = Fact::required("count", "the number of elements");
 
 /// The name of formulas for the most dispatches into which an entry point is split.
@@ -79,99 +28,6 @@ const PARTS: &str = "parts";
 
 /// The loop iterations of a function of a module, which its producer says for those who call it in a loop.
 pub(super) const ITERATIONS: &str = "iterations";
-
-/// What a fragment shader with one result writes, as a port.
-const RESULT: &str = "result";
-
-/// Lists what a shader writes: the results of its fragment entry points, in the order of their locations, then the
-/// globals that no link claims.
-pub(super) fn written(
-    shader: &Shader,
-    attributes: &Attributes,
-    entries: &[Entry],
-    inputs: &[&String],
-    is_users: bool,
-) -> Result<Vec<Written>, PassTypeError> {
-    let mut all = Vec::new();
-    for (index, entry) in entries.iter().enumerate().filter(|(_, entry)| entry.workgroup_size[0] == 0) {
-        let scratch = attributes.entries.iter().any(|said| said.name == entry.name && said.scratch);
-        for location in results(entry, is_users)? {
-            // One shader's only result has a name that says so; of several, each has that of its entry point.
-            let unnamed = if entries.len() == 1 { RESULT } else { &entry.name };
-            let name = if location.name.is_empty() { unnamed.to_owned() } else { location.name };
-            if all.iter().any(|other: &Written| other.name == name) {
-                return Err(PassTypeError::new(format!("two entry points have a result `{name}`")));
-            }
-            let (form, entry) = (Form::Target(location.ty), Some(index));
-            all.push(Written { name, form, scratch, size: None, cleared: false, entry });
-        }
-    }
-    let of = |name: &str| attributes.globals.iter().find(|said| said.name == name);
-    for global in shader.interface.globals.iter().filter(|global| !inputs.contains(&&global.name)) {
-        let form = match &global.kind {
-            GlobalKind::StorageTexture { dimension, format, access } if *access != Access::Read => {
-                Form::Texture { format, array: *dimension == Dimension::D2Array }
-            }
-            GlobalKind::Storage { writable: true, layout } => Form::Buffer(layout.clone()),
-            _ => continue,
-        };
-        let said = of(&global.name);
-        let size = said.and_then(|said| {
-            let text = said.count.as_ref().or(said.size.as_ref())?.0.clone();
-            let place =
-                shader.place(said.place.clone()).map_or_else(String::new, |place| format!("{place}: "));
-            Some(SaidSize { text, place })
-        });
-        let (scratch, cleared) = said.map_or((false, false), |said| (said.scratch, said.cleared));
-        all.push(Written { name: global.name.clone(), form, scratch, size, cleared, entry: None });
-    }
-    for said in &attributes.globals {
-        let place = shader.place(said.place.clone()).map_or_else(String::new, |place| format!("{place}: "));
-        let is_written = all.iter().any(|written| written.name == said.name);
-        if said.scratch && !is_written {
-            return Err(PassTypeError::new(format!(
-                "{place}`{}` is scratch, but the shader does not write it",
-                said.name
-            )));
-        }
-        let Some(read) = &said.reads else { continue };
-        if is_written {
-            let message = format!("{place}`{}` is written itself, and cannot read `{read}`", said.name);
-            return Err(PassTypeError::new(message));
-        }
-        if !all.iter().any(|written| written.name == *read) {
-            let message = format!("{place}`{}` reads `{read}`, which the shader does not write", said.name);
-            let names = all.iter().map(|written| &*written.name);
-            return Err(PassTypeError::new(message).help(match frame_graph::nearest(read, names.clone()) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("it writes {}", list(names)),
-            }));
-        }
-    }
-    Ok(all)
-}
-
-/// The results of a fragment entry point, in the order of their locations. Those of users' files are drawn over the frame; a
-/// pass of the tree may record draws with vertices of its own.
-fn results(entry: &Entry, is_users: bool) -> Result<Vec<shader_library::Location>, PassTypeError> {
-    let name = &entry.name;
-    if let Some(input) = entry.inputs.first().filter(|_| is_users) {
-        let message = format!("`{name}` takes `{}` from the vertex stage, which outputs nothing", input.name);
-        return Err(PassTypeError::new(message).help("the pixel is @builtin(position)"));
-    }
-    if entry.outputs.is_empty() {
-        return Err(PassTypeError::new(format!("`{name}` has no result to draw"))
-            .help("let it return a @location(0)"));
-    }
-    let mut outputs = entry.outputs.clone();
-    outputs.sort_by_key(|output| output.location);
-    let gap = outputs.iter().enumerate().find(|(i, output)| output.location as usize != *i);
-    if let Some((expected, output)) = gap {
-        let message = format!("`{name}` writes @location({}) but not @location({expected})", output.location);
-        return Err(PassTypeError::new(message).help("locations count from 0 without gaps"));
-    }
-    Ok(outputs)
-}
 
 impl Reflected {
     /// The output ports.
@@ -307,7 +163,7 @@ impl Reflected {
         Ok(descs)
     }
 
-    /// How the pass treats what was in a resource. Render targets are cleared by the draw; the storage that a user's shader
+    /// Returns how the pass treats the old content of a resource. Render targets are cleared by the draw; the storage that a user's shader
     /// writes may be written partially, and is cleared first.
     fn usage(&self, group: &Group<'_>, member: &str, written: &Written, cx: &OutputContext<'_>) -> Usage {
         let continued = group.declared.and_then(|declared| declared.continues.as_ref());
@@ -393,7 +249,7 @@ impl Reflected {
         Ok(())
     }
 
-    /// Where a group is declared, for errors.
+    /// The place where a group is declared, for errors.
     fn place(&self, group: &Group<'_>) -> String {
         group.declared.map_or_else(String::new, |declared| format!("{}: ", declared.place))
     }
@@ -411,7 +267,7 @@ impl Reflected {
         Ok(self.written.iter().filter(|one| one.entry == Some(entry)).filter_map(resource).collect())
     }
 
-    /// What is written, by output port: `out:` gathers members of an interface under one name. Of several names with
+    /// Groups what is written by output port: `out:` gathers members of an interface under one name. Of several names with
     /// which that of a global begins, the longest has it.
     fn groups<'a>(&'a self, cx: &UseContext<'a>) -> Result<Vec<Group<'a>>, PassTypeError> {
         let written = &self.written;
@@ -457,7 +313,7 @@ impl Reflected {
             groups.push(Group { port, declared: None, interface, scratch, members });
         }
         for one in written {
-            // Of a pass of the tree, Rust describes what neither a directive nor an attribute does.
+            // Rust describes what neither a directive nor an attribute of a pass of the tree does.
             if !self.is_users() && !one.scratch {
                 continue;
             }
@@ -543,12 +399,7 @@ impl Reflected {
                     "{place}`{fact}` is neither a fact of the interface `{}` nor a member that {} reads",
                     declared.interface, module.path
                 );
-                return Err(PassTypeError::new(message).help(
-                    match frame_graph::nearest(&fact, read.iter().copied()) {
-                        Some(near) => format!("did you mean `{near}`?"),
-                        None => format!("there are {}", list(read)),
-                    },
-                ));
+                return Err(PassTypeError::new(message).help(instead(&fact, "there are", read)));
             }
             module.facts.insert(fact, value);
         }
@@ -578,77 +429,6 @@ impl Reflected {
     }
 }
 
-/// The error that a directive gives something that is neither a size nor a fact.
-fn unknown_fact(declared: &DeclaredPort, name: &str, interface: Option<&Interface>) -> PassTypeError {
-    let argument = declared.arguments.iter().find(|argument| argument.name == name);
-    let place = argument.map_or(&declared.place, |argument| &argument.place);
-    let interface_name = &declared.interface;
-    let message = format!("{place}: `{name}` is no fact of the interface `{interface_name}`, and no size");
-    let facts = interface.map_or(&[][..], |interface| interface.facts);
-    let known = facts.iter().map(|fact| fact.name).chain(["count", "size", "layers"]);
-    PassTypeError::new(message).help(match frame_graph::nearest(name, known.clone()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("there are {}", list(known)),
-    })
-}
-
-/// Checks that what is linked to an input has the members and facts that it is declared `with`, and not the members that
-/// it is declared `without`.
-fn check_members_of_input(
-    declared: &DeclaredPort,
-    interfaces: &[Interface],
-    outputs: &OutputContext<'_>,
-) -> Result<(), PassTypeError> {
-    let name = &declared.name;
-    let Some(input) = outputs.input(name) else { return Ok(()) };
-    let interface = interfaces.iter().find(|known| known.name == declared.interface);
-    let is_fact = |name: &str| interface.is_some_and(|interface| interface.fact(name).is_some());
-    let (facts, members): (Vec<&String>, Vec<&String>) = declared.with.iter().partition(|name| is_fact(name));
-    if let Some(fact) = facts.into_iter().find(|fact| input.facts.get(fact).is_none()) {
-        return Err(PassTypeError::no_fact(name, fact).help(&*declared.doc));
-    }
-    let refused = |message, help| Err(PassTypeError::input(name, message).help(help));
-    if let Some(member) = members.into_iter().find(|member| input.member(member).is_none()) {
-        let message = format!("what is linked to `{name}` lacks the member `{member}`");
-        return refused(message, format!("link a pass that gives `{member}`, or take this pass out"));
-    }
-    if let Some(member) = declared.without.iter().find(|member| input.member(member).is_some()) {
-        let message = format!("what is linked to `{name}` has the member `{member}` already");
-        return refused(
-            message,
-            "let one such pass stand between what makes it and what reads it".to_owned(),
-        );
-    }
-    Ok(())
-}
-
-/// Checks that an input that is declared `like` another has its size, or as many elements.
-fn check_like(declared: &DeclaredPort, outputs: &OutputContext<'_>) -> Result<(), PassTypeError> {
-    let Some(other) = &declared.like else { return Ok(()) };
-    let (Some(input), Some(like)) = (outputs.input(&declared.name), outputs.input(other)) else {
-        return Ok(());
-    };
-    let shape = |input: &frame_graph::port::InputDesc| {
-        let textures = input.members.iter().filter_map(|(_, desc)| desc.texture());
-        // Some members have a texel for a block of those of others.
-        let texture = textures.max_by_key(|texture| texture.size).map(|texture| {
-            let layers = if texture.array { format!("×{}", texture.layers) } else { String::new() };
-            format!("{}×{}{layers}", texture.size.0, texture.size.1)
-        });
-        texture.or_else(|| COUNT.of(&input.facts).map(|count| format!("{count} elements")))
-    };
-    match (shape(input), shape(like)) {
-        (Some(found), Some(expected)) if found != expected => {
-            let (name, verb) = (&declared.name, if found.ends_with("elements") { "has" } else { "is" });
-            Err(PassTypeError::input(
-                name,
-                format!("`{name}` {verb} {found}, but `{other}` {verb} {expected}"),
-            ))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// The size that a directive says: `like(view)`, `like(view) / 2`, `frame`, `(width, height)`, or the side of a square.
 fn extent(scope: &Scope<'_>, text: &str) -> Result<Extent, Wrong> {
     let text = text.trim();
@@ -675,56 +455,10 @@ fn extent(scope: &Scope<'_>, text: &str) -> Result<Extent, Wrong> {
     })
 }
 
-/// Checks that what is written as a port is what its interface wants.
-fn check_members(
-    interfaces: &[Interface],
-    port: &str,
-    interface: &str,
-    members: &[(&str, &Written)],
-) -> Result<(), PassTypeError> {
-    let Some(known) = interfaces.iter().find(|known| known.name == interface) else {
-        if interface == "Texture" || interface == "Buffer" {
-            return match members {
-                [("", _)] => Ok(()),
-                _ => Err(PassTypeError::new(format!(
-                    "the output `{port}` has several members, so `out:` must name its interface"
-                ))),
-            };
-        }
-        let all = list(interfaces.iter().map(|known| known.name));
-        return Err(PassTypeError::new(format!(
-            "`out:` offers `{port}` as `{interface}`, which is no interface"
-        ))
-        .help(format!("there are {all}")));
-    };
-    let global = |member: &str| if member.is_empty() { port.to_owned() } else { format!("{port}_{member}") };
-    for (member, written) in members {
-        if !known.members.iter().any(|m| m.name == *member) {
-            let names = list(known.members.iter().map(|m| global(m.name)));
-            return Err(PassTypeError::new(format!("`{}` is no member of a `{interface}`", written.name))
-                .help(format!("its members would be written as {names}")));
-        }
-    }
-    for member in known.members.iter().filter(|m| !m.optional) {
-        if !members.iter().any(|(name, _)| *name == member.name) {
-            return Err(PassTypeError::new(format!(
-                "`{port}` lacks a member of a `{interface}`: the shader does not write `{}`",
-                global(member.name)
-            )));
-        }
-    }
-    Ok(())
-}
-
 /// The format in which the passes of the tree write a texture of an interface; `None` where the member is a buffer or
 /// there is none of that name.
 fn format_of(interface: &Interface, member: &str) -> Option<Format> {
     if let Content::Texture(format) = interface.member(member)?.content { Some(format) } else { None }
-}
-
-/// The interface of a single resource.
-fn sort(written: &Written) -> &'static str {
-    if matches!(written.form, Form::Buffer(_)) { "Buffer" } else { "Texture" }
 }
 
 /// The format of a target: as said, or the widest that every GPU can blend for the type of its texels.
@@ -765,10 +499,4 @@ fn storage_format(name: &str, declared: &str, said: Option<Format>) -> Result<Fo
         ))),
         None => Ok(format),
     }
-}
-
-/// Elements of an array whose length the shader says.
-fn fixed_count(layout: &TypeLayout) -> Option<u32> {
-    let (_, stride) = layout.element.as_ref().filter(|_| !layout.runtime_sized)?;
-    layout.size.checked_div(*stride)
 }

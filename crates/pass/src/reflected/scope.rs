@@ -1,15 +1,15 @@
 //! The values of the names in formulas: settings, constants, facts and sizes of ports, traits of the scene.
 
-use super::list;
+use super::instead;
 use super::outputs::ITERATIONS;
 use crate::{Facts, OutputContext, PassTypeError, PortDesc, RecordContext, Settings, Traits, Value};
-use frame_graph::{Formula, NameError, TextureDesc, nearest};
+use frame_graph::{Formula, NameError, TextureDesc};
 use std::cell::RefCell;
 
 /// The name of a port, its facts, and its first texture.
 type Port<'a> = (&'a str, &'a Facts, Option<&'a TextureDesc<(u32, u32)>>);
 
-/// What the names of a formula stand for.
+/// The values that the names of a formula stand for.
 pub(super) struct Scope<'a> {
     settings: &'a Settings,
     frame: Option<(u32, u32)>,
@@ -22,7 +22,7 @@ pub(super) struct Scope<'a> {
     declared: Vec<&'a str>,
 }
 
-/// What is wrong with a formula.
+/// An error in a formula.
 pub(super) struct Wrong {
     pub(super) message: String,
     pub(super) notes: Vec<String>,
@@ -129,10 +129,7 @@ impl<'a> Scope<'a> {
 
     fn lookup(&self, name: &str, absent: &RefCell<Option<(String, String)>>) -> Result<Value, NameError> {
         let among = |message: String, near: &str, names: Vec<&str>| {
-            let note = match nearest(near, names.iter().copied()) {
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("there are {}", list(names)),
-            };
+            let note = instead(near, "there are", names);
             (message, vec![note])
         };
         let setting = |name: &str| self.settings.0.get(name).cloned();

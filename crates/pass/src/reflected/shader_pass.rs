@@ -10,7 +10,7 @@ use shader_library::Stage;
 pub struct ShaderPass {
     /// The name in RON.
     pub kind: &'static str,
-    /// What it computes.
+    /// The documentation.
     pub about: &'static str,
     /// The stage of the entry points.
     pub stage: Stage,

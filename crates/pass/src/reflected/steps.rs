@@ -2,12 +2,11 @@
 
 use super::outputs::COUNT;
 use super::scope::Scope;
-use super::{Reflected, begins, list};
+use super::{Reflected, begins, instead};
 use crate::{
     Compute, Draw, PassTypeError, PortDesc, Ports, Raster, RecordContext, Recording, ResourceDesc, Settings,
     Step, Target, Threads, Value, split_count,
 };
-use frame_graph::nearest;
 use shader_library::{Access, Amount, Entry, EntryAttributes, GlobalKind, Stage, ThreadCount};
 
 /// The most steps that one entry point makes.
@@ -97,10 +96,7 @@ impl Reflected {
                 let known: Vec<&str> = inputs.chain(outputs).chain(scratch).collect();
                 if !known.iter().any(|port| begins(name, port)) {
                     let error = self.wrong(said, format!("there is no input, output or scratch `{name}`"));
-                    return Err(error.help(match nearest(name, known.iter().copied()) {
-                        Some(near) => format!("did you mean `{near}`?"),
-                        None => format!("there are {}", list(known)),
-                    }));
+                    return Err(error.help(instead(name, "there are", known)));
                 }
             }
             let threads = match &said.threads {
@@ -184,28 +180,18 @@ impl Reflected {
                         None => recording.then(step),
                     };
                 } else {
-                    recording.steps.push(Step::Raster(Raster {
-                        shader: shader.clone(),
-                        vertex: "fullscreen".into(),
-                        fragment: Some(entry.name.clone()),
-                        targets: self
-                            .targets(&use_cx, index)?
-                            .iter()
-                            .map(|name| Target::clear(name))
-                            .collect(),
-                        depth: None,
-                        draw: Draw::Fullscreen,
-                        values,
-                        bind: bind.clone(),
-                        windows: Vec::new(),
-                    }));
+                    let targets = self.targets(&use_cx, index)?;
+                    let targets = targets.iter().map(|name| Target::clear(name)).collect();
+                    let draw =
+                        Raster::new(shader.clone(), "fullscreen", &entry.name, targets, Draw::Fullscreen);
+                    recording.steps.push(Step::Raster(Raster { values, bind: bind.clone(), ..draw }));
                 }
             }
         }
         Ok(recording)
     }
 
-    /// How many threads an entry point is dispatched with.
+    /// Returns the number of threads of an entry point.
     fn threads(&self, cx: &RecordContext<'_>, entry: &Entry) -> Result<Threads, PassTypeError> {
         let said = self.said(entry).and_then(|said| Some((said, said.threads.as_ref()?)));
         let Some((said, threads)) = said else { return Ok(self.threads_of_outputs(cx, entry)) };

@@ -170,7 +170,7 @@ fn a_fact_that_an_interface_promises_comes_from_somewhere() {
     let alone = "shader: \"copy.wgsl\", in: { \"before\": \"maker.wide\" },
         out: { \"after\": Out(interface: \"Maps\", facts: { \"side\": None }) }";
     let error = facts(alone).unwrap_err();
-    assert!(error.contains("nothing tells its fact `side`, the side of a map"), "{error}");
+    assert!(error.contains("nothing gives its fact `side`, the side of a map"), "{error}");
     assert!(error.contains("Out(facts: { \"side\": … })"), "{error}");
 }
 
