@@ -7,7 +7,7 @@ use pass::{FromWgsl, ResourceDesc};
 use std::f64::consts::{PI, TAU};
 
 /// Writes what the module of its input answers.
-const PROBE: FromWgsl = FromWgsl { kind: "visibility-probe", file: "crates/pass-test/src" };
+const PROBE: FromWgsl = FromWgsl::new("visibility-probe", "crates/pass-test/src");
 
 /// A point that looks a light up.
 #[derive(Clone, Copy, Debug)]

@@ -38,6 +38,7 @@ pub use settings::ReadSettings;
 use shader_library::TypeLayout;
 pub use shader_library::{Define, Library, Request};
 pub use split::{most_items, split_count};
+use std::ops::Deref;
 
 /// The documentation of a pass type.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -121,22 +122,37 @@ pub trait Pass: Send + Sync {
     }
 }
 
-/// Declares the pass type of a crate that its WGSL declares alone: `PASS`, named as the crate.
+/// Declares the pass type of a crate that its WGSL declares: `PASS`, named as the crate. Functions of the names `outputs` and
+/// `record`, which it may list, say in Rust what WGSL cannot: see [`FromWgsl`].
 #[macro_export]
 macro_rules! from_wgsl {
-    () => {
+    ($($function:ident),*) => {
         /// The pass type, as its WGSL declares it.
-        pub const PASS: &dyn $crate::Pass = &$crate::FromWgsl { kind: env!("CARGO_PKG_NAME"), file: file!() };
+        pub const PASS: &dyn $crate::Pass = &$crate::FromWgsl {
+            $($function,)*
+            ..$crate::FromWgsl::new(env!("CARGO_PKG_NAME"), file!())
+        };
     };
 }
 
-/// A pass type that its WGSL declares alone: see [`from_wgsl`].
+/// A pass type that its WGSL declares: see [`from_wgsl`].
 #[derive(Clone, Copy, Debug)]
 pub struct FromWgsl {
     /// The name in RON.
     pub kind: &'static str,
     /// The folder of its WGSL, or the Rust file of the pass in it: `FOLDER/src/lib.rs`.
     pub file: &'static str,
+    /// Describes the outputs, and scratch: those of the WGSL, or more.
+    pub outputs: fn(&Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError>,
+    /// Returns the steps.
+    pub record: fn(&RecordContext<'_>) -> Result<Recording, PassTypeError>,
+}
+
+impl FromWgsl {
+    /// Creates a pass type of which the WGSL says everything.
+    pub const fn new(kind: &'static str, file: &'static str) -> FromWgsl {
+        FromWgsl { kind, file, outputs: |cx| cx.declared(), record: reflected::record }
+    }
 }
 
 impl Pass for FromWgsl {
@@ -147,6 +163,52 @@ impl Pass for FromWgsl {
     fn folder(&self) -> String {
         let file = self.file.replace('\\', "/");
         file.trim_end_matches("/src/lib.rs").to_owned()
+    }
+
+    fn outputs(
+        &self,
+        use_cx: &UseContext<'_>,
+        cx: &OutputContext<'_>,
+    ) -> Result<Vec<OutputDesc>, PassTypeError> {
+        (self.outputs)(&Outputs { use_cx: *use_cx, cx, main: self.main_shader(&cx.use_)? })
+    }
+
+    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+        (self.record)(cx)
+    }
+}
+
+/// The context in which a pass type that its WGSL declares describes its outputs.
+pub struct Outputs<'a> {
+    /// The use, and what it may depend on.
+    pub use_cx: UseContext<'a>,
+    cx: &'a OutputContext<'a>,
+    main: MainShader,
+}
+
+impl Outputs<'_> {
+    /// Returns the outputs and scratch that the WGSL declares.
+    ///
+    /// # Errors
+    /// As [`reflected::outputs`].
+    pub fn declared(&self) -> Result<Vec<OutputDesc>, PassTypeError> {
+        self.declared_with(&[])
+    }
+
+    /// Returns the same, where directives and attributes also name `values` that Rust computes.
+    ///
+    /// # Errors
+    /// As [`reflected::outputs_with`].
+    pub fn declared_with(&self, values: &[(&str, Value)]) -> Result<Vec<OutputDesc>, PassTypeError> {
+        reflected::outputs_with(&self.use_cx, &self.main, self.cx, values)
+    }
+}
+
+impl<'a> Deref for Outputs<'a> {
+    type Target = OutputContext<'a>;
+
+    fn deref(&self) -> &OutputContext<'a> {
+        self.cx
     }
 }
 

@@ -21,7 +21,7 @@ mod uniform;
 pub use contents::{BoundLayout, layout_of};
 pub use uniform::{FrameValue, FrameWord, PastFact, UniformFill};
 
-/// What a global is bound to.
+/// The source that a global is bound to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// A resource of the plan: this frame's version.
@@ -39,7 +39,7 @@ pub enum Source {
 pub struct Bound {
     /// Index into the globals of the shader interface.
     pub global: usize,
-    /// What it is bound to.
+    /// The source that it is bound to.
     pub source: Source,
     /// The bytes of its buffer that it sees; `None` for all.
     pub window: Option<Range<u64>>,

@@ -4,14 +4,11 @@ use gpu_algorithms::reduce;
 use interfaces::importance::VIEW_SAMPLE;
 use interfaces::surface_points;
 use pass::{
-    Compute, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording,
-    Settings, Step, Struct, Threads, Usage, UseContext, reflected,
+    Compute, OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Recording, Settings, Step,
+    Struct, Threads, Usage, reflected,
 };
 
-/// The pass type `importance-map`.
-pub const PASS: &dyn Pass = &ImportanceMap;
-
-struct ImportanceMap;
+pass::from_wgsl!(outputs, record);
 
 const VALUES: Struct = Struct::new("passes/importance-map/reflectance-values.wgsl", "ReflectanceValues");
 const GREATEST: Struct = Struct::new("passes/importance-map/reflectance-values.wgsl", "GreatestValues");
@@ -34,79 +31,68 @@ fn block_side(settings: &Settings) -> Result<u32, PassTypeError> {
     }
 }
 
-impl Pass for ImportanceMap {
-    fn kind(&self) -> &'static str {
-        "importance-map"
+fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    let (measure, evaluate) = choices(cx.settings)?;
+    let count = match cx.input("points") {
+        Some(_) => cx.fact("points", surface_points::COUNT)?,
+        None => cx.settings.u32("view_samples")?,
+    };
+    let values = [("samples_count", count.into())];
+    let mut outputs = cx.declared_with(&values)?;
+    let samples = cx.use_cx.buffer(VIEW_SAMPLE, u64::from(count))?;
+    let mut hand = |members: &[&str]| {
+        let port = outputs.remove(0);
+        outputs.push(members.iter().fold(port, |port, member| port.handed(member, "rsm", member)));
+    };
+    match (measure, evaluate) {
+        ("flux", _) => return Ok(outputs),
+        ("contribution", "on-demand") => {
+            hand(&["position", "normal", "flux"]);
+            outputs[0].members.push(("samples".into(), samples, Usage::Overwrites));
+            return Ok(outputs);
+        }
+        ("contribution", "blocks") => hand(&["flux"]),
+        _ => {}
     }
+    outputs.push(OutputDesc::scratch("samples", samples));
+    if measure == "reflectance" {
+        let side = block_side(cx.settings)?;
+        let flux = cx.input("rsm").and_then(|rsm| rsm.member("flux")?.texture());
+        let ((width, height), layers) = flux.map_or(((1, 1), 1), |flux| (flux.size, flux.layers));
+        let texels = width * height * layers;
+        outputs.extend([
+            OutputDesc::scratch_u32("block_seen", width.div_ceil(side) * height.div_ceil(side) * layers),
+            OutputDesc::scratch("values", cx.use_cx.buffer(VALUES, u64::from(texels))?),
+            OutputDesc::scratch("greatest", cx.use_cx.buffer(GREATEST, 1)?),
+            reduce::scratch(&cx.use_cx, "blocks", texels, size_of::<f32>() as u64)?,
+        ]);
+    }
+    Ok(outputs)
+}
 
-    fn outputs(
-        &self,
-        use_cx: &UseContext<'_>,
-        cx: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let (measure, evaluate) = choices(cx.settings)?;
-        let count = match cx.input("points") {
-            Some(_) => cx.fact("points", surface_points::COUNT)?,
-            None => cx.settings.u32("view_samples")?,
-        };
-        let values = [("samples_count", count.into())];
-        let mut outputs = reflected::outputs_with(use_cx, &self.main_shader(&cx.use_)?, cx, &values)?;
-        let samples = use_cx.buffer(VIEW_SAMPLE, u64::from(count))?;
-        let mut hand = |members: &[&str]| {
-            let port = outputs.remove(0);
-            outputs.push(members.iter().fold(port, |port, member| port.handed(member, "rsm", member)));
-        };
-        match (measure, evaluate) {
-            ("flux", _) => return Ok(outputs),
-            ("contribution", "on-demand") => {
-                hand(&["position", "normal", "flux"]);
-                outputs[0].members.push(("samples".into(), samples, Usage::Overwrites));
-                return Ok(outputs);
-            }
-            ("contribution", "blocks") => hand(&["flux"]),
-            _ => {}
-        }
-        outputs.push(OutputDesc::scratch("samples", samples));
-        if measure == "reflectance" {
-            let side = block_side(cx.settings)?;
-            let flux = cx.input("rsm").and_then(|rsm| rsm.member("flux")?.texture());
-            let ((width, height), layers) = flux.map_or(((1, 1), 1), |flux| (flux.size, flux.layers));
-            let texels = width * height * layers;
-            outputs.extend([
-                OutputDesc::scratch_u32("block_seen", width.div_ceil(side) * height.div_ceil(side) * layers),
-                OutputDesc::scratch("values", use_cx.buffer(VALUES, u64::from(texels))?),
-                OutputDesc::scratch("greatest", use_cx.buffer(GREATEST, 1)?),
-                reduce::scratch(use_cx, "blocks", texels, size_of::<f32>() as u64)?,
-            ]);
-        }
-        Ok(outputs)
+fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+    let (measure, evaluate) = choices(cx.settings)?;
+    let count = if cx.connected("points") {
+        cx.fact("points", surface_points::COUNT)?
+    } else {
+        cx.settings.u32("view_samples")?
+    };
+    let mut recording = Recording::default();
+    if measure != "flux" {
+        let pick = Compute::new(cx.file("view-samples.wgsl"), "pick", Threads::Row(count));
+        let is_output = (measure, evaluate) == ("contribution", "on-demand");
+        recording = recording.then(if is_output { pick.bind("samples", "importance.samples") } else { pick });
     }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let (measure, evaluate) = choices(cx.settings)?;
-        let count = if cx.connected("points") {
-            cx.fact("points", surface_points::COUNT)?
-        } else {
-            cx.settings.u32("view_samples")?
-        };
-        let mut recording = Recording::default();
-        if measure != "flux" {
-            let pick = Compute::new(cx.file("view-samples.wgsl"), "pick", Threads::Row(count));
-            let is_output = (measure, evaluate) == ("contribution", "on-demand");
-            recording =
-                recording.then(if is_output { pick.bind("samples", "importance.samples") } else { pick });
-        }
-        if measure == "reflectance" {
-            recording = recording.then_all(reflectance(cx)?);
-        }
-        recording.steps.extend(reflected::record(cx)?.steps);
-        for step in &mut recording.steps {
-            if let Step::Compute(step) = step {
-                step.values.push(("view_samples".into(), count.into()));
-            }
-        }
-        Ok(recording)
+    if measure == "reflectance" {
+        recording = recording.then_all(reflectance(cx)?);
     }
+    recording.steps.extend(reflected::record(cx)?.steps);
+    for step in &mut recording.steps {
+        if let Step::Compute(step) = step {
+            step.values.push(("view_samples".into(), count.into()));
+        }
+    }
+    Ok(recording)
 }
 
 /// Returns the steps that find what each texel reflects and how it is seen, and the greatest values of all.

@@ -3,9 +3,8 @@
 use interfaces::virtual_lights;
 use interfaces::visibility::AtlasLayout;
 use pass::{
-    Compute, DepthTarget, Draw, Format, Load, OutputContext, OutputDesc, Pass, PassTypeError, Raster,
-    ReadSettings, RecordContext, Recording, Request, ResourceDesc, Step, Struct, Target, Threads, UseContext,
-    reflected,
+    Compute, Draw, Format, Load, OutputContext, OutputDesc, Pass, PassTypeError, Raster, ReadSettings,
+    RecordContext, Recording, Request, ResourceDesc, Step, Struct, Target, Threads, UseContext, reflected,
 };
 
 /// The pass type `paraboloid-shadow-maps`.
@@ -85,17 +84,8 @@ impl Pass for ParaboloidShadowMaps {
 
 /// The draw of the scene into the maps of a layer.
 fn scene_into(shader: Request, layer: u32, load: Load, draw: Draw, value: (&str, u32)) -> Raster {
-    Raster {
-        shader,
-        vertex: "cover".into(),
-        fragment: Some("hit".into()),
-        targets: vec![Target { resource: "visibility.atlas".into(), layer, load }],
-        depth: Some(DepthTarget { resource: "nearness".into(), layer: 0, clear: 0.0 }),
-        draw,
-        values: vec![(value.0.into(), value.1.into())],
-        bind: Vec::new(),
-        windows: Vec::new(),
-    }
+    let targets = vec![Target { resource: "visibility.atlas".into(), layer, load }];
+    Raster::new(shader, "cover", "hit", targets, draw).depth("nearness").value(value.0, value.1)
 }
 
 /// The steps where maps are kept: those of lights that moved are listed, cleared and rendered.

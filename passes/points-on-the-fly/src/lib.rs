@@ -2,14 +2,11 @@
 
 use gpu_algorithms::{reduce, scan};
 use pass::{
-    Compute, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording,
-    Settings, Struct, Threads, UseContext, Value, reflected,
+    Compute, OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Recording, Settings, Struct,
+    Threads, Value,
 };
 
-/// The pass type `points-on-the-fly`.
-pub const PASS: &dyn Pass = &PointsOnTheFly;
-
-struct PointsOnTheFly;
+pass::from_wgsl!(outputs, record);
 
 const BOUNDS: Struct = Struct::new("passes/points-on-the-fly/triangles.wgsl", "Bounds");
 
@@ -30,42 +27,32 @@ fn guide_entries(triangles: u32) -> u32 {
     (1 << guide_bits(triangles)) + 1
 }
 
-impl Pass for PointsOnTheFly {
-    fn kind(&self) -> &'static str {
-        "points-on-the-fly"
+fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
+    let starts = triangles.saturating_add(1).into();
+    let values = [("interval_starts", starts), ("guide_entries", guide_entries(triangles).into())];
+    let mut outputs = cx.declared_with(&values)?;
+    outputs.push(reduce::scratch(&cx.use_cx, "weight_blocks", triangles, WEIGHT_BYTES)?);
+    outputs.extend(scan::scratch(&cx.use_cx, "share_sums", triangles)?);
+    if tessellates(cx.settings)? {
+        let bytes = cx.use_cx.size_of(BOUNDS)?;
+        outputs.push(OutputDesc::scratch("bounds", cx.use_cx.buffer(BOUNDS, 1)?));
+        outputs.push(reduce::scratch(&cx.use_cx, "bounds_blocks", triangles, bytes)?);
     }
+    Ok(outputs)
+}
 
-    fn outputs(
-        &self,
-        use_cx: &UseContext<'_>,
-        cx: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
-        let starts = triangles.saturating_add(1).into();
-        let values = [("interval_starts", starts), ("guide_entries", guide_entries(triangles).into())];
-        let mut outputs = reflected::outputs_with(use_cx, &self.main_shader(&cx.use_)?, cx, &values)?;
-        outputs.push(reduce::scratch(use_cx, "weight_blocks", triangles, WEIGHT_BYTES)?);
-        outputs.extend(scan::scratch(use_cx, "share_sums", triangles)?);
-        if tessellates(cx.settings)? {
-            let bytes = use_cx.size_of(BOUNDS)?;
-            outputs.push(OutputDesc::scratch("bounds", use_cx.buffer(BOUNDS, 1)?));
-            outputs.push(reduce::scratch(use_cx, "bounds_blocks", triangles, bytes)?);
-        }
-        Ok(outputs)
+fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+    let (use_cx, triangles) = (cx.use_context(), cx.trait_u32("triangles"));
+    let mut recording = Recording::default();
+    if tessellates(cx.settings)? {
+        let bounds = cx.file("bounds.wgsl");
+        recording = Recording::of(reduce::steps(&use_cx, &bounds, triangles, "bounds_blocks")?);
     }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let (use_cx, triangles) = (cx.use_context(), cx.trait_u32("triangles"));
-        let mut recording = Recording::default();
-        if tessellates(cx.settings)? {
-            let bounds = cx.file("bounds.wgsl");
-            recording = Recording::of(reduce::steps(&use_cx, &bounds, triangles, "bounds_blocks")?);
-        }
-        let main = cx.file("points-on-the-fly.wgsl");
-        let mut shares = scan::steps(&use_cx, &main, triangles, "share_sums")?;
-        shares.push(Compute::new(main, "guide", Threads::Row(guide_entries(triangles))));
-        let shares = shares.into_iter().map(|step| step.value("guide_bits", guide_bits(triangles)));
-        let sum = reduce::steps(&use_cx, &cx.file("sum.wgsl"), triangles, "weight_blocks")?;
-        Ok(recording.then_all(sum).then_all(shares))
-    }
+    let main = cx.file("points-on-the-fly.wgsl");
+    let mut shares = scan::steps(&use_cx, &main, triangles, "share_sums")?;
+    shares.push(Compute::new(main, "guide", Threads::Row(guide_entries(triangles))));
+    let shares = shares.into_iter().map(|step| step.value("guide_bits", guide_bits(triangles)));
+    let sum = reduce::steps(&use_cx, &cx.file("sum.wgsl"), triangles, "weight_blocks")?;
+    Ok(recording.then_all(sum).then_all(shares))
 }

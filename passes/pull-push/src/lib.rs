@@ -27,7 +27,7 @@ const MAX_GROUPS: u32 = 65_535;
 #[derive(Clone, Copy)]
 struct Pyramid {
     tile: u32,
-    /// How many maps there are.
+    /// The number of maps.
     count: u32,
     /// Levels above the maps.
     levels: u32,
@@ -112,7 +112,7 @@ impl Pass for PullPush {
         }
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, count));
         let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
-        // What is left of the atlas after the last map holds nothing.
+        // The rest of the atlas after the last map holds nothing.
         let rest = count..layout.layers() * layout.maps_of_layer();
         let of_windows = windows.iter().map(|window| (window.maps.clone(), window));
         let of_rest = windows.last().map(|window| (rest, window));

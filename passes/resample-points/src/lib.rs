@@ -3,14 +3,11 @@
 use gpu_algorithms::{reduce, scan, segmented_scan, select};
 use interfaces::surface_points;
 use pass::{
-    Compute, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording,
-    ResourceDesc, Settings, Struct, Threads, UseContext, reflected,
+    Compute, OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Recording, ResourceDesc,
+    Settings, Struct, Threads,
 };
 
-/// The pass type `resample-points`.
-pub const PASS: &dyn Pass = &ResamplePoints;
-
-struct ResamplePoints;
+pass::from_wgsl!(outputs, record);
 
 const SCALED: Struct = Struct::new("shaders/algorithms/scaled.wgsl", "Scaled");
 const REDUCED: Struct = Struct::new("passes/resample-points/threshold.wgsl", "Reduced");
@@ -19,7 +16,7 @@ const REDUCED: Struct = Struct::new("passes/resample-points/threshold.wgsl", "Re
 /// evenly take seven.
 const STEPS: u32 = 16;
 
-/// How points are chosen.
+/// The method of the choice.
 #[derive(Clone, Copy, PartialEq)]
 enum Method {
     Systematic,
@@ -43,60 +40,50 @@ impl Method {
     }
 }
 
-impl Pass for ResamplePoints {
-    fn kind(&self) -> &'static str {
-        "resample-points"
-    }
-
-    fn outputs(
-        &self,
-        use_cx: &UseContext<'_>,
-        cx: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let mut outputs = reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)?;
-        let (points, method) = (cx.fact("points", surface_points::COUNT)?, Method::of(cx.settings)?);
-        let words = |name, count: u32| OutputDesc::scratch(name, ResourceDesc::buffer(4 * u64::from(count)));
-        let scaled = |name| Ok::<_, PassTypeError>(OutputDesc::scratch(name, use_cx.buffer(SCALED, 1)?));
-        outputs.push(words("taken", points));
-        outputs.extend(scan::scratch(use_cx, "places", method.candidates(points))?);
-        match method {
-            Method::Systematic => {
-                let bytes = use_cx.size_of(REDUCED)?;
-                outputs.extend([
-                    scaled("threshold")?,
-                    reduce::scratch(use_cx, "threshold_blocks", points, bytes)?,
-                    words("sums", 2 * points),
-                    words("total", 1),
-                ]);
-                outputs.extend(scan::scratch(use_cx, "sums_of_blocks", points)?);
-            }
-            Method::Race => outputs.extend([
-                words("keys", points),
-                words("last_key", 1),
-                select::scratch(use_cx, "selection")?,
-            ]),
-            Method::Retries => outputs.extend([
-                words("cumulated", points),
-                scaled("total")?,
-                words("claims", points),
-                words("found", cx.settings.u32("count")?),
-            ]),
+fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    let mut outputs = cx.declared()?;
+    let (points, method) = (cx.fact("points", surface_points::COUNT)?, Method::of(cx.settings)?);
+    let words = |name, count: u32| OutputDesc::scratch(name, ResourceDesc::buffer(4 * u64::from(count)));
+    let scaled = |name| Ok::<_, PassTypeError>(OutputDesc::scratch(name, cx.use_cx.buffer(SCALED, 1)?));
+    outputs.push(words("taken", points));
+    outputs.extend(scan::scratch(&cx.use_cx, "places", method.candidates(points))?);
+    match method {
+        Method::Systematic => {
+            let bytes = cx.use_cx.size_of(REDUCED)?;
+            outputs.extend([
+                scaled("threshold")?,
+                reduce::scratch(&cx.use_cx, "threshold_blocks", points, bytes)?,
+                words("sums", 2 * points),
+                words("total", 1),
+            ]);
+            outputs.extend(scan::scratch(&cx.use_cx, "sums_of_blocks", points)?);
         }
-        Ok(outputs)
+        Method::Race => outputs.extend([
+            words("keys", points),
+            words("last_key", 1),
+            select::scratch(&cx.use_cx, "selection")?,
+        ]),
+        Method::Retries => outputs.extend([
+            words("cumulated", points),
+            scaled("total")?,
+            words("claims", points),
+            words("found", cx.settings.u32("count")?),
+        ]),
     }
+    Ok(outputs)
+}
 
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let (points, method) = (cx.fact("points", surface_points::COUNT)?, Method::of(cx.settings)?);
-        let count = cx.settings.u32("count")?;
-        let main = cx.file("resample-points.wgsl");
-        let step = |entry, threads| Compute::new(main.clone(), entry, Threads::Row(threads));
-        let has_density = method == Method::Systematic && cx.connected("density");
-        Ok(Recording::one(step("weigh", points))
-            .then_all(take(cx, method, points)?)
-            .then(step("clear_points", count))
-            .then_all(scan::steps(&cx.use_context(), &main, method.candidates(points), "places")?)
-            .then_all(has_density.then(|| step("weigh_chosen", count))))
-    }
+fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+    let (points, method) = (cx.fact("points", surface_points::COUNT)?, Method::of(cx.settings)?);
+    let count = cx.settings.u32("count")?;
+    let main = cx.file("resample-points.wgsl");
+    let step = |entry, threads| Compute::new(main.clone(), entry, Threads::Row(threads));
+    let has_density = method == Method::Systematic && cx.connected("density");
+    Ok(Recording::one(step("weigh", points))
+        .then_all(take(cx, method, points)?)
+        .then(step("clear_points", count))
+        .then_all(scan::steps(&cx.use_context(), &main, method.candidates(points), "places")?)
+        .then_all(has_density.then(|| step("weigh_chosen", count))))
 }
 
 /// Returns the steps that decide which points are taken.

@@ -2,14 +2,11 @@
 
 use gpu_algorithms::{parts, reduce};
 use pass::{
-    Compute, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording,
-    Settings, Struct, Threads, UseContext, reflected,
+    Compute, OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Recording, Settings, Struct,
+    Threads,
 };
 
-/// The pass type `sample-metropolis`.
-pub const PASS: &dyn Pass = &SampleMetropolis;
-
-struct SampleMetropolis;
+pass::from_wgsl!(outputs, record);
 
 const SCALED: Struct = Struct::new("shaders/algorithms/scaled.wgsl", "Scaled");
 
@@ -27,41 +24,31 @@ fn sums_all(settings: &Settings) -> Result<bool, PassTypeError> {
     Ok(settings.text("weights")? == "none")
 }
 
-impl Pass for SampleMetropolis {
-    fn kind(&self) -> &'static str {
-        "sample-metropolis"
+fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    let (count, steps, chains) = numbers(cx.settings)?;
+    let mut outputs = cx.declared()?;
+    outputs.push(OutputDesc::scratch_u32("proposed", chains * steps));
+    if sums_all(cx.settings)? {
+        outputs.push(reduce::scratch(&cx.use_cx, "sums", count * steps, cx.use_cx.size_of(SCALED)?)?);
+        outputs.push(OutputDesc::scratch("sum", cx.use_cx.buffer(SCALED, 1)?));
     }
+    Ok(outputs)
+}
 
-    fn outputs(
-        &self,
-        use_cx: &UseContext<'_>,
-        cx: &OutputContext<'_>,
-    ) -> Result<Vec<OutputDesc>, PassTypeError> {
-        let (count, steps, chains) = numbers(cx.settings)?;
-        let mut outputs = reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)?;
-        outputs.push(OutputDesc::scratch_u32("proposed", chains * steps));
-        if sums_all(cx.settings)? {
-            outputs.push(reduce::scratch(use_cx, "sums", count * steps, use_cx.size_of(SCALED)?)?);
-            outputs.push(OutputDesc::scratch("sum", use_cx.buffer(SCALED, 1)?));
-        }
-        Ok(outputs)
+fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+    let (count, steps, chains_at_once) = numbers(cx.settings)?;
+    let mut recording = Recording::default();
+    if sums_all(cx.settings)? {
+        let mean = cx.file("mean.wgsl");
+        recording = Recording::of(reduce::steps(&cx.use_context(), &mean, count * steps, "sums")?);
     }
-
-    fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let (count, steps, chains_at_once) = numbers(cx.settings)?;
-        let mut recording = Recording::default();
-        if sums_all(cx.settings)? {
-            let mean = cx.file("mean.wgsl");
-            recording = Recording::of(reduce::steps(&cx.use_context(), &mean, count * steps, "sums")?);
+    let shader = cx.file("sample-metropolis.wgsl");
+    for part in parts(count, chains_at_once) {
+        let chains = part.end.min(count) - part.begin;
+        for (entry, threads) in [("propose", chains * steps), ("sample", chains)] {
+            let step = Compute::new(shader.clone(), entry, Threads::Row(threads));
+            recording = recording.then(step.value("first", part.begin).value("chains", chains));
         }
-        let shader = cx.file("sample-metropolis.wgsl");
-        for part in parts(count, chains_at_once) {
-            let chains = part.end.min(count) - part.begin;
-            for (entry, threads) in [("propose", chains * steps), ("sample", chains)] {
-                let step = Compute::new(shader.clone(), entry, Threads::Row(threads));
-                recording = recording.then(step.value("first", part.begin).value("chains", chains));
-            }
-        }
-        Ok(recording)
     }
+    Ok(recording)
 }

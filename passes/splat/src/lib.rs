@@ -21,7 +21,7 @@ pub struct Splat {
 /// allocation fails with an error.
 const MAX_TEXELS: u64 = u32::MAX as u64;
 
-/// Returns the points of a map with so many for each texel of the hemisphere, which are π/4 of those of its map (ISM
+/// Returns the number of points of a map with `per_texel` points for each texel of the hemisphere, which are π/4 of those of its map (ISM
 /// §3.3): at least one.
 pub fn points_of_map(tile: u32, per_texel: f32) -> u32 {
     (0.25 * PI * f64::from(tile).powi(2) * f64::from(per_texel)).round().max(1.0) as u32

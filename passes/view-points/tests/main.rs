@@ -1,4 +1,4 @@
-//! What the camera sees at each point's place of the image, by the scene itself.
+//! Points against what the camera sees at their places of the image.
 
 use glam::{Vec2, Vec3};
 use interfaces::surface_points::{SurfacePoint, SurfacePointsHeader, packed_albedo};
@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use view_points::PASS;
 
 /// Moves points to where their triangles are.
-const FOLLOWED: FromWgsl = FromWgsl { kind: "followed", file: "passes/view-points/tests" };
+const FOLLOWED: FromWgsl = FromWgsl::new("followed", "passes/view-points/tests");
 
 type Points = (SurfacePointsHeader, Vec<SurfacePoint>);
 
@@ -131,7 +131,7 @@ fn where_nothing_is_seen_there_is_no_point() {
     }
 }
 
-/// What is cut out by a mask is not seen.
+/// Surfaces cut out by a mask are not seen.
 #[test]
 fn masked_surfaces_are_not_seen() {
     let (mut scene, camera) = before_a_wall(0.1);

@@ -218,7 +218,7 @@ fn pipeline_table(catalog: &Catalog, with_files: bool) -> String {
 /// What `cargo xtask new-pass` copies has the tables that it declares, under whatever name.
 #[test]
 fn the_template_of_passes_has_its_tables() {
-    static TEMPLATE: FromWgsl = FromWgsl { kind: "new-pass", file: "passes/new-pass/src/lib.rs" };
+    static TEMPLATE: FromWgsl = FromWgsl::new("new-pass", "passes/new-pass/src/lib.rs");
     let text = |file: &str| assets().text(&format!("tools/new-pass/{file}")).expect("a file of the template");
     let shader = text("new-pass.wgsl").leak();
     let assets = assets().with_files([("passes/new-pass/new-pass.wgsl", &*shader)]);

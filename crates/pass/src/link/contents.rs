@@ -1,4 +1,4 @@
-//! What is in a buffer of a plan, by the shaders that bind it.
+//! The layout of a buffer of a plan, by the shaders that bind it.
 
 use super::{LinkedSteps, Source};
 use frame_graph::plan::ResourceId;
@@ -7,7 +7,7 @@ use shader_library::decode::BufferLayout;
 use std::cmp::Reverse;
 use std::ops::Range;
 
-/// How a shader that binds a buffer of a plan declares it.
+/// The declaration of a buffer of a plan by a shader that binds it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BoundLayout {
     /// The layout of its bytes.

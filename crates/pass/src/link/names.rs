@@ -1,4 +1,4 @@
-//! What the names in the shaders of a pass can mean.
+//! The meanings of the names in the shaders of a pass.
 
 use super::Source;
 use crate::record::PortDesc;
@@ -13,9 +13,9 @@ pub(super) struct Named {
     pub(super) name: String,
     /// Whether the pass may write it.
     pub(super) writable: bool,
-    /// What it is bound to.
+    /// The source that it is bound to.
     pub(super) source: Source,
-    /// What it is.
+    /// Its description.
     pub(super) desc: ResourceDesc,
 }
 

@@ -9,7 +9,7 @@ use shader_library::{GlobalKind, MemberLayout, Request, Shader, StructLayout};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// How a uniform of a step is filled.
+/// The layout and the values of a uniform of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UniformFill {
     /// Layout of the struct. Members that are structs are replaced by theirs: named `MEMBER.NAME` in `settings`, and `NAME`
@@ -28,13 +28,13 @@ pub struct UniformFill {
 pub struct FrameWord {
     /// Its offset in the uniform \[bytes\].
     pub offset: usize,
-    /// What it holds.
+    /// The value that it holds.
     pub value: FrameValue,
     /// Whether the shader declares it as `f32`.
     float: bool,
 }
 
-/// What a [`FrameWord`] holds.
+/// The value of a [`FrameWord`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameValue {
     /// The seed of the pass.
@@ -50,7 +50,7 @@ impl FrameWord {
     }
 }
 
-/// What a shader can read about a history buffer.
+/// A property of a history buffer that a shader can read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PastFact {
     /// Frames since the last reset; 0 where there is no history.
@@ -95,7 +95,7 @@ impl UniformFill {
     }
 }
 
-/// What the names of members can mean.
+/// The values that the names of members can mean.
 #[derive(Default)]
 struct Known<'a> {
     values: BTreeMap<String, Value>,
@@ -267,7 +267,7 @@ impl StepLinker<'_> {
         }
     }
 
-    /// What is wrong with a member that has a setting's name and another type. Whether it could hold a value would
+    /// The error that a member has a setting's name and another type. Whether it could hold a value would
     /// depend on the value.
     fn wrong_type(
         &self,

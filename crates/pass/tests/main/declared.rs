@@ -10,8 +10,8 @@ use shader_library::MemoryFiles;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-const MAKE: FromWgsl = FromWgsl { kind: "make", file: "passes/make/src/lib.rs" };
-const SUM: FromWgsl = FromWgsl { kind: "sum", file: "passes/sum/src/lib.rs" };
+const MAKE: FromWgsl = FromWgsl::new("make", "passes/make/src/lib.rs");
+const SUM: FromWgsl = FromWgsl::new("sum", "passes/sum/src/lib.rs");
 
 const MAKE_WGSL: &str = "// Makes numbers.
 // [Somebody 1999]
@@ -180,7 +180,7 @@ fn a_fact_that_is_left_out_is_zero_unless_it_is_demanded() {
 /// A pass of the tree may record draws of its own vertices; a user's fragments are drawn over the frame.
 #[test]
 fn results_of_fragments_are_members_whatever_their_vertices_give() {
-    const DRAW: FromWgsl = FromWgsl { kind: "draw", file: "passes/draw/src/lib.rs" };
+    const DRAW: FromWgsl = FromWgsl::new("draw", "passes/draw/src/lib.rs");
     let text = "#output maps: Maps(side: 8, size: 8)
 struct Corner { @builtin(position) clip: vec4<f32>, @location(0) level: f32 }
 struct Texel { @location(0) maps: f32 }
@@ -198,7 +198,7 @@ struct Texel { @location(0) maps: f32 }
 /// Rust records the steps of other files, such as those of an algorithm, but what they write is declared with the rest.
 #[test]
 fn members_may_be_written_by_entry_points_that_another_file_imports() {
-    const COPY: FromWgsl = FromWgsl { kind: "copy", file: "passes/copy/src/lib.rs" };
+    const COPY: FromWgsl = FromWgsl::new("copy", "passes/copy/src/lib.rs");
     let files = MemoryFiles::new([
         ("passes/copy/copy.wgsl", "#output numbers: Numbers(count: 4)\n"),
         (

@@ -204,7 +204,7 @@ fn a_missing_fact_names_the_module_the_producer_and_the_nearest() {
 }
 
 /// Imports the module only where it is linked.
-const ASK: FromWgsl = FromWgsl { kind: "reader", file: "passes/ask/src/lib.rs" };
+const ASK: FromWgsl = FromWgsl::new("reader", "passes/ask/src/lib.rs");
 
 const ASK_WGSL: &str = r#"// Asks for answers.
 

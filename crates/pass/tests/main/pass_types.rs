@@ -48,7 +48,7 @@ impl TestPassTypes<'_> {
     }
 }
 
-/// What a module's uniform reads.
+/// A fact that a module's uniform reads.
 pub(crate) const TILE: Fact<u32> = Fact::optional("tile", "");
 /// Another fact.
 pub(crate) const TILES: Fact<u32> = Fact::optional("tiles", "");
@@ -68,9 +68,9 @@ static INTERFACES: &[Interface] = &[
         .with_facts(&[COUNT.decl(), SCALE.decl()]),
 ];
 
-/// How many numbers there are.
+/// The number of numbers.
 const COUNT: Fact<u32> = Fact::required("count", "");
-/// What they are multiplied by.
+/// Their factor.
 const SCALE: Fact<f32> = Fact::optional("scale", "");
 
 impl PassTypes for TestPassTypes<'_> {
